@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import statistics
 from collections.abc import Callable
 from pathlib import Path
@@ -12,8 +13,7 @@ import pytest
 
 from fake_card import FakeDriver, in_this_machine
 from study.studies import BASE, Closed
-from vfife.cli import forecast, searchcost
-from vfife.study import cluster, run_missing
+from vfife.study import cluster, forecast, run_missing
 from vfife.study.sampling import of_fit
 
 pytest.importorskip("SALib")
@@ -45,7 +45,7 @@ def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     found = Closed()
     monkeypatch.setattr(run_missing, "run_members", found)
     monkeypatch.setattr(forecast, "LOOKED_AT", 2)  # members that are assembled to tell what all will cost
-    monkeypatch.setattr(searchcost, "SHARES", (0.25, 0.75))
+    monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     return found
 
 

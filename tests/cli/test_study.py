@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import sqlite3
 from collections.abc import Callable
 from pathlib import Path
@@ -14,10 +15,9 @@ import pytest
 
 from fake_card import FakeDriver, in_this_machine
 from study.studies import ASKED, Closed
-from vfife.cli import forecast
 from vfife.results.lock import Lock
 from vfife.results.studied import Study
-from vfife.study import cluster, run_missing, studies
+from vfife.study import cluster, forecast, run_missing, studies
 
 Command = Callable[..., Any]
 SEARCHED = """
@@ -37,6 +37,7 @@ def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
     found = Closed()
     monkeypatch.setattr(run_missing, "run_members", found)
     monkeypatch.setattr(forecast, "LOOKED_AT", 2)  # members that are assembled to tell what all will cost
+    monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     (tmp_path / "s.toml").write_text(ASKED)
     return found
 

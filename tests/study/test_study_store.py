@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import sqlite3
@@ -13,12 +14,14 @@ import pytest
 import vfife
 from study.studies import ASKED, BASE, Closed
 from vfife.errors import DamageWarning, HeldError, ModelError, RunFileError, VfifeError
+from vfife.job.job import Job
 from vfife.results import studyfile
 from vfife.results.studied import Study
 from vfife.results.studyfile import StudyCase, StudyFile
-from vfife.study import run_missing, studies
+from vfife.study import forecast, run_missing
 from vfife.study.cluster import Resources
 from vfife.study.engine import Outcome, Wanted, run_members
+from vfife.study.studies import StudyWork
 from vfife.study.study_file import load_plan
 
 
@@ -26,6 +29,7 @@ from vfife.study.study_file import load_plan
 def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     found = Closed()
     monkeypatch.setattr(run_missing, "run_members", found)
+    monkeypatch.setattr(forecast, "WORTH", math.inf)  # no member is run for a forecast
     return found
 
 
@@ -77,7 +81,7 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
 ) -> None:
     plan, base = load_plan(asked)
     monkeypatch.setattr(studyfile, "GATHER", 0.0)
-    whole = studies.computed(tmp_path / "whole.study", plan, base, "asked")
+    whole = StudyWork(tmp_path / "whole.study", plan, base, "asked").run(Job("study", None, False, None))[0]
     assert len(whole.done) == 6
     statements, survived, kept = 0, False, set()
     while not survived:
@@ -86,13 +90,13 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
 
         def once(path: Path = path, count: int = statements) -> None:
             after(count, monkeypatch)
-            studies.computed(path, plan, base, "asked")
+            StudyWork(path, plan, base, "asked").run(Job("study", None, False, None))[0]
 
         survived = killed(once) == 0
         before = len(Study.open(path).done) if path.exists() else -1
         kept.add(before)
         closed.computed.clear()
-        again = studies.computed(path, plan, base, "asked")
+        again = StudyWork(path, plan, base, "asked").run(Job("study", None, False, None))[0]
         assert told(again) == told(whole) and again.repeats == whole.repeats and len(again.repeats) == 6
         assert len(closed.computed) == 6 - max(before, 0)
     assert {-1, 0, 6} < kept and len(kept) > 5, "kills fell before, between and after all members"
@@ -107,13 +111,13 @@ def test_what_came_of_other_numbers_is_not_taken_for_a_member(asked: Path, tmp_p
     """A whole outcome in the place of another member is computed again."""
     plan, base = load_plan(asked)
     path = tmp_path / "x.study"
-    whole = told(studies.computed(path, plan, base, "asked"))
+    whole = told(StudyWork(path, plan, base, "asked").run(Job("study", None, False, None))[0])
     with StudyFile.write(path) as file:
         first, second = file.members()[:2]
         other = StudyCase(first.number, second.hash, first.numbers)
         file.record(other, Outcome({"C.force.max": 1.0, "C.impacts": 1.0}, turns=2, step=1e-6, steps=7))
     closed.computed.clear()
-    assert told(studies.computed(path, plan, base, "asked")) == whole and len(closed.computed) == 1
+    assert told(StudyWork(path, plan, base, "asked").run(Job("study", None, False, None))[0]) == whole and len(closed.computed) == 1
 
 
 @pytest.mark.system("kills a process")
@@ -131,11 +135,13 @@ def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(asked: Pa
     def once() -> None:
         monkeypatch.setattr(studyfile, "GATHER", 0.0)
         monkeypatch.setattr(StudyFile, "record", recorded_twice)
-        studies.computed(tmp_path / "b.study", plan, base, "asked", Resources(1))
+        StudyWork(tmp_path / "b.study", plan, base, "asked", Resources(1)).run(Job("study", None, False, None))[0]
 
     assert killed(once) == -signal.SIGKILL
     assert len(Study.open(tmp_path / "b.study").done) == 2
-    whole, again = (studies.computed(tmp_path / name, plan, base, "asked", Resources(1)) for name in ("a.study", "b.study"))
+    whole, again = (
+        StudyWork(tmp_path / name, plan, base, "asked", Resources(1)).run(Job("study", None, False, None))[0] for name in ("a.study", "b.study")
+    )
     assert told(whole) == told(again)
     assert len(whole.done) == 4
     numbers = [dict(one.numbers) for one in whole.members]
@@ -205,7 +211,7 @@ def test_it_is_read_while_it_grows_and_has_one_writer(asked: Path, tmp_path: Pat
 
     plan, base = load_plan(asked)
     monkeypatch.setattr(studyfile, "GATHER", 0.0)
-    studies.computed(path, plan, base, "asked", progress=lambda done, of, _: look(done, of))
+    StudyWork(path, plan, base, "asked").run(Job("study", path, False, lambda one: look(one.done, one.steps)))
     assert seen == [1, 2, 3, 4, 5, 6]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping
 from enum import StrEnum
@@ -11,19 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..job.progress import ProgressLine
 from ..results.schemas import FIT
-from .fitcost import told_of
+from .job import FIGURES, RUNS, CommandJob, refuse_endings
 from .options import JsonOption, LawsOption, SetOption, overrides, read_model, take_laws
 from .run import Quiet, Step
 from .signals import NOW
 from .targets import refuse_inputs
-from .terminal import grid, output, print_json, row, sentences, span, tell, writing
+from .terminal import grid, output, print_json, row, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ..results.fitted import Fit
-    from ..solvers.status import Progress
-    from ..study.identification.fitting import Task
 
 
 class Compared(StrEnum):
@@ -73,7 +69,6 @@ Target = Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE.fit
 Model = Annotated[Path | None, typer.Option("--fitted", metavar="FITTED.toml", help="Write the model with what was found.", show_default=False)]
 Force = Annotated[bool, typer.Option("--force", help="Replace the fit that is in the file.")]
 Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
-ENDINGS = (".png", ".svg", ".pdf")
 
 
 def fit(
@@ -134,8 +129,10 @@ def fit(
                 compare=compare.value, width=width, step=step, screened=screened, starts=starts, confidence=confidence / 100.0,
                 derivatives=derivatives.value, seed=seed,
             )  # fmt: skip
-        told_of(task, place, force, yes, quiet)
-        found = carried_out(task, place, target is None, force, quiet)
+        job = CommandJob("fit", place, yes=yes, quiet=quiet)
+        with job.at_work(str(place)):
+            job.begin(task.forecast(place, force))
+            found = task.run(place, job, replace=force)
         save_fitted(model, task.text, found)
     told(found, None if law is not None or kept else place, figure, csv, as_json, quiet)
 
@@ -156,10 +153,10 @@ def told(found: Fit, place: Path | None, figure: Path | None, csv: Path | None, 
 
 def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ...]) -> Path:
     """Where a fit is kept. Raises ValueError for a place that cannot be, or that is of another file."""
-    place = target if target is not None else Path("runs") / f"{model.stem}.fit"
+    place = target if target is not None else RUNS / f"{model.stem}.fit"
     if place.suffix.lower() == ".toml":
         raise ValueError(f"-o {place}: a fit file is kept here; the model with what was found is written by --fitted {place}")
-    if place.is_dir() or place.suffix.lower() in (*ENDINGS, ".csv"):
+    if place.is_dir() or place.suffix.lower() in (*FIGURES, ".csv"):
         raise ValueError(f"-o {place}: a fit file is kept here; name a file that ends otherwise, as in {place.stem or 'model'}.fit")
     if place.exists() and not FIT.owns(place):
         raise ValueError(f"-o {place}: there is something else of this name, which is no fit file; name another one")
@@ -167,20 +164,6 @@ def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ..
         raise ValueError(f"-o {place}: there is no folder {place.absolute().parent}; make it first")
     refuse_inputs((("-o", place),), inputs)
     return place
-
-
-def carried_out(task: Task, place: Path, own: bool, force: bool, quiet: bool) -> Fit:
-    """The fit, with a line on how far it is; ``own``: the folder of its file is made."""
-    with writing(str(place)):
-        place.parent.mkdir(parents=True, exist_ok=True) if own else None
-    NOW.saved = f"What was looked at is kept in {place}; the same command goes on after it."
-    with sentences(str(place)), writing(str(place)), ProgressLine(quiet) as line:
-        return task.run(place, lambda one: line(dataclasses.replace(one, text=f"{one.text}{left(one)}")), replace=force)
-
-
-def left(one: Progress) -> str:
-    """Time that is left, where it can be told."""
-    return f", some {span(one.left)} left" if one.seconds > 1.0 and 0 < one.done < one.steps else ""
 
 
 def shown(file: Path, model: Path | None) -> Fit:
@@ -253,9 +236,7 @@ def few_or_many(files: list[Path]) -> str:
 
 def check_targets(figure: Path | None, csv: Path | None, model: Path | None) -> None:
     """Raises ValueError for a file that cannot be written, before anything is computed."""
-    for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",)), ("--fitted", model, (".toml",))):
-        if path is not None and (path.suffix.lower() not in endings or not path.absolute().parent.is_dir()):
-            raise ValueError(f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is there; name one")
+    refuse_endings((("--figure", figure, FIGURES), ("--csv", csv, (".csv",)), ("--fitted", model, (".toml",))), in_folder=True)
     if model is not None and model.exists():
         raise ValueError(f"--fitted {model}: there is such a file; name another")
 

@@ -17,6 +17,7 @@ from .terminal import STORAGE, fail, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ..job.cost import Forecast
+    from ..results.lock import Lock
 
 RUNS = Path("runs")
 FIGURES = (".png", ".svg", ".pdf")
@@ -24,9 +25,8 @@ LONG_LOOK = 60.0  # s of a forecast from which on a first look is named
 
 
 class CommandJob(Job):
-    """A job that a command began: ``what`` it makes ("map") in the file or folder ``target``. ``first_look``: options with which the same
-    takes less
-    time; not ``announced``: a forecast is reported only where the job ends because of it.
+    """A job that a command began: ``what`` it makes ("map") in the file or folder ``target``. ``first_look``: options with
+    which the same takes less time; not ``announced``: a forecast is reported only where the job ends because of it.
     """
 
     def __init__(self, what: str, target: Path, *, yes: bool = False, quiet: bool = False, first_look: str = "", announced: bool = True) -> None:
@@ -50,11 +50,17 @@ class CommandJob(Job):
             return
         if not self.quiet and forecast.count:
             tell("forecast", forecast.sentence(self.target), "bold")
-            for remark in forecast.remarks:
-                tell("note", remark)
+            for part in forecast.parts:
+                tell("forecast", part, "bold")
             if forecast.seconds > LONG_LOOK and forecast.first_look < forecast.seconds:
                 tell("note", f"for a first look: {self.first_look} -o first{self.target.suffix}, some {span(forecast.first_look)}.")
+        for remark in forecast.remarks if not self.quiet else ():
+            tell("note", remark)
         self.start()
+
+    def hold(self, lock: Lock) -> None:
+        """Release the lock even where a signal ends the process at once."""
+        NOW.last.append(lock.release)
 
     def start(self) -> None:
         """Begin the work: its folder is made, and a signal leaves what is complete from now on."""

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from ..solvers.status import Status
-from .terminal import span
-
-if TYPE_CHECKING:
-    from ..study.engine import Outcome
+from .job import RUNS, CommandJob
 
 StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Study file in TOML.", show_default=False)]
 FileArgument = Annotated[Path, typer.Argument(metavar="FILE.study", help="What a study was kept in.", show_default=False)]
@@ -26,29 +21,15 @@ Retry = Annotated[bool, typer.Option("--retry", help="Try members again that fai
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")]
 
 
-def refuse_foreign(target: Path, force: bool) -> None:
-    """Raises ValueError where something else has the name of the study file."""
-    from ..results.schemas import STUDY
+class StudyCommand(CommandJob):
+    """The job of a command that computes members. Raises ValueError where something else has the name of the study file."""
 
-    if target.exists() and not STUDY.owns(target):
-        raise ValueError(f"-o {target}: there is something else of this name, which is no study file; name another one")
+    def __init__(self, file: Path, target: Path | None, yes: bool, quiet: bool, what: str = "study") -> None:
+        from ..results.schemas import STUDY
 
-
-class MemberLine:
-    """The progress line of a study: members, members a second, time left, failures."""
-
-    def __init__(self, line: Any) -> None:
-        self.line, self.began, self.failed = line, time.monotonic(), 0
-        self.first: int | None = None
-
-    def __call__(self, done: int, of: int, outcome: Outcome) -> None:
-        """Shows where the study stands; called after each member."""
-        from ..solvers.status import Progress
-
-        self.first = done - 1 if self.first is None else self.first
-        self.failed += outcome.status != Status.COMPLETE
-        seconds = max(time.monotonic() - self.began, 1e-9)
-        rate = (done - self.first) / seconds
-        left = f"{span((of - done) / rate)} left" if done < of else f"in {span(seconds)}"
-        bad = f"  {self.failed:,} failed" if self.failed else ""
-        self.line(Progress(done, of, seconds, f"{done:,} of {of:,} members  {rate:.3g} members/s  {left}{bad}"))
+        place = target if target is not None else RUNS / f"{file.stem}.study"
+        if place.exists() and not STUDY.owns(place):
+            raise ValueError(f"-o {place}: there is something else of this name, which is no study file; name another one")
+        super().__init__(what, place, yes=yes, quiet=quiet)
+        self.saved = f"Members that ended are kept in {place}; the same command goes on after them."
+        self.kept = self.saved if place.exists() else ""

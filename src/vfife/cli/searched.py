@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from ..solvers.status import Status
-from .membered import Device, Force, MemberLine, Quiet, StudyArgument, Target, Workers, Yes, refuse_foreign
+from .membered import Device, Force, Quiet, StudyArgument, StudyCommand, Target, Workers, Yes
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
-from .searchcost import told_of_allotment, told_of_search
 from .signals import NOW
-from .terminal import command, grid, output, print_json, row, sentences, tell, writing
+from .terminal import command, grid, output, print_json, row, sentences, tell
 
 if TYPE_CHECKING:
-    from ..model.mechanism import Mechanism
     from ..study.allocation import Allocated
-    from ..study.cluster import Resources
-    from ..study.plan import Plan
-    from ..study.run_missing import Engine
     from ..study.searches import Allotment
 
-Work = TypeVar("Work")
 UNMET = 3  # exit code where nothing keeps the limits
 
 
@@ -50,14 +44,19 @@ def optimise(
 
     with sentences(str(file)):
         from ..study.cluster import Resources
+        from ..study.forecast import search_forecast
         from ..study.searches import load_search, optimised
+        from ..study.studies import StudyWork
 
         take_laws(laws)
         resources = Resources(workers, None, cluster, device)
         plan, base, search = load_search(file)
-    target = placed(file, output_, force)
-    told_of_search(plan, base, search, target, yes, quiet, force)
-    found, more = grown(target, plan, base, file.stem, force, resources, quiet, search.members, lambda engine: optimised(engine, plan, search))
+        job = StudyCommand(file, output_, yes, quiet, "search")
+        target = job.target
+        work = StudyWork(target, plan, base, file.stem, resources, force)
+    with searching(job):
+        forecast = search_forecast(plan, base, search, work.known)
+        (found, more), _ = work.search(job, forecast, lambda engine: optimised(engine, plan, search))
     from ..study.optimise import best
     from ..study.run_missing import units_of
 
@@ -107,15 +106,19 @@ def allocate(
     """
     with sentences(str(file)):
         from ..study.cluster import Resources
+        from ..study.forecast import allotment_forecast
         from ..study.run_missing import units_of
         from ..study.searches import allotted, load_allotment
+        from ..study.studies import StudyWork
 
         take_laws(laws)
         resources = Resources(workers, None, cluster, device)
         plan, base, task = load_allotment(file)
-    target = placed(file, output_, force)
-    told_of_allotment(plan, base, task, target, yes, quiet, force)
-    found = grown(target, plan, base, file.stem, force, resources, quiet, None, lambda engine: allotted(engine, task))
+        job = StudyCommand(file, output_, yes, quiet, "search")
+        target = job.target
+        work = StudyWork(target, plan, base, file.stem, resources, force)
+    with searching(job):
+        found, _ = work.search(job, allotment_forecast(plan, base, task, work.known), lambda engine: allotted(engine, task))
     if as_json:
         print_json({"file": str(target), **allocated(task, found)})
     elif not quiet and found.choice is not None:
@@ -162,45 +165,17 @@ def print_allocated(task: Allotment, found: Allocated, unit: str) -> None:
     )
 
 
-def placed(file: Path, target: Path | None, force: bool) -> Path:
-    """Where a study is kept. Ends with a sentence where something else has the name."""
-    found = target if target is not None else Path("runs") / f"{file.stem}.study"
-    with sentences(str(file)):
-        refuse_foreign(found, force)
-    return found
+@contextmanager
+def searching(job: StudyCommand) -> Iterator[None]:
+    """While a search goes on; one that is interrupted ends with the code of the signal, and says how to go on."""
+    from ..job.job import Interrupted
 
-
-def grown(
-    target: Path,
-    plan: Plan,
-    base: Mechanism,
-    name: str,
-    force: bool,
-    resources: Resources,
-    quiet: bool,
-    of: int | None,
-    work: Callable[[Engine], Work],
-) -> Work:
-    """What a search comes to, its members kept in a file; ends with the code of a signal, and says how to go on."""
-    from ..job.progress import ProgressLine
-
-    kept = f"Members that ended are kept in {target}; the same command goes on after them."
-    with sentences(str(target)), writing(str(target), kept):
-        from ..study.run_missing import Engine, asked_of, opened
-        from ..study.studies import locked
-
-        target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
-        with locked(target) as lock:
-            NOW.last.append(lock.release)
-            NOW.saved = kept
-            asked = asked_of(plan, base, name)
-            with resources.runner() as runner, opened(target, asked, [], replace=force) as file, ProgressLine(quiet) as line:
-                show = MemberLine(line)
-                told = (lambda done, many, outcome: show(done, max(many, of), outcome)) if of is not None else show
-                try:
-                    return work(Engine(file, base, resources, runner, told))
-                except KeyboardInterrupt:
-                    ended = len(file.keys("outcomes"))
+    with job.at_work(str(job.target), job.kept):
+        try:
+            yield
+            return
+        except Interrupted as error:
+            ended = len(error.result.outcomes)
     tell(Status.INTERRUPTED, f"{NOW.by}: {ended:,} members have ended; the same command goes on: {again()}")
     raise typer.Exit(NOW.code)
 

@@ -11,24 +11,19 @@ import typer
 from typer.core import TyperGroup
 
 from ..solvers.status import Status
-from .membered import Device, FileArgument, Force, MemberLine, Quiet, Retry, StudyArgument, Target, Workers, Yes, refuse_foreign
+from .membered import Device, FileArgument, Force, Quiet, Retry, StudyArgument, StudyCommand, Target, Workers, Yes
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .plainly import Command, Plainly
 from .sampled import indices, tolerance
 from .searched import allocate
 from .signals import NOW
 from .studied import export, plot, show
-from .terminal import DIVERGED, command, print_json, sentences, tell, writing
+from .terminal import DIVERGED, command, print_json, sentences, tell
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..model.mechanism import Mechanism
     from ..results.lock import Lock
     from ..results.studied import Study
-    from ..results.studyfile import StudyFile
-    from ..study.cluster import Resources
-    from ..study.plan import Plan
+    from ..study.studies import StudyWork
 
 RUN = "run"
 Added = Annotated[
@@ -85,6 +80,7 @@ def run(
         from ..results.schemas import STUDY
         from ..study.cluster import Resources
         from ..study.plan import SEARCH
+        from ..study.studies import StudyWork
         from ..study.study_file import load_plan
 
         take_laws(laws)
@@ -94,18 +90,9 @@ def run(
         if plan.asked.method == SEARCH:
             raise ValueError(f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate; give it to one of them')
         resources = Resources(workers, None, cluster, device)
-        target = output if output is not None else Path("runs") / f"{file.stem}.study"
-        refuse_foreign(target, force)
-    told_of(plan, base, target, yes, quiet, anew=force, retry=retry)
-
-    def opened() -> StudyFile:
-        from ..study.run_missing import asked_of
-        from ..study.run_missing import opened as made
-
-        target.parent.mkdir(parents=True, exist_ok=True) if output is None else None
-        return made(target, asked_of(plan, base, file.stem), plan.numbers(), replace=force)
-
-    carried(target, opened, base, resources, as_json, quiet, retry)
+        job = StudyCommand(file, output, yes, quiet)
+        work = StudyWork(job.target, plan, base, file.stem, resources, force)
+    computed(job, work, as_json, retry)
 
 
 @study.command(cls=Command)
@@ -143,21 +130,15 @@ def add(
         with sentences(str(file)):
             from ..study.cluster import Resources
             from ..study.run_missing import added, split
-            from ..study.studies import locked
+            from ..study.studies import StudyWork, locked
 
             take_laws(laws)
             resources = Resources(workers, None, cluster, device)
             items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
             lock = held.enter_context(locked(file)) if file.exists() else None  # two that add at once would lose what one of them asks for
             plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
-        told_of(plan, base, file, yes, quiet, retry=retry)
-
-        def opened() -> StudyFile:
-            from ..study.run_missing import opened as made
-
-            return made(file, asked, plan.numbers())
-
-        carried(file, opened, base, resources, as_json, quiet, retry, lock)
+            work = StudyWork(file, plan, base, file.stem, resources, asked=asked)
+        computed(StudyCommand(file, file, yes, quiet), work, as_json, retry, lock)
 
 
 study.command(cls=Command)(show)
@@ -168,65 +149,20 @@ study.command(cls=Command)(indices)
 study.command(cls=Command)(allocate)
 
 
-def told_of(plan: Plan, base: Mechanism, target: Path, yes: bool, quiet: bool, anew: bool = False, retry: bool = False) -> None:
-    """The forecast, and the end of what nobody can mean; ``anew``: what is there already gives way."""
-    from .forecast import forecast, groups, refuse_absurd, tell_forecast
-
-    with sentences(str(target)):
-        numbers = plan.numbers()
-        found = forecast(numbers, base, plan.asked, target, anew)
-        kinds = groups(numbers, base)
-    refuse_absurd(found, target, yes)
-    if quiet:
-        return
-    if not found["members"] and retry:
-        return
-    if not found["members"]:
-        tell("note", f"nothing is left to compute: all {found['done']:,} members are in {target}.")
-        return
-    tell_forecast(found, target, plan)
-    for text in kinds:
-        tell("note", text)
-
-
-def carried(
-    target: Path,
-    opened: Callable[[], StudyFile],
-    base: Mechanism,
-    resources: Resources,
-    as_json: bool,
-    quiet: bool,
-    retry: bool = False,
-    held: Lock | None = None,
-) -> None:
-    """Computes what is left; says what was kept, and ends with the exit code of that. ``held``: the right to write, where it was taken before."""
-    from ..job.progress import ProgressLine
-
-    went_on = f"Members that ended are kept in {target}; the same command goes on after them."
-    kept = went_on if target.exists() else ""
-    with sentences(str(target)), writing(str(target), kept):
-        from ..study.run_missing import Engine
-        from ..study.studies import locked
-
-        target.parent.mkdir(parents=True, exist_ok=True) if target.parent.name == "runs" else None
-        with held or locked(target) as lock:
-            NOW.last.append(lock.release)
-            NOW.saved = went_on
-            with resources.runner() as runner, opened() as file:  # a cluster that cannot be had costs no file
-                with ProgressLine(quiet) as line:
-                    engine = Engine(file, base, resources, runner, MemberLine(line))
-                    whole = engine.run(retry) and engine.repeat_sample()
-                found = engine.study()
+def computed(job: StudyCommand, work: StudyWork, as_json: bool, retry: bool, lock: Lock | None = None) -> None:
+    """Computes what is left; says what was kept, and ends with the exit code of that."""
+    with job.at_work(str(job.target), job.kept):
+        found, whole = work.run(job, retry, lock)
     if as_json:
         from .studied import payload
 
         print_json(payload(found))
-    elif not quiet:
+    elif not job.quiet:
         from .studied import printed
 
         printed(found)
     if not whole:
-        go_on = f"{command()} study resume {shlex.quote(str(target))}"
+        go_on = f"{command()} study resume {shlex.quote(str(job.target))}"
         tell(Status.INTERRUPTED, f"{NOW.by}: {len(found.outcomes):,} of {len(found.members):,} members have ended; go on with: {go_on}")
         raise typer.Exit(NOW.code)
     ended(found)

@@ -18,7 +18,6 @@ from typing import Any
 
 from .. import files
 from ..assembly.assembled import Assembly
-from ..codegen.native import stream_lanes
 from ..codegen.straight_line import about
 from ..solvers.record import recorded_rows
 from ..solvers.refinement import iterations
@@ -72,6 +71,7 @@ class Forecast:
     less: str = "ask for fewer members or turns"
     note: str = ""
     remarks: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
     first_look: float = math.inf  # s that a first look at the same takes
 
     def excess(self, place: Path) -> str:
@@ -214,11 +214,10 @@ class Stream:
         return count * max(self.overhead, (self.overhead + self.stepping) / at_work)
 
 
-def stream(assembly: Assembly, width: float = math.inf) -> Stream:
+def stream(assembly: Assembly, width: float, lanes: int) -> Stream:
     """The stream of runs like this one, from the table."""
-    lanes = stream_lanes(len(assembly.topology.contact_bearing))
     alone = _alone(assembly)
-    return Stream(ASSEMBLY, alone.seconds * LANES.get(lanes, LANES[8]) / min(lanes, width) if alone.loop == "generated" else alone.seconds, width)
+    return Stream(ASSEMBLY, alone.seconds * LANES[lanes] / min(lanes, width) if alone.loop == "generated" else alone.seconds, width)
 
 
 def pilot(once: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:

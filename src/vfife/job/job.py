@@ -16,7 +16,16 @@ from ..solvers.status import Progress
 from .progress import Counter, ScriptLine
 
 if TYPE_CHECKING:
+    from ..results.lock import Lock
     from .cost import Forecast
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C ended a job of a script; ``result`` is what was finished until then."""
+
+    def __init__(self, result: Any) -> None:
+        super().__init__("what was finished is in the attribute result of this exception")
+        self.result = result
 
 
 class Job:
@@ -40,6 +49,9 @@ class Job:
             remedy = f"add confirm=True if that is meant, or {forecast.less}"
             remedy += "" if self.place is not None or forecast.noun != "run" else ", or give a file for the outputs"
             raise ModelError([Fault("run", f"it takes {excess}", forecast.amount, "", remedy)], f"{self.caller}()")
+
+    def hold(self, lock: Lock) -> None:
+        """The file of the job is locked from now on."""
 
     def __call__(self, progress: Progress) -> None:
         """Show where the work stands."""

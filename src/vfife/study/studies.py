@@ -3,29 +3,35 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, TypeVar
 
 from ..errors import Fault, ModelError, kind_of, shown
+from ..job.cost import Forecast
+from ..job.job import Interrupted, Job, job_of
 from ..model.mechanism import Mechanism
 from ..modelfile import load
 from ..modelfile.read import raw_of, text_of
 from ..modelfile.tables import Raw
 from ..results.lock import Lock
 from ..results.studied import Study
+from ..solvers.status import Status
 from .cluster import THREADS, Resources
+from .engine import Outcome
+from .forecast import allotment_forecast, search_forecast, study_forecast
 from .limits import Estimate
 from .optimise import Found, best, imported
-from .plan import SEARCH, Plan
-from .run_missing import Engine, Progress, asked_of, opened
+from .plan import Plan
+from .run_missing import Engine, asked_of, opened
 from .searches import allotment_of, allotted, optimised, search_of
 from .study_file import of_mapping, understood
 
 ENDING = ".study"
+Answer = TypeVar("Answer")
 
 
 def study(
@@ -41,6 +47,7 @@ def study(
     device: str | None = None,
     retry: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    confirm: bool = False,
     **more: Any,
 ) -> Study:
     """Runs a mechanism once for every choice of some of its numbers, and gives what was wanted of each run.
@@ -54,44 +61,73 @@ def study(
     file to keep it in; what is in it already is not computed again, and where another study is there it gives way to ``force`` alone. ``workers``,
     ``lanes``: threads, and members side by side in each; ``cluster``: "local", for processes in their place, or the address of a scheduler of
     dask.distributed; ``device``: "cuda" steps them on an NVIDIA card; ``retry``: members that failed before are tried again. ``progress`` hears how
-    many of how many members have ended. Ctrl-C ends it with what has. Raises ModelError with all faults, HeldError where another process writes the
+    many of how many members have ended. ``confirm``: run it even where it takes more than an hour, or half of the disk. Ctrl-C ends it with what
+    has. Raises ModelError with all faults, HeldError where another process writes the
     file, StorageError where it cannot be written, DeviceError for a card that cannot be used.
     """
     plan, base, name = asked_in_python(model, vary, measures, more)
-    told = None if progress is None else lambda done, of, _: progress(done, of)
-    return computed(file, plan, base, name, Resources(workers, lanes, cluster, device), force=force, retry=retry, progress=told)
+    job = job_of("study", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
+    work = StudyWork(file, plan, base, name, Resources(workers, lanes, cluster, device), force)
+    return work.run(job, retry)[0]
 
 
-def computed(
-    file: str | Path | None,
-    plan: Plan,
-    base: Mechanism,
-    name: str,
-    resources: Resources = THREADS,
-    *,
-    force: bool = False,
-    retry: bool = False,
-    progress: Progress | None = None,
-) -> Study:
-    """Carry out a plan into its file."""
-    with engine_of(file, plan, base, name, resources, force=force, progress=progress) as engine:
-        if engine.run(retry):
-            engine.repeat_sample()
-        return engine.study()
+@dataclass(frozen=True)
+class StudyWork:
+    """The cases of a plan, computed by ``resources`` into a study ``file``, a temporary one for None; another study gives way to ``force`` alone.
 
+    ``asked``: what the file says of them, where it is not that of the plan.
+    """
 
-@contextmanager
-def engine_of(
-    file: str | Path | None, plan: Plan, base: Mechanism, name: str, resources: Resources, *, force: bool = False, progress: Progress | None = None
-) -> Iterator[Engine]:
-    """The engine of a plan, whose file is locked and open meanwhile; a temporary one for None. A cluster that cannot be had costs no file."""
-    with ExitStack() as held:
-        path = Path(held.enter_context(TemporaryDirectory())) / f"s{ENDING}" if file is None else Path(file)
-        held.enter_context(locked(path))
-        runner = held.enter_context(resources.runner())
-        numbers = [] if plan.asked.method == SEARCH else plan.numbers()
-        study = held.enter_context(opened(path, asked_of(plan, base, name), numbers, replace=force))
-        yield Engine(study, base, resources, runner, progress, lasting=file is not None)
+    file: str | Path | None
+    plan: Plan
+    base: Mechanism
+    name: str
+    resources: Resources = THREADS
+    force: bool = False
+    asked: Mapping[str, Any] | None = None
+
+    def run(self, job: Job, retry: bool = False, lock: Lock | None = None) -> tuple[Study, bool]:
+        """Compute what the file does not have, with ``retry`` also what failed: the study, and whether it is complete. ``lock``: of the
+        file, where it is
+        held already.
+        """
+        job.begin(study_forecast(self.plan, self.base, self.known, retry))
+        with self.engine(job, self.plan.numbers(), 0, lock) as engine:
+            whole = engine.run(retry) and engine.repeat_sample()
+            return engine.study(), whole
+
+    def search(self, job: Job, forecast: Forecast, work: Callable[[Engine], Answer]) -> tuple[Answer, Study]:
+        """Return what a search comes to, and the study of its members. Raises Interrupted with the study of those that ended."""
+        job.begin(forecast)
+        with self.engine(job, [], forecast.known + forecast.count) as engine:
+            try:
+                return work(engine), engine.study()
+            except KeyboardInterrupt:
+                raise Interrupted(engine.study()) from None
+
+    @property
+    def known(self) -> Path | None:
+        """The file whose members are not computed again."""
+        return None if self.force or self.file is None else Path(self.file)
+
+    @contextmanager
+    def engine(self, job: Job, numbers: Sequence[Any], members: int, lock: Lock | None = None) -> Iterator[Engine]:
+        """The engine of these members, whose file is locked and open meanwhile; a cluster that cannot be had costs no file.
+
+        ``members``: how many the job reports at least.
+        """
+
+        def report(done: int, total: int, outcome: Outcome) -> None:
+            job.count(done, max(total, members), "members", outcome.status != Status.COMPLETE)
+
+        with ExitStack() as held:
+            path = Path(held.enter_context(TemporaryDirectory())) / f"s{ENDING}" if self.file is None else Path(self.file)
+            held.enter_context(job)
+            job.hold(held.enter_context(lock or locked(path)))
+            runner = held.enter_context(self.resources.runner())
+            asked = self.asked or asked_of(self.plan, self.base, self.name)
+            study = held.enter_context(opened(path, asked, numbers, replace=self.force))
+            yield Engine(study, self.base, self.resources, runner, report, lasting=self.file is not None)
 
 
 def locked(path: Path) -> Lock:
@@ -164,6 +200,7 @@ def optimise(
     cluster: str | None = None,
     device: str | None = None,
     progress: Callable[[int], None] | None = None,
+    confirm: bool = False,
     **more: Any,
 ) -> Optimum:
     """Looks for the parameters with which measures are least, or largest, within limits: min f(x) with low ≤ g(x) ≤ high; of several f the Pareto
@@ -179,17 +216,17 @@ def optimise(
     in SI units, texts have theirs. ``file`` keeps the members, and the same search goes on after what it has; ``force`` replaces another study
     there. ``workers``, ``cluster``, ``device``: where members run. ``progress`` hears how many members have been computed.
 
+    ``confirm``: search even where it takes more than an hour, or half of the disk.
+
     Raises ModelError with all faults, VfifeError without optuna or where another study is in the file, HeldError, StorageError, DeviceError;
-    KeyboardInterrupt after Ctrl-C, what ended being kept in ``file``.
+    after Ctrl-C a KeyboardInterrupt whose ``result`` is the study of the members that ended, which are kept in ``file``, too.
     """
     tables, known_as, folder, base, name = written(model, vary, measures, more, "optimise()")
     plan, base, search = search_of(tables, known_as, folder, base)
     imported()
-    with engine_of(
-        file, plan, base, name or base.name, Resources(workers, None, cluster, device), force=force, progress=counting(progress)
-    ) as engine:
-        found, last = optimised(engine, plan, search)
-        study = engine.study()
+    job = job_of("optimise", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
+    work = StudyWork(file, plan, base, name or base.name, Resources(workers, None, cluster, device), force)
+    (found, last), study = work.search(job, search_forecast(plan, base, search, work.known), lambda engine: optimised(engine, plan, search))
     return Optimum(tuple(best(search, found)), tuple(found), study, len(last.members), last.why)
 
 
@@ -204,6 +241,7 @@ def allocate(
     cluster: str | None = None,
     device: str | None = None,
     progress: Callable[[int], None] | None = None,
+    confirm: bool = False,
     **more: Any,
 ) -> Allocation:
     """Looks for the cheapest fits with which a measure keeps its limit in a share of all machines: min Σ cost with P(y ≤ limit) ≥ share.
@@ -220,15 +258,9 @@ def allocate(
     """
     tables, known_as, folder, base, name = written(model, vary, measures, more, "allocate()")
     plan, base, task = allotment_of(tables, known_as, folder, base)
-    with engine_of(
-        file, plan, base, name or base.name, Resources(workers, None, cluster, device), force=force, progress=counting(progress)
-    ) as engine:
-        found, study = allotted(engine, task), engine.study()
+    job = job_of("allocate", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
+    work = StudyWork(file, plan, base, name or base.name, Resources(workers, None, cluster, device), force)
+    found, study = work.search(job, allotment_forecast(plan, base, task, work.known), lambda engine: allotted(engine, task))
     chosen, rejected = found.choice, tuple((task.chosen(one), one.cost) for one in found.rejected)
     cheapest, cost = (None, None) if chosen is None else (task.chosen(chosen), chosen.cost)
     return Allocation(cheapest, cost, found.estimate, found.failures, found.count, rejected, study)
-
-
-def counting(progress: Callable[[int], None] | None) -> Progress | None:
-    """What tells ``progress`` how many members have been computed."""
-    return None if progress is None else lambda done, of, outcome: progress(done)

@@ -350,7 +350,7 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
     more = ["--derivatives", "differences", "--csv", str(tmp_path / "c.csv"), "--fitted", str(out), "-o", str(tmp_path / "s.fit")]
     answer = CliRunner().invoke(app, ["fit", str(model), str(path), *options, *more])
     assert answer.exit_code == 0, answer.output
-    assert "forecast: about 48 runs of 1,000 steps" in answer.stderr
+    assert "forecast: about 96 runs of 1,000 steps" in answer.stderr
     assert "spring.k.damping" in answer.output and "95 % confidence" in answer.output
     assert vfife.load(out).springs["k"].stiffness == pytest.approx(STIFFNESS, rel=1e-2) and (tmp_path / "c.csv").exists()
     shown = CliRunner().invoke(app, ["fit", str(tmp_path / "s.fit"), "--json"])

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import VfifeError
+from ...job.amounts import span
 from ...results.fitfile import Evaluation, FitFile
 from ...solvers.status import Progress
 from .curves import Curves, Trace
@@ -224,7 +225,9 @@ class Evaluations:
         if self.progress is not None:
             best = f", residual {100.0 * self.share:.3g} %" if self.best is not None else ""
             done = min(self.runs, self.expected)
-            self.progress(Progress(done, self.expected, time.monotonic() - self.began, f"{self.runs} runs{best}"))
+            seconds = time.monotonic() - self.began
+            left = f", some {span(seconds * (self.expected - done) / done)} left" if seconds > 1.0 and 0 < done < self.expected else ""
+            self.progress(Progress(done, self.expected, seconds, f"{self.runs} runs{best}{left}"))
 
     @property
     def share(self) -> float:

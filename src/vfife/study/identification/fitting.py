@@ -13,7 +13,11 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from ...codegen.native import stream_lanes
 from ...errors import Fault, ModelError, VfifeError
+from ...job.amounts import counted
+from ...job.cost import LIBRARIES, LONG, RECORD_COPIES, WORTH, Forecast, Stream, cores, run_cost, stream, timed
+from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
 from ...results.fitfile import FitFile
@@ -27,7 +31,7 @@ from .curves import Curves, Timing, units_of
 from .extent import few, length, offset_of, timing_of
 from .measurements import Measured, columns_of, measured
 from .residuals import Fitted, How, Misfit, Slopes, compared
-from .sought import Sought
+from .sought import Sought, numbers_at
 from .sought import parameters as understood
 from .step_uncertainty import WEAK, Ended, autocorrelation, concluded
 
@@ -171,6 +175,10 @@ class Descents:
 
 MOST_SKIPPED = 100_000  # turns
 GUESS = 8  # evaluations that a search from one start usually takes: for forecast and progress alone
+TWICE = 2  # runs of a fit, by those of its first searches: one to four, as residuals are noise or searches begin again
+PILOT_RUNS = 8  # points that are run for a forecast
+LAID = 2e-6  # s that a sample of a curve takes, laid on a run at all offsets that are tried
+COMPRESSED = 0.9  # bytes of a fit file, by those of its numbers
 
 
 def fit(
@@ -193,6 +201,7 @@ def fit(
     workers: int | None = None,
     file: str | Path | None = None,
     progress: Callable[[Progress], None] | None = None,
+    confirm: bool = False,
 ) -> Fit:
     """Finds numbers of a mechanism from measured curves: a CSV file with time or crank_angle and channels of a result as columns.
 
@@ -207,7 +216,8 @@ def fit(
 
     ``screened`` points are run first, the best ``starts`` of them are searched from. ``derivatives``: carried along the run ("tangents"), by
     "differences" of runs in lanes, or the former where both agree. ``seed`` of the points. With a ``file`` every point is kept in it as it is
-    known, and the same call goes on there, to the same bits. With Ctrl-C the best so far is returned, its status "interrupted".
+    known, and the same call goes on there, to the same bits. ``confirm``: fit even where it takes more than an hour, half of the memory or of the
+    disk. With Ctrl-C the best so far is returned, its status "interrupted".
 
     Raises ModelError with all faults of arguments, data and parameters, VfifeError where no member of them has a motion or the file asks something
     else, and HeldError where another process writes it.
@@ -219,7 +229,9 @@ def fit(
         mechanism, data, parameters, columns=columns, weights=weights, offset=offset, skip=skip, compare=compare, width=width, step=step,
         screened=screened, starts=starts, confidence=confidence, derivatives=derivatives, seed=seed, workers=workers,
     )  # fmt: skip
-    return task.run(file, progress)
+    with job_of("fit", file, confirm, progress) as job:
+        job.begin(task.forecast(file))
+        return task.run(file, job)
 
 
 def planned(
@@ -291,8 +303,40 @@ class Task:
 
     @property
     def runs(self) -> int:
-        """About so many, with derivatives by differences."""
-        return self.screened + self.starts * GUESS * (2 * len(self.sought) + 1)
+        """About so many, with derivatives by differences: between searches that end at once and those that begin again."""
+        return TWICE * (self.screened + self.starts * GUESS * (2 * len(self.sought) + 1))
+
+    def forecast(self, file: str | Path | None, replace: bool = False) -> Forecast:
+        """The forecast of the runs that the file does not have; the first points are run for it where there are many. Raises VfifeError as
+        assembling
+        does.
+        """
+        one = self.curves().members.assembled(numbers_at(self.sought, np.full(len(self.sought), 0.5)))
+        lanes, known = stream_lanes(len(one.topology.contact_bearing)), 0 if file is None or replace else self.known(Path(file))
+        left, values, together = max(self.runs - known, 0), self.misfit.count, self.starts * (2 * len(self.sought) + 1)
+        table = stream(one, together, lanes)
+        seconds = table.seconds(left) + LAID * values * left
+        if WORTH < seconds < LONG and left > PILOT_RUNS:
+            looked = Evaluations(self.curves(), self.sought, self.misfit)
+            looks = [Look(tuple(place)) for place in sobol(2 * PILOT_RUNS, len(self.sought), self.seed)]
+            looked(looks[:PILOT_RUNS])  # compiles
+            each = timed(lambda: looked(looks[PILOT_RUNS:])) / PILOT_RUNS
+            seconds = Stream(max(each - table.stepping, 0.0), min(each, table.stepping), together).seconds(left)
+        memory = RECORD_COPIES * run_cost(one).bytes * min(cores() * lanes, self.runs) + LIBRARIES
+        remedy = "give fewer points (screened, starts), a shorter piece of the data or a coarser step"
+        beside = f" beside {known:,} that are there" if known else ""
+        return Forecast(
+            "run", left, one.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, known, cores(), lanes, less=remedy,
+            work=f"about {counted(left, 'run')} of {one.choice.steps:,} steps{beside}", note="; half or twice of that by how the searches go",
+        )  # fmt: skip
+
+    def known(self, file: Path) -> int:
+        """Runs that a fit file has of the same question; all of them where it was answered."""
+        try:
+            with FitFile.open(file) as found:
+                return self.runs if found.fit(self.how) is not None else len(found.keys("looks"))
+        except VfifeError:  # reported when the fit goes on with it
+            return 0
 
     def curves(self) -> Curves:
         """What makes curves of members."""
