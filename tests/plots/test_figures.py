@@ -23,7 +23,7 @@ from vfife.plots.table import FIGURES, available, usual
 from vfife.plots.turn import Span, output_at, span
 from vfife.result import Result
 from vfife.results.folder import FIGURE_NAMES
-from vfife.study.tribology.wear_state import ANGLES, Asked, Surface, Worn
+from vfife.study.tribology.wear_state import ANGLES, Surface, WearSpec, Worn
 
 
 @cache
@@ -257,7 +257,7 @@ def test_surfaces_that_wear_are_drawn_around_themselves() -> None:
 def test_wear_over_turns_is_readable() -> None:
     """Depths at some of the turns, play and force with their limits, a life that ended; markup in a name is text."""
     surfaces = tuple(Surface("pin", side, 1e-15, (), 1e-4) for side in ("bearing", "journal"))
-    asked = Asked("", 1e7, 4, 4, 0.01, 8, 1.5e-4, None, 3600)
+    asked = WearSpec("", 1e7, 4, 4, 0.01, 8, 1.5e-4, None, 3600)
     turns, ripple = np.linspace(0.0, 1e7, 12), 1.0 + np.cos(2.0 * ANGLES)
     depth = turns[:, None, None] * np.stack([2e-12 * ripple, 4e-13 * ripple])
     play, zeros = 1e-4 + 5e-12 * turns[:, None], np.zeros(12)

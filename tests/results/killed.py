@@ -56,7 +56,7 @@ def kill_at(monkeypatch: pytest.MonkeyPatch, call: int) -> Callable[[], None]:
 
 def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
     """So many steps a call on every machine: by the clock, a fast one would come to its end before the call at which it is killed."""
-    monkeypatch.setattr(interrupts.Pace, "room", property(lambda self: steps, lambda self, value: None), raising=False)
+    monkeypatch.setattr(interrupts.ChunkSize, "room", property(lambda self: steps, lambda self, value: None), raising=False)
 
 
 def killed_run(path: Path, mechanism: vfife.Mechanism, asked: RunArguments, reference: bool = True) -> bool:

@@ -13,7 +13,7 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.solvers import repeating
 from vfife.solvers.companions import oldest_needed
-from vfife.solvers.impact_section import PER_CONTACT, WIDE, Sectioning, Strikes
+from vfife.solvers.impact_section import PER_CONTACT, WIDE, ImpactSection, Sectioning
 from vfife.solvers.lyapunov import weights
 from vfife.solvers.repeating import Comparison, distance, repeated_since, whole_outputs
 from vfife.solvers.tangents import Neighbours
@@ -160,9 +160,9 @@ def test_differences_count_by_kinetic_energy_and_by_a_radian_of_the_crank() -> N
 # ------------------------------------------------------------------------------------------------------------------ onsets
 
 
-def struck() -> Strikes:
+def struck() -> ImpactSection:
     assembly = assemble(four_bar("BC", speed=50.0), 1e-6, turns=1, force_step=True)
-    return Strikes.of(assembly, (0, 1))
+    return ImpactSection.of(assembly, (0, 1))
 
 
 def test_an_onset_lies_within_its_step_where_the_penetration_passes_zero() -> None:

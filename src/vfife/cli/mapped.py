@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..study.maps.basins import Basins
     from ..study.maps.bifurcation import Bifurcation, Spell
     from ..study.maps.sections import PoincareSection
-    from ..study.maps.waterfall import Fallen, Waterfall
+    from ..study.maps.waterfall import Waterfall, WaterfallSpec
 
 WAYS = {"up": "On the way up", "down": "On the way down"}
 MOST_ATTRACTORS = 12  # that are told of basins
@@ -157,7 +157,7 @@ def tell_section(found: PoincareSection) -> None:
     print_line(f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn; {found.laws}. Without companions.")
 
 
-def turning(asked: Fallen) -> str:
+def turning(asked: WaterfallSpec) -> str:
     """Speeds as the axis of the figure has them, in brackets; nothing of other numbers."""
     low, high = (30.0 / math.pi * asked.values[end] for end in (0, -1))
     return f" ({low:.4g} to {high:.4g} rpm)" if asked.unit == "rad/s" else ""

@@ -26,7 +26,7 @@ TURNS = 50  # of a piece
 AT_ONCE = 20_000  # steps that are recorded one by one before they are looked through
 
 
-class Strikes(NamedTuple):
+class ImpactSection(NamedTuple):
     """Rows of S that tell onsets of some contacts, and what they tell: one row for each contact that began, in the order of ``COLUMNS``.
 
     ``contact``: which of those that are looked at; ``time`` (s) of the onset, interpolated inside its step; ``crank``: the angle (rad) of the
@@ -39,7 +39,7 @@ class Strikes(NamedTuple):
     rows: NDArray[np.uint32]
 
     @classmethod
-    def of(cls, assembly: Assembly, contacts: Sequence[int]) -> Strikes:
+    def of(cls, assembly: Assembly, contacts: Sequence[int]) -> ImpactSection:
         """Of such contacts."""
         layout, topology = assembly.layout, assembly.topology
         rows = [layout.row("particle_theta", topology.driven[0]) if topology.driven else layout.row("particle_theta", 0)]
@@ -93,7 +93,7 @@ class Strikes(NamedTuple):
 @dataclass(frozen=True)
 class Piece:
     """Some turns: ``rows`` recorded once in each that is looked at, shape (turns, kept), the ``growth`` of a small difference in it, its logarithm,
-    shape (turns,), what was ``struck`` (:class:`Strikes`), and the ``state`` to go on from, shape (rows,) or (2 rows,)."""
+    shape (turns,), what was ``struck`` (:class:`ImpactSection`), and the ``state`` to go on from, shape (rows,) or (2 rows,)."""
 
     number: int
     rows: Array
@@ -115,7 +115,7 @@ class Sectioning:
         self.cuts = [(k, min(k + TURNS, last)) for first, last in spans for k in range(first, last, TURNS)]
         self.motion, self.difference = TurnRunner([assembly], phase), LyapunovRunner([assembly], [near])
         self.kept = self.motion.kept
-        self.strikes = Strikes.of(assembly, contacts) if contacts else None
+        self.strikes = ImpactSection.of(assembly, contacts) if contacts else None
 
     def pieces(self, resume: tuple[int, Array] | None = None) -> Iterator[Piece]:
         """The pieces, from that after ``resume`` on, the number and state of one before. A second thread looks for impacts."""

@@ -19,7 +19,7 @@ from .synchronised import Stepper
 ASKING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
-class Halt:
+class Interrupts:
     """While it is entered, handlers of :data:`ASKING` that are functions are called by :meth:`look` and at the end instead of anywhere.
 
     A second signal is handled where it comes. In a thread that is not the main one, which hears no signals, it does nothing.
@@ -29,7 +29,7 @@ class Halt:
         self.former: dict[int, Callable[[int, FrameType | None], Any]] = {}
         self.asked: int | None = None
 
-    def __enter__(self) -> Halt:
+    def __enter__(self) -> Interrupts:
         if threading.current_thread() is threading.main_thread():
             for number in ASKING:
                 handler = signal.getsignal(number)
@@ -64,7 +64,7 @@ class Workers:
     """Threads, one a core unless given, that end within a call of the loop when whoever waits for them is interrupted."""
 
     def __init__(self, count: int | None = None) -> None:
-        self.halt, self.stop, self.count = Halt(), threading.Event(), max(1, count or os.cpu_count() or 1)
+        self.halt, self.stop, self.count = Interrupts(), threading.Event(), max(1, count or os.cpu_count() or 1)
 
     def __enter__(self) -> Workers:
         self.halt.__enter__()
@@ -100,7 +100,7 @@ QUICK = 1000  # the same where a step is known to be short: some 50 microseconds
 GROWTH = 4  # from one call to the next, at the most
 
 
-class Pace:
+class ChunkSize:
     """Learns how long steps last, from so many in the ``first`` call; ``look`` is called after each call of the loop."""
 
     def __init__(self, look: Callable[[], None] | None = None, first: int = FIRST) -> None:

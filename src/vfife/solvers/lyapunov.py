@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..codegen.runner import Runner
 from ..numerics.elementwise import log
-from .interrupts import Pace
+from .interrupts import ChunkSize
 from .record import recorded_rows
 from .tangents import Neighbours, changes, rates
 
@@ -36,7 +36,7 @@ class LyapunovRunner:
 
     def __init__(self, assemblies: Sequence[Assembly], near: Sequence[Neighbours], look: Callable[[], None] | None = None) -> None:
         first = assemblies[0]
-        self.rows, self.lanes, self.turn, self.pace = first.layout.rows, len(assemblies), steps_of_turn(first), Pace(look)
+        self.rows, self.lanes, self.turn, self.pace = first.layout.rows, len(assemblies), steps_of_turn(first), ChunkSize(look)
         self.given = np.array(first.layout.of("parameter"), dtype=np.intp)
         self.weights = np.stack([weights(one) for one in assemblies], axis=1)
         self.seeds, self.changes = np.zeros((self.rows, self.lanes)), [changes(*both) for both in zip(assemblies, near, strict=True)]

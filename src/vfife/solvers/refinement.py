@@ -18,7 +18,7 @@ from ..errors import VfifeError
 from ..model.bodies import MOST_ELEMENTS, Body, Frame, Link
 from ..model.mechanism import Mechanism
 from ..numerics.scalar import log
-from .interrupts import Halt, Pace
+from .interrupts import ChunkSize, Interrupts
 from .record import Record, places, recorded_rows
 from .statics import equilibrium
 from .status import Progress, Status
@@ -75,8 +75,8 @@ def refine(record: Record, first: int = 0) -> Refined:
     begin = [runner.advance(1, 1)[:, :, 0] for runner in runners]
     windows = [[rows] if first <= 0 else [] for rows in begin]
     compared, outputs = Differences(record, kept), len(record.steps) - 1
-    with Halt() as halt:
-        paces = [Pace(halt.look) for _ in runners]
+    with Interrupts() as halt:
+        paces = [ChunkSize(halt.look) for _ in runners]
         for done in range(0, outputs, CHUNK):
             count = min(CHUNK, outputs - done)
             both = [

@@ -19,7 +19,7 @@ from ..kinematics.forces import Datum, actions
 from ..laws.elasticity import tangent
 from ..numerics.elementwise import hypot
 from ..numerics.products import dot, times
-from .interrupts import Pace
+from .interrupts import ChunkSize
 
 Array = NDArray[np.float64]
 
@@ -224,7 +224,7 @@ class Relaxation:
         self.pressed = np.zeros(len(assembly.contacts))
         self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched, parts=1)
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
-        self.pace = Pace()
+        self.pace = ChunkSize()
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
         self.between = SHORTEST
         self.reweigh()

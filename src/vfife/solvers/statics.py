@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..kinematics.drives import constraint_drivers
 from ..model.mechanism import Settings
-from .interrupts import Halt
+from .interrupts import Interrupts
 from .record import Checkpoint, Record, Writer, lasting_rows, recorded_rows
 from .relaxation import Loading, Relaxation, extent
 from .status import Progress, Status
@@ -68,7 +68,7 @@ def equilibrium(
     if resume is not None and file is not None:
         relaxation.restore(resume.values.reshape(-1), lasting, resume.more["relaxation"])
         rows, old, earlier = list(file.later()()), factors[resume.step], float(resume.more["wall"])
-    halt = Halt()
+    halt = Interrupts()
     relaxation.pace.look = halt.look
     try:
         with halt:

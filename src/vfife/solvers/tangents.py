@@ -17,7 +17,7 @@ from ..assembly.assembled import Assembly
 from ..codegen.native import CONTACT_LANES
 from ..codegen.runner import Runner
 from ..errors import VfifeError
-from .interrupts import Pace, Workers
+from .interrupts import ChunkSize, Workers
 from .record import Columns, Record, recorded_rows
 
 Array = NDArray[np.float64]
@@ -178,7 +178,7 @@ def _together(
         assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", every,
         parts=assembly.mechanism.settings.parts, shares=np.resize(shares, lanes), directions=directions,
     )  # fmt: skip
-    pace = Pace(look)
+    pace = ChunkSize(look)
     found = np.concatenate([runner.advance(1, 1), *[pace.advance(runner, count, outputs) for count, outputs in parts]])
     steps = np.concatenate([[0], np.cumsum([count for count, outputs in parts for _ in range(outputs)])]).astype(np.int64)
     values = found.reshape(len(found), directions + 1, len(kept), lanes)

@@ -17,7 +17,7 @@ from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .companions import Gathering, step_counts
-from .interrupts import FIRST, QUICK, Halt, Pace
+from .interrupts import FIRST, QUICK, ChunkSize, Interrupts
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
 from .repeating import Settling
 from .status import Progress, Status
@@ -61,7 +61,7 @@ def run(
     seconds, those of output 0 before them, and ends the run with status "energy" by saying True.
     """
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
-    with Halt() as halt:
+    with Interrupts() as halt:
         stepping = Stepping(assembly, choose_loop(assembly, loop), companions, file, halt, judge)
         try:
             stepping.begin(resume)
@@ -77,7 +77,7 @@ def run(
 class Stepping:
     """A run under way: its lanes, what is kept of them, and where it stands."""
 
-    def __init__(self, assembly: Assembly, loop: str, companions: int, file: Writer | None, halt: Halt, judge: Judge | None) -> None:
+    def __init__(self, assembly: Assembly, loop: str, companions: int, file: Writer | None, halt: Interrupts, judge: Judge | None) -> None:
         self.assembly, self.loop, self.file, self.halt, self.judge = assembly, loop, file, halt, judge
         self.kept, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
         self.own = companions + 1
@@ -88,7 +88,7 @@ class Stepping:
         self.before = self.runner.states[:, 0].copy()
         self.gathering = Gathering(assembly, self.kept, counts) if companions else None
         states = self.runner.states
-        self.pace = Pace(first=QUICK if loop == "generated" and states.size <= SHORT else FIRST)
+        self.pace = ChunkSize(first=QUICK if loop == "generated" and states.size <= SHORT else FIRST)
         self.parts: list[Rows] = []
         self.done, self.earlier, self.begun, self.whole = 0, 0.0, False, True
         self.burst: Burst | None = None

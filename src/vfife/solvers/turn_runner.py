@@ -19,7 +19,7 @@ from ..codegen.graph import tables
 from ..codegen.runner import Runner
 from ..errors import VfifeError
 from ..kernels.data_driven import change_step
-from .interrupts import Halt, Pace, Workers
+from .interrupts import ChunkSize, Interrupts, Workers
 from .lyapunov import ALIGNED, LyapunovRunner, steps_of_turn
 from .record import Record, recorded_rows
 from .tangents import Neighbours
@@ -40,7 +40,7 @@ class TurnRunner:
         self, assemblies: Sequence[Assembly], phase: float = 0.0, kept: NDArray[np.uint32] | None = None, look: Callable[[], None] | None = None
     ) -> None:
         self.assemblies, first = assemblies, assemblies[0]
-        self.turn, self.pace = steps_of_turn(first), Pace(look)
+        self.turn, self.pace = steps_of_turn(first), ChunkSize(look)
         self.begins = 1 + self.turn + round(phase * self.turn) % self.turn
         states, functions = np.stack([one.state for one in assemblies], axis=1), np.stack([one.tables for one in assemblies])
         self.kept = recorded_rows(first) if kept is None else kept
@@ -340,7 +340,7 @@ class Orbits:
 class WearRunner(TurnRunner):
     """A mechanism, of which so many ``outputs`` a turn are recorded, while its worn profiles change between blocks of turns."""
 
-    def __init__(self, assembly: Assembly, outputs: int, halt: Halt) -> None:
+    def __init__(self, assembly: Assembly, outputs: int, halt: Interrupts) -> None:
         super().__init__([assembly], look=halt.look)
         self.assembly, self.outputs, self.bounds = assembly, outputs, Bounds(assembly, self.kept)
         self.harmonics = [assembly.layout.rows_of(f"harmonic_{part}") for part in ("cosine", "sine")]

@@ -9,7 +9,7 @@ import vfife
 from vfife.errors import ModelError, VfifeError
 from vfife.laws import Frictionless, LankaraniNikravesh
 from vfife.modelfile import load
-from vfife.solvers.impact_section import COLUMNS, Strikes
+from vfife.solvers.impact_section import COLUMNS, ImpactSection
 from vfife.solvers.turn_runner import TurnRunner, restepped
 from vfife.study.maps.load_map import load_map
 from vfife.study.maps.section_series import stepped
@@ -39,7 +39,7 @@ def flown():
     """A section at impacts of a ball that begins 0.6 clearances off the middle, across it."""
     m = billiard(0.0)
     start = Starts(m, 6000).at({"start.O.x": 0.6 * CLEARANCE, "start.O.vy": SPEED})
-    found = Strikes.of(start, (0,)).over(*begun(start), 30_000)
+    found = ImpactSection.of(start, (0,)).over(*begun(start), 30_000)
     return dict(zip(COLUMNS, found.T, strict=True))
 
 
@@ -141,7 +141,7 @@ def test_the_place_is_seen_from_a_bearing_that_turns() -> None:
     """Where outputs at every step show the journal pressing, in the frame of the rod, right after each onset."""
     steps = 6284
     start, step = stepped(loose(), steps), 2.0 * math.pi / 100.0 / steps
-    struck = dict(zip(COLUMNS, Strikes.of(start, (0,)).over(*begun(start), steps).T, strict=True))
+    struck = dict(zip(COLUMNS, ImpactSection.of(start, (0,)).over(*begun(start), steps).T, strict=True))
     alone = vfife.simulate(loose(), turns=1, outputs=steps, step=step, companions=0, reference=False, force_step=True)
     after = np.ceil(struck["time"] / step).astype(int)
     seen = alone.series["pin.contact_angle"].values[after]

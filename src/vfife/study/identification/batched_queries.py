@@ -34,7 +34,7 @@ class Abandoned(Exception):
     """Nobody answers any more."""
 
 
-class Together(Generic[Question, Answer]):
+class BatchedQueries(Generic[Question, Answer]):
     """Runs searches side by side; each gets a function that answers a list of questions. ``answer`` answers those of all of them at once."""
 
     def __init__(self, answer: Callable[[list[Question]], Sequence[Answer]]) -> None:

@@ -26,7 +26,7 @@ from ...results.lock import Lock
 from ...solvers.arguments import Arguments
 from ...solvers.status import Progress
 from ..sampling import sobol
-from .batched_queries import Evaluations, Look, Seen, Together
+from .batched_queries import BatchedQueries, Evaluations, Look, Seen
 from .curves import Curves, Timing, units_of
 from .extent import few, length, offset_of, timing_of
 from .measurements import Measured, columns_of, measured
@@ -121,7 +121,7 @@ class Descents:
 
     def descend_together(self, chosen: list[tuple[Array, Fitted]]) -> None:
         """Searches from several points, side by side."""
-        Together(self.looked).run([lambda ask, at=at: self.descend(ask, *at) for at in chosen])  # type: ignore[misc]
+        BatchedQueries(self.looked).run([lambda ask, at=at: self.descend(ask, *at) for at in chosen])  # type: ignore[misc]
 
     def choose_derivatives(self, shares: Array, one: Fitted) -> None:
         """Tangents where differences of runs say the same; where they do not, an end of a contact or a far neighbour decides, and a tangent

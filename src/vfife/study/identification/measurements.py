@@ -61,7 +61,7 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Asked:
+class CsvSpec:
     """Which channel a column is: ``channel``, and whether only ``proportional`` to it."""
 
     channel: str
@@ -69,7 +69,7 @@ class Asked:
 
 
 def measured(
-    path: str | Path, units: Mapping[str, str], asked: Mapping[str, Asked] | None = None, weights: Mapping[str, float] | None = None
+    path: str | Path, units: Mapping[str, str], asked: Mapping[str, CsvSpec] | None = None, weights: Mapping[str, float] | None = None
 ) -> Measured:
     """The curves of a file. ``units`` are those of the channels that the mechanism has; ``asked`` says of columns which channels they are: without
     it every column counts whose name is that of a channel. ``weights`` are by the names of columns. Raises ModelError with all faults of the file.
@@ -167,14 +167,14 @@ def split(head: str) -> tuple[str, str]:
 
 
 def choice(
-    columns: Sequence[tuple[str, str]], units: Mapping[str, str], asked: Mapping[str, Asked] | None, faults: list[Fault]
-) -> dict[int, Asked]:
+    columns: Sequence[tuple[str, str]], units: Mapping[str, str], asked: Mapping[str, CsvSpec] | None, faults: list[Fault]
+) -> dict[int, CsvSpec]:
     """Which columns count, by their numbers."""
     names = [name for name, _ in columns]
     if asked is None:
         for name in dict.fromkeys(one for one in names if one in units and names.count(one) > 1):
             faults.append(Fault(f"column {name}", "there are several columns of this name", "", "one", "rename all but one of them"))
-        return {k: Asked(name) for k, name in enumerate(names) if name in units}
+        return {k: CsvSpec(name) for k, name in enumerate(names) if name in units}
     found = {}
     for name, one in asked.items():
         if name not in names:
@@ -248,7 +248,7 @@ def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fa
     some(faults, found, len(back), "lines are not after the line before them")
 
 
-def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, Asked] | None:
+def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, CsvSpec] | None:
     """Columns as they are asked for: ``"acc=C.force"``, or ``"mic~rod.angular_acceleration"`` for one that is only proportional to a channel.
 
     Raises VfifeError for a text that is neither.
@@ -257,7 +257,7 @@ def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, Ask
     return dict(_columns(pairs)) or None
 
 
-def _columns(texts: Sequence[str]) -> Iterator[tuple[str, Asked]]:
+def _columns(texts: Sequence[str]) -> Iterator[tuple[str, CsvSpec]]:
     for text in texts:
         sign = next((one for one in text if one in "=~"), "")
         name, _, channel = text.partition(sign) if sign else (text, "", text)
@@ -265,4 +265,4 @@ def _columns(texts: Sequence[str]) -> Iterator[tuple[str, Asked]]:
         proportional = sign == "~" or channel.startswith("~")
         if not name.strip() or not channel.strip("~ "):
             raise VfifeError(f"column {shown(text)}: write COLUMN, COLUMN=CHANNEL, or COLUMN~CHANNEL where it is only proportional to the channel")
-        yield name.strip(), Asked(channel.strip("~ "), proportional)
+        yield name.strip(), CsvSpec(channel.strip("~ "), proportional)

@@ -53,7 +53,7 @@ OF_START = {"position", "angle", "velocity"}  # of a body: with what it begins
 
 
 @dataclass(frozen=True)
-class Grid:
+class BasinSpec:
     """What is asked: two numbers by their ``paths``, with their ``units`` and values ``x`` and ``y``; ``turns``, the first of them ``dropped``;
     ``series`` at a ``phase`` (1) of the turn, of which there are so many ``steps``; ``exponents``: whether a small difference is watched; so many
     members have ``companions``."""
@@ -91,7 +91,7 @@ class Basins:
     """What is known of each member by number: ``points`` once a turn, shape (turns, series), and ``growth``; no points where it has no start."""
 
     name: str
-    asked: Grid
+    asked: BasinSpec
     points: Mapping[int, Array]
     growth: Mapping[int, Array]
     companions: tuple[Companion, ...] = field(default=())
@@ -231,7 +231,7 @@ def basins(
 def planned(
     mechanism: Mechanism, x: Range, y: Range, count: tuple[int, int], turns: int, dropped: int, series: Sequence[str], phase: float,
     step: float | None, exponents: bool, companions: int, begin: Callable[[Assembly, int], None],
-) -> Grid:  # fmt: skip
+) -> BasinSpec:  # fmt: skip
     """What is asked; ``begin`` sees the model at its own start, and the steps of a turn.
 
     Raises ModelError for numbers that there are not, or that do not leave members side by side.
@@ -253,10 +253,10 @@ def planned(
     begin(first, steps)
     chosen, _ = chosen_series(first, series)
     values = [tuple(np.linspace(low, high, some).tolist()) for (_, low, high), some in zip((x, y), count, strict=True)]
-    return Grid(text, (x[0], y[0]), (units[0], units[1]), values[0], values[1], turns, dropped, chosen, phase, steps, exponents, companions)
+    return BasinSpec(text, (x[0], y[0]), (units[0], units[1]), values[0], values[1], turns, dropped, chosen, phase, steps, exponents, companions)
 
 
-def together(name: str, asked: Grid, known: Mapping[int, tuple[Array, Array]], beside: Sequence[Companion]) -> Basins:
+def together(name: str, asked: BasinSpec, known: Mapping[int, tuple[Array, Array]], beside: Sequence[Companion]) -> Basins:
     """The basins of members."""
     points = {k: one.reshape(-1, len(asked.series)) for k, (one, _) in known.items()}
     return Basins(name, asked, points, {k: one.reshape(-1) for k, (_, one) in known.items()}, tuple(beside))
@@ -265,4 +265,4 @@ def together(name: str, asked: Grid, known: Mapping[int, tuple[Array, Array]], b
 def read_basins(kept: MapFile) -> Basins:
     """The basins in a map file, as far as they are known."""
     said = kept.spec
-    return together(said["name"], Grid(**tupled(said["asked"])), kept.legs(gaps=True), unpacked(kept.array(BESIDE)))
+    return together(said["name"], BasinSpec(**tupled(said["asked"])), kept.legs(gaps=True), unpacked(kept.array(BESIDE)))

@@ -53,7 +53,7 @@ WHAT = "bifurcation"
 
 
 @dataclass(frozen=True)
-class Swept:
+class SweepSpec:
     """What is asked: the number's ``path`` and its ``values`` in the order of the way up, ``turns`` at each, the first of them ``dropped``;
     ``series`` are looked at once a turn at ``phase`` (1) of it; ``steps`` in a turn. ``unit`` is that of the number, ``units`` are those of series.
     ``starts``: numbers of each start from which every value begins; without any the state is carried on, up and down. So many values have
@@ -99,7 +99,7 @@ class Bifurcation:
     """
 
     name: str
-    asked: Swept
+    asked: SweepSpec
     points: Mapping[str, Array]
     growth: Array
     exponents: Array
@@ -164,12 +164,12 @@ class Bifurcation:
 class Legs:
     """What is known of a map: points and growth by the number of a value, of all chains (carried on) or of one (from starts), and companions."""
 
-    asked: Swept
+    asked: SweepSpec
     legs: dict[int, tuple[Array, Array]] = field(default_factory=dict)
     companions: list[Companion] = field(default_factory=list)
 
     @classmethod
-    def of(cls, asked: Swept, kept: MapFile) -> Legs:
+    def of(cls, asked: SweepSpec, kept: MapFile) -> Legs:
         """Those of a file; of what is carried on, up to the first that is missing."""
         legs = kept.legs(gaps=bool(asked.starts))
         return cls(asked, legs, [one for number in legs for one in unpacked(kept.array(f"beside {number}"))])
@@ -215,7 +215,7 @@ class Legs:
 def read_diagram(kept: MapFile) -> Bifurcation:
     """The diagram in a map file, as far as it is known."""
     said = kept.spec
-    asked = Swept(**tupled(said["asked"]))
+    asked = SweepSpec(**tupled(said["asked"]))
     return Legs.of(asked, kept).diagram(said["name"])
 
 
@@ -281,7 +281,7 @@ def bifurcation(
 def planned(
     mechanism: Mechanism, path: str, values: Array, turns: int, dropped: int, series: Sequence[str], phase: float, step: float | None,
     starts: Sequence[Mapping[str, float]], companions: int, begin: Callable[[Assembly, int], None],
-) -> tuple[Swept, list[Assembly]]:  # fmt: skip
+) -> tuple[SweepSpec, list[Assembly]]:  # fmt: skip
     """What is asked, and the model at each value, stepped alike; ``begin`` sees the first of them and the steps of a turn before the others."""
     text = dump(mechanism)
     refuse_idle(mechanism, turns, dropped)
@@ -293,7 +293,7 @@ def planned(
     chosen, units = chosen_series(every[0], series)
     own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)
     unit = unit_at(mechanism, path)
-    return Swept(text, path, tuple(map(float, values)), turns, dropped, chosen, phase, steps, unit, units, own, companions), every
+    return SweepSpec(text, path, tuple(map(float, values)), turns, dropped, chosen, phase, steps, unit, units, own, companions), every
 
 
 def assembled(text: str, path: str, values: Sequence[float], steps: int) -> list[Assembly]:
@@ -307,7 +307,7 @@ def assembled(text: str, path: str, values: Sequence[float], steps: int) -> list
     return [first, *(alone(value) if one is None else one for value, one in zip(rest, together, strict=True))]
 
 
-def refuse(asked: Swept, every: Sequence[Assembly]) -> None:
+def refuse(asked: SweepSpec, every: Sequence[Assembly]) -> None:
     """Raises ModelError where the motion of one value cannot go on at the next, or beside it."""
     for value, one in zip(asked.values, every, strict=True):
         why = side_by_side(every[0], one) if asked.starts else carried_on(every[0], one)
@@ -318,7 +318,7 @@ def refuse(asked: Swept, every: Sequence[Assembly]) -> None:
     refuse_large_frame(every[0])
 
 
-def neighbours(asked: Swept, chain: int) -> Neighbours:
+def neighbours(asked: SweepSpec, chain: int) -> Neighbours:
     """The first model of a chain, a little to both sides; inside the range, so that both can be assembled."""
     low, high = asked.values[0], asked.values[-1]
     span = NEAR * (high - low)
@@ -327,7 +327,7 @@ def neighbours(asked: Swept, chain: int) -> Neighbours:
     return Neighbours(up, down, span)
 
 
-def carried(asked: Swept, every: list[Assembly], known: Legs, kept: MapFile | None) -> Iterator[Leg]:
+def carried(asked: SweepSpec, every: list[Assembly], known: Legs, kept: MapFile | None) -> Iterator[Leg]:
     """The legs that are not known yet, their state carried on from value to value, with companions of some."""
     chains, there = [every, every[::-1]], len(known.legs)
     if there == len(every):
@@ -350,7 +350,7 @@ def carried(asked: Swept, every: list[Assembly], known: Legs, kept: MapFile | No
             yield leg.number, np.stack(points, axis=2).reshape(len(leg.rows), -1), leg.growth, leg.state, leg.beside
 
 
-def anew(asked: Swept, every: list[Assembly], known: Legs, kept: MapFile | None) -> Iterator[Leg]:
+def anew(asked: SweepSpec, every: list[Assembly], known: Legs, kept: MapFile | None) -> Iterator[Leg]:
     """The legs that are not known yet, each from a start of its own; companions of some come before them, so that they are not missing then."""
     near, count = neighbours(asked, 0), len(every)
     if carried_on(every[0], near.up) is not None:  # pins move with the number: a difference by it would open the joints

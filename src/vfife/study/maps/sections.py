@@ -43,7 +43,7 @@ WHAT, DROPPED = "section", 1 / 3
 
 
 @dataclass(frozen=True)
-class Sectioned:
+class SectionSpec:
     """What is asked of a section: ``turns``, the first of them ``dropped``; ``series`` once a turn at a ``phase`` (1), ``steps`` in a turn, and
     ``contacts`` whose onsets are looked at. ``units`` are those of the series."""
 
@@ -67,7 +67,7 @@ class PoincareSection:
     """
 
     name: str
-    asked: Sectioned
+    asked: SectionSpec
     points: Mapping[str, Array]
     growth: Array
     struck: Mapping[str, Mapping[str, Array]]
@@ -139,7 +139,7 @@ def poincare_section(
     job.begin(work.forecast(first, file))
     chosen, units = chosen_series(first, series)
     contacts = struck_contacts(first, joints)
-    asked = Sectioned(dump(mechanism), turns, dropped, chosen, phase, steps, tuple(first.contacts[k] for k in contacts), units)
+    asked = SectionSpec(dump(mechanism), turns, dropped, chosen, phase, steps, tuple(first.contacts[k] for k in contacts), units)
     motion = Sectioning(first, seed(mechanism, first, steps), phase, turns, dropped, contacts)
     with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
         found = [] if kept is None else sectioned(kept)
@@ -176,7 +176,7 @@ def sectioned(kept: MapFile) -> list[tuple[Array, Array, Array]]:
     return found
 
 
-def together(name: str, asked: Sectioned, pieces: Sequence[tuple[Array, Array, Array]]) -> PoincareSection:
+def together(name: str, asked: SectionSpec, pieces: Sequence[tuple[Array, Array, Array]]) -> PoincareSection:
     """The section of pieces."""
     points = np.concatenate([np.zeros((0, len(asked.series))), *(one.reshape(-1, len(asked.series)) for one, _, _ in pieces)])
     growth = np.concatenate([np.zeros(0), *(one.reshape(-1) for _, one, _ in pieces)])
@@ -188,4 +188,4 @@ def together(name: str, asked: Sectioned, pieces: Sequence[tuple[Array, Array, A
 def read_section(kept: MapFile) -> PoincareSection:
     """The section in a map file, as far as it is known."""
     said = kept.spec
-    return together(said["name"], Sectioned(**tupled(said["asked"])), sectioned(kept))
+    return together(said["name"], SectionSpec(**tupled(said["asked"])), sectioned(kept))

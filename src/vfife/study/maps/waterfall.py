@@ -40,7 +40,7 @@ Array = NDArray[np.float64]
 FIRST_LOOK = 20  # runs
 
 
-class Spectral(Lane):
+class SpectrumLane(Lane):
     """A simulation in a lane, of whose ``turns`` the ``last`` are kept, output by output, of each of ``series``."""
 
     def __init__(self, number: int, assembly: Assembly, turns: int, last: int, series: Sequence[str]) -> None:
@@ -85,7 +85,7 @@ LOOKED_AT = 9  # values whose turns are looked at for a forecast
 
 
 @dataclass(frozen=True)
-class Fallen:
+class WaterfallSpec:
     """What is asked: the number's ``path``, its ``unit`` and ``values``; at each ``turns`` turns, of which the ``last`` are transformed under a
     ``window``; ``series`` and their ``units``; ``outputs`` in a turn, orders up to the ``highest``, and the largest ``step`` (s).
     """
@@ -113,7 +113,7 @@ class Waterfall:
     """
 
     name: str
-    asked: Fallen
+    asked: WaterfallSpec
     orders: Array
     turn: Array
     amplitudes: Mapping[str, Array]
@@ -203,7 +203,7 @@ def waterfall(
         found = {} if kept is None else {number: points for number, (points, _) in kept.legs(gaps=True).items()}
         missing = [k for k in range(count) if k not in found]
         try:
-            for one in stepped((Spectral(k, assemblies[k], turns, last, asked.series) for k in missing), max(1, len(missing))):
+            for one in stepped((SpectrumLane(k, assemblies[k], turns, last, asked.series) for k in missing), max(1, len(missing))):
                 points = transformed(one, asked, places)
                 if kept is not None:
                     kept.write_row("legs", one.number, points, np.zeros((0, 1)), np.zeros((0, 1)))
@@ -218,10 +218,10 @@ def waterfall(
 def read_waterfall(file: MapFile) -> Waterfall:
     """The waterfall in a file, as far as it is known."""
     said = file.spec
-    return laid_out(said["name"], Fallen(**tupled(said["asked"])), {number: points for number, (points, _) in file.legs(gaps=True).items()})
+    return laid_out(said["name"], WaterfallSpec(**tupled(said["asked"])), {number: points for number, (points, _) in file.legs(gaps=True).items()})
 
 
-def transformed(one: Spectral, asked: Fallen, places: int) -> Array:
+def transformed(one: SpectrumLane, asked: WaterfallSpec, places: int) -> Array:
     """Amplitudes of each series, shape (series, places); NaN where the motion diverged."""
     if one.doubtful:
         return np.full((len(asked.series), places), math.nan)
@@ -229,7 +229,7 @@ def transformed(one: Spectral, asked: Fallen, places: int) -> Array:
     return np.array(found)
 
 
-def laid_out(name: str, asked: Fallen, found: Mapping[int, Array]) -> Waterfall:
+def laid_out(name: str, asked: WaterfallSpec, found: Mapping[int, Array]) -> Waterfall:
     """The waterfall of members by their numbers."""
     places = round(asked.highest * asked.last) + 1
     every = np.full((len(asked.values), len(asked.series), places), math.nan)
@@ -244,7 +244,7 @@ def laid_out(name: str, asked: Fallen, found: Mapping[int, Array]) -> Waterfall:
 def planned(
     mechanism: Mechanism, path: str, values: Array, turns: int, last: int, series: tuple[str, ...], outputs: int, highest: float, window: str,
     step: float | None,
-) -> tuple[Fallen, list[Assembly]]:  # fmt: skip
+) -> tuple[WaterfallSpec, list[Assembly]]:  # fmt: skip
     """What is asked, and the model at each value."""
     window_of(window, 8)
     faults = []
@@ -275,7 +275,7 @@ def planned(
     if not series:
         raise ModelError([Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")], mechanism.name)
     units = tuple(unit_of(start, name) for name in series)
-    return Fallen(
+    return WaterfallSpec(
         text, path, unit_at(mechanism, path), tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step
     ), assemblies
 

@@ -24,20 +24,20 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump
 from ...results.mapfile import WearFile, WearPoint
 from ...results.store import warn_of_damage
-from ...solvers.interrupts import Halt
+from ...solvers.interrupts import Interrupts
 from ...solvers.record import Record
 from ...solvers.status import Progress
 from ...solvers.transient import choose_loop
 from ...solvers.turn_runner import WearRunner, restepped
 from ..maps.section_series import kept_as, step_count
 from .jumps import GROW, LEAST, Standing, between, jumps
-from .wear_state import Asked, Surface, Worn, plays, rates, shaped, sharpness, smooth, surfaces_of, swing, worn_of
+from .wear_state import Surface, WearSpec, Worn, plays, rates, shaped, sharpness, smooth, surfaces_of, swing, worn_of
 
 Array = NDArray[np.float64]
 FINER = 2  # times as many steps in a turn
 
 
-def beside(asked: Asked, surfaces: Sequence[Surface], blocks: WearRunner, rate: Array, halt: Halt) -> tuple[float, float]:
+def beside(asked: WearSpec, surfaces: Sequence[Surface], blocks: WearRunner, rate: Array, halt: Interrupts) -> tuple[float, float]:
     """How far rates of wear are apart from ``rate`` with half the step: of the volume of all surfaces, and of the deepest place of any, as shares.
 
     Both begin with the state that ``blocks`` are in; what their turns leave open by themselves is in it.
@@ -54,7 +54,7 @@ def beside(asked: Asked, surfaces: Sequence[Surface], blocks: WearRunner, rate: 
     return apart, float(np.abs(around(asked, found - rate)).max()) / largest if largest > 0.0 else 0.0
 
 
-def around(asked: Asked, rate: Array) -> Array:
+def around(asked: WearSpec, rate: Array) -> Array:
     """Rates as the geometry follows them."""
     return smooth(rate, max(asked.harmonics, 1))
 
@@ -94,9 +94,9 @@ def wear(
     report: Any = progress
     job = job_of("wear", file, confirm, progress, lambda one: report(one.done, one.steps, round(wearing.blocks.turns)))
     try:
-        with job, kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept, Halt() as halt:
+        with job, kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept, Interrupts() as halt:
             points, apart = ([], ()) if kept is None else (kept.points(), kept.companion_difference)
-            wearing = Wearing(mechanism, asked, surfaces, halt)
+            wearing = WearSimulation(mechanism, asked, surfaces, halt)
             known = points[-1].told["turns"] if points else 0.0
             if points:
                 job.begin(wearing.forecast(points[-1], file))
@@ -129,7 +129,7 @@ def load_wear(path: str | Path) -> Worn:
         why = f"this wear file is damaged: {'; '.join(file.damage)}" if file.damage else "no point of this wear is known so far"
         raise RunFileError(f"{path}: {why}. {again}")
     warn_of_damage(Path(path), "wear", file.damage, again)
-    return worn_of(said["name"], Asked(**said["asked"]), points, apart)
+    return worn_of(said["name"], WearSpec(**said["asked"]), points, apart)
 
 
 def planned(
@@ -142,7 +142,7 @@ def planned(
     clearance: float | None,
     force: float | None,
     step: float | None,
-) -> tuple[Asked, list[Surface]]:
+) -> tuple[WearSpec, list[Surface]]:
     """What is asked, and the surfaces that wear. Raises ModelError with all that is wrong."""
     surfaces, faults = surfaces_of(mechanism), []
     if turn_of(mechanism) is None:
@@ -161,13 +161,13 @@ def planned(
     if faults:
         raise ModelError(faults, mechanism.name)
     steps = -(-step_count([mechanism], step) // PLACES) * PLACES
-    return Asked(dump(mechanism), float(turns), block, settle, tolerance, harmonics, clearance, force, steps), surfaces
+    return WearSpec(dump(mechanism), float(turns), block, settle, tolerance, harmonics, clearance, force, steps), surfaces
 
 
-class Wearing:
+class WearSimulation:
     """Wear under way: the blocks, and what becomes of the depths that they tell."""
 
-    def __init__(self, mechanism: Mechanism, asked: Asked, surfaces: list[Surface], halt: Halt) -> None:
+    def __init__(self, mechanism: Mechanism, asked: WearSpec, surfaces: list[Surface], halt: Interrupts) -> None:
         self.asked, self.surfaces = asked, surfaces
         model = shaped(mechanism, surfaces, asked.harmonics)
         turn = turn_of(model) or 0.0
@@ -265,7 +265,7 @@ class Wearing:
         }  # fmt: skip
 
 
-def over(asked: Asked, told: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:
+def over(asked: WearSpec, told: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:
     """Why a life ends here, after how many turns; nothing where it does not. Between two points a force changes evenly."""
     for joint, play, force in zip(told["joints"], told["play"], told["force"], strict=True):
         if asked.clearance is not None and play >= asked.clearance * (1.0 - 1e-9):

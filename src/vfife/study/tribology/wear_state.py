@@ -45,7 +45,7 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class Asked:
+class WearSpec:
     """What is asked of wear: see :func:`~vfife.study.tribology.simulate_wear.wear`; ``steps`` in a turn."""
 
     model: str
@@ -73,7 +73,7 @@ class Worn:
     """
 
     name: str
-    asked: Asked
+    asked: WearSpec
     surfaces: tuple[Surface, ...]
     joints: tuple[str, ...]
     turns: Array
@@ -257,7 +257,7 @@ def sharpness(found: Sequence[Surface], depth: Array, harmonics: int) -> float:
     return max(bent[joint] / play[joint] for joint in bent)
 
 
-def worn_of(name: str, asked: Asked, points: Sequence[WearPoint], beside: Sequence[float] = ()) -> Worn:
+def worn_of(name: str, asked: WearSpec, points: Sequence[WearPoint], beside: Sequence[float] = ()) -> Worn:
     """What the points tell."""
     found = surfaces_of(loads(asked.model))
     own = np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
