@@ -5,7 +5,7 @@ import pytest
 import mechanisms
 from support import go
 from vfife.result import Result
-from vfife.results.channel import FRAMES
+from vfife.results.channels import FRAMES
 
 DIRECTED = ("_x", "_y", "angle", "theta", "_ax", "_ay", "_aw", "_u", "_v", "_w", "_vx", "_vy")
 

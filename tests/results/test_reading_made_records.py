@@ -14,10 +14,10 @@ from support import four_bar
 from vfife.errors import VfifeError
 from vfife.results.channels import channels, entities
 from vfife.results.connections import unwritten
-from vfife.results.reductions import Reductions, joined, turn_of
 from vfife.results.runfile import RunFile, missing
+from vfife.results.series import joined
 from vfife.results.spectra import PARTS, length_of, sampled
-from vfife.results.view import View
+from vfife.results.view import Reductions, View, turn_of
 
 SPEED, OUTPUTS, TURNS = 100.0, 40, 12
 TURN = math.tau / SPEED

@@ -9,7 +9,7 @@ import pytest
 
 import vfife
 from study.studies import BASE
-from vfife.results.reductions import REDUCED
+from vfife.results.series import REDUCED
 
 STEP = 0.04 / 720 / 6  # of a turn of 0.04 s
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..files import replacement
 from .formats import arrow, write_as, write_parquet
 from .netcdf import write_netcdf
-from .wide import Column, columns
+from .series import Column, columns
 
 if TYPE_CHECKING:
     from .view import View
@@ -55,7 +55,7 @@ def _matlab(view: View, path: Path) -> None:
     units: dict[str, Any] = {}
     names = Names()
     for one in columns(view, fine=True):
-        where, said = (found, units) if not one.noun else (found.setdefault(names[one.noun], {}), units.setdefault(names[one.noun], {}))
+        where, said = (found, units) if not one.owner else (found.setdefault(names[one.owner], {}), units.setdefault(names[one.owner], {}))
         key = names[of_itself(one)]
         where[key], said[key] = np.asarray(one.values, dtype=float), one.unit
     about = {names[key]: value if isinstance(value, float) else str(value) for key, value in view.attributes.items()}
@@ -65,7 +65,7 @@ def _matlab(view: View, path: Path) -> None:
 
 def of_itself(one: Column) -> str:
     """What a column is called where its noun is said already."""
-    return one.name if not one.noun else one.quantity
+    return one.name if not one.owner else one.quantity
 
 
 class Names(dict[str, str]):

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..analysis.spectral import SHORTEST, analytic, averaged, frequencies_of, resolution_of, samples, short_time
 from ..errors import VfifeError, suggestion
 from ..solvers.repeating import outputs_of_a_turn
-from .channels import entities
 from .csvtable import write_rows
 
 if TYPE_CHECKING:
@@ -194,12 +193,10 @@ def sampled(view: View, name: str) -> Sampled:
     steps = np.diff(record.steps[1:])
     if len(steps) < SHORTEST or (steps != steps[0]).any():
         raise VfifeError(f"a spectrum takes {SHORTEST + 1} outputs at even times; this run has {len(record.steps)}, or some are lost")
-    variable, entity, label = view.series.place(name)
-    channel = view.channels[variable]
-    values = channel.values if entity is None else channel.values[:, entities(view.record)[entity].index(label)]
+    column = view.series.column(name)
     choice = record.assembly.choice
     turn = choice.turn if outputs_of_a_turn(record.assembly) is not None else None
-    return Sampled(np.asarray(values[1:], dtype=float), float(steps[0]) * choice.step, float(view.time[1]), turn, channel.unit)
+    return Sampled(np.asarray(column.values[1:], dtype=float), float(steps[0]) * choice.step, float(view.time[1]), turn, column.unit)
 
 
 def length_of(one: Sampled, seconds: float | None, turns: float | None) -> int | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,17 +16,16 @@ from ..analysis.elastic import along
 from ..analysis.guides import PointMotion, point_motion
 from ..analysis.motion import times
 from ..analysis.ranges import counted
-from ..analysis.turns import Turns
+from ..analysis.turns import Turns, part_of
 from ..assembly.assembled import Assembly
+from ..errors import VfifeError
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
-from . import wide
-from .channel import Channel
-from .channels import channels, entities
+from ..solvers.repeating import LONGEST, outputs_of_a_turn
+from .channels import Channel, channels, entities
 from .provenance import sources, versions
-from .series import Series
+from .series import REDUCED, REDUCTION, Series, dataset_of, frame, joined
 from .spectra import Envelope, Spectrogram, Spectrum, envelope, length_of, sampled, spectrogram, spectrum
-from .turns import latest_turns
 
 if TYPE_CHECKING:
     import pandas
@@ -149,7 +150,7 @@ class View:
 
     @cached_property
     def turns(self) -> xarray.Dataset:
-        """The latest turns laid over each other, over ``turn`` and ``crank_angle``: see :func:`vfife.results.turns.latest_turns`."""
+        """The latest turns laid over each other, over ``turn`` and ``crank_angle``: see :func:`vfife.results.view.latest_turns`."""
         return latest_turns(self)
 
     @cached_property
@@ -160,7 +161,7 @@ class View:
     @cached_property
     def series(self) -> Series:
         """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which ``C.force.max`` is a measure."""
-        return Series(self.channels, entities(self.record), lambda: self.data)
+        return Series(self)
 
     def spectrum(
         self, name: str, *, window: str = "hann", seconds: float | None = None, turns: float | None = None, overlap: float = 0.5
@@ -191,15 +192,15 @@ class View:
 
     def joint(self, name: str) -> xarray.Dataset:
         """All about one joint over time, by quantity: ``result.joint("C").force``. Raises VfifeError for a name that no joint has."""
-        return wide.about(self, name, "joint", wide.JOINTS)
+        return dataset_of(self, name, "joint")
 
     def body(self, name: str) -> xarray.Dataset:
         """All about one body over time, by quantity, its elements and particles with it. Raises VfifeError for a name that no body has."""
-        return wide.about(self, name, "body", wide.BODIES)
+        return dataset_of(self, name, "body")
 
     def spring(self, name: str) -> xarray.Dataset:
         """All about one spring, stop or bushing over time, by quantity. Raises VfifeError for a name that none has."""
-        return wide.about(self, name, "spring", wide.SPRINGS)
+        return dataset_of(self, name, "spring")
 
     def to_dataframe(self, *names: str, units: bool = True, fine: bool = False) -> pandas.DataFrame:
         """One table for pandas: a row an output, the time as its index, a column a series, ``C.force [N]``; without ``units``, ``C.force``.
@@ -207,7 +208,7 @@ class View:
         ``names``: joints, bodies and springs; all of them unless some are named. ``fine``: elements and particles too. Units and meanings by column
         are in ``attrs``. Raises VfifeError for a name that nothing has.
         """
-        return wide.frame(self, names, units, fine)
+        return frame(self, names, units, fine)
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -235,3 +236,64 @@ def standing(assembly: Assembly) -> View:
     """A mechanism as it starts, of which nothing was run."""
     kept = recorded_rows(assembly)
     return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept))
+
+
+def latest_turns(view: View) -> xarray.Dataset:
+    """The channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of a turn, ...): the turns that its measures are of, and the
+    last eight at least, as far as there are so many.
+
+    A turn is counted from 1 and ends where the next one begins; its angle (degrees) is that from the last whole turn of the crank before its begin.
+    Raises VfifeError where there is no whole turn of a crank at constant speed, or the step does not divide it.
+    """
+    said, outputs, angle = view.motion, outputs_of_a_turn(view.record.assembly), view.crank_angle
+    if said is None or outputs is None or angle is None:
+        raise VfifeError(
+            f"{view.name}: there are no turns to lay over each other: that takes a crank at constant speed, a run of a turn at the least, and a "
+            'step that divides a turn ("auto" does); result.data has all of the run over time'
+        )
+    first = min(said.first, max(1, said.count - LONGEST + 1))
+    numbers = np.arange(first, said.count + 1)
+    window = slice((first - 1) * outputs + 1, said.count * outputs + 1)
+    begin = angle[(said.count - 1) * outputs]
+    over = angle[(said.count - 1) * outputs + 1 : said.count * outputs + 1] - 360.0 * np.floor(begin / 360.0 + 1e-6)
+    data = view.data.isel(time=window).drop_vars(("time", "crank_angle"), errors="ignore")
+    time = view.time[window].reshape(len(numbers), outputs)
+    shaped = {name: one for name, one in data.variables.items() if "time" in one.dims}
+    found = data.drop_dims("time").assign_coords(
+        turn=("turn", numbers, {"units": "1", "long_name": "turn of the run, counted from 1"}),
+        crank_angle=("crank_angle", over, {"units": "deg", "long_name": f"angle of {view.crank}"}),
+        time=(("turn", "crank_angle"), time, {"units": "s", "long_name": "time"}),
+    )
+    dims = ("turn", "crank_angle")
+    found = found.assign({
+        str(name): ((*dims, *one.dims[1:]), one.values.reshape(len(numbers), outputs, *one.shape[1:]), one.attrs) for name, one in shaped.items()
+    })  # fmt: skip
+    return found.assign_attrs(motion=said.motion, measures_of=part_of(view.record, said))
+
+
+class Reductions:
+    """Those of some names that are reductions: what each takes of which channel."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.asked = {name: (found[1], found[2]) for name in names if (found := REDUCTION.fullmatch(name))}
+
+    def over(self, turns: Sequence[Record]) -> dict[str, float]:
+        """Each over all the turns together, records of which the next begins with the last output of the one before.
+
+        Of a record that is longer than a turn its last turn counts. What happens between two outputs is not seen. A channel that a mechanism
+        does not have is left out, and so is what is not finite.
+        """
+        parts = [View(one) for one in turns]
+        own = [turn_of(one) for one in turns]
+        time = joined([times(one)[at:] for one, at in zip(turns, own, strict=True)])
+        found: dict[str, float] = {}
+        for name, (how, channel) in self.asked.items():
+            if channel in parts[0].series and len(time) > 1:
+                values = [np.asarray(one.series.column(channel).values[at:], dtype=float) for one, at in zip(parts, own, strict=True)]
+                found[name] = REDUCED[how](time, joined(values))
+        return {name: value for name, value in found.items() if math.isfinite(value)}
+
+
+def turn_of(record: Record) -> int:
+    """The output with which the last turn of a record begins."""
+    return max(int(np.argmax(last_turn(record))) - 1, 0)

@@ -25,7 +25,7 @@ from ..model.mechanism import Mechanism
 from ..model.polynomials import Polynomials
 from ..model.validate import validate
 from ..result import Result
-from ..results.channels import RECORDED, entities
+from ..results.channels import RECORDED
 from ..results.view import View
 from ..simulation import StartFrom, assembled_at
 from ..solvers.arguments import Arguments, Loop
@@ -275,9 +275,8 @@ class Simulation:
             series = self._view().series
             if name not in series:
                 raise VfifeError(f"there is no channel {shown(name)}: {suggestion(str(name), series, 'sim.channels has their names')}")
-            variable, entity, noun = series.place(name)
-            index = None if entity is None else entities(self._view().record)[entity].index(noun)
-            self._readers[name] = self._row(variable, entity, noun, index) or self._derived(variable, index)
+            one = series.column(name)
+            self._readers[name] = self._row(one.variable, one.entity, one.owner, one.index) or self._derived(one.variable, one.index)
         return self._readers[name]
 
     def _row(self, variable: str, entity: str | None, noun: str, index: int | None) -> Callable[[], float] | None:

@@ -28,7 +28,7 @@ from ..model.mechanism import Mechanism
 from ..model.validate import Checks, across
 from ..modelfile import dump, loads
 from ..modelfile.paths import parsed, resolve
-from ..results.reductions import Reductions
+from ..results.view import Reductions
 from ..simulation import ideal_of
 from ..solvers.status import Status
 from ..solvers.transient import run

@@ -23,7 +23,7 @@ from ..modelfile import dump, loads
 from ..modelfile.paths import parsed
 from ..results.member_errors import sample_of
 from ..results.provenance import own_laws, versions
-from ..results.reductions import REDUCTION
+from ..results.series import REDUCTION
 from ..results.studied import Study, unit_of
 from ..results.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..results.view import standing
@@ -67,7 +67,7 @@ def units_of(measures: Sequence[str], base: Mechanism) -> dict[str, str]:
     view = standing(assemble(base)) if reduced else None
     found = {name: unit_of(name) for name in measures}
     if view is not None:
-        found |= {name: view.channels[view.series.place(channel)[0]].unit for name, channel in reduced.items()}
+        found |= {name: view.series.column(channel).unit for name, channel in reduced.items()}
     return found
 
 

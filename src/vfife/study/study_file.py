@@ -21,7 +21,7 @@ from ..modelfile import dump, loads
 from ..modelfile.jsonschema import DIALECT, noun_table
 from ..modelfile.read import load, raw_of, text_of
 from ..modelfile.tables import Raw, Table
-from ..results.reductions import REDUCTION
+from ..results.series import REDUCTION
 from ..results.studied import UNITS
 from ..results.view import View, standing
 from .engine import Wanted

@@ -20,10 +20,9 @@ from ...errors import VfifeError
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import loads
-from ...results.channel import Channel
-from ...results.channels import MADE, entities, recorded
+from ...results.channels import MADE, Channel, recorded
+from ...results.series import Column, columns
 from ...results.view import View, standing
-from ...results.wide import columns
 from ...solvers.record import Record
 from ...solvers.streaming import Lane, stepped
 from ..member import Wanted
@@ -67,26 +66,26 @@ class Channels:
 
     def __init__(self, mechanism: Mechanism, names: Sequence[str]) -> None:
         series = standing(assemble(mechanism)).series
-        self.places = [series.place(name) if name in series else None for name in names]
+        self.columns = [series.column(name) if name in series else None for name in names]
         self.names = tuple(names)
 
     def read(self, record: Record) -> Array:
         """Values of shape (outputs, channels)."""
         known: dict[str, Mapping[str, Channel]] = {}
-        return np.stack([self._one(record, name, place, known) for name, place in zip(self.names, self.places, strict=True)], axis=1)
+        return np.stack([self._one(record, name, column, known) for name, column in zip(self.names, self.columns, strict=True)], axis=1)
 
-    def _one(self, record: Record, name: str, place: tuple[str, str | None, str] | None, known: dict[str, Mapping[str, Channel]]) -> Array:
-        if place is None:
+    def _one(self, record: Record, name: str, column: Column | None, known: dict[str, Mapping[str, Channel]]) -> Array:
+        if column is None:
             point, _, what = name.rpartition(".")
             return point_values(record, point, what)
-        variable, entity, label = place
+        variable, entity = column.variable, column.entity
         if entity is None:
             return np.asarray(View(record).channels[variable].values, dtype=float)
         if entity not in known:
             known[entity] = recorded(record, entity)
         if variable not in known[entity]:
             known[entity] = {**known[entity], **MADE[entity](record)}
-        return np.asarray(known[entity][variable].values[:, entities(record)[entity].index(label)], dtype=float)
+        return np.asarray(known[entity][variable].values[:, column.index], dtype=float)
 
 
 def point_values(record: Record, point: str, what: str) -> Array:
@@ -100,8 +99,7 @@ def point_values(record: Record, point: str, what: str) -> Array:
 def units_of(mechanism: Mechanism) -> dict[str, str]:
     """Unit of every channel that a curve may be of."""
     assembly = assemble(mechanism)
-    found = {one.name: one.unit for one in columns(standing(assembly)) if one.noun}
-    found |= {one.name: one.unit for one in columns(standing(assembly)) if not one.noun and one.name not in ("time", "crank_angle")}
+    found = {one.name: one.unit for one in columns(standing(assembly)) if one.name not in ("time", "crank_angle")}
     for name, where in assembly.bodies.items():
         for pin in where.nodes if where.elements else where.pins:
             found |= {f"{name}.{pin}.{what}": unit for what, unit in MOVED.items()}

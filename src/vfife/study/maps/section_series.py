@@ -24,7 +24,6 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, numbers
 from ...result import Result
-from ...results.channels import entities
 from ...results.lock import Lock
 from ...results.mapfile import MapFile
 from ...results.store import Store
@@ -116,10 +115,7 @@ def looked(assembly: Assembly, kept: NDArray[np.uint32], rows: Array, series: Se
         return found
     result = Result(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, kept))
     for j, name in enumerate(series):
-        variable, entity, label = result.series.place(name)
-        values = result.channels[variable].values
-        place = entities(result.record)[entity].index(str(label)) if entity is not None else 0
-        found[:, j] = values[:, place] if entity is not None else values
+        found[:, j] = result.series.column(name).values
     return found
 
 
@@ -222,7 +218,7 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
 
 def unit_of(start: View, series: str) -> str:
     """Unit of a series."""
-    return start.channels[start.series.place(series)[0]].unit
+    return start.series.column(series).unit
 
 
 def seed(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbours:

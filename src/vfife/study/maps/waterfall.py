@@ -21,7 +21,6 @@ from ...job.job import job_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
-from ...results.channels import entities
 from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
 from ...results.spectra import spectrum
@@ -71,12 +70,7 @@ class SpectrumLane(Lane):
 def values_of(assembly: Assembly, rows: Array, kept: NDArray[np.uint32], series: Sequence[str], every: int) -> Array:
     """Series of outputs that follow each other, shape (series, outputs)."""
     view = View(Record(assembly, np.arange(len(rows), dtype=np.int64) * every, rows, kept))
-    names, found = entities(view.record), []
-    for name in series:
-        variable, entity, label = view.series.place(name)
-        values = view.channels[variable].values
-        found.append(values if entity is None else values[:, names[entity].index(label)])
-    return np.array(found, dtype=float)
+    return np.array([view.series.column(name).values for name in series], dtype=float)
 
 
 WHAT = "waterfall"
