@@ -31,7 +31,7 @@ TITLES = {
 
 def told() -> list[dict[str, Any]]:
     """All laws, as the command line has them."""
-    from vfife.cli.laws import described
+    from vfife.report.laws import described
 
     return [law for law in described() if not law["own"]]
 
@@ -55,7 +55,7 @@ def pictures(folder: Path) -> None:
 
 def section(law: dict[str, Any]) -> str:
     """A law on its page."""
-    from vfife.cli.laws import limits
+    from vfife.report.laws import limits
 
     name, kind = law["name"], law["kind"]
     parts = [f"### {name}", f"```text\n{law['formula']}\n```"]

@@ -5,10 +5,10 @@ import random
 
 import pytest
 
-from vfife.cli.check import freedom
 from vfife.kinematics.grashof import classified, grashof
 from vfife.kinematics.initial import ideal_motion
 from vfife.model.mechanism import Mechanism
+from vfife.report.check import freedom_words
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_a_four_bar_is_found_with_its_lengths():
 
 def test_the_check_tells_a_change_point():
     flat = ideal_motion(four_bar(0.3, 0.2, 0.3, 0.2)).mobility
-    said = " ".join(freedom({**vars(flat), "four_bar": "parallelogram", "shared": []}))
+    said = " ".join(freedom_words({**vars(flat), "four_bar": "parallelogram", "shared": []}))
     assert "singular position" in said
     assert flat.singular
     m = four_bar(0.3, 0.2, 0.3, 0.2)
@@ -78,4 +78,4 @@ def test_the_check_tells_a_change_point():
         object.__setattr__(m.bodies[name], "angle", math.radians(40.0))
     away = ideal_motion(m).mobility
     assert away.singular == ()
-    assert "singular" not in " ".join(freedom({**vars(away), "four_bar": None, "shared": []}))
+    assert "singular" not in " ".join(freedom_words({**vars(away), "four_bar": None, "shared": []}))

@@ -17,7 +17,7 @@ from vfife.live.patches import Patched, patched
 from vfife.live.studied import mechanism, study_page
 from vfife.live.together import together, turned
 from vfife.model.functions import turn_of
-from vfife.report.studypage import document
+from vfife.report.pages import study_page as document
 
 EVIL = "</script><script>alert(1)</script><b>"
 

@@ -24,7 +24,7 @@ from vfife.model.springs import ForceElement
 from vfife.model.validate import validate
 from vfife.modelfile import dump, loads
 from vfife.plots import figures
-from vfife.report import described
+from vfife.report import check as described
 from vfife.result import Result
 from vfife.solvers.transient import run
 

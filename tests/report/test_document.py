@@ -14,7 +14,9 @@ from vfife import gallery
 from vfife.cli.app import app
 from vfife.live import cell
 from vfife.modelfile import dump, load
-from vfife.report.document import as_given, document, found, trust
+from vfife.report.html import elements
+from vfife.report.pages import as_given, found, trust
+from vfife.report.pages import run_page as document
 from vfife.result import Result
 
 NAME = "<script>alert(1)</script> & <b>bold</b> </iframe>"
@@ -94,7 +96,7 @@ def test_every_caution_of_the_summary_is_in_it() -> None:
 def test_a_fact_stands_where_it_belongs() -> None:
     """Laws take several lines, of which the first alone has a name; they are derived parameters, and no matter of trust."""
     told = run().summary | {"remarks": ["a remark on a law"]}
-    assert not any("a remark on a law" in one or "lankarani" in one for one in (found(run(), told), trust(told)))
+    assert not any("a remark on a law" in one or "lankarani" in one for one in (elements(found(told)), elements(trust(told))))
     assert "law" in page().texts["th"] and any("Lankarani" in cell for cell in page().texts["td"])
 
 
@@ -102,19 +104,19 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
     path = tmp_path / "given.toml"
     path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
     kept = dump(load(path))
-    assert "It gives the numbers above." in as_given(kept, str(path))
+    assert "It gives the numbers above." in elements(as_given(kept, str(path)))
     result = vfife.simulate(load(path), turns=0.01, companions=0, reference=False, loop="data-driven")
     result.report(tmp_path / "report.html", running=False)
     said = (tmp_path / "report.html").read_text("utf-8")
     assert "Read from given.toml." in said and "given.toml as it reads now" in said and str(tmp_path) not in said and "<iframe" not in said
-    assert "It gives other numbers" in as_given(kept.replace("0.15", "0.16"), str(path))
-    assert "not there any more" in as_given(kept, str(tmp_path / "gone.toml")) and as_given(kept, None) == ""
+    assert "It gives other numbers" in elements(as_given(kept.replace("0.15", "0.16"), str(path)))
+    assert "not there any more" in elements(as_given(kept, str(tmp_path / "gone.toml"))) and as_given(kept, None) == []
 
 
 def test_equilibria_have_a_report() -> None:
     result = vfife.simulate(gallery.toggle_press())
     said = Page(document(result, {}, None, None))
-    assert "load factor" in " ".join(said.texts["pre"]).lower() and "Trust" not in said.texts["h2"]
+    assert "load factor" in " ".join(said.texts["th"]) and "Trust" not in said.texts["h2"]
 
 
 def test_the_command_writes_one_file_and_replaces_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

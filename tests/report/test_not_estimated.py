@@ -15,7 +15,7 @@ from support import with_settings
 from vfife import gallery
 from vfife.plots.notebook import result_html
 from vfife.report.digits import bounds, estimated
-from vfife.report.document import document
+from vfife.report.pages import run_page as document
 from vfife.report.summary import show
 from vfife.result import Result
 

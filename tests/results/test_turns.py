@@ -20,8 +20,7 @@ from vfife.analysis.ranges import over_turns
 from vfife.errors import ModelError, VfifeError
 from vfife.report.digits import amount, decimals, measured, percent, plain, prefixed
 from vfife.report.summary import show
-from vfife.report.trust import verdict
-from vfife.report.turns import stray
+from vfife.report.trust import stray, verdict
 from vfife.result import Result
 
 OUTPUTS = 200

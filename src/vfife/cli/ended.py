@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,7 +14,7 @@ from ..results.lock import holder
 from ..solvers.status import Status
 from .options import JsonOption, RunArgument
 from .signals import NOW
-from .terminal import amount_of_bytes, errors, output, print_json, sentences, span, writing
+from .terminal import amount_of_bytes, answer, errors, sentences, writing
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -27,16 +27,9 @@ def info(run: RunArgument, check: CheckOption = False, as_json: JsonOption = Fal
     """What a run file holds, also that of a run that was interrupted or killed."""
     with sentences(str(run)):
         found = contents(find_run(run), check)
-    if as_json:
-        print_json(found)
-        return
-    from rich.table import Table
-    from rich.text import Text
+    from ..report import runfile
 
-    table = Table.grid(padding=(0, 2))
-    for name, text in lines(found):
-        table.add_row(Text(name, style="cyan"), Text(text))
-    output().print(table)
+    answer(runfile.info(found), as_json)
 
 
 def contents(path: Path, check: bool = True) -> dict[str, Any]:
@@ -77,50 +70,6 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
         "events": [{"step": step, "time": time, "text": text} for step, time, text in events],
         "summary": meta.get("summary"),
     }
-
-
-def lines(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """The same for people: names and texts."""
-    yield "Run file", f"{found['file']}, {amount_of_bytes(found['bytes'])}"
-    yield "Model", f"{found['model']}" + (f", from {found['source']}" if found["source"] else "")
-    ending = f", finished {found['finished']}" if found["finished"] else ": killed; what it wrote is whole, and vfife resume goes on with it"
-    if found["written_by"]:
-        ending = f"; {found['written_by']} is at work on it"
-    yield "Status", f"{found['status']}; begun {found['created']}{ending}"
-    if found["step"] and found["static"]:
-        yield "Load factors", f"{found['steps']:,} of {found['steps_planned']:,}"
-    elif found["step"]:
-        time = found["steps"] * found["step"]
-        turns = f" = {time / found['turn']:.4g} turns" if found["turn"] else ""
-        yield "Steps", f"{found['steps']:,} of {found['steps_planned']:,}, of {found['step']:.6g} s: {time:.6g} s{turns}"
-    yield "Outputs", f"{found['outputs']:,}, of {len(found['channels'])} kinds of numbers each"
-    yield "Checkpoint", in_words(found["checkpoint"])
-    yield "Reference", "the ideal mechanism is kept beside it" if found["reference"] else "none"
-    wall = f", {span(found['wall_s'])}" if found["wall_s"] else ""
-    versions = ", ".join(f"{name} {version}" for name, version in found["versions"].items())
-    yield "Computed by", f"{found['loop']} loop{wall}; {versions}"
-    for name, source in found["laws"].items():
-        yield "Law", f"{name}: {source}"
-    for law in found["own_laws"]:
-        text = "its text is kept here (--json prints it)" if law["text"] else "its text could not be kept"
-        yield "Own law", f"{law['name']} ({law['kind']}), from {law['file']}: {text}; reading this run does not run it"
-    if found["damage"]:
-        yield "Damage", f"{', '.join(found['damage'])} cannot be read"
-    if not found["checked"]:
-        yield "Outputs", "are not looked at for damage in so large a file; --check does, and so does whatever reads them"
-    for event in found["events"]:
-        yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
-    if part := (found["summary"] or {}).get("part"):
-        yield "Measures", f"{part}; counts, shares and energies are those of the whole run; in SI units, lip in %"
-    from ..report.digits import bounds, plain
-
-    for name in (found["summary"] or {}).get("measures") or {}:
-        yield "Measure", f"{name} = {plain(found['summary'], name)} ({bounds(found['summary'], name)})"
-
-
-def in_words(step: int | None) -> str:
-    """A checkpoint in words."""
-    return "none" if step is None else f"step {step:,}"
 
 
 ENDINGS = (".csv", ".nc", ".nc4", ".h5", ".mat", ".parquet", ".svg", ".pdf", ".png")  # as Result.export has them; a test compares

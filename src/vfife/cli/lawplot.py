@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .options import overrides, positive
-from .terminal import grid, output, row
 
 if TYPE_CHECKING:
     from ..laws import Law, Pair
@@ -96,27 +95,6 @@ def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[
         loops = {f"{share:g}": presliding(law, pair, normal, share * reach) for share in (0.5, 1.0, 3.0)}
     title = f"{law.name}: normal force {normal:g} N"
     return found, {"title": title, "speeds": speeds, "forces": forces, "loops": loops, "normal": normal}
-
-
-def show(found: dict[str, Any]) -> None:
-    """The numbers for people."""
-    from rich.text import Text
-
-    console = output()
-    if "impacts" in found:
-        console.print(Text(f"Free impact of {found['mass']:g} kg at {found['speed']:g} m/s"))
-        table = grid("restitution asked for", "delivered", "deepest, µm", "largest force, N", "time in contact, µs", right=(0, 1, 2, 3, 4))
-        for one in found["impacts"]:
-            asked = "-" if one["restitution"] is None else f"{one['restitution']:.2f}"
-            row(table, asked, f"{one['delivered']:.4f}", f"{1e6 * one['deepest']:.4g}", f"{one['force']:,.5g}", f"{1e6 * one['time']:.4g}")
-    else:
-        console.print(Text(f"Steady sliding under a normal force of {found['normal_force']:g} N"))
-        table = grid("sliding velocity, m/s", "resisting force, N", "over the normal force", right=(0, 1, 2))
-        for one in found["steady"]:
-            row(table, f"{one['speed']:g}", f"{one['force']:.5g}", f"{one['force'] / found['normal_force']:.5f}")
-    console.print(table)
-    if "breakaway" in found:
-        console.print(Text(f"Pulled slowly from rest, it reaches 95 % of its largest force after {1e6 * found['breakaway']:.4g} µm."))
 
 
 def target_of(asked: Path | None, name: str) -> Path:

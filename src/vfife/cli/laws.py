@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from .options import JsonOption, LawsOption, positive, take_laws
-from .terminal import fail, grid, output, print_json, row, sentences, writing
+from .terminal import answer, fail, sentences, writing
 
 Size = Annotated[str, typer.Option(metavar="LENGTH", help="Of the pair of surfaces.")]
 MaterialOption = Annotated[str, typer.Option("--material", metavar="NAME", help='Of both surfaces, or "bearing,journal"; see `vfife materials`.')]
@@ -49,14 +47,9 @@ def laws(
             pair_of = (clearance, bearing_radius, axial_length, material)
             sizes = positive("--mass", mass, "kg"), positive("--speed", speed, "m/s"), positive("--normal-force", normal_force, "N")
             found = [{**law, **by_itself(law, pair_of, sizes, set_, picture)} for law in found]
-    if as_json:
-        print_json(found)
-        return
-    if name is None and not long:
-        show_list(found)
-        return
-    for law in found:
-        show(law)
+    from ..report.laws import law_details, law_list
+
+    answer((law_list if name is None and not long else law_details)(found), as_json)
 
 
 def tried(own: list[str]) -> dict[str, str]:
@@ -74,6 +67,8 @@ def tried(own: list[str]) -> dict[str, str]:
 
 def chosen(name: str | None, own: list[str]) -> list[dict[str, Any]]:
     """The laws to tell of: those of a name, else all."""
+    from ..report.laws import described
+
     found = list(described())
     if name is None:
         return found
@@ -103,77 +98,3 @@ def by_itself(law: dict[str, Any], pair_of: tuple[str, ...], sizes: tuple[float,
     with writing(str(target), "What was there is as it was."):
         drawn(law["kind"], target, **what)
     return {"derived": noun.derived(pair), "units": noun.units(pair), "numbers": numbers, "picture": str(target)}
-
-
-def described() -> Iterator[dict[str, Any]]:
-    """Every law, contact laws first, in the order of their names."""
-    from ..laws import ContactLaw, FrictionLaw
-    from ..laws.law import built_in
-
-    for kind, base in (("contact", ContactLaw), ("friction", FrictionLaw)):
-        for name, law in sorted(base.registry.items()):
-            yield {
-                "name": name,
-                "kind": kind,
-                "own": not built_in(law),
-                "source": law.source,
-                "formula": law.formula,
-                "parameters": [parameter(field) for field in dataclasses.fields(law)],
-                "slots": list(law.slots),
-            }
-
-
-def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    """A parameter of a law; a default of null is derived from the surfaces, and there is none where a value has to be given."""
-    entry = {"name": field.name, "unit": field.metadata.get("unit", "1"), "meaning": field.metadata.get("meaning", "")}
-    entry |= {limit: field.metadata[limit] for limit in ("above", "low", "high") if field.metadata.get(limit) is not None}
-    return entry if field.default is dataclasses.MISSING else {**entry, "default": field.default}
-
-
-def limits(one: dict[str, Any]) -> str:
-    """Limits of a parameter in words."""
-    words = {"above": "above", "low": "at least", "high": "at most"}
-    return ", ".join(f"{words[limit]} {one[limit]:g}" for limit in words if limit in one)
-
-
-def show_list(found: list[dict[str, Any]]) -> None:
-    """A line for each law, and how to see more of it."""
-    from rich.text import Text
-
-    console, widest = output(), max(len(law["name"]) for law in found) + 2
-    for kind in ("contact", "friction"):
-        console.print(Text(f"{kind.capitalize()} laws", style="bold"))
-        for law in found:
-            if law["kind"] == kind:
-                line = Text.assemble((law["name"].ljust(widest), "cyan"), "(your own) " * law["own"], " ".join(law["source"].split()))
-                console.print(line, no_wrap=True, overflow="ellipsis")
-    console.print(Text("Formula, parameters and limits of one: vfife laws NAME; by itself in numbers and a picture: vfife laws NAME --plot."))
-
-
-def show(law: dict[str, Any]) -> None:
-    """A law for people."""
-    from rich.padding import Padding
-    from rich.text import Text
-
-    console = output()
-    console.print(Text.assemble((law["name"], "bold"), f"  ({law['kind']} law{', your own' if law['own'] else ''})"))
-    console.print(Padding(Text(law["formula"], style="cyan"), (0, 0, 0, 2)))
-    console.print(Padding(Text(law["source"]), (0, 0, 0, 2)))
-    if "compared" in law:
-        console.print(Padding(Text(f"Compared: {law['compared']}."), (0, 0, 0, 2)))
-    if law["parameters"]:
-        table = grid("parameter", "unit", "default", "limits", "meaning")
-        for one in law["parameters"]:
-            default = "derived" if one.get("default", "to be given") is None else one.get("default", "to be given")
-            row(table, one["name"], one["unit"], f"{default:g}" if isinstance(default, float) else default, limits(one), one["meaning"])
-        console.print(table)
-    else:
-        console.print()
-    if "picture" in law:
-        from .check import with_unit
-        from .lawplot import show as show_numbers
-
-        derived = ", ".join(f"{name} {with_unit(value, law['units'][name])}" for name, value in law["derived"].items())
-        console.print(Text(f"For these surfaces: {derived}" if derived else ""))
-        show_numbers(law["numbers"])
-        console.print(Text.assemble(("Picture: ", "bold"), law["picture"]))

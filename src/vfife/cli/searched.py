@@ -5,7 +5,6 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -13,11 +12,7 @@ from ..solvers.status import Status
 from .membered import Device, Force, Quiet, StudyArgument, StudyCommand, Target, Workers, Yes
 from .options import ClusterOption, JsonOption, LawsOption, take_laws
 from .signals import NOW
-from .terminal import command, grid, output, print_json, row, sentences, tell
-
-if TYPE_CHECKING:
-    from ..study.allocation import Allocated
-    from ..study.searches import Allotment
+from .terminal import answer, command, sentences, tell
 
 UNMET = 3  # exit code where nothing keeps the limits
 
@@ -40,8 +35,6 @@ def optimise(
     Members are kept in one study file as they end, so the same command goes on after a kill, and `vfife study show` and `plot` read it. Exit codes
     as of `vfife study`; 3 where no member keeps the limits.
     """
-    from ..report.study import quantity
-
     with sentences(str(file)):
         from ..study.cluster import Resources
         from ..study.forecast import search_forecast
@@ -62,25 +55,11 @@ def optimise(
 
     front, units = best(search, found), units_of(plan.asked.measures, base)
     feasible = sum(one.feasible for one in found)
-    if as_json:
-        rows = [{"member": one.number, "parameters": one.parameters, "measures": dict(one.values or {})} for one in front]
-        aims = {"minimised": list(search.minimised), "maximised": list(search.maximised)}
-        counts = {"members": len(found), "feasible": feasible, "refined": len(more.members), "why": more.why}
-        print_json({"file": str(target), **counts, **aims, "best": rows})
-    elif not quiet and front:
-        names = [one.name for one in plan.parameters]
-        table = grid(*names, *units, right=tuple(range(len(names) + len(units))))
-        for one in front:
-            cells = [quantity(one.parameters[axis.name], axis.unit) for axis in plan.parameters]
-            row(table, *cells, *(quantity((one.values or {}).get(name), unit) for name, unit in units.items()))
-        one_way = "the least of" if search.minimised else "the most of"
-        sought = [*search.minimised, *(f"{name} (large)" if len(search.aims) > 1 else name for name in search.maximised)]
-        what = one_way if len(search.aims) == 1 else "the Pareto front of"
-        last = f", the last {len(more.members):,} by derivatives" if more.members else ""
-        output().print(f"{len(found):,} members{last}, {feasible:,} within the limits; {what} {', '.join(sought)}:")
-        output().print(table)
-    if more.why and not quiet:
-        tell("note", f"derivatives lead no further: {more.why}.")
+    if as_json or not quiet:
+        from ..report.study import optimum
+
+        counts = {"file": str(target), "members": len(found), "feasible": feasible, "refined": len(more.members), "why": more.why}
+        answer(optimum(search, plan.parameters, front, units, counts), as_json)
     if not front:
         tell("failed", f"none of {len(found):,} members keeps the limits; widen them, or what is varied, or ask for more members", "bold red")
         raise typer.Exit(UNMET)
@@ -119,50 +98,13 @@ def allocate(
         work = StudyWork(target, plan, base, file.stem, resources, force)
     with searching(job):
         found, _ = work.search(job, allotment_forecast(plan, base, task, work.known), lambda engine: allotted(engine, task))
-    if as_json:
-        print_json({"file": str(target), **allocated(task, found)})
-    elif not quiet and found.choice is not None:
-        print_allocated(task, found, units_of(plan.asked.measures, base)[task.bound.measure])
+    if as_json or not quiet:
+        from ..report.study import allocation
+
+        answer(allocation(task, found, str(target), units_of(plan.asked.measures, base)[task.bound.measure]), as_json)
     if found.choice is None:
         tell("failed", f"none of {len(found.rejected):,} choices keeps the limit; allow finer grades, or a higher limit", "bold red")
         raise typer.Exit(UNMET)
-
-
-def allocated(task: Allotment, found: Allocated) -> dict[str, Any]:
-    """What ``--json`` prints of an allocation."""
-    asked = task.asked
-    return {
-        "fits": None if found.choice is None else task.chosen(found.choice),
-        "cost": None if found.choice is None else found.choice.cost,
-        "measure": asked.measure,
-        "limit": task.bound.high,
-        "share": asked.share,
-        "confidence": asked.confidence,
-        "quantile": None if found.estimate is None else found.estimate.value,
-        "failures": found.failures,
-        "machines": found.count,
-        "rejected": [{"fits": task.chosen(one), "cost": one.cost} for one in found.rejected],
-    }
-
-
-def print_allocated(task: Allotment, found: Allocated, unit: str) -> None:
-    """The chosen fits for people."""
-    from ..report.study import quantity
-
-    if found.choice is None or found.estimate is None:
-        return
-    table, asked = grid("fit of", "fit", "cost", "clearance", right=(2,)), task.asked
-    for one, option, own in zip(task.parameters, found.choice.options, task.fits, strict=True):
-        if own:
-            low, high = option.clearance.limits
-            row(table, one.name, option.name, f"{option.cost:g}", f"{quantity(low, 'm')} to {quantity(high, 'm')}")
-    console = output()
-    console.print(table)
-    console.print(f"cost {found.choice.cost:g}; {len(found.rejected):,} choices as cheap or cheaper do not keep the limit")
-    console.print(
-        f"{100.0 * asked.share:g} % quantile of {asked.measure}: {quantity(found.estimate.value, unit)}, limit {quantity(task.bound.high, unit)}; "
-        f"{found.failures} of {found.count:,} machines are beyond it ({100.0 * asked.confidence:g} % confidence)"
-    )
 
 
 @contextmanager

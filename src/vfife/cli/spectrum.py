@@ -11,7 +11,7 @@ import typer
 from .options import RunArgument, positive
 from .sensitivity import ENDINGS
 from .targets import refuse_inputs
-from .terminal import grid, output, row, sentences, writing
+from .terminal import answer, sentences, writing
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     Found: TypeAlias = Spectrum | Spectrogram | Envelope
 
 KINDS = ("spectrum", "spectrogram", "envelope")
-PEAKS = 8
 OF = "Series, as C.force; once for each."
 Of = Annotated[list[str] | None, typer.Option("--of", metavar="SERIES", help=OF, show_default="the largest forces")]
 As = Annotated[str, typer.Option("--as", metavar="|".join(KINDS), help="Over frequency; over time and frequency; or the size of what vibrates.")]
@@ -82,7 +81,9 @@ def spectrum(
     if figure is not None:
         with writing(str(figure)):
             draw(found, result, figure, kind)
-    show(found, result.name)
+    from ..report import vibration
+
+    answer(vibration.spectra(found, result.name))
 
 
 def refuse_places(figure: Path | None, csv: Path | None) -> None:
@@ -130,31 +131,3 @@ def draw(found: list[Any], result: Result, path: Path, kind: str) -> None:
 
     draws: Any = {"spectrum": drawn.spectrums, "spectrogram": drawn.spectrograms, "envelope": drawn.envelopes}[kind]
     saved_in_style(lambda: draws(found, result), path)
-
-
-def show(found: list[Any], name: str) -> None:
-    """The strongest waves of each; of a spectrogram when they are strongest, of an envelope those of its own spectrum."""
-    from rich.text import Text
-
-    console = output()
-    timed = hasattr(found[0], "times") and not hasattr(found[0], "spectrum")
-    turning = (found[0].spectrum if hasattr(found[0], "spectrum") else found[0]).turn is not None
-    heads = ("series", *(("order",) if turning else ()), "frequency, Hz", "amplitude", *(("at, ms",) if timed else ()))
-    table = grid(*heads, title=f"{name}: the strongest waves", right=tuple(range(1, len(heads))))
-    for one in found:
-        of = getattr(one, "spectrum", one)
-        sizes = of.amplitudes.max(axis=0) if timed else of.amplitudes
-        for n, k in enumerate(strongest(sizes, of.window)):
-            when = (f"{1e3 * of.times[int(of.amplitudes[:, k].argmax())]:.4g}",) if timed else ()
-            order = (f"{of.orders[k]:.4g}",) if turning else ()
-            row(table, of.name if n == 0 else "", *order, f"{of.frequencies[k]:.5g}", f"{sizes[k]:.4g} {of.unit}", *when)
-    console.print(table)
-    console.print(Text(f"{found[0].words[0].upper()}{found[0].words[1:]}."))
-
-
-def strongest(sizes: Any, window: str) -> list[int]:
-    """Places of the highest of those that are higher than both beside them, without the mean and the places over which the window spreads it."""
-    from ..analysis.spectral import COSINES
-
-    inside = ((sizes[1:-1] >= sizes[:-2]) & (sizes[1:-1] > sizes[2:])).nonzero()[0] + 1
-    return sorted((int(k) for k in inside if k >= len(COSINES[window])), key=lambda k: -sizes[k])[:PEAKS]

@@ -18,7 +18,7 @@ from .sampled import indices, tolerance
 from .searched import allocate
 from .signals import NOW
 from .studied import export, plot, show
-from .terminal import DIVERGED, command, print_json, sentences, tell
+from .terminal import DIVERGED, answer, command, sentences, tell
 
 if TYPE_CHECKING:
     from ..results.lock import Lock
@@ -153,14 +153,10 @@ def computed(job: StudyCommand, work: StudyWork, as_json: bool, retry: bool, loc
     """Computes what is left; says what was kept, and ends with the exit code of that."""
     with job.at_work(str(job.target), job.kept):
         found, whole = work.run(job, retry, lock)
-    if as_json:
-        from .studied import payload
+    if as_json or not job.quiet:
+        from ..report.study import document
 
-        print_json(payload(found))
-    elif not job.quiet:
-        from .studied import printed
-
-        printed(found)
+        answer(document(found), as_json)
     if not whole:
         go_on = f"{command()} study resume {shlex.quote(str(job.target))}"
         tell(Status.INTERRUPTED, f"{NOW.by}: {len(found.outcomes):,} of {len(found.members):,} members have ended; go on with: {go_on}")

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..errors import Fault
+    from ..report.document import Document
 
 BAD_INPUT, DIVERGED, ENERGY, STORAGE = 2, 3, 4, 5
 __all__ = ["amount_of_bytes", "counted", "span"]  # for commands, which take all words from here
@@ -154,6 +155,16 @@ def json_text(value: Any) -> str:
 
 def _printable(text: str) -> bool:
     return text.replace("\n", "").isprintable()
+
+
+def answer(document: Document, as_json: bool = False) -> None:
+    """An answer on standard output: the value of ``--json``, or words and tables; asides go to standard error."""
+    if as_json:
+        print_json(document.data)
+        return
+    from ..report.terminal import write
+
+    write(document, output(), errors)
 
 
 def plain(value: Any) -> Any:

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..report.document import Document, Paragraph, Table
 from .options import JsonOption
 from .signals import NOW
-from .terminal import fail, grid, output, print_json, row, tell
+from .terminal import answer, fail, tell
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from vfife_validation.verification import Case, Row
 
 Told = tuple["Case", "list[Row]"]
@@ -57,15 +56,9 @@ def chosen(known: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
 
 def show_list(cases: Sequence[Case], as_json: bool) -> None:
     """Names, titles and sources."""
-    if as_json:
-        print_json(
-            {"cases": [{"case": one.name, "family": one.family, "title": one.title, "source": one.source, "quick": one.quick} for one in cases]}
-        )
-        return
-    table = grid("case", "title", "source")
-    for one in cases:
-        row(table, one.name, one.title, one.source)
-    output().print(table)
+    rows = [(one.name, one.title, one.source) for one in cases]
+    data = {"cases": [{"case": one.name, "family": one.family, "title": one.title, "source": one.source, "quick": one.quick} for one in cases]}
+    answer(Document([Table(("case", "title", "source"), rows)], data=data), as_json)
 
 
 def checked(cases: Sequence[Case], quiet: bool) -> Iterator[Told]:
@@ -82,23 +75,21 @@ def checked(cases: Sequence[Case], quiet: bool) -> Iterator[Told]:
             status.update(f"{number} of {len(cases)}  {one.title}")
             rows = one.check()
             if not quiet:
-                show(output(), one, rows)
+                answer(document(one, rows))
             yield one, rows
 
 
-def show(console: Console, one: Case, rows: Sequence[Row]) -> None:
-    """A case for people."""
-    from rich.padding import Padding
-    from rich.text import Text
-
+def document(one: Case, rows: Sequence[Row]) -> Document:
+    """The numbers of a case beside their references."""
     passed = all(entry.passed for entry in rows)
-    console.print(Text.assemble((f"{one.name}  ", "bold"), (verdict(passed), "green" if passed else "bold red"), f"  {one.title}"))
-    console.print(Padding(Text(one.source, style="dim"), (0, 0, 0, 2)))
-    table = grid("quantity", "unit", "reference", "ours", "error", "tolerance", "", right=(2, 3, 4, 5))
-    for entry in rows:
-        numbers = (f"{entry.reference:.7g}", f"{entry.value:.7g}", f"{entry.error:+.1e}", f"{entry.tolerance:.1g}")
-        row(table, entry.note or entry.quantity, entry.unit, *numbers, verdict(entry.passed))
-    console.print(Padding(table, (0, 0, 0, 2)))
+    cells = [
+        (entry.note or entry.quantity, entry.unit, f"{entry.reference:.7g}", f"{entry.value:.7g}", f"{entry.error:+.1e}", f"{entry.tolerance:.1g}",
+         verdict(entry.passed))
+        for entry in rows
+    ]  # fmt: skip
+    heads = ("quantity", "unit", "reference", "ours", "error", "tolerance", "")
+    title = Paragraph(f"  {one.title}", lead=f"{one.name}  {verdict(passed)}", style="good" if passed else "bad")
+    return Document([title, Paragraph(one.source, style="faint", indent=2), Table(heads, cells, numbers=(2, 3, 4, 5), indent=2)])
 
 
 def verdict(passed: bool) -> str:
@@ -111,13 +102,11 @@ def conclude(done: Sequence[Told], wanted: int, interrupted: bool, as_json: bool
     from vfife_validation.verification import entry
 
     failed = [one.name for one, rows in done if not all(each.passed for each in rows)]
-    if as_json:
-        whole: dict[str, Any] = {"cases": [entry(one, each) for one, rows in done for each in rows]}
-        print_json({**whole, "interrupted": True} if interrupted else whole)
-    else:
-        numbers = sum(len(rows) for _, rows in done)
-        said = f"{len(done) - len(failed)} of {len(done)} cases passed, {numbers} numbers" + (f"; failed: {', '.join(failed)}" if failed else "")
-        output().print(said, style="bold red" if failed else "bold green", markup=False)
+    whole: dict[str, Any] = {"cases": [entry(one, each) for one, rows in done for each in rows]}
+    numbers = sum(len(rows) for _, rows in done)
+    said = f"{len(done) - len(failed)} of {len(done)} cases passed, {numbers} numbers" + (f"; failed: {', '.join(failed)}" if failed else "")
+    words = Paragraph(said, style="bad" if failed else "good")
+    answer(Document([words], data={**whole, "interrupted": True} if interrupted else whole), as_json)
     if interrupted:
         tell("interrupted", f"Stopped by Ctrl-C after {len(done)} of {wanted} cases.")
         raise typer.Exit(NOW.code)

@@ -10,7 +10,7 @@ from ..errors import VfifeError
 from ..files import write_text
 from ..model.mechanism import Mechanism
 from ..plots.notebook import pictures
-from ..report.document import document
+from ..report.pages import run_page
 from ..result import Result
 from .page import live_page, result_page
 from .sliders import asked_slides, default_slides
@@ -69,10 +69,10 @@ def reported(result: Result, running: bool = True) -> tuple[str, list[str]]:
         except VfifeError as error:
             notes.append(f"the mechanism does not run in the report: {error}.")
     drawn = pictures(result)
-    text = document(result, drawn, page, mechanism.source)
+    text = run_page(result, drawn, page, mechanism.source)
     if len(text.encode("utf-8")) > LARGEST_REPORT and page is not None:
         notes.append("the page in which the mechanism runs is left out: with it the report would be too large.")
-        text = document(result, drawn, None, mechanism.source)
+        text = run_page(result, drawn, None, mechanism.source)
     return text, notes
 
 

@@ -13,8 +13,8 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import loads
 from ..plots.study import pictures
+from ..report import pages
 from ..report.study import where
-from ..report.studypage import document
 from ..results.studied import Study
 from ..results.studyfile import StudyCase
 from ..solvers.status import Status
@@ -68,11 +68,11 @@ def study_page(study: Study) -> tuple[str, Places, tuple[str, ...]]:
 def reported(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
     """The report of a study, and sentences about what is not in it."""
     drawn = pictures(study)
-    page = document(study, drawn)
+    page = pages.study_page(study, drawn)
     if not live:
         return page, ()
     try:
-        whole = document(study, drawn, *study_page(study))
+        whole = pages.study_page(study, drawn, *study_page(study))
     except VfifeError as error:
         return page, (f"no member runs in the report: {str(error).rstrip(chr(46))}.",)
     if len(whole.encode("utf-8")) > LARGEST_REPORT:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..live.cell import Live
-    from ..report.checked import Checked
+    from ..report.check import Checked
 
 StartMode = Literal["consistent", "rough"]
 STATIC = ("static",)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Iterable
 from html import escape
 from typing import TYPE_CHECKING
 
 import matplotlib
 
 from ..errors import VfifeError
-from ..report.checked import parts
+from ..report.check import mechanism_parts
+from ..report.document import Document
+from ..report.html import fragment
 from .style import STYLE
 from .table import FIGURES
 
@@ -35,21 +36,17 @@ def mechanism_html(mechanism: Mechanism) -> str:
         drawn = sharp(at_start(mechanism), f"drawing of {mechanism.name}")
     except VfifeError as error:
         drawn = f"<pre>{escape(str(error))}</pre>"
-    return f"<h4>{escape(str(mechanism.name))}</h4>{drawn}{''.join(f'<b>{title}</b>{table(rows)}' for title, rows in parts(mechanism))}"
+    return f"<h4>{escape(str(mechanism.name))}</h4>{drawn}{fragment(Document(mechanism_parts(mechanism)))}"
 
 
 def result_html(result: View) -> str:
     """Its summary and its figures."""
-    from rich.console import Console
-
-    from ..report.summary import show
+    from ..report.run import document
+    from ..report.summary import report
     from . import figures
 
-    console = Console(file=io.StringIO(), width=150, color_system=None, force_terminal=False)
-    show(console, result, result.reference)
-    said = console.file.getvalue()  # type: ignore[attr-defined]
     found = figures(result, names=[name for name in SHOWN if not FIGURES[name].lacks(result)])
-    return f"<pre>{escape(said)}</pre>" + "".join(picture(one, name) for name, one in found.items())
+    return fragment(document(report(result))) + "".join(picture(one, name) for name, one in found.items())
 
 
 def pictures(result: View) -> dict[str, str]:
@@ -85,12 +82,3 @@ def picture(figure: Figure, words: str, dpi: float = 96.0) -> str:
         figure.savefig(made, format="png", dpi=dpi)
     data = base64.b64encode(made.getvalue()).decode("ascii")
     return f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%" src="data:image/png;base64,{data}">'
-
-
-def table(rows: Iterable[Iterable[str]]) -> str:
-    """Rows, the first of them the heads."""
-    lines = []
-    for k, row in enumerate(rows):
-        cell = "td" if k else "th"
-        lines.append("<tr>" + "".join(f'<{cell} style="text-align: left">{escape(str(one))}</{cell}>' for one in row) + "</tr>")
-    return f"<table>{''.join(lines)}</table>"

@@ -12,32 +12,32 @@ from ..numerics.scalar import log10
 COUNTED = (".impacts", ".grazing", ".deep_landings")
 
 
-def spread_of(told: dict[str, Any], name: str) -> float:
+def spread_of(summary: dict[str, Any], name: str) -> float:
     """What a measure of a summary varies by, or is not known to, the larger of both; 0 where nobody knows.
 
     Of a motion that is not periodic the mean is told, of which companions say how far it is known.
     """
-    one = told["ranges"].get(name)
+    one = summary["ranges"].get(name)
     if one is None:
         return 0.0
     unknown, varies = float(one["high"] - one["low"]), float(one.get("highest", 0.0) - one.get("lowest", 0.0))  # a former summary has no turns
-    return unknown if unknown > 0.0 and told["turns"].get("motion") == "not periodic" else max(unknown, varies)
+    return unknown if unknown > 0.0 and summary["turns"].get("motion") == "not periodic" else max(unknown, varies)
 
 
-def estimated(told: dict[str, Any], name: str) -> bool:
+def estimated(summary: dict[str, Any], name: str) -> bool:
     """Whether the error of a measure of a summary is known. One of a former version does not say so; no width tells it there."""
-    one = (told.get("ranges") or {}).get(name)
-    if "not_estimated" in told:
-        return name not in told["not_estimated"]
+    one = (summary.get("ranges") or {}).get(name)
+    if "not_estimated" in summary:
+        return name not in summary["not_estimated"]
     return one is not None and one["high"] > one["low"]
 
 
-def bounds(told: dict[str, Any], name: str) -> str:
+def bounds(summary: dict[str, Any], name: str) -> str:
     """The range of a measure of a summary as bare numbers, in the digits that are known, or that it was not estimated."""
-    if not estimated(told, name):
+    if not estimated(summary, name):
         return NOT_ESTIMATED
-    one = (told.get("ranges") or {}).get(name)
-    value = told["measures"][name]
+    one = (summary.get("ranges") or {}).get(name)
+    value = summary["measures"][name]
     low, high = (float(value) if one is None else float(one[key]) for key in ("low", "high"))
     if not high > low:
         return "exact"
@@ -45,28 +45,28 @@ def bounds(told: dict[str, Any], name: str) -> str:
     return f"{low:.{min(digits, 12)}g} to {high:.{min(digits, 12)}g}"
 
 
-def plain(told: dict[str, Any], name: str) -> str:
+def plain(summary: dict[str, Any], name: str) -> str:
     """A measure of a summary as a bare number of six digits at the most, no finer than what is known of it."""
-    value = told["measures"][name]
+    value = summary["measures"][name]
     if name.endswith(COUNTED):
         return f"{value:.0f}"  # as the tables of a summary have it: 45 contacts are 45, though companions may have 41
-    spread = spread_of({"ranges": told.get("ranges") or {}, "turns": told.get("turns") or {}}, name)
+    spread = spread_of({"ranges": summary.get("ranges") or {}, "turns": summary.get("turns") or {}}, name)
     if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
-        told_of = spread > 0.0 and value and math.isfinite(value / spread)
-        known = decade(value) - decade(spread) + 1 if told_of else 6
+        known_digits = spread > 0.0 and value and math.isfinite(value / spread)
+        known = decade(value) - decade(spread) + 1 if known_digits else 6
         return f"{value:.{max(1, min(6, known))}g}"
     places = decimals(value, spread, significant=6, most=5 - decade(value))
     return f"{value:.6g}" if spread <= 0.0 else f"{round(value, places):.{max(places, 0)}f}"
 
 
-def measured(told: dict[str, Any], name: str, unit: str) -> str:
+def measured(summary: dict[str, Any], name: str, unit: str) -> str:
     """A measure of a summary with a prefix, in the digits that are known of it."""
-    return prefixed(told["measures"][name], unit, spread_of(told, name)) + mark(told, name)
+    return prefixed(summary["measures"][name], unit, spread_of(summary, name)) + mark(summary, name)
 
 
-def mark(told: dict[str, Any], *names: str) -> str:
+def mark(summary: dict[str, Any], *names: str) -> str:
     """What stands behind a measure, or the largest of several, where others were estimated and it was not. A run without any says so once."""
-    return "" if not told.get("trust") or all(estimated(told, name) for name in names) else f" ({NOT_ESTIMATED})"
+    return "" if not summary.get("trust") or all(estimated(summary, name) for name in names) else f" ({NOT_ESTIMATED})"
 
 
 def decimals(value: float, spread: float, significant: int = 4, most: int = 1) -> int:

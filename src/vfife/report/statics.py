@@ -1,20 +1,18 @@
-"""What a static analysis came to, as one object for scripts and as tables for people."""
+"""The answer of a static analysis: its equilibria, as data and as tables."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from ..analysis.measures import equilibria
+from ..analysis.measures import equilibria as equilibria_of
 from ..analysis.meshes import EXACT
 from ..solvers.status import Status
 from .digits import bounds, plain
+from .document import Paragraph, Part, Table, sentences
 from .trust import trusted, verdict
 
 if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
     from ..results.view import View
 
 UNITS = {"displacement.max": "m", "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m"}
@@ -23,7 +21,9 @@ UNESTIMATED = (
     "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not come to its end, or it is long or was "
     "told not to be repeated (companions = 1 has it repeated)."
 )
+REDUNDANT = "Joints are redundant: rigid bodies leave open how these share the load."
 COLUMNS = 6  # joints whose reactions fit beside each other
+AXES = ("force_x", "force_y")
 MOST = 40  # rows that a table shows, spread evenly over the load factors
 
 
@@ -38,7 +38,7 @@ def static_run(result: View) -> dict[str, Any]:
         "reached": max(len(record.steps) - 1, 0),
         "iterations": int(record.block("iterations").sum()),
         "residual": settings.residual,
-        "factors": equilibria(record),
+        "factors": equilibria_of(record),
         "notes": list(record.assembly.notes),
     }
 
@@ -55,7 +55,7 @@ def static_warnings(result: View) -> Iterable[str]:
     found = {"trust": trusted(result), "turns": {}, "static": True}
     if coarse := verdict(found):
         yield coarse
-    moved = [entry["displacement"] for entry in equilibria(record)]
+    moved = [entry["displacement"] for entry in equilibria_of(record)]
     jumps = [later - earlier for earlier, later in zip(moved, moved[1:], strict=False)]
     for k, jump in enumerate(jumps[1:], start=1):
         before = max(abs(jumps[k - 1]), 1e-300)
@@ -68,62 +68,39 @@ def static_warnings(result: View) -> Iterable[str]:
             break
 
 
-def largest(told: dict[str, Any]) -> Table:
-    """The measures with their ranges."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
+def equilibria(summary: dict[str, Any]) -> list[Part]:
+    """Equilibria with their reactions, and the largest values with their ranges."""
+    run, factors = summary["run"], summary["run"]["factors"]
+    what = (
+        f"Static analysis by dynamic relaxation: {run['reached']} of {run['load_factors']} load factors, {run['iterations']:,} iterations in "
+        f"{summary['wall_s']:.3g} s; {summary['status']}."
+    )
+    joints = list(factors[0]["reactions"])[:COLUMNS] if factors else []
+    smallest = 1e-9 * max([0.0, *(abs(one["reactions"][name][axis]) for one in factors for name in joints for axis in AXES)])
+    stride, rows = -(-len(factors) // MOST), []
+    for one in [*factors[:-1:stride], *factors[-1:]]:
+        numbers = (f"{one['load_factor']:g}", f"{one['iterations']:,}", f"{one['unbalanced']:.1e}", f"{one['displacement']:.6g}")
+        rows.append((*numbers, *(_pair(one["reactions"][name], smallest) for name in joints)))
+    heads = ("load factor", "iterations", "unbalanced", "displacement, m", *(f"{name}, N" for name in joints))
+    table = Table.of(heads, rows, "Equilibria, reactions on the journals", words=0)
+    parts: list[Part] = [*sentences([what, *run["notes"]]), table, _largest(summary)]
+    parts += sentences([MESHED if summary["trust"] else UNESTIMATED])
+    if summary["not_unique"]:
+        shared = ", ".join(name.removesuffix(".max") for name in summary["not_unique"])
+        parts.append(Paragraph(f"Shared by least norm, not unique: {shared}. {REDUNDANT}"))
+    return parts
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for k, heading in enumerate(("measure", "value", "range")):
-        table.add_column(heading, justify="right" if k else "left")
-    for name in told["measures"]:
+
+def _pair(reaction: dict[str, float], smallest: float) -> str:
+    """Both components of a reaction (N); 0 for what is only rounding."""
+    return "({})".format(", ".join(f"{reaction[axis]:.5g}" if abs(reaction[axis]) > smallest else "0" for axis in AXES))
+
+
+def _largest(summary: dict[str, Any]) -> Table:
+    """The measures with their ranges."""
+    rows = []
+    for name in summary["measures"]:
         if name not in EXACT:
             unit = UNITS.get(name) or next((unit for kind, unit in UNITS.items() if name.endswith(f".{kind}")), "")
-            table.add_row(Text(name), f"{plain(told, name)} {unit}".rstrip(), bounds(told, name))
-    return table
-
-
-def print_static(console: Console, told: dict[str, Any]) -> None:
-    """Prints the summary of a static analysis."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
-
-    run, factors = told["run"], told["run"]["factors"]
-    console.print()
-    console.print(Text(told["model"]["name"], style="bold"))
-    if told["model"]["note"]:
-        console.print(Text(told["model"]["note"], style="italic"))
-    console.print(
-        Text(
-            f"Static analysis by dynamic relaxation: {run['reached']} of {run['load_factors']} load factors, {run['iterations']:,} iterations in "
-            f"{told['wall_s']:.3g} s; {told['status']}."
-        )
-    )
-    for text in run["notes"]:
-        console.print(Text(text))
-    joints = list(factors[0]["reactions"])[:COLUMNS] if factors else []
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for heading in ("load factor", "iterations", "unbalanced", "displacement, m", *(f"{name}, N" for name in joints)):
-        table.add_column(Text(heading), justify="right")
-    most = max([0.0, *(abs(entry["reactions"][name][axis]) for entry in factors for name in joints for axis in ("force_x", "force_y"))])
-
-    def pair(reaction: dict[str, float]) -> str:
-        return "({})".format(", ".join(f"{reaction[axis]:.5g}" if abs(reaction[axis]) > 1e-9 * most else "0" for axis in ("force_x", "force_y")))
-
-    stride = -(-len(factors) // MOST)
-    for entry in [*factors[:-1:stride], *factors[-1:]]:
-        reactions = [pair(entry["reactions"][name]) for name in joints]
-        cells = (f"{entry['load_factor']:g}", f"{entry['iterations']:,}", f"{entry['unbalanced']:.1e}", f"{entry['displacement']:.6g}")
-        table.add_row(*cells, *reactions)
-    console.print(Text("Equilibria, reactions on the journals", style="bold"))
-    console.print(table)
-    console.print(Text("Largest values of all load factors", style="bold"))
-    console.print(largest(told))
-    console.print(Text(MESHED if told["trust"] else UNESTIMATED))
-    if told["not_unique"]:
-        named = ", ".join(name.removesuffix(".max") for name in told["not_unique"])
-        console.print(Text(f"Shared by least norm, not unique: {named}. Joints are redundant: rigid bodies leave open how these share the load."))
-    for text in told["warnings"]:
-        console.print(Text.assemble(("Warning: ", "bold yellow"), text))
+            rows.append((name, f"{plain(summary, name)} {unit}".rstrip(), bounds(summary, name)))
+    return Table.of(("measure", "value", "range"), rows, "Largest values of all load factors")

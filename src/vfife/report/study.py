@@ -1,60 +1,32 @@
-"""What a study came to, in words and tables: extremes of its measures and where, values of its parameters."""
+"""Answers of studies: extremes of measures and where, members, quantiles of samples, sensitivity indices, results of searches."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from ..job.amounts import counted
+from ..results.lock import holder
 from ..results.member_errors import NOT_ESTIMATED
 from .digits import prefixed
+from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
     from ..results.member_errors import MemberError
     from ..results.studied import Study
     from ..results.studyfile import StudyCase
+    from ..study.allocation import Allocated
+    from ..study.searches import Allotment
+    from ..study.tolerance import Spread
+
+MOST_FAILED = 10  # failed members that are shown
 
 
-def extremes(found: Study) -> dict[str, dict[str, Any]]:
-    """Least, mean and largest value of each measure, and at which values of the parameters."""
-    told = {}
-    for name, unit in found.measures.items():
-        values = [(float(value), one) for value, one in zip(found.values(name), found.done, strict=True) if math.isfinite(value)]
-        least, largest = (min(values, key=lambda pair: pair[0]), max(values, key=lambda pair: pair[0])) if values else (None, None)
-        names = [one.name for one in found.parameters]
-        told[name] = {
-            "unit": unit,
-            "count": len(values),
-            "least": None if least is None else least[0],
-            "least_at": None if least is None else dict(zip(names, found.at(least[1]), strict=True)),
-            "mean": math.fsum(value for value, _ in values) / len(values) if values else None,
-            "largest": None if largest is None else largest[0],
-            "largest_at": None if largest is None else dict(zip(names, found.at(largest[1]), strict=True)),
-        }
-    return told
-
-
-def errors(found: Study) -> list[tuple[str, str, str, str]]:
-    """Rows of the numerical error of a member: the measure, the error typically and at most, how it was estimated."""
-    rows = []
-    for name, unit in found.measures.items():
-        if (one := found.errors.get(name)) is None:
-            rows.append((name, NOT_ESTIMATED, "", ""))
-        else:
-            rows.append((name, quantity(one.typical, unit), quantity(one.most, unit), one.words))
-    return rows
-
-
-def error_words(one: MemberError | None, unit: str) -> str:
-    """The numerical error of a member in a line."""
-    if one is None:
-        return f"Numerical error of a member: {NOT_ESTIMATED}."
-    return f"Numerical error of a member: typically {quantity(one.typical, unit)}, at most {quantity(one.most, unit)} ({one.words})."
-
-
-def errors_plainly(found: Study) -> dict[str, Any] | None:
-    """Numerical errors of members for JSON, by measure; None where none is estimated."""
-    return {name: dataclasses.asdict(one) for name, one in found.errors.items()} or None
+# ---------------------------------------------------------------------------------------------------- values in words
 
 
 def where(found: Study, member: StudyCase) -> str:
@@ -77,7 +49,7 @@ def quantity(value: Any, unit: str) -> str:
     return prefixed(value, unit) if unit in ("m", "N", "Pa", "W", "J", "s") else f"{value:.5g} {unit.replace('^2', '²')}"
 
 
-def said_of(values: list[Any], unit: str, kind: str, words: str) -> str:
+def _values(values: list[Any], unit: str, kind: str, words: str) -> str:
     """Values of a parameter in words."""
     single = list(dict.fromkeys(values))
     if any(isinstance(value, str) for value in single):
@@ -87,3 +59,245 @@ def said_of(values: list[Any], unit: str, kind: str, words: str) -> str:
     low, high = quantity(min(single), unit), quantity(max(single), unit)
     named = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
     return f"{named}{len(single):,} values, {low} to {high}" if len(single) > 1 else low
+
+
+def error_words(one: MemberError | None, unit: str) -> str:
+    """The numerical error of a member in a line."""
+    if one is None:
+        return f"Numerical error of a member: {NOT_ESTIMATED}."
+    return f"Numerical error of a member: typically {quantity(one.typical, unit)}, at most {quantity(one.most, unit)} ({one.words})."
+
+
+def _errors(study: Study) -> dict[str, Any] | None:
+    """Numerical errors of members by measure, as data; None where none is estimated."""
+    return {name: dataclasses.asdict(one) for name, one in study.errors.items()} or None
+
+
+# ------------------------------------------------------------------------------------------------------------ a study
+
+
+def extremes(study: Study) -> dict[str, dict[str, Any]]:
+    """Least, mean and largest value of each measure, and at which values of the parameters."""
+    found = {}
+    for name, unit in study.measures.items():
+        values = [(float(value), one) for value, one in zip(study.values(name), study.done, strict=True) if math.isfinite(value)]
+        least, largest = (min(values, key=lambda pair: pair[0]), max(values, key=lambda pair: pair[0])) if values else (None, None)
+        names = [one.name for one in study.parameters]
+        found[name] = {
+            "unit": unit,
+            "count": len(values),
+            "least": None if least is None else least[0],
+            "least_at": None if least is None else dict(zip(names, study.at(least[1]), strict=True)),
+            "mean": math.fsum(value for value, _ in values) / len(values) if values else None,
+            "largest": None if largest is None else largest[0],
+            "largest_at": None if largest is None else dict(zip(names, study.at(largest[1]), strict=True)),
+        }
+    return found
+
+
+def parameter_table(study: Study, title: str = "") -> Table:
+    """The parameters of a study, their values, and the numbers of the model that they change."""
+    rows = [
+        (one.name, _values([study.at(member)[k] for member in study.members], one.unit, one.kind, one.words), ", ".join(one.paths))
+        for k, one in enumerate(study.parameters)
+    ]
+    return Table(("name" if title else "varied", "values", "numbers of the model"), rows, title)
+
+
+def extreme_table(study: Study, title: str = "") -> Table:
+    """Least, mean and largest value of each measure."""
+    rows = []
+    for name, one in extremes(study).items():
+        least, mean, largest = (quantity(one[key], one["unit"]) for key in ("least", "mean", "largest"))
+        rows.append((name, least, placed(study, one["least_at"]), mean, largest, placed(study, one["largest_at"])))
+    return Table(("measure", "least", "at", "mean", "largest", "at"), rows, title, numbers=(1, 3, 4))
+
+
+def error_table(study: Study) -> Part:
+    """The numerical error of a member: typically and at most, and how it was estimated."""
+    if not study.errors:
+        return Paragraph(error_words(None, ""))
+    rows = []
+    for name, unit in study.measures.items():
+        if (one := study.errors.get(name)) is None:
+            rows.append((name, NOT_ESTIMATED, "", ""))
+        else:
+            rows.append((name, quantity(one.typical, unit), quantity(one.most, unit), one.words))
+    return Table(("numerical error of a member", "typically", "at most", "estimated from"), rows, numbers=(1, 2))
+
+
+def document(study: Study, members: bool = False) -> Document:
+    """What a study came to so far; with ``members`` every member with its measures."""
+    counts = ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count)
+    at_work = None if study.path is None else holder(study.path.absolute().parent, f"{study.path.name}.lock")
+    said = ", ".join(filter(None, (counted(len(study.members), "member"), counts))) + (f"; {at_work} is at work" if at_work else "")
+    wanted = study.asked["wanted"]
+    until = "" if wanted["settle"] is None else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
+    over = "the last turn" if wanted["last"] == 1 else f"the last {wanted['last']} turns (means)"
+    turns = f"{counted(wanted['turns'], 'turn')}{until}; measures are of {over}"
+    parts: list[Part] = [Paragraph(said, lead=f"{study.model}: "), Paragraph(turns)]
+    parts += [parameter_table(study), extreme_table(study), error_table(study)]
+    if members:
+        parts.append(member_table(study))
+    for member, reason in study.failed[:MOST_FAILED]:
+        parts.append(Paragraph(f"{where(study, member)}: {reason}", lead=f"member {member.number}: ", lines="whole"))
+    if len(study.failed) > MOST_FAILED:
+        parts.append(Paragraph(f"... and {len(study.failed) - MOST_FAILED:,} more; --json has all of them"))
+    return Document(parts, data=_data(study) | ({"members": study.rows()} if members else {}))
+
+
+def member_table(study: Study) -> Table:
+    """Every member with its measures."""
+    units = {**{one.name: one.unit for one in study.parameters}, **study.measures}
+    names = [*(one.name for one in study.parameters), *study.measures]
+    rows = [(one["member"], *(quantity(one[name], units[name]) for name in names), one["status"]) for one in study.rows()]
+    return Table(("member", *names, "status"), rows, numbers=range(len(names) + 1))
+
+
+def _data(study: Study) -> dict[str, Any]:
+    return {
+        "study": study.name,
+        "file": None if study.path is None else str(study.path),
+        "model": study.model,
+        "status": study.status,
+        "planned": len(study.members),
+        "counts": study.counts,
+        "wanted": study.asked["wanted"],
+        "parameters": [{"name": one.name, "paths": list(one.paths), "unit": one.unit, "kind": one.kind} for one in study.parameters],
+        "measures": extremes(study),
+        "errors": _errors(study),
+        "failed": [{"member": one.number, "at": dict(one.numbers), "reason": reason} for one, reason in study.failed],
+    }
+
+
+# ------------------------------------------------------------------------------------------------- samples and indices
+
+
+def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spread]) -> Document:
+    """What a sample says of all machines: quantiles of measures and shares that fail, with limits of ``confidence`` (1)."""
+    machines, rows = spreads[0].machines, list[tuple[str, ...]]()
+    for one in spreads:
+        rows.append((one.measure, "mean", *(_known(value, one.unit) for value in (one.mean, one.average.low, one.average.high))))
+        rows.append(("", "standard deviation", quantity(one.deviation, one.unit), NOT_ESTIMATED, NOT_ESTIMATED))
+        for share, at in one.quantiles.items():
+            rows.append(("", f"{100.0 * share:g} % are below", *(_known(value, one.unit) for value in (at.value, at.low, at.high))))
+        if one.bound is not None and one.failing is not None:
+            failing = (f"{100.0 * value:.3g} %" for value in (one.failing.value, one.failing.low, one.failing.high))
+            rows.append(("", f"fail: {one.bound.words(one.unit)}", *failing))
+    what = f"{counted(machines, 'machine')}; not below and not above what stands there with {100.0 * confidence:g} % confidence"
+    parts: list[Part] = [
+        Paragraph(f"{study.model}: {what}"),
+        Table.of(("measure", "of all machines", "value", "not below", "not above"), rows, words=2),
+        *(Paragraph(f"{one.measure}: {error_words(one.numerical, one.unit)}", lines="whole") for one in spreads),
+        Paragraph("Limits hold the numerical error of members, too." if study.errors else "Limits are those of sampling alone."),
+    ]
+    if (other := len(study.done) - machines) > 0:
+        left_out = f"{counted(other, 'member')} of the file left out: points, members of a search, or samples of former tolerances."
+        parts.append(Caution(left_out, "note", aside=True))
+    measures = {one.measure: _spread(one) for one in spreads}
+    return Document(parts, data={"study": study.name, "file": file, "confidence": confidence, "machines": machines, "measures": measures})
+
+
+def _known(value: float, unit: str) -> str:
+    """A quantity; a dash where the sample is too small for it."""
+    return quantity(value, unit) if math.isfinite(value) else "-"
+
+
+def _spread(one: Spread) -> dict[str, Any]:
+    """The spread of a measure as data."""
+    bound = one.bound
+    return {
+        "unit": one.unit,
+        "count": one.count,
+        "mean": one.mean,
+        "average": vars(one.average),
+        "numerical": None if one.numerical is None else dataclasses.asdict(one.numerical),
+        "deviation": one.deviation,
+        "quantiles": {f"{share:g}": vars(at) for share, at in one.quantiles.items()},
+        "limit": None if bound is None else {name: value for name in ("low", "high") if math.isfinite(value := getattr(bound, name))},
+        "failing": None if one.failing is None else vars(one.failing),
+    }
+
+
+def indices(study: Study, file: str, found: Sequence[Any]) -> Document:
+    """Sobol' indices or Morris effects of every parameter, the largest first, for each measure."""
+    parts: list[Part] = []
+    for one in found:
+        parts += [_index_table(one), Paragraph(_error_share(study, one), lines="whole")]
+        if one.left_out:
+            parts.append(Paragraph(f"{one.left_out:,} groups of the design were left out, for a member of them has no value"))
+    measures = {one.measure: [dataclasses.asdict(row) for row in one.rows] for one in found}
+    return Document(parts, data={"study": study.name, "file": file, "measures": measures, "errors": _errors(study)})
+
+
+def _index_table(one: Any) -> Table:
+    if hasattr(one.rows[0], "first"):
+        indices = sorted(one.rows, key=lambda row: -row.total)
+        rows = [(row.parameter, *(f"{x:.3f}" for x in (row.first, row.first_margin, row.total, row.total_margin))) for row in indices]
+        return Table.of((one.measure, "alone", "±", "with others", "±"), rows)
+    effects = sorted(one.rows, key=lambda row: -row.size)
+    rows = [(row.parameter, *(quantity(x, one.unit) for x in (row.size, row.size_margin, row.mean, row.deviation))) for row in effects]
+    return Table.of((one.measure, "size of the effect", "±", "mean", "deviation"), rows)
+
+
+def _error_share(study: Study, one: Any) -> str:
+    """Share of the numerical error of members in the variance of a measure."""
+    error = study.errors.get(one.measure)
+    said, values = error_words(error, one.unit), study.values(one.measure)
+    variance = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0
+    if error is None or variance == 0.0:
+        return said
+    return f"{said} Its square is {100.0 * error.rms * error.rms / variance:.2g} % of the variance; margins are those of sampling alone."
+
+
+# ----------------------------------------------------------------------------------------------------------- searches
+
+
+def optimum(search: Any, parameters: Sequence[Any], front: Sequence[Any], units: Mapping[str, str], counts: Mapping[str, Any]) -> Document:
+    """The best members of a search; ``counts``: file, members, feasible and refined ones, and why derivatives led no further."""
+    names = [one.name for one in parameters]
+    rows = [
+        (*(quantity(one.parameters[axis.name], axis.unit) for axis in parameters),
+         *(quantity((one.values or {}).get(name), unit) for name, unit in units.items()))
+        for one in front
+    ]  # fmt: skip
+    aims = [*search.minimised, *(f"{name} (large)" if len(search.aims) > 1 else name for name in search.maximised)]
+    what = ("the least of" if search.minimised else "the most of") if len(search.aims) == 1 else "the Pareto front of"
+    last = f", the last {counts['refined']:,} by derivatives" if counts["refined"] else ""
+    text = f"{counts['members']:,} members{last}, {counts['feasible']:,} within the limits; {what} {', '.join(aims)}:"
+    parts: list[Part] = [Paragraph(text), Table.of((*names, *units), rows, words=0)] if front else []
+    if counts["why"]:
+        parts.append(Caution(f"derivatives lead no further: {counts['why']}.", "note", aside=True))
+    best = [{"member": one.number, "parameters": one.parameters, "measures": dict(one.values or {})} for one in front]
+    return Document(parts, data={**counts, "minimised": list(search.minimised), "maximised": list(search.maximised), "best": best})
+
+
+def allocation(task: Allotment, found: Allocated, file: str, unit: str) -> Document:
+    """The cheapest fits with which nearly all machines keep a limit."""
+    asked, choice, estimate = task.asked, found.choice, found.estimate
+    data = {
+        "file": file,
+        "fits": None if choice is None else task.chosen(choice),
+        "cost": None if choice is None else choice.cost,
+        "measure": asked.measure,
+        "limit": task.bound.high,
+        "share": asked.share,
+        "confidence": asked.confidence,
+        "quantile": None if estimate is None else estimate.value,
+        "failures": found.failures,
+        "machines": found.count,
+        "rejected": [{"fits": task.chosen(one), "cost": one.cost} for one in found.rejected],
+    }
+    if choice is None or estimate is None:
+        return Document([], data=data)
+    rows = []
+    for one, option, own in zip(task.parameters, choice.options, task.fits, strict=True):
+        if own:
+            low, high = option.clearance.limits
+            rows.append((one.name, option.name, f"{option.cost:g}", f"{quantity(low, 'm')} to {quantity(high, 'm')}"))
+    quantile = (
+        f"{100.0 * asked.share:g} % quantile of {asked.measure}: {quantity(estimate.value, unit)}, limit {quantity(task.bound.high, unit)}; "
+        f"{found.failures} of {found.count:,} machines are beyond it ({100.0 * asked.confidence:g} % confidence)"
+    )
+    cheaper = f"cost {choice.cost:g}; {len(found.rejected):,} choices as cheap or cheaper do not keep the limit"
+    return Document([Table(("fit of", "fit", "cost", "clearance"), rows, numbers=(2,)), Paragraph(cheaper), Paragraph(quantile)], data=data)

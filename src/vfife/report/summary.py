@@ -1,4 +1,4 @@
-"""What a run came to, as one object for scripts and as tables for people."""
+"""The summary of a run as data: texts, numbers, lists and dictionaries."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ from ..model.bodies import Link
 from ..solvers.status import Status
 from .diverged import FLOOR
 from .limits import conformal, out_of_range, quiet
-from .statics import print_static, static_run, static_warnings
-from .trust import trusted, verdict
-from .turns import several, turned
+from .statics import static_run, static_warnings
+from .trust import several, trusted, turned, verdict
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -37,11 +36,11 @@ JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
 def report(result: View, reference: View | None = None) -> dict[str, Any]:
     """All that the summary of a run says: texts, numbers, lists and dictionaries only.
 
-    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``turns`` (:func:`~vfife.report.turns.turned`),
+    ``status``, ``step`` (s), ``steps``, ``wall_s``, ``ns_per_step``, ``energy_error``, ``turns`` (:func:`~vfife.report.trust.turned`),
     the ``part`` of the run that ``measures`` are of, these, their ``ranges`` (``low`` and ``high`` over the companions or by their error, whether
     that is ``estimated``, ``lowest`` and ``highest`` turn), names of those that are ``not_unique`` or ``not_estimated`` and ``trust`` stand at the
-    top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``conformal``, ``remarks`` and ``warnings`` are what the tables of
-    :func:`show` are made of. The reference is the result's own unless another
+    top; ``model``, ``run``, ``energy``, ``joints``, ``lip``, ``laws``, ``conformal``, ``remarks`` and ``warnings`` are what the document of
+    :mod:`~vfife.report.run` is made of. The reference is the result's own unless another
     one is given.
     """
     reference = reference if reference is not None else result.reference
@@ -215,11 +214,9 @@ STATUS = {
 
 
 def show(console: Console, result: View, reference: View | None = None) -> None:
-    """Prints the summary as tables for people."""
-    from .tables import print_report
+    """Print the summary as tables."""
+    from .run import document
+    from .terminal import write
 
-    told = report(result, reference)
-    if result.record.static:
-        print_static(console, told)
-    else:
-        print_report(console, told)
+    console.print()
+    write(document(report(result, reference)), console)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 from ..assembly.assemble import assemble
 from ..assembly.possible import outlook
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
-from ..report.checked import Checked, told
+from ..report.check import Checked
+from ..report.check import checked as summarised
 from ..simulation import expected_forces, first_contact_steps, ideal_of, referred
 
 BRIEF = 1_000_000  # steps of an ideal mechanism that need no patience
@@ -24,5 +23,5 @@ def checked(mechanism: Mechanism) -> Checked:
     seen = outlook(mechanism)
     ideal = ideal_of(mechanism) if seen.through else None
     expected = expected_forces(referred(ideal if ideal is not None and ideal.choice.steps <= BRIEF else None))
-    found = told(assemble(mechanism, expected=expected, contact_steps=first_contact_steps(mechanism, mechanism.settings.companions)))
-    return dataclasses.replace(found, notes=(*found.notes, *seen.notes))
+    begin = first_contact_steps(mechanism, mechanism.settings.companions)
+    return summarised(assemble(mechanism, expected=expected, contact_steps=begin), seen.notes)

@@ -1,0 +1,94 @@
+"""Documents as HTML: a part of a notebook, or a page that prints well. Every text in it is text, whatever it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from .. import __version__
+from .document import Bullets, Caution, Document, Element, Facts, Figure, Paragraph, Part, Section, Table
+
+PAGE = Template(Path(__file__).with_name("page.html").read_text("utf-8"))
+STYLED = {"strong": "b", "aside": "i", "caution": "em", "alarm": "strong", "code": "code", "faint": "small", "good": "b", "bad": "strong"}
+IN_NOTEBOOK = """<style>
+.vfife table td, .vfife table th { text-align: left; padding: .15em .9em .15em 0 } .vfife table .number { text-align: right }
+.vfife table { margin: .6em 0; border-collapse: collapse } .vfife table caption { text-align: left; font-weight: 600; padding: .2em 0 }
+</style>"""
+
+
+def fragment(document: Document) -> str:
+    """A document in a notebook."""
+    title = f"<h4>{escape(document.title)}</h4>" if document.title else ""
+    return f'<div class="vfife">{IN_NOTEBOOK}{title}{elements(document.parts)}</div>'
+
+
+def page(document: Document, introduction: Iterable[str], script: str = "") -> str:
+    """A document of sections as a page, with links to each of them; ``introduction`` are sentences below its title."""
+    sections = [part for part in document.parts if isinstance(part, Section) and part.parts]
+    links = "".join(f'<a href="#{anchor(one.title)}">{escape(one.title)}</a>' for one in sections)
+    said = "".join(f"<p>{escape(text)}</p>" for text in introduction if text)
+    body = "\n".join(element(one) for one in sections)
+    return PAGE.substitute(title=escape(document.title), said=said, links=links, body=body + script, version=escape(__version__))
+
+
+def elements(parts: Iterable[Part]) -> str:
+    """Parts one after the other."""
+    return "".join(element(part) for part in parts)
+
+
+def element(part: Part) -> str:
+    """A part of a document."""
+    match part:
+        case Paragraph():
+            return _paragraph(part)
+        case Table():
+            return table(part.rows, part.title, part.headings, part.numbers)
+        case Facts():
+            return table(part.rows)
+        case Caution():
+            return f"<p><strong>{escape(part.word)}:</strong> {escape(part.text)}</p>"
+        case Bullets():
+            return f"<ul>{''.join(f'<li>{escape(one)}</li>' for one in part.texts)}</ul>"
+        case Element():
+            return part.html
+        case Figure():
+            return f"<figure>{part.element()}<figcaption>{escape(part.title)}</figcaption></figure>"
+        case Section():
+            return f'<section id="{anchor(part.title)}"><h2>{escape(part.title)}</h2>\n{elements(part.parts)}\n</section>'
+
+
+def anchor(title: str) -> str:
+    """The name of a section as a place in its page."""
+    return title.lower().replace(" ", "-")
+
+
+def table(rows: Iterable[Sequence[Any]], title: str = "", headings: Sequence[str] = (), numbers: Sequence[int] = ()) -> str:
+    """A table; columns ``numbers`` are aligned to the right."""
+
+    def line(row: Sequence[Any], tag: str) -> str:
+        cells = (f"<{tag}{NUMBER if k in numbers else ''}>{_cell(cell)}</{tag}>" for k, cell in enumerate(row))
+        return f"<tr>{''.join(cells)}</tr>"
+
+    caption = f"<caption>{escape(title)}</caption>" if title else ""
+    head = f"<thead>{line(headings, 'th')}</thead>" if headings else ""
+    return f'<div class="wide"><table>{caption}{head}<tbody>{"".join(line(row, "td") for row in rows)}</tbody></table></div>'
+
+
+NUMBER = ' class="number"'
+
+
+def _cell(cell: Any) -> str:
+    return cell.html if isinstance(cell, Element) else escape(str(cell))
+
+
+def _paragraph(part: Paragraph) -> str:
+    """A paragraph; nothing where it is empty."""
+    if not (part.lead or part.text):
+        return ""
+    tag = STYLED.get(part.style or ("strong" if part.lead else ""), "")
+    styled = escape(part.lead or part.text)
+    styled = f"<{tag}>{styled}</{tag}>" if tag else styled
+    return f"<p>{styled}{escape(part.text) if part.lead else ''}</p>"

@@ -1,0 +1,122 @@
+"""Laws and materials: those that a model may name, and one law by itself."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from .document import Document, Paragraph, Part, Table, named
+
+LIMITS = {"above": "above", "low": "at least", "high": "at most"}
+
+
+def described() -> Iterator[dict[str, Any]]:
+    """Describe every law, contact laws first, in the order of their names."""
+    from ..laws import ContactLaw, FrictionLaw
+    from ..laws.law import built_in
+
+    for kind, base in (("contact", ContactLaw), ("friction", FrictionLaw)):
+        for name, law in sorted(base.registry.items()):
+            parameters = [parameter(field) for field in dataclasses.fields(law)]
+            about = {"name": name, "kind": kind, "own": not built_in(law), "source": law.source, "formula": law.formula}
+            yield {**about, "parameters": parameters, "slots": list(law.slots)}
+
+
+def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
+    """Describe a parameter of a law; a default of null is derived from the surfaces, and there is none where a value has to be given."""
+    entry = {"name": field.name, "unit": field.metadata.get("unit", "1"), "meaning": field.metadata.get("meaning", "")}
+    entry |= {limit: field.metadata[limit] for limit in LIMITS if field.metadata.get(limit) is not None}
+    return entry if field.default is dataclasses.MISSING else {**entry, "default": field.default}
+
+
+def limits(entry: Mapping[str, Any]) -> str:
+    """Limits of a parameter in words."""
+    return ", ".join(f"{words} {entry[limit]:g}" for limit, words in LIMITS.items() if limit in entry)
+
+
+def law_list(laws: Sequence[Mapping[str, Any]]) -> Document:
+    """All laws, a line each."""
+    parts, width = list[Part](), max(len(law["name"]) for law in laws) + 2
+    for kind in ("contact", "friction"):
+        parts.append(Paragraph(f"{kind.capitalize()} laws", style="strong"))
+        for law in laws:
+            if law["kind"] == kind:
+                source = "(your own) " * law["own"] + " ".join(law["source"].split())
+                parts.append(Paragraph(source, lead=law["name"].ljust(width), style="code", lines="cut"))
+    more = "Formula, parameters and limits of one: vfife laws NAME; by itself in numbers and a picture: vfife laws NAME --plot."
+    return Document([*parts, Paragraph(more)], data=laws)
+
+
+def law_details(laws: Sequence[Mapping[str, Any]]) -> Document:
+    """Source, formula and parameters of each law, and its numbers where they were computed."""
+    return Document([part for law in laws for part in _law(law)], data=laws)
+
+
+def _law(law: Mapping[str, Any]) -> Iterator[Part]:
+    yield Paragraph(f"  ({law['kind']} law{', your own' if law['own'] else ''})", lead=law["name"])
+    yield Paragraph(law["formula"], style="code", indent=2)
+    yield Paragraph(law["source"], indent=2)
+    if "compared" in law:
+        yield Paragraph(f"Compared: {law['compared']}.", indent=2)
+    if law["parameters"]:
+        rows = [(one["name"], one["unit"], _default(one), limits(one), one["meaning"]) for one in law["parameters"]]
+        yield Table(("parameter", "unit", "default", "limits", "meaning"), rows)
+    else:
+        yield Paragraph("")
+    if "picture" in law:
+        derived = named(law["derived"], law["units"])
+        yield Paragraph(f"For these surfaces: {derived}" if derived else "")
+        yield from _numbers(law["numbers"])
+        yield Paragraph(law["picture"], lead="Picture: ")
+
+
+def _default(entry: Mapping[str, Any]) -> str:
+    value = entry.get("default", "to be given")
+    return "derived" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _numbers(found: Mapping[str, Any]) -> Iterator[Part]:
+    """A contact law in free impacts, or a friction law in steady sliding."""
+    if "impacts" in found:
+        yield Paragraph(f"Free impact of {found['mass']:g} kg at {found['speed']:g} m/s")
+        heads = ("restitution asked for", "delivered", "deepest, µm", "largest force, N", "time in contact, µs")
+        yield Table.of(heads, [_impact(one) for one in found["impacts"]], words=0)
+        return
+    normal = found["normal_force"]
+    yield Paragraph(f"Steady sliding under a normal force of {normal:g} N")
+    rows = [(f"{one['speed']:g}", f"{one['force']:.5g}", f"{one['force'] / normal:.5f}") for one in found["steady"]]
+    yield Table.of(("sliding velocity, m/s", "resisting force, N", "over the normal force"), rows, words=0)
+    if "breakaway" in found:
+        yield Paragraph(f"Pulled slowly from rest, it reaches 95 % of its largest force after {1e6 * found['breakaway']:.4g} µm.")
+
+
+def _impact(one: Mapping[str, Any]) -> tuple[str, ...]:
+    restitution = "-" if one["restitution"] is None else f"{one['restitution']:.2f}"
+    depth, time = f"{1e6 * one['deepest']:.4g}", f"{1e6 * one['time']:.4g}"
+    return restitution, f"{one['delivered']:.4f}", depth, f"{one['force']:,.5g}", time
+
+
+def materials() -> Document:
+    """Materials that a model may name, with the sources of their numbers.
+
+    Data: name, Young's modulus (Pa), Poisson's ratio, density (kg/m^3), meaning, source, and hardness (Pa) with its source.
+    """
+    from ..laws.materials import HARDNESS, TABLE
+
+    keys = ("youngs_modulus", "poissons_ratio", "density", "meaning", "source")
+    found: list[dict[str, Any]] = []
+    for name, entry in TABLE.items():
+        hardness, source = HARDNESS.get(name, (None, None))
+        found.append({"name": name, **dict(zip(keys, entry, strict=True)), "hardness": hardness, "hardness_source": source})
+    sources = list(dict.fromkeys(source for one in found for source in (one["source"], one["hardness_source"]) if source))
+    rows = []
+    for one in found:
+        numbers = (f"{1e-9 * one['youngs_modulus']:.4g}", f"{one['poissons_ratio']:.4g}", f"{one['density']:.4g}")
+        hard = "" if one["hardness"] is None else f"{1e-9 * one['hardness']:.3g}"
+        cited = ", ".join(f"[{1 + sources.index(source)}]" for source in (one["source"], one["hardness_source"]) if source)
+        rows.append((one["name"], *numbers, hard, one["meaning"], cited))
+    heads = ("material", "Young's modulus, GPa", "Poisson's ratio", "density, kg/m³", "hardness, GPa", "what it is", "source")
+    own = "A table [material.NAME] in a model file adds a material, or takes the place of one of these."
+    notes = [Paragraph(f"[{number}] {source}") for number, source in enumerate(sources, 1)]
+    return Document([Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(own)], data=found)

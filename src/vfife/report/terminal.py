@@ -1,0 +1,73 @@
+"""Documents on a terminal, or as text in a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from rich.box import SIMPLE_HEAD
+from rich.padding import Padding
+from rich.table import Table as Grid
+from rich.text import Text
+
+from .document import Bullets, Caution, Document, Element, Facts, Figure, Paragraph, Part, Section, Table
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+STYLES = {
+    "": "", "strong": "bold", "aside": "italic", "caution": "yellow", "alarm": "bold yellow", "code": "cyan", "faint": "dim", "good": "bold green",
+    "bad": "bold red",
+}  # fmt: skip
+
+LINES: dict[str, dict[str, Any]] = {"wrapped": {}, "whole": {"soft_wrap": True}, "cut": {"no_wrap": True, "overflow": "ellipsis"}}
+
+
+def write(document: Document, console: Console, errors: Callable[[], Console] | None = None) -> None:
+    """Print a document; ``errors`` gives the console of asides, which is the same one by default. Brackets in texts are no markup."""
+    if document.title:
+        console.print(Text(document.title, style="bold"))
+    for part in document.parts:
+        _part(part, console, errors or (lambda: console))
+
+
+def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:
+    match part:
+        case Paragraph():
+            _paragraph(part, console)
+        case Table():
+            if part.title:
+                console.print(Text(part.title, style="bold"))
+            console.print(Padding.indent(_grid(part), part.indent) if part.indent else _grid(part))
+        case Facts():
+            facts = Grid.grid(padding=(0, 2))
+            for name, text in part.rows:
+                facts.add_row(Text(name, style="cyan"), Text(text))
+            console.print(facts)
+        case Caution():
+            where = errors() if part.aside else console
+            where.print(Text.assemble((f"{part.word}: ", "bold yellow"), part.text))
+        case Section():
+            console.print(Text(part.title, style="bold"))
+            for inner in part.parts:
+                _part(inner, console, errors)
+        case Bullets():
+            for text in part.texts:
+                console.print(Text(f"- {text}"))
+        case Element() | Figure():
+            pass
+
+
+def _paragraph(part: Paragraph, console: Console) -> None:
+    text = Text.assemble((part.lead, STYLES[part.style or "strong"]), part.text) if part.lead else Text(part.text, style=STYLES[part.style])
+    options = LINES[part.lines]
+    console.print(Padding.indent(text, part.indent) if part.indent else text, **options)
+
+
+def _grid(part: Table) -> Grid:
+    grid = Grid(box=SIMPLE_HEAD, pad_edge=False)
+    for k, heading in enumerate(part.headings):
+        grid.add_column(Text(heading), justify="right" if k in part.numbers else "left", overflow="fold", no_wrap=k in part.names)
+    for row in part.rows:
+        grid.add_row(*(Text(str(cell)) for cell in row))
+    return grid
