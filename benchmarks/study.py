@@ -9,7 +9,6 @@ import tempfile
 import time
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +22,8 @@ from vfife import load_model
 from vfife.codegen.native import stream_lanes
 from vfife.codegen.runner import Runner
 from vfife.solvers.record import recorded_rows
+from vfife.study.cases import Cases
 from vfife.study.engine import Wanted, run_members
-from vfife.study.preparing import FIRST, SIZES, Preparing
 
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")
@@ -64,18 +63,16 @@ class Study:
 
     def one_lane(self) -> float:
         """Wall time (s) a step of the loop with one lane and nothing beside it, over the turns of the first member."""
-        preparing = Preparing(self.base, Wanted(WANTED, self.turns))
-        assembly: Any = preparing.member(0, self.numbers[0]).assembly  # type: ignore[union-attr]
+        assembly: Any = Cases(self.base, Wanted(WANTED, self.turns)).case(0, self.numbers[0]).assembly  # type: ignore[union-attr]
         runner = Runner(assembly.topology, assembly.state[:, None], assembly.tables[None], "generated", recorded_rows(assembly))
         runner.advance(1, 1)
         return seconds(lambda: runner.advance(assembly.choice.outputs_every, assembly.choice.outputs)) / assembly.choice.steps
 
 
 def assembly_time(numbers: list[dict[str, float | str]]) -> float:
-    """Time of the processor (s) a member of making what goes into a lane, when the first ones are there."""
-    soon = FIRST + SIZES[0]
-    made = Preparing(load_model(MODEL), Wanted(WANTED, 1)).each([*numbers[:soon], *numbers])
-    deque(islice(made, soon), maxlen=0)
+    """Time of the processor (s) a member of making what goes into a lane, when the first one is there."""
+    made = Cases(load_model(MODEL), Wanted(WANTED, 1)).each([numbers[0], *numbers])
+    next(made)
     began = time.process_time()
     deque(made, maxlen=0)
     return (time.process_time() - began) / len(numbers)

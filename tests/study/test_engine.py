@@ -16,8 +16,8 @@ from vfife import load_model, simulate
 from vfife.assembly.assemble import assemble
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.study import engine
+from vfife.study.cases import Cases
 from vfife.study.engine import Outcome, Wanted, run_members
-from vfife.study.preparing import Preparing
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
 NUMBERS: list[dict[str, float | str]] = [
@@ -134,10 +134,10 @@ PLAY = {
 @pytest.mark.parametrize("key", PLAY)
 def test_numbers_of_play_reach_what_assembly_says(key: str) -> None:
     """Made from an assembly of other numbers, and assembled anew: every bit of state and tables, the step, the topology."""
-    preparing, numbers = Preparing(load_model(BASE), Wanted((), 2)), {f"joint.C.{key}": PLAY[key]}
-    made, again = preparing.made({}), preparing.make(numbers)
+    cases, numbers = Cases(load_model(BASE), Wanted((), 2)), {f"joint.C.{key}": PLAY[key]}
+    made, again = cases.model({}), cases.make(numbers)
     assert made is not None and again is not None
-    sooner = preparing.refitted(made, numbers)
+    sooner = cases.reassembled(made, numbers)
     assert sooner is not None
     late = again.refit.assembly
     assert (sooner.state.view(np.uint64) == late.state.view(np.uint64)).all()

@@ -196,15 +196,6 @@ def highest(every: Mapping[str, Values], window: Window) -> dict[str, float]:
     return {name: value for name, value in found.items() if value > 0.0 or not name.endswith(MOMENT)}
 
 
-def highest_of_each(record: Record) -> list[dict[str, float]]:
-    """Measures of a turn's extremes of many simulations of one mechanism but for its numbers, whose last rows stand as outputs in one record."""
-    every = {name: values.tolist() for rows in (loads, depths, turnings) for name, values in rows(record).items()}
-    return [
-        {name: own for name, values in every.items() if math.isfinite(own := values[k]) and (own > 0.0 or not name.endswith(MOMENT))}
-        for k in range(len(record.steps))
-    ]
-
-
 def loads(record: Record) -> dict[str, Values]:
     """Largest force of each joint (N) and moment of each ideal one (N m) up to each output, shape (outputs,)."""
     forces, found = joint_force_max(record), {}

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import columns
 from ..kernels.arrays import KNOT, Layout
 from ..kernels.topology import Topology
 from ..model.mechanism import Mechanism
@@ -100,4 +99,4 @@ def slots_of(layout: Layout, state: NDArray[np.float64], topology: Topology, ind
     """So many parameters of the law of a contact, from its record; after them the pieces of one that is a table."""
     row, (first, pieces) = layout.row("contact_slots", index), topology.knots[index]
     ranges = [(row, count), *((layout.record("knot", first + k), KNOT.SIZE) for k in range(pieces))]
-    return tuple(value for start, size in ranges for value in columns(state[..., start : start + size]))
+    return tuple(value for start, size in ranges for value in state[start : start + size].tolist())

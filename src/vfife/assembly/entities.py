@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
-from ..fields.members import number
 from ..kernels.topology import (
     ACROSS,
     ALONG,
@@ -150,7 +149,7 @@ def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list
     found = []
     for name, joint in mechanism.contacts.items():
         bearing, journal = (numbering.place(side) for side in joint.sides)
-        angles = [0.0 if side[0] == "ground" else number(motion.of(side[0])[0][..., 2]) for side in joint.sides]
+        angles = [0.0 if side[0] == "ground" else float(motion.of(side[0])[0][2]) for side in joint.sides]
         found += touches_of(name, joint, bearing, journal, angles[0] - angles[1])
     return found
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import Members, largest, number, point, spread
 from ..kernels.arrays import Layout
 from ..kernels.constraint import relative_turn
 from ..kernels.polynomial import polynomial
@@ -44,17 +43,16 @@ class Filler:
         stressed: PrestressedState | None,
         *,
         given: bool = False,
-        count: tuple[int, ...] = (),
     ) -> None:
         self.lengths = motion.datum.spring if given else {}
         self.mechanism, self.numbering, self.layout, self.motion, self.stressed = mechanism, numbering, layout, motion, stressed
-        self.state = spread(np.zeros(layout.rows), count)
+        self.state = np.zeros(layout.rows)
         self.free = frozenset(numbering.free)
 
     def put(self, name: str, value: Any, index: int | slice | None = None) -> None:
         """Sets a block, or some entries of it."""
         rows = self.layout[name]
-        self.state[..., rows if index is None else rows[index]] = value
+        self.state[rows if index is None else rows[index]] = value
 
     def bodies(self) -> None:
         """Masses, loads, positions and velocities of particles; stiffness and reference of elements."""
@@ -144,7 +142,7 @@ class Filler:
             self.put("joint_ratio", joint.ratio, index)
             self.put("joint_offset", self._offset(joint, tables), index)
         arms = [hypot(*end[1]) for joint in ideals for end in (joint.bearing, joint.journal) if end[0] > 0]
-        self.put("size", largest(*arms) or 1.0 if arms else 1.0, 0)
+        self.put("size", max(arms) or 1.0 if arms else 1.0, 0)
 
     def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> Any:
         if joint.turn == FREE and joint.place != ALONG:
@@ -165,12 +163,12 @@ class Filler:
 
     def angle(self, place: Place) -> Any:
         """The angle of a particle at the start (rad)."""
-        return number(self.state[..., self.layout.row("particle_theta", place[0])])
+        return float(self.state[self.layout.row("particle_theta", place[0])])
 
     def seen(self, place: Place) -> tuple[float, float]:
         """Where a place of a particle is at the start (m)."""
         p, (x, y) = place
-        px, py = (number(self.state[..., self.layout.row(f"particle_{axis}", p)]) for axis in ("x", "y"))
+        px, py = (float(self.state[self.layout.row(f"particle_{axis}", p)]) for axis in ("x", "y"))
         angle = self.angle(place)
         s, c = sincos(angle)
         return px + c * x - s * y, py + s * x + c * y
@@ -180,24 +178,24 @@ class Filler:
         for index, touch in enumerate(touches):
             self._pins("contact", index, (touch.bearing, touch.journal))
             for row, values in touch_rows(self.mechanism, self.layout, touch, index):
-                self.state[..., row : row + len(values)] = point(*values)
+                self.state[row : row + len(values)] = values
         for index, piece in enumerate(piece for touch in touches for piece in touch.joint.contact.knots()):
             start = self.layout.record("knot", index)
-            self.state[..., start : start + len(piece)] = point(*piece)
+            self.state[start : start + len(piece)] = piece
 
     def profiles(self, touches: Sequence[Touch]) -> None:
         """Depths of worn surfaces, of bearing and journal of one contact after the other."""
         worn = [touch.joint.wear for touch in touches if touch.joint.wear is not None]
         depths = [profile for wear in worn for profile in (wear.bearing_profile, wear.journal_profile) if profile]
         numbers = [number for mean, *more in depths for number in (mean, 0.0, *more)]
-        self.state[..., self.layout.rows_of("harmonic_cosine")] = point(*numbers[::2])
-        self.state[..., self.layout.rows_of("harmonic_sine")] = point(*numbers[1::2])
+        self.state[self.layout.rows_of("harmonic_cosine")] = numbers[::2]
+        self.state[self.layout.rows_of("harmonic_sine")] = numbers[1::2]
 
     def paths(self, paths: Sequence[Path]) -> None:
         """Pieces of the paths of joints and contacts, one path after the other."""
         for index, numbers in enumerate(numbers for path in paths for numbers in path.numbers()):
             start = self.layout.record("piece", index)
-            self.state[..., start : start + len(numbers)] = point(*numbers)
+            self.state[start : start + len(numbers)] = numbers
 
     def springs(self, springs: Sequence[tuple[AnySpring, int, Place, Place]]) -> None:
         """Stiffness, damping and free lengths; those that are not given are what the start has, and the model's own where another one was given."""
@@ -206,7 +204,7 @@ class Filler:
             start = self.lengths[spring.name] if spring.name in self.lengths else self._apart(kind, first, second)
             for name, values in spring_fields(spring, start).items():
                 row = self.layout.row(f"spring_{name}", index)
-                self.state[..., row : row + len(values)] = point(*values)
+                self.state[row : row + len(values)] = values
 
     def _apart(self, kind: int, first: Place, second: Place) -> Any:
         """Distance (m) or angle (rad) between two places at the start."""
@@ -246,7 +244,7 @@ class Filler:
                 self.put(block, value, index)
         for function, numbers in self.numbering.travels.items():
             first = self.layout.row("function_first_x", function)
-            self.state[..., first : first + len(numbers)] = point(*numbers)
+            self.state[first : first + len(numbers)] = numbers
 
 
 def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
@@ -272,8 +270,8 @@ def touch_values(joint: Contact, touching: Touching, pair: Pair) -> tuple[tuple[
 
 
 def coordinates(values: Any) -> tuple[Any, ...]:
-    """x, y and angle of a motion, of members those of all."""
-    return tuple(values[..., k].view(Members) for k in range(3)) if isinstance(values, np.ndarray) and values.ndim > 1 else tuple(values)
+    """x, y and angle of a motion."""
+    return tuple(values)
 
 
 def carried(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..codegen.graph import derive, tables
-from ..fields.members import columns, number
 from ..kernels.arrays import CONSTRAINT_INDEX, HEADER, Layout
 from ..kernels.constraint import levers
 from ..kernels.factors import factor, fill
@@ -33,11 +32,11 @@ def redundant(layout: Layout, state: Array, topology: Topology) -> bool:
 def _small(layout: Layout, state: Array, topology: Topology) -> bool:
     """Whether the pivot of a row that closes a loop is so small that it may be none."""
     integers, _, rows = tables(topology)
-    I, S = integers.tolist(), [*columns(state), *([0.0] * (rows - layout.rows))]
+    I, S = integers.tolist(), [*state.tolist(), *([0.0] * (rows - layout.rows))]
     turned = [p for p in topology.bound if p > 0]
     for name, values in (("c", cos), ("s", sin)):
         for p in turned:
-            S[layout.row(name, p)] = number(values(state[..., layout.row("particle_theta", p)]))
+            S[layout.row(name, p)] = float(values(float(state[layout.row("particle_theta", p)])))
         S[layout.row(name, 0)] = float(values(0.0))
     levers(S, I)
     fill(S, I)

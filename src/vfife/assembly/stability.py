@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..codegen.graph import tables
-from ..fields.members import Alone, columns, largest, number, point, several, spread, sqrt
 from ..kernels import frame
 from ..kernels.arrays import CONSTRAINT, Layout
 from ..kernels.constraint import levers
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
     from .entities import Touch
 
 Array = NDArray[np.float64]
-Limits = list[tuple[str, Any]]  # (s), of members those of all
+Limits = list[tuple[str, float]]  # (s)
 
 CLOSED = 0.8  # root of the growth of a joint's error in a step that Newton's method still closes: rows of one to three bodies hold at 0.9
 DEPTHS = tuple(accumulate(range(218), lambda depth, _: depth * 1.1, initial=1e-9))  # (m), to a metre: in one of them an impact ends
@@ -86,28 +85,28 @@ def element_stiffness(layout: Layout, state: Array, topology: Topology) -> Eleme
 
 def held(layout: Layout, state: Array, topology: Topology, contacts: Sequence[float]) -> Held:
     """That of all springs, and of contacts of the given stiffness (N/m)."""
-    found = Held(*(spread(np.zeros(topology.particles), several(state)) for _ in range(3)))
+    found = Held(*(np.zeros(topology.particles) for _ in range(3)))
     springs = [spring_stiffness(layout, state, index) for index in range(len(topology.spring_first))]
     for kind, entries in (("spring", springs), ("contact", [(value, 0.0) for value in contacts])):
         for index, (straight, about) in enumerate(entries):
             for body, square in _arms(layout, state, topology, kind, index):
-                found.straight[..., body] += straight
-                found.levers[..., body] += straight * square
-                found.about[..., body] += about
+                found.straight[body] += straight
+                found.levers[body] += straight * square
+                found.about[body] += about
     return found
 
 
 def spring_stiffness(layout: Layout, state: Array, index: int) -> tuple[Any, Any]:
     """Stiffness of a spring along its stiffer axis (N/m) and about the axis of the plane (N m/rad)."""
     row = layout.row("spring_stiffness", index)
-    return number(state[..., row : row + 2].max(axis=-1)), number(state[..., row + 2])
+    return float(state[row : row + 2].max()), float(state[row + 2])
 
 
 def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: int) -> list[tuple[int, Any]]:
     """The two bodies of a spring or contact, and the square of its arm on each (m^2)."""
     found = []
     for side in ("first", "second") if kind == "spring" else ("bearing", "journal"):
-        x, y = (number(state[..., layout.row(f"{kind}_{side}_{axis}", index)]) for axis in "xy")
+        x, y = (float(state[layout.row(f"{kind}_{side}_{axis}", index)]) for axis in "xy")
         found.append((getattr(topology, f"{kind}_{side}")[index], x * x + y * y))
     return found
 
@@ -145,9 +144,9 @@ def demands(layout: Layout, state: Array, topology: Topology, load: Held) -> Dem
 
 def _square(layout: Layout, state: Array, load: Demands, arms: Sequence[tuple[int, Any]]) -> Any:
     """w^2 of a spring or contact along a line."""
-    im, ii = state[..., layout["particle_inverse_mass"]], state[..., layout["particle_inverse_inertia"]]
-    shares = ((load.straight[..., b] * im[..., b], load.turning[..., b] * ii[..., b] if square > 0.0 else 0.0) for b, square in arms)
-    return number(sum(straight + turning for straight, turning in shares))
+    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
+    shares = ((load.straight[b] * im[b], load.turning[b] * ii[b] if square > 0.0 else 0.0) for b, square in arms)
+    return float(sum(straight + turning for straight, turning in shares))
 
 
 def element_limits(layout: Layout, state: Array, topology: Topology, load: Demands) -> tuple[Array, Array]:
@@ -193,8 +192,8 @@ def _bent(layout: Layout, state: Array, nodes: NDArray[np.intp], count: int) -> 
 
 def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int) -> Any:
     """Largest inverse mass (1/kg) that a clearance joint can meet in any direction."""
-    im, ii = state[..., layout["particle_inverse_mass"]], state[..., layout["particle_inverse_inertia"]]
-    return number(sum(im[..., body] + square * ii[..., body] for body, square in _arms(layout, state, topology, "contact", index)))
+    im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
+    return float(sum(im[body] + square * ii[body] for body, square in _arms(layout, state, topology, "contact", index)))
 
 
 def contact_stiffness(
@@ -219,26 +218,26 @@ def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) 
 
 def contact_periods(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[tuple[str, float]]:
     """Half a period (s) of each contact by itself."""
-    roots = [2.0 / sqrt(k * mobility) if mobility > 0.0 else math.inf for k, mobility in stiffness]
+    roots = [2.0 / math.sqrt(k * mobility) if mobility > 0.0 else math.inf for k, mobility in stiffness]
     return [(touch.name, 0.5 * math.pi * root) for touch, root in zip(touches, roots, strict=True)]
 
 
 def contact_limits(touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, load: Demands) -> Limits:
     """Stable step (s) of each contact."""
     squares = [_square(layout, state, load, _arms(layout, state, topology, "contact", index)) for index in range(len(touches))]
-    return [(f"contact of joint {t.name}", 2.0 / sqrt(w) if w > 0.0 else math.inf) for t, w in zip(touches, squares, strict=True)]
+    return [(f"contact of joint {t.name}", 2.0 / math.sqrt(w) if w > 0.0 else math.inf) for t, w in zip(touches, squares, strict=True)]
 
 
 def spring_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str], load: Demands) -> Limits:
     """Stable step (s) of each spring: along its axes, and about the axis of the plane."""
-    ii, found = state[..., layout["particle_inverse_inertia"]], []
+    ii, found = state[layout["particle_inverse_inertia"]], []
     for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
         straight, turning = spring_stiffness(layout, state, index)
         along = _square(layout, state, load, _arms(layout, state, topology, "spring", index)) if straight > 0.0 else 0.0
-        about = load.turning[..., first] * ii[..., first] + load.turning[..., second] * ii[..., second] if turning > 0.0 else 0.0
-        square = largest(along, number(about))
+        about = load.turning[first] * ii[first] + load.turning[second] * ii[second] if turning > 0.0 else 0.0
+        square = max(along, float(about))
         if square > 0.0:
-            found.append((f"spring {names[index] if names else index + 1}", 2.0 / sqrt(square)))
+            found.append((f"spring {names[index] if names else index + 1}", 2.0 / math.sqrt(square)))
     return found
 
 
@@ -250,15 +249,15 @@ def arm_limits(layout: Layout, state: Array, topology: Topology, names: Sequence
     is also the next one's, and in the place of (r/k)^2 stands what ``turning_error`` has of the start. Both at the fastest turning of the start:
     what a run comes to later is not known here.
     """
-    spin = number(np.abs(state[..., layout["particle_w"]]).max(axis=-1, initial=0.0))
+    spin = float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
     found = []
     for k, name in enumerate(names):
         for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
-            mass, inertia = (number(state[..., layout.row(f"particle_inverse_{kind}", bodies[k])]) for kind in ("mass", "inertia"))
-            arm = hypot(*(state[..., layout.row(f"joint_{side}_{axis}", k)] for axis in "xy"))
+            mass, inertia = (float(state[layout.row(f"particle_inverse_{kind}", bodies[k])]) for kind in ("mass", "inertia"))
+            arm = hypot(*(state[layout.row(f"joint_{side}_{axis}", k)] for axis in "xy"))
             if mass > 0.0 and inertia > 0.0 and arm * spin > 0.0:
-                found.append((f"small inertia on an arm at joint {name}", CLOSED * sqrt(mass / inertia) / (arm * spin)))
-    growth = spin * sqrt(turning_error(layout, state, topology)) if found else 0.0
+                found.append((f"small inertia on an arm at joint {name}", CLOSED * math.sqrt(mass / inertia) / (arm * spin)))
+    growth = spin * math.sqrt(turning_error(layout, state, topology)) if found else 0.0
     if growth > 0.0:
         found.append(("small inertia on arms of several joints", CLOSED / growth))
     return found
@@ -271,43 +270,40 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> Any:
     the forces of joints, which stay in space while the bodies turn.
     """
     joined = sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
-    inverse = np.stack([state[..., layout[f"particle_inverse_{kind}"]][..., joined] for kind in ("mass", "mass", "inertia")], axis=-1)
-    inverse = inverse.reshape(*inverse.shape[:-2], 1, -1)
+    inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=-1).reshape(1, -1)
     turn = 1e-6
     now, before, after = (constraint_rows(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
-    there = np.swapaxes(now, -1, -2)
+    there = now.T
     left = product(dense.pinv(product(now * inverse, there), 1e-10), product((after - before) / (2.0 * turn) * inverse, there))
-    quarter = np.zeros(left.shape[-2:])
+    quarter = np.zeros(left.shape)
     for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
         if place == PINNED:
             quarter[first, first + 1], quarter[first + 1, first] = -1.0, 1.0
-    return number(dense.eigenvalue_sizes(product(left, quarter)).max(axis=-1, initial=0.0))
+    return float(dense.eigenvalue_sizes(product(left, quarter)).max(initial=0.0))
 
 
 def constraint_rows(layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float = 0.0) -> Any:
     """Rows of all constraints on (x, y, theta) of the joined particles, as the step has them, all bodies turned by an angle (rad)."""
     integers, _, rows = tables(topology)
-    S = [*columns(state), *([0.0] * (rows - layout.rows))]
-    angle = np.where(np.arange(topology.particles) > 0, state[..., layout["particle_theta"]] + turn, 0.0)[..., list(topology.bound)]
+    S = [*state.tolist(), *([0.0] * (rows - layout.rows))]
+    angle = np.where(np.arange(topology.particles) > 0, state[layout["particle_theta"]] + turn, 0.0)[list(topology.bound)]
     for name, values in zip(("s", "c"), sincos(angle), strict=True):
-        for row, value in zip(layout[name].tolist(), columns(values.view(type(state))), strict=True):
+        for row, value in zip(layout[name].tolist(), values.tolist(), strict=True):
             S[row] = value
     levers(S, [int(value) for value in integers])
-    starts, found = topology.constraint_starts, spread(np.zeros((topology.constraint_starts[-1], len(joined), 3)), several(state))
+    starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], len(joined), 3))
     for joint, (bearing, journal, carrier) in enumerate(zip(topology.joint_bearing, topology.joint_journal, topology.carriers, strict=True)):
         for k in range(starts[joint], starts[joint + 1]):
             row = layout.record("constraint", k)
             nx, ny, jb, jk, jc = (S[row + field] for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc))
-            found[..., k, joined.index(bearing), :] -= point(nx, ny, jb)
-            found[..., k, joined.index(journal), :] += point(nx, ny, jk)
-            found[..., k, joined.index(carrier), 2] -= jc
-    return found.reshape(*found.shape[:-2], -1)
+            found[k, joined.index(bearing)] -= (nx, ny, jb)
+            found[k, joined.index(journal)] += (nx, ny, jk)
+            found[k, joined.index(carrier), 2] -= jc
+    return found.reshape(len(found), -1)
 
 
 def _impact_force(law: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float) -> float:
     """Force of an impact at the largest speed in the mechanism, where no ideal reaction is known."""
-    if several(state):
-        raise Alone("what an impact leaves is found mechanism by mechanism")
     speed = max(float(hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
     energy = 0.5 * (speed * speed) / max(mobility, 1e-12)
 

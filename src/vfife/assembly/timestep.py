@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError, StepError
-from ..fields.members import Members
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..model.functions import turn_of
@@ -78,14 +77,6 @@ class Bounds:
     parts: Limits
     arms: Limits
     periods: Limits
-
-    def each(self, count: int) -> Iterator[Bounds]:
-        """Those of each of so many members."""
-        kinds = self.parts, self.arms, self.periods
-        columns = [[value.tolist() if isinstance(value, Members) else [value] * count for _, value in one] for one in kinds]
-        names = [[name for name, _ in one] for one in kinds]
-        for k in range(count):
-            yield Bounds(*([(name, value[k]) for name, value in zip(*both, strict=True)] for both in zip(names, columns, strict=True)))
 
 
 def bounds(

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import VfifeError
-from ..fields.members import Members, number
 from ..kernels import constraint, geometry, path
 from ..kernels.topology import ACROSS, ALONG, APART, ON_PATH
 from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Place, Row, Turn, place_row, turn_row
@@ -94,11 +93,6 @@ class Constraint:
         return (*self.geometry, self.speed, self.acceleration)
 
     @property
-    def numbers(self) -> tuple[Any, ...]:
-        """All by which positions are closed."""
-        return (*self._points[0], *self._points[1], self.aim, self.ratio)
-
-    @property
     def turns(self) -> bool:
         """Whether it holds nothing but a turn."""
         return self.place is None
@@ -169,7 +163,7 @@ class Constraint:
     def _points(self) -> tuple[list[Any], list[Any]]:
         points: tuple[Any, Any] = (self.point_a, self.point_b)
         (ax, ay), (bx, by) = points
-        return [number(ax), number(ay)], [number(bx), number(by)]
+        return [float(ax), float(ay)], [float(bx), float(by)]
 
     @cached_property
     def _guide(self) -> tuple[int, list[float], int, float, float]:
@@ -198,8 +192,8 @@ class Constraint:
     def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:
         """Force (N) on body b at its point, and moment (N m) on it; body a has the opposite at the same place."""
         rows = self.rows(p, None, length).b[: self.lengths]
-        values = [number(multiplier[..., k]) for k in range(multiplier.shape[-1])]
-        fx, fy = (number(sum(row[axis] * value for row, value in zip(rows, values, strict=False))) for axis in (0, 1))
+        values = multiplier.tolist()
+        fx, fy = (float(sum(row[axis] * value for row, value in zip(rows, values, strict=False))) for axis in (0, 1))
         return fx, fy, 0.0 if self.turn is None else length * values[-1]
 
     def at(self, p: Array) -> float:
@@ -237,7 +231,5 @@ def directions(p: Any, body: int) -> tuple[Any, Any]:
 
 
 def _numbers(p: Any, body: int) -> list[Any]:
-    """The three coordinates of a body, plain or of members."""
-    if isinstance(p, list):
-        return p[body]  # type: ignore[no-any-return]
-    return [p[..., body, k].view(Members) for k in range(3)] if p.ndim > 2 else p[body].tolist()
+    """The three coordinates of a body."""
+    return p[body] if isinstance(p, list) else p[body].tolist()  # type: ignore[no-any-return]

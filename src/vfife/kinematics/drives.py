@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError, VfifeError
-from ..fields.members import point
 from ..model.bodies import PointMass
 from ..model.carriers import carrier_of
 from ..model.drivers import AngleTable, Driver
@@ -103,8 +102,8 @@ def rigid_system(
     for name, driver in constraint_drivers(mechanism).items():
         if travels or driven_body(name, driver):
             drives.append(_drive(mechanism, names, name, driver, time, datum))
-    mass = point(1.0, *(p[0] for p in properties.values()))
-    inertia = point(1.0, *(p[2] if p[2] > 0.0 else 1e-6 * p[0] for p in properties.values()))
+    mass = np.array([1.0, *(p[0] for p in properties.values())])
+    inertia = np.array([1.0, *(p[2] if p[2] > 0.0 else 1e-6 * p[0] for p in properties.values())])
     return RigidSystem(names, mass, inertia, tuple(joints), tuple(drives))
 
 

@@ -15,7 +15,7 @@ from .linalg import DENSE
 
 Array = NDArray[np.float64]
 
-ANGLES = 24  # in a turn
+ANGLES = 36  # in a turn, as far apart as the longest strides of the follower
 WELL = 0.03  # of the largest determinant of a turn: what never falls below changes no sign between two angles
 ASTRAY = 0.3  # of a stride, by which a position may be off the one predicted from velocities
 QUICK = 1e-5  # of the extent: a correction this small squares to round-off
@@ -35,23 +35,17 @@ def full_turn(motion: Motion, speed: float, neighbour: FullTurn | None = None) -
     """The turn of the one crank of a mechanism, driven with ``speed`` (rad/s, its sign matters), if it surely gets through; None says nothing.
 
     A ``neighbour`` is the turn of a mechanism with slightly other lengths: Newton's steps from its positions close all positions at once. Without
-    one the turn is walked in strides along velocity and curvature, with a correction at each.
+    one, or where these do not close, the turn is walked in strides along velocity and curvature, with a correction at each.
     """
     system, drives = motion.system, motion.system.drives
     columns = 3 * len(system.names) - 3
     if len(drives) != 1 or not drives[0].turns or drives[0].body_a != 0 or system.starts[-1] != columns or columns > DENSE:
         return None
     corrector = _Corrector(motion, math.copysign(1.0, speed) * motion.hand)
-    known = neighbour is not None and neighbour.towards == corrector.towards and neighbour.positions.shape == corrector.shape
-    positions = neighbour.positions.copy() if known and neighbour is not None else corrector.walked()
-    for _ in range(CORRECTIONS):
-        step, determinant = corrector.step(positions, corrector.angles)
-        if not determinant.all() or not np.isfinite(step).all():
-            return None
-        positions[:, 1:] -= corrector.turned_back(step[..., 0])
-        if float(np.abs(step[..., 0]).max()) <= QUICK * corrector.extent:
-            return FullTurn(corrector.towards, positions) if corrector.sure(positions, step[..., 1], determinant) else None
-    return None
+    found = None
+    if neighbour is not None and neighbour.towards == corrector.towards and neighbour.positions.shape == corrector.shape:
+        found = corrector.closed(neighbour.positions)
+    return corrector.closed(corrector.walked()) if found is None else found
 
 
 class _Corrector:
@@ -66,6 +60,18 @@ class _Corrector:
         self.shape = (len(self.angles), *self.start.shape)
         self.reach = self.gathered.reach[3:]
         self.extent = max(float(system.reach[1:].max()), float(np.abs(self.start[:, :2]).max()))
+
+    def closed(self, positions: Array) -> FullTurn | None:
+        """The turn whose positions are near these; None where they do not close, or are not surely those of one motion."""
+        positions = positions.copy()
+        for _ in range(CORRECTIONS):
+            step, determinant = self.step(positions, self.angles)
+            if not determinant.all() or not np.isfinite(step).all():
+                return None
+            positions[:, 1:] -= self.turned_back(step[..., 0])
+            if float(np.abs(step[..., 0]).max()) <= QUICK * self.extent:
+                return FullTurn(self.towards, positions) if self.sure(positions, step[..., 1], determinant) else None
+        return None
 
     def turned_back(self, step: Array) -> Array:
         """Steps [k, 3(n-1)] in (x, y, l theta) as changes of positions [k, n-1, 3]."""
@@ -100,6 +106,9 @@ class _Corrector:
         apart[:, 2] -= 2.0 * math.pi * np.round(apart[:, 2] / (2.0 * math.pi))
         ends = np.abs(np.stack([apart, positions[0] - self.start])[:, 1:].reshape(2, -1) * self.reach).max()
         moved = np.diff(positions[:, 1:].reshape(len(positions), -1) * self.reach, axis=0)
-        off = np.abs(moved - 0.5 * self.stride * (velocity[1:] + velocity[:-1])).max(axis=1)
-        near = off <= ASTRAY * self.stride * np.abs(velocity[:-1]).max(axis=1)
-        return bool(near.all() and ends <= BACK * self.extent)
+        here, there = self.stride * velocity[:-1], self.stride * velocity[1:]
+        before, beyond = np.roll(here, 1, axis=0), np.roll(there, -1, axis=0)
+        # Positions are predicted from both ends of a stride: between two singular positions, where it does not close, velocities turn round.
+        ahead = np.abs(moved - here - 0.5 * (here - before)).max(axis=1) <= ASTRAY * np.abs(here).max(axis=1)
+        back = np.abs(moved - there + 0.5 * (beyond - there)).max(axis=1) <= ASTRAY * np.abs(there).max(axis=1)
+        return bool(ahead.all() and back.all() and ends <= BACK * self.extent)

@@ -6,14 +6,11 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
-from ..fields.members import Alone, Differing, Members
-from ..fields.members import chosen as of_members
 from ..laws.elasticity import tangent
 from ..model.bodies import Point
 from ..model.mechanism import Mechanism
@@ -28,7 +25,6 @@ from .solve import RigidSystem, accelerations, close, velocities
 from .system import mirrored
 
 Array = NDArray[np.float64]
-Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -73,7 +69,7 @@ class Motion:
     def of(self, body: str) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration of a body's centre of mass."""
         k = self.names.index(body)
-        return self.position[..., k, :], self.velocity[..., k, :], self.acceleration[..., k, :]
+        return self.position[k], self.velocity[k], self.acceleration[k]
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +120,7 @@ def seated(mechanism: Mechanism, known: Motion | None = None) -> dict[str, Seat]
 
 def handedness(guess: Array) -> float:
     """-1 if the first body that is not along x is turned clockwise, else 1: the mirror image has the opposite one."""
-    for angle in np.moveaxis(guess[..., 2], -1, 0):
+    for angle in guess[:, 2].tolist():
         if angle != 0.0:
             return -1.0 if angle < 0.0 else 1.0
     return 1.0
@@ -165,70 +161,6 @@ def _closed(mechanism: Mechanism, system: RigidSystem, guess: Array) -> Array:
     flip = np.array([1.0, hand, hand])
     position: Array = close(mirrored(system) if hand < 0.0 else system, guess * flip).position * flip
     return position
-
-
-def driven_start(mechanism: Mechanism, met: dict[Any, tuple[Array, Array]] | None = None) -> Motion:
-    """The :func:`ideal_motion` from which many members start, without accelerations and forces; see :mod:`vfife.fields.members`.
-
-    ``met`` remembers what was closed, for mechanisms that differ in what does not move them.
-    Raises :class:`~vfife.fields.members.Differing` where they are not to be treated alike, and Alone where each has to be taken by itself: the
-    motion depends on forces, or joints hold more than there is to hold.
-    """
-    if any(any(body.velocity) for body in mechanism.bodies.values()) or mechanism.start.journals != "centred":
-        raise Alone("bodies have velocities of their own, or journals are seated")
-    if any(not driven_body(name, driver) for name, driver in mechanism.drivers.items()):
-        raise Alone("a travel counts from the start")
-    datum = Datum(angle={name: body.angle for name, body in mechanism.bodies.items()})
-    system, guess = rigid_system(mechanism, datum=datum), first_guess(mechanism)
-    hand = handedness(guess)
-    flip = np.array([1.0, hand, hand])
-    solved = mirrored(system) if hand < 0.0 else system
-    if system.starts[-1] != 3 * len(system.names) - 3:
-        raise Alone("free motions have velocities that follow from masses")
-    values = [guess, solved.reach, *(value for one in solved.constraints for value in (*one.numbers, one.speed))]
-    ties = tuple((one.body_a, one.body_b, one.body_c, one.held, one.driven) for one in solved.constraints)
-    first, back, alike = alike_closed(values)
-    keys = [(ties, hand, one) for one in alike]
-    position, velocity = _closings(solved, guess * flip, keys, first, back, {} if met is None else met)
-    return Motion(system.names, position * flip, velocity * flip, np.zeros_like(velocity), {}, {}, datum, (), solved, hand)
-
-
-def _closings(solved: RigidSystem, guess: Array, keys: list[Any], first: Places | None, back: Places | None, met: dict[Any, Any]) -> list[Array]:
-    """Positions and velocities: each of all has the one that ``back`` tells of those ``first``, which close by ``keys``, once for each of these."""
-    new = [k for k, key in enumerate(keys) if key not in met]
-    if new:
-        try:
-            found = _driven(solved, guess, None if first is None else first[new])
-        except Differing as apart:
-            where = np.ones(len(keys), dtype=bool)
-            where[new] = apart.where
-            raise Differing(where if back is None else where[back]) from None
-        met |= {keys[k]: [(one, False) if one.ndim < 3 else (one[at], True) for one in found] for at, k in enumerate(new)}
-    rows = zip(*(met[key] for key in keys), strict=True)
-    whole = ([one for one, _ in row] if row[0][1] else row[0][0] for row in rows)
-    return [np.array(one)[back].view(Members) if isinstance(one, list) else one for one in whole]
-
-
-def _driven(solved: RigidSystem, guess: Array, which: Places | None) -> tuple[Array, Array]:
-    """Positions and velocities of some of many, or of what all of them are."""
-    some, there = (solved, guess) if which is None else (of_members(solved, which), of_members(guess, which))
-    if which is None:  # masses move nothing that is determined
-        mass, inertia = (np.array(one[0]) if isinstance(one, Members) else one for one in (solved.mass, solved.inertia))
-        some = RigidSystem(solved.names, mass, inertia, solved.joints, solved.drives)
-    position = close(some, there).position
-    return position, velocities(some, position, independent=True)
-
-
-def alike_closed(values: list[Any]) -> tuple[Places | None, Places | None, list[Any]]:
-    """Members that each stand for those that close alike, the one that each of all has, None where nothing differs; what each closes by."""
-    wide = [value for value in values if isinstance(value, Members)]
-    same = tuple(np.asarray(value).tobytes() for value in values if not isinstance(value, Members))
-    if not wide:
-        return None, None, [same]
-    table = np.concatenate([np.asarray(value).reshape(len(value), -1) for value in wide], axis=1)
-    rows, first, back = np.unique(table.view(np.uint64), axis=0, return_index=True, return_inverse=True)
-    places = tuple(isinstance(value, Members) for value in values)
-    return first, back.reshape(-1), [(places, same, row.tobytes()) for row in rows]
 
 
 def _forced_alike(one: Mechanism | None, other: Mechanism) -> bool:

@@ -6,14 +6,12 @@ All of it has the same bits on every machine (:mod:`vfife.numerics`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import Alone, Differing, Members, alike
 from ..numerics import dense, products
 from ..numerics.sparse import Sparse
 
@@ -28,12 +26,7 @@ REFINEMENTS = 30
 
 
 def matrix(values: list[Any], rows: list[int], columns: list[int], shape: tuple[int, ...]) -> Matrix:
-    """G from its entries, which may repeat; of members one for each, (members, r, c)."""
-    if len(shape) > 2:
-        of_each = np.zeros(shape).view(Members)
-        for row, column, value in zip(rows, columns, values, strict=True):
-            of_each[:, row, column] += value
-        return of_each
+    """G from its entries, which may repeat."""
     if shape[1] <= DENSE:
         dense = np.zeros(shape)
         np.add.at(dense, (rows, columns), values)
@@ -41,13 +34,8 @@ def matrix(values: list[Any], rows: list[int], columns: list[int], shape: tuple[
     return Sparse(values, rows, columns, (shape[0], shape[1]))
 
 
-def turned(matrix: Array) -> Array:
-    """Its transpose, or that of each member's."""
-    return np.swapaxes(matrix, -1, -2)
-
-
 def times(matrix: Matrix, vector: Array) -> Any:
-    """A matrix times a vector, or each member's times its own."""
+    """A matrix times a vector."""
     return matrix.times(vector) if isinstance(matrix, Sparse) else products.times(matrix, vector)
 
 
@@ -59,13 +47,10 @@ def weighted(weight: Array, jacobian: Matrix) -> Matrix:
 
 
 def decomposed(jacobian: Array) -> tuple[Array, Array, Array]:
-    """The whole singular value decomposition of a dense G, or of each member's; not to be written to.
+    """The whole singular value decomposition of a dense G; not to be written to.
 
     Velocities, accelerations, reactions and mobility are asked for at one position, so the last few are kept.
     """
-    if jacobian.ndim > 2 or jacobian.dtype != float:
-        left, size, right = dense.svd(jacobian)
-        return left, size, right
     return _decomposed(jacobian.shape, jacobian.tobytes())
 
 
@@ -78,70 +63,39 @@ def _decomposed(shape: tuple[int, int], entries: bytes) -> tuple[Array, Array, A
 
 
 class DampedStep:
-    """(damping) -> (G^T G + damping)^-1 G^T error, of least norm; directions that no row sees are left alone.
+    """(damping) -> (G^T G + damping)^-1 G^T error, of least norm; directions that no row sees are left alone."""
 
-    Of several G side by side, (members, r, c), and as many errors and dampings; of a sparse G there is one.
-    """
-
-    def __init__(self) -> None:
-        self.parts: list[Array] = []
-        self.sparse: Callable[[float], Array] | None = None
-
-    def take(self, which: NDArray[np.bool_], jacobian: Matrix, error: Array) -> None:
-        """Other G and errors for some of them."""
+    def __init__(self, jacobian: Matrix, error: Array) -> None:
+        self.error, self.squared = error, None
         if not isinstance(jacobian, np.ndarray):
-            squared, own = jacobian.squared(), error[0]
-            self.sparse = lambda damping: jacobian.transposed_times(squared.solver(max(damping, EPSILON))(own))
+            self.jacobian, self.squared = jacobian, jacobian.squared()
             return
-        left, size, right = dense.svd(jacobian[which], full=False)
-        counts = (size > RANK_TOLERANCE).sum(axis=-1)
-        rank = int(counts[0])
-        if (counts != rank).any():
-            raise Differing(np.isin(np.arange(len(which)), np.flatnonzero(which)[counts == rank]))
-        across = np.ascontiguousarray(turned(left)[:, :rank])
-        parts = [size[:, :rank], times(across, error[which]), right[:, :rank]]
-        if which.all():
-            self.parts = [np.ascontiguousarray(one) for one in parts]
-            return
-        if not self.parts:  # the others need no step, and have none: some members may be closed before the first
-            self.parts = [np.ones((len(which), *one.shape[1:])) for one in parts]
-            self.parts[1][:] = 0.0
-        elif self.parts[0].shape[-1] != rank:
-            raise Differing(which)
-        for known, found in zip(self.parts, parts, strict=True):
-            known[which] = found
+        left, size, right = dense.svd(jacobian, full=False)
+        rank = int((size > RANK_TOLERANCE).sum())
+        self.size, self.part, self.columns = size[:rank], times(left.T[:rank], error), right[:rank].T
 
-    def some(self, which: Any) -> DampedStep:
-        """That of some of them."""
-        found = DampedStep()
-        found.parts = [one[which] for one in self.parts]
-        return found
-
-    def __call__(self, damping: Array) -> Any:
-        if self.sparse is not None:
-            return self.sparse(float(damping[0]))[None]
-        size, part, rows = self.parts
-        return times(turned(rows), size / (size * size + damping[:, None]) * part)
+    def __call__(self, damping: float) -> Array:
+        if self.squared is not None:
+            found: Array = self.jacobian.transposed_times(self.squared.solver(max(damping, EPSILON))(self.error))
+            return found
+        return np.asarray(times(self.columns, self.size / (self.size * self.size + damping) * self.part))
 
 
-def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array, independent: bool = False) -> tuple[Array, Array]:
+def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tuple[Array, Array]:
     """The motion x [c] with G x = wanted and the least (x - free)^T M (x - free), and its multipliers [r]: M (x - free) = G^T lambda.
 
-    ``independent``: raises Alone where rows depend on one another. Where they do, lambda is the solution of least norm, and x fits ``wanted`` as
-    well as can be.
+    Where rows depend on one another, lambda is the solution of least norm, and x fits ``wanted`` as well as can be.
     """
     if isinstance(jacobian, np.ndarray):
         left, size, right = decomposed(jacobian)
-        rank = alike(np.sum(size > RANK_TOLERANCE, axis=-1))
-        if independent and rank < jacobian.shape[-2]:
-            raise Alone("rows depend on one another")
-        across, along = turned(left[..., :, :rank]), right[..., :rank, :]
-        motion = times(turned(along), times(across, wanted) / size[..., :rank])
-        null = turned(right[..., rank:, :])
-        if null.shape[-1]:
-            pull = times(turned(null), mass * (free - motion))
-            motion = motion + times(null, dense.solve(products.product(turned(null), mass[..., None] * null), pull))
-        return motion, times(turned(across), times(along, mass * (motion - free)) / size[..., :rank])
+        rank = int(np.sum(size > RANK_TOLERANCE))
+        across, along = left[:, :rank].T, right[:rank]
+        motion = times(along.T, times(across, wanted) / size[:rank])
+        null = right[rank:].T
+        if null.shape[1]:
+            pull = times(null.T, mass * (free - motion))
+            motion = motion + times(null, dense.solve(products.product(null.T, mass[:, None] * null), pull))
+        return motion, times(across.T, times(along, mass * (motion - free)) / size[:rank])
     squared = jacobian.squared(1.0 / mass)
     left_over = wanted - times(jacobian, free)
     solve, multiplier = squared.solver(SOFT * float(squared.diagonal().max(initial=1e-300))), np.zeros(len(wanted))
@@ -160,7 +114,7 @@ def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
     ``mobility`` [c]: the diagonal of M^-1, 0 for what is driven. Multipliers that nothing leaves open stay as they are.
     """
     stress = self_stress(jacobian)
-    if not stress.shape[-1]:
+    if not stress.shape[1]:
         return multiplier
     squares = jacobian * jacobian if isinstance(jacobian, np.ndarray) else Sparse.like(jacobian, jacobian.values * jacobian.values)
     weight = times(squares, mobility)
@@ -170,12 +124,12 @@ def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
 
 def self_stress(jacobian: Matrix) -> Array:
     """Orthonormal multipliers [r, k] that load nothing, G^T N = 0: one for each row that depends on the others."""
-    count = jacobian.shape[-2]
+    count = jacobian.shape[0]
     if count == 0:
-        return np.zeros((*jacobian.shape[:-2], 0, 0))
+        return np.zeros((0, 0))
     if isinstance(jacobian, np.ndarray):
         left, size, _ = decomposed(jacobian)
-        return np.asarray(left[..., :, alike(np.sum(size > RANK_TOLERANCE, axis=-1)) :])
+        return np.asarray(left[:, int(np.sum(size > RANK_TOLERANCE)) :])
     solve = jacobian.squared().solver(EPSILON)
     columns = 8
     while 4 * columns < count:  # inverse iteration with as many vectors as it takes to see one that is no self-stress

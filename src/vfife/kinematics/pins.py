@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
-from ..fields.members import number, table
 from ..model.bodies import Body, Point
 from ..model.joints import Joint
 from ..model.lumping import rigid_properties
@@ -51,10 +50,10 @@ def world(mechanism: Mechanism, position: Places | Array, names: tuple[str, ...]
     x, y = (a + b for a, b in zip(from_center(mechanism, side), beyond, strict=True))
     px, py, angle = position[names.index(side[0])] if side[0] != "ground" else (0.0, 0.0, 0.0)
     s, c = sincos(angle)
-    return number(px + c * x - s * y), number(py + s * x + c * y)
+    return float(px + c * x - s * y), float(py + s * x + c * y)
 
 
-def first_guess(mechanism: Mechanism) -> Any:
+def first_guess(mechanism: Mechanism) -> Array:
     """Approximate positions: bodies are hung, from the ground on, in the joints that hold them, each at its approximate angle.
 
     Pins come before guides, and guides before contacts; in a guide or contact the pins of both sides start in one place, or where the joint has
@@ -87,7 +86,7 @@ def first_guess(mechanism: Mechanism) -> Any:
     for name, body in mechanism.bodies.items():
         if name not in placed:
             _place(guess, names.index(name), body, (0.0, 0.0), (0.0, 0.0))
-    return table(guess)
+    return np.array(guess, dtype=float)
 
 
 def _ways(joint: Joint) -> Iterator[tuple[tuple[str, str], tuple[str, str], Point, Point]]:

@@ -6,13 +6,10 @@ length, (x, y, l theta) with l the body's own reach, so that one tolerance judge
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
-from ..fields.members import Differing, Members, point, several, table
 from ..numerics.elementwise import cos
 from ..numerics.products import norm
 from .descent import LARGEST_TURN, Closure, descend, opened
@@ -37,11 +34,9 @@ def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
     start = checked(system, guess, "guess")
     for drive in system.drives:
         if drive.turns:
-            off = drive.aim - (start[..., drive.body_b, 2] - start[..., drive.body_a, 2])
-            start[..., drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+            off = drive.aim - (start[drive.body_b, 2] - start[drive.body_a, 2])
+            start[drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
     closure = descend(system, start)
-    if several(start) and not (closed := _is_closed(system, closure)).all():
-        raise Differing(np.asarray(closed))
     if not _is_closed(system, closure):
         if not named:
             raise AssemblyError("joints stay open")
@@ -51,18 +46,17 @@ def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
     return closure
 
 
-def velocities(system: RigidSystem, position: Array, guess_velocity: Array | None = None, independent: bool = False) -> Array:
+def velocities(system: RigidSystem, position: Array, guess_velocity: Array | None = None) -> Array:
     """Return the velocity [n,3] (m/s, m/s, rad/s) that satisfies joints and drives at a closed position [n,3].
 
     G v = rate; of all such v the one with the least (v - v0)^T M (v - v0), v0 the guess [n,3] (default: rest).
-    Raises AssemblyError when no velocity exists (a driven dead centre), VfifeError on bad shapes, Alone where rows that are to be
-    ``independent`` are not.
+    Raises AssemblyError when no velocity exists (a driven dead centre), VfifeError on bad shapes.
     """
     position = checked(system, position, "position")
     before = checked(system, np.zeros_like(position) if guess_velocity is None else guess_velocity, "guess_velocity")
     rows = equations(system, position)
     lengths, mass = metric(system)
-    motion = constrained(rows.jacobian, rows.rate, mass, flat(before) * lengths, independent)[0]
+    motion = constrained(rows.jacobian, rows.rate, mass, flat(before) * lengths)[0]
     _demand(system, times(rows.jacobian, motion) - rows.rate, motion, "velocity")
     return of_bodies(motion / lengths)
 
@@ -86,28 +80,26 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
     driven = [one.body_b for one in system.drives if one.turns and one.body_a == 0]
     free = np.repeat(~np.isin(np.arange(1, len(system.names)), driven), 3)
     multiplier = shared_out(rows.jacobian, free / mass, multiplier)
-    reaction = [one.reaction(position, multiplier[..., system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
+    reaction = [one.reaction(position, multiplier[system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
     driving = [system.lengths[k] if one.turns else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))]
-    reactions = table(reaction) if reaction else np.zeros((0, 3))
-    return of_bodies(motion / lengths), reactions, multiplier[..., system.held :] * point(*driving)
+    reactions = np.array(reaction, dtype=float).reshape(-1, 3)
+    return of_bodies(motion / lengths), reactions, multiplier[system.held :] * np.array(driving, dtype=float)
 
 
 def flat(motion: Array) -> Array:
     """Motions of the moving bodies one after the other."""
-    return motion[..., 1:, :].reshape(*motion.shape[:-2], -1)
+    return motion[1:].reshape(-1)
 
 
 def of_bodies(motion: Array) -> Array:
     """Such motions body by body, the ground at rest before them."""
-    bodies = motion.reshape(*motion.shape[:-1], -1, 3)
-    found = np.concatenate([np.zeros_like(bodies[..., :1, :]), bodies], axis=-2)
-    return found.view(Members) if found.ndim > 2 else found
+    return np.concatenate([np.zeros((1, 3)), motion.reshape(-1, 3)])
 
 
-def _is_closed(system: RigidSystem, closure: Closure) -> Any:
-    """Whether it is, of members of each."""
-    extent = np.maximum(system.reach[..., 1:].max(axis=-1, initial=0.0), np.abs(closure.position[..., :2]).max(axis=(-2, -1)))
-    return closure.residual <= CLOSED * extent
+def _is_closed(system: RigidSystem, closure: Closure) -> bool:
+    """Whether it is closed to round-off."""
+    extent = max(system.reach[1:].max(initial=0.0), np.abs(closure.position[:, :2]).max())
+    return bool(closure.residual <= CLOSED * extent)
 
 
 def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) -> AssemblyError:
@@ -159,10 +151,8 @@ def _gap(system: RigidSystem, k: int, phi: Array) -> str:
 
 def _demand(system: RigidSystem, missing: Array, motion: Array, quantity: str) -> None:
     """Raise AssemblyError where G motion misses its wanted value by more than round-off."""
-    largest = np.maximum(np.abs(motion).max(axis=-1, initial=0.0), np.abs(missing).max(axis=-1, initial=0.0))
-    missed: Any = np.asarray(np.abs(missing) > RANK_TOLERANCE * largest[..., None])
-    if several(motion) and missed.any():
-        raise Differing(~missed.any(axis=-1))
+    largest = max(np.abs(motion).max(initial=0.0), np.abs(missing).max(initial=0.0))
+    missed = np.abs(missing) > RANK_TOLERANCE * largest
     if missed.any():
         joints = [joint.name for k, joint in enumerate(system.joints) if missed[system.rows(k)].any()]
         named = joints + [system.drive_name(drive) for drive in system.drives]

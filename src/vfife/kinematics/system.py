@@ -6,13 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
-from ..fields.members import number, point, several, spread
 from ..numerics.elementwise import hypot
 from .constraints import Constraint, directions
 from .linalg import DENSE, Matrix, matrix
@@ -35,30 +33,22 @@ class RigidSystem:
     drives: Sequence[Constraint] = ()
     reach: Array = field(init=False, repr=False)
     starts: tuple[int, ...] = field(init=False, repr=False)
-    lengths: tuple[Any, ...] = field(init=False, repr=False)
+    lengths: tuple[float, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         n = len(self.names)
         for one in self.constraints:
             _check(one, n)
-        masses = several(self.mass, self.inertia)
-        mass, inertia = spread(self.mass, masses), spread(self.inertia, masses)
-        if mass.shape[-1:] != (n,) or inertia.shape[-1:] != (n,):
+        mass, inertia = np.array(self.mass, dtype=float), np.array(self.inertia, dtype=float)
+        if mass.shape != (n,) or inertia.shape != (n,):
             raise VfifeError(f"mass and inertia must have one entry for each of the {n} bodies")
-        moving = np.stack([mass[..., 1:], inertia[..., 1:]])
+        moving = np.stack([mass[1:], inertia[1:]])
         if not ((moving > 0.0) & (moving < np.inf)).all():
             raise VfifeError("mass and inertia of every moving body must be finite and greater than zero")
-        shape = several(*(value for one in self.constraints for value in one.numbers))
-        reach = spread(np.ones(n), masses or shape)
-        reach[..., 1:] = np.sqrt(inertia[..., 1:] / mass[..., 1:])
+        reach = np.ones(n)
+        reach[1:] = np.sqrt(inertia[1:] / mass[1:])
         sides = [side for one in self.constraints for side in ((one.body_a, one.point_a), (one.body_b, one.point_b))]
-        if not shape and not masses:
-            np.maximum.at(reach, [body for body, _ in sides], hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T))
-        else:
-            for body, at in sides:
-                reach[..., body] = np.maximum(reach[..., body], hypot(*at))  # type: ignore[misc]
-        if not shape and masses and (np.asarray(reach) == np.asarray(reach)[0]).all():  # masses alone, which do not turn a position
-            reach = np.array(reach[0])
+        np.maximum.at(reach, [body for body, _ in sides], hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T))
         turned = [(drive.body_a, drive.body_b) for drive in self.drives if drive.turns]
         if len(set(turned)) < len(turned):
             raise VfifeError("each drive must turn a moving body of its own")
@@ -80,11 +70,6 @@ class RigidSystem:
     def rows(self, k: int) -> slice:
         """Rows of the k-th constraint."""
         return slice(self.starts[k], self.starts[k + 1])
-
-    @cached_property
-    def prescribed(self) -> tuple[Any, ...]:
-        """Speeds and accelerations of the drives."""
-        return tuple(value for drive in self.drives for value in (drive.speed, drive.acceleration))
 
     @cached_property
     def _places(self) -> tuple[list[int], list[int]]:
@@ -115,10 +100,9 @@ class RigidSystem:
     @cached_property
     def metric(self) -> tuple[Array, Array]:
         """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]; not to be written to."""
-        reach, mass, inertia = self.reach[..., 1:], self.mass[..., 1:], self.inertia[..., 1:]
+        reach, mass, inertia = self.reach[1:], self.mass[1:], self.inertia[1:]
         one, turning = np.ones_like(reach), inertia / (reach * reach)
-        lengths, masses = np.stack([one, one, reach], axis=-1), np.stack([*np.broadcast_arrays(mass, mass, turning)], axis=-1)
-        return lengths.reshape(*lengths.shape[:-2], -1), masses.reshape(*masses.shape[:-2], -1)
+        return np.stack([one, one, reach], axis=-1).reshape(-1), np.stack([mass, mass, turning], axis=-1).reshape(-1)
 
     def drive_name(self, drive: Constraint) -> str:
         """A drive in messages."""
@@ -144,17 +128,17 @@ def _check(one: Constraint, n: int) -> None:
         raise VfifeError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
 
 
-def _finite(*values: Any) -> bool:
-    """Whether numbers are finite, of all members."""
-    return bool(np.isfinite(point(*values)).all()) if several(*values) else all(map(math.isfinite, values))
+def _finite(*values: float) -> bool:
+    """Whether numbers are finite."""
+    return all(map(math.isfinite, values))
 
 
-def _length(one: Constraint, reach: Array) -> Any:
+def _length(one: Constraint, reach: Array) -> float:
     """What multiplies a row of angles, so that it has unit length (m)."""
-    a = 0.0 if one.body_a == 0 else one.ratio / reach[..., one.body_a]
-    b = 0.0 if one.body_b == 0 else 1.0 / reach[..., one.body_b]
-    c = 0.0 if one.body_c == 0 else (1.0 - one.ratio) / reach[..., one.body_c]
-    return number(1.0 / hypot(hypot(a, b), c))
+    a = 0.0 if one.body_a == 0 else one.ratio / reach[one.body_a]
+    b = 0.0 if one.body_b == 0 else 1.0 / reach[one.body_b]
+    c = 0.0 if one.body_c == 0 else (1.0 - one.ratio) / reach[one.body_c]
+    return float(1.0 / hypot(hypot(a, b), c))
 
 
 @dataclass(frozen=True)
@@ -167,39 +151,8 @@ class Equations:
     gamma: Array
 
 
-def equations(system: RigidSystem, position: Array, velocity: Array | None = None, facing: Sequence[Any] = ()) -> Equations:
-    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity gamma is that of the drives alone.
-
-    ``facing``: cosine and sine of each body's angle, the ground's left out, where they are known.
-    """
-    if not several(system.reach, position, *(() if velocity is None else (velocity,)), *system.prescribed):
-        return _plain(system, position, velocity)
-    count, n = system.starts[-1], len(system.names)
-    shape = several(system.reach, position)
-    phi, gamma = (spread(np.zeros(count), shape) for _ in range(2))
-    rate = spread(np.zeros(count), shape or several(*(one.speed for one in system.drives)))
-    facing = facing or [None, *(directions(position, body) for body in range(1, n))]
-    values: list[Any] = []
-    at: list[int] = []
-    columns: list[int] = []
-    for one, row, length in zip(system.constraints, system.starts, system.lengths, strict=False):
-        found = one.rows(position, velocity, length, facing)
-        for k in range(len(found.phi)):
-            phi[..., row + k], gamma[..., row + k] = found.phi[k], found.gamma[k]
-            for body, block in ((one.body_a, found.a[k]), (one.body_b, found.b[k]), (one.body_c, found.c[k])):
-                if body:
-                    values += (block[0], block[1], block[2] / system.reach[..., body])
-                    at += (row + k,) * 3
-                    columns += range(3 * body - 3, 3 * body)
-        if one.driven:
-            scale = length if one.turns else 1.0
-            rate[..., row] = scale * one.speed
-            gamma[..., row] += scale * one.acceleration
-    return Equations(phi, matrix(values, at, columns, (*shape, count, 3 * n - 3)), rate, gamma)
-
-
-def _plain(system: RigidSystem, position: Array, velocity: Array | None) -> Equations:
-    """The same of plain numbers, entry by entry in the same order."""
+def equations(system: RigidSystem, position: Array, velocity: Array | None = None) -> Equations:
+    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity gamma is that of the drives alone."""
     bodies, speeds = position.tolist(), None if velocity is None else velocity.tolist()
     facing = [directions(bodies, body) for body in range(len(bodies))]
     phi: list[float] = []
@@ -229,12 +182,12 @@ def metric(system: RigidSystem) -> tuple[Array, Array]:
     return system.metric
 
 
-def checked(system: RigidSystem, value: Array, name: str) -> Any:
+def checked(system: RigidSystem, value: Array, name: str) -> Array:
     """A copy [n,3] of an input with the ground's row at zero; ValueError on a bad shape or value."""
-    motion = spread(value, several(system.reach, value))
-    if motion.shape[-2:] != (len(system.names), 3) or not np.isfinite(motion[..., 1:, :]).all():
+    motion = np.array(value, dtype=float)
+    if motion.shape != (len(system.names), 3) or not np.isfinite(motion[1:]).all():
         raise VfifeError(f"{name} must be finite and have shape ({len(system.names)}, 3), not {motion.shape}")
-    motion[..., 0, :] = 0.0
+    motion[0] = 0.0
     return motion
 
 

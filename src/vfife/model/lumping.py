@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fields.members import Alone, chosen, largest, number, point, table
 from ..numerics.elementwise import hypot
 from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Strain
 
@@ -65,8 +64,6 @@ def mesh(body: Body) -> Mesh:
     made_of = (dict(body.nodes), dict(body.masses)) if isinstance(body, Frame) else ()
     kept = vars(body).get(_KEPT)
     if kept is None or kept[0] != made_of:
-        if chosen(body, 0) is not body:
-            raise Alone("elastic bodies are cut into elements one by one")
         kept = made_of, _frame(body) if isinstance(body, Frame) else _link(body)
         for values in (kept[1].position, kept[1].mass, kept[1].inertia, kept[1].nodes, kept[1].axial, kept[1].bending):
             values.setflags(write=False)
@@ -199,13 +196,13 @@ def _weighed(body: Body) -> tuple[float, Point, float]:
     mass, center, inertia = _own_properties(body)
     attached = body.masses if isinstance(body, RigidBody | Link) and not is_elastic(body) else {}
     if attached:
-        at = table([center, *(body.points[pin] for pin in attached)])
-        mass, center, inertia = _together(at, point(mass, *attached.values()), point(inertia, *(0.0 for _ in attached)))
+        at = np.array([center, *(body.points[pin] for pin in attached)], dtype=float)
+        mass, center, inertia = _together(at, np.array([mass, *attached.values()]), np.array([inertia, *(0.0 for _ in attached)]))
     if not mass > 0.0:
         raise ValueError(f"body {body.name!r} weighs nothing: give it a mass, or masses at its pins, or join the others by a distance")
     if isinstance(body, PointMass) or is_elastic(body):
         return mass, center, inertia
-    reach = largest(*(number(hypot(x - center[0], y - center[1])) for x, y in body.points.values()))
+    reach = max(float(hypot(x - center[0], y - center[1])) for x, y in body.points.values())
     if inertia > ROUNDING * mass * (reach * reach):
         return mass, center, inertia
     if not reach > 0.0:
@@ -229,8 +226,9 @@ def _own_properties(body: Body) -> tuple[float, Point, float]:
         return _rigid_polyline(body)
     center = 0.5 * body.length if body.center_at is None else body.center_at
     inertia = body.own_mass * (body.length * body.length) / 12.0 if body.inertia is None else body.inertia
-    at = table([(center, 0.0), (0.0, 0.0), (body.length, 0.0)])
-    return _together(at, point(body.own_mass, body.start_mass, body.end_mass), point(inertia, body.start_inertia, body.end_inertia))
+    at = np.array([(center, 0.0), (0.0, 0.0), (body.length, 0.0)])
+    masses = np.array([body.own_mass, body.start_mass, body.end_mass])
+    return _together(at, masses, np.array([inertia, body.start_inertia, body.end_inertia]))
 
 
 def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
@@ -245,14 +243,14 @@ def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
 
 
 def _together(at: Array, mass: Array, inertia: Array) -> tuple[float, Point, float]:
-    """Of several masses: the last axis is theirs, that of ``at`` before its last."""
-    total = number(mass.sum(axis=-1))
+    """Mass, centre and inertia of masses at places [n, 2]."""
+    total = float(mass.sum())
     if not total > 0.0:
-        return 0.0, (number(at[..., 0, 0]), number(at[..., 0, 1])), number(inertia.sum(axis=-1))
-    center = (mass[..., None] * at).sum(axis=-2) / np.asarray(total)[..., None]
-    away = at - center[..., None, :]
-    apart = (away * away).sum(axis=-1)
-    return total, (number(center[..., 0]), number(center[..., 1])), number(inertia.sum(axis=-1) + (mass * apart).sum(axis=-1))
+        return 0.0, (float(at[0, 0]), float(at[0, 1])), float(inertia.sum())
+    center = (mass[:, None] * at).sum(axis=0) / total
+    away = at - center
+    apart = (away * away).sum(axis=1)
+    return total, (float(center[0]), float(center[1])), float(inertia.sum() + (mass * apart).sum())
 
 
 def rigidified(body: Body) -> Body:

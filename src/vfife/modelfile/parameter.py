@@ -84,11 +84,10 @@ class Parameter:
         return here if here is None or self.steps is not None or self.field is None else self.read(here)
 
     def set(self, value: Any) -> Mechanism:
-        """The mechanism with another value, or with an array of the values of many. Raises Fault or ModelError where it cannot be so."""
+        """The mechanism with another value. Raises Fault or ModelError where it cannot be so."""
         if self.steps is None:
             return of_tables(copy.deepcopy(self.tables), [(self.path, value)])
-        many = getattr(value, "ndim", 0) > 0
-        changed: Mechanism = replaced(self.mechanism, self.steps, value if many else self.read(value))
+        changed: Mechanism = replaced(self.mechanism, self.steps, self.read(value))
         return dataclasses.replace(changed, source=None)
 
 
@@ -179,7 +178,7 @@ def part_of(here: Any, key: str | int) -> Any:
 
 
 def replaced(value: Any, steps: Path, number: Any) -> Any:
-    """A mechanism, or a part of one, with another number (or the numbers of many mechanisms)."""
+    """A mechanism, or a part of one, with another number."""
     if not steps:
         return number
     step, rest = steps[0], steps[1:]
@@ -187,10 +186,4 @@ def replaced(value: Any, steps: Path, number: Any) -> Any:
         return {**value, step: replaced(value[step], rest, number)}
     if isinstance(value, tuple):
         return (*value[: int(step)], replaced(value[int(step)], rest, number), *value[int(step) + 1 :])
-    inner = replaced(getattr(value, str(step)), rest, number)
-    if getattr(number, "ndim", 0) == 0 or isinstance(value, Mechanism):
-        return dataclasses.replace(value, **{str(step): inner})
-    found = object.__new__(type(value))  # a class of the model refuses what is no number
-    for field in dataclasses.fields(value):
-        object.__setattr__(found, field.name, inner if field.name == step else getattr(value, field.name))
-    return found
+    return dataclasses.replace(value, **{str(step): replaced(getattr(value, str(step)), rest, number)})

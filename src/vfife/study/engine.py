@@ -17,15 +17,14 @@ from ..analysis.turns import each_turn
 from ..codegen.cuda import WITHOUT, card
 from ..errors import DeviceError, VfifeError
 from ..model.mechanism import Mechanism
-from ..modelfile import loads
 from ..simulation import carry_out, prepare
 from ..solvers.arguments import RunArguments
 from ..solvers.record import Record
 from ..solvers.repeating import Settling, outputs_of_a_turn
 from ..solvers.status import Status
 from ..solvers.streaming import PATIENCE, stepped
+from .cases import Cases, NoLane, Numbers, sentence
 from .member import Stepped, Wanted
-from .preparing import Numbers, Preparing, Unstepped, sentence
 
 FAILED = "failed"
 
@@ -65,17 +64,17 @@ def run_members(
     ``lanes``: simulations side by side in each. With ``stop`` set, members that have not ended are left out. ``device``: "cuda" steps them on an
     NVIDIA card, but for those that have a run of their own; it raises DeviceError.
     """
-    stop, preparing = stop or threading.Event(), Preparing(base, wanted)
+    stop, cases = stop or threading.Event(), Cases(base, wanted)
     alone: list[int] = []
-    for one in stepped(preparing.each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop, device=device):
-        if isinstance(one, Unstepped) and one.reason is not None:
+    for one in stepped(cases.each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop, device=device):
+        if isinstance(one, NoLane) and one.reason is not None:
             yield one.number, Outcome(status=FAILED, reason=one.reason)
         elif isinstance(one, Stepped) and not one.doubtful:
             step, every = one.assembly.choice.step, one.per * one.assembly.choice.outputs_every
             yield one.number, Outcome(one.values, one.turns, one.settled, str(Status.COMPLETE), None, step, one.turns * every)
         else:
             alone.append(one.number)
-    yield from by_themselves(preparing, numbers, alone, workers, stop)
+    yield from by_themselves(cases, numbers, alone, workers, stop)
 
 
 def on_device(name: str | None) -> Callable[..., Iterator[tuple[int, Outcome]]] | None:
@@ -89,12 +88,12 @@ def on_device(name: str | None) -> Callable[..., Iterator[tuple[int, Outcome]]] 
 
 
 def by_themselves(
-    preparing: Preparing, numbers: Sequence[Numbers], which: Sequence[int], workers: int | None, stop: threading.Event
+    cases: Cases, numbers: Sequence[Numbers], which: Sequence[int], workers: int | None, stop: threading.Event
 ) -> Iterator[tuple[int, Outcome]]:
     """Members that have runs of their own: those that go into no lane, and those of which a lane cannot tell what became of them."""
 
     def one(k: int) -> tuple[int, Outcome | None]:
-        return k, None if stop.is_set() else single(preparing, numbers[k])
+        return k, None if stop.is_set() else single(cases, numbers[k])
 
     pool = ThreadPoolExecutor(workers or os.cpu_count() or 1)
     try:
@@ -108,11 +107,11 @@ def by_themselves(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def single(preparing: Preparing, numbers: Numbers) -> Outcome:
+def single(cases: Cases, numbers: Numbers) -> Outcome:
     """A member run by itself, as ``vfife run`` does without companions."""
-    wanted = preparing.wanted
+    wanted = cases.wanted
     try:
-        mechanism = loads(preparing.text, set=list(numbers.items()))
+        mechanism = cases.mechanism(numbers)
         asked = RunArguments(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle)
         result = carry_out(prepare(mechanism, asked))
     except VfifeError as error:
@@ -123,7 +122,7 @@ def single(preparing: Preparing, numbers: Numbers) -> Outcome:
     if record.status != Status.COMPLETE:
         return Outcome({}, made, None, str(record.status), unsound(record), choice.step, steps)
     parts = list(each_turn(record, max(1, made - wanted.last + 1), made)) if made else [record]
-    values = preparing.measures.over(parts, None if result.reference is None else result.reference.measures)
+    values = cases.measures.over(parts, None if result.reference is None else result.reference.measures)
     settling = None if wanted.settle is None else Settling(record.assembly, record.kept, wanted.settle)
     if settling is not None:
         settling.restore(record.rows)

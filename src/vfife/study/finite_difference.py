@@ -1,8 +1,7 @@
-"""A model with one other number each, assembled side by side: the neighbours of a run in every direction that somebody asks for."""
+"""A model with one other number each: neighbours of a run for derivatives, and finite changes that derivatives are compared with."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -14,9 +13,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble, refitted
 from ..assembly.assembled import Assembly
-from ..assembly.together import Together
 from ..errors import VfifeError
-from ..fields.members import Differing, members
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import loads
@@ -25,67 +22,8 @@ from ..results.derivatives import Derivative, Kind
 from ..solvers.ensemble import Look, StepSize, measures_of
 from ..solvers.record import Record, recorded_rows
 from ..solvers.tangents import Neighbours
-from .batches import TROUBLE, unforeseen
-from .columns import Column, Unfit, column, together, varied
-
-Change = tuple[str, float]  # a path, and the number (SI) there
-FEW = 2
-
-
-def nearby(text: str, known: Mapping[str, float], changes: Sequence[Change], base: Assembly) -> list[Assembly | None]:
-    """The model of a text with each of ``changes``, assembled for as many steps as ``base``, each the same part of a turn.
-
-    ``known`` has the numbers (SI) of the text by their paths.
-
-    None stands for one that has to be assembled by itself: see :mod:`vfife.assembly.together`. What limits the step of each is not looked at.
-    """
-    raw, mechanism = tomllib.loads(text), loads(text)
-    columns: dict[str, Column | None] = {}
-    for path, _ in changes:
-        if path not in columns:
-            try:
-                columns[path] = column(mechanism, raw, path)
-            except Unfit:
-                columns[path] = None
-    found: list[Assembly | None] = [None] * len(changes)
-    run: dict[str, Any] = {"outputs": base.mechanism.settings.outputs, "force_step": True}
-    choice, met = base.choice, {}  # type: ignore[var-annotated]
-    run |= {"duration": choice.step * choice.steps} if choice.turn is None else {"turns": choice.steps * choice.step / choice.turn}
-    kit = Together(base, None, met, **run)
-    contacts = dict.fromkeys(base.contacts, 1.0)
-
-    def one_of(which: Sequence[int], k: int) -> Mechanism:
-        path, value = changes[which[k]]
-        where = columns[path]
-        return mechanism if where is None else varied(mechanism, [(where, value)])
-
-    def made(which: Sequence[int]) -> None:
-        if len(which) < FEW:
-            return
-        try:
-            paths = list(dict.fromkeys(changes[k][0] for k in which))
-            values = np.array([[changes[k][1] if changes[k][0] == path else known[path] for path in paths] for k in which])
-            model = together(mechanism, [one for path in paths if (one := columns[path]) is not None], values)[0]
-            turn = turn_of(model)
-            scale = 1.0 if turn is None or choice.turn is None else turn / choice.turn
-            steps = members(np.broadcast_to(choice.step * np.asarray(scale), (len(which),)))
-            for k, assembly in zip(which, kit.assembled(model, len(which), contacts, steps, partial(one_of, which)), strict=True):
-                found[k] = assembly
-            return
-        except (Differing, *TROUBLE):
-            pass
-        except Exception as error:  # each made by itself is right whatever is wrong here
-            unforeseen(error)
-        middle = len(which) // 2
-        made(which[:middle])
-        made(which[middle:])
-
-    made([k for k, (path, value) in enumerate(changes) if (one := columns[path]) is not None and one.held.allows(value)])
-    return found
-
 
 NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
-NONE: Mapping[Change, Assembly | None] = {}
 
 
 @dataclass(frozen=True)
@@ -100,31 +38,26 @@ class Way:
 def neighbours(text: str, chosen: Mapping[str, float], assembly: Assembly) -> tuple[list[Way], dict[str, str]]:
     """The models to both sides of each number; and of those that cannot be assembled, why."""
     ways, refused = [], {path: "zero, of which there is no small part" for path, value in chosen.items() if value == 0.0}
-    changes = [(path, value + sign * NEAR * abs(value)) for path, value in chosen.items() if path not in refused for sign in (1.0, -1.0)]
-    made = dict(zip(changes, nearby(text, chosen, changes, assembly), strict=True))
     for path, value in chosen.items():
         if path in refused:
             continue
         try:
-            ways.append(Way(path, value, beside(text, path, value, assembly, made)))
+            ways.append(Way(path, value, beside(text, path, value, assembly)))
         except VfifeError as error:
             refused[path] = str(error).strip().splitlines()[-1].strip()
     return ways, refused
 
 
-def beside(
-    text: str, path: str, value: float, assembly: Assembly, made: Mapping[Change, Assembly | None] = NONE, *, ideal: bool = False
-) -> Neighbours:
+def beside(text: str, path: str, value: float, assembly: Assembly, *, ideal: bool = False) -> Neighbours:
     """A number a little larger and a little smaller; where only one of them is a mechanism, that and the model itself.
 
-    ``made`` are known already. ``ideal``: of the mechanism without its play, which ``assembly`` is then of, while ``text`` has it.
+    ``ideal``: of the mechanism without its play, which ``assembly`` is then of, while ``text`` has it.
     """
     models: list[tuple[float, Assembly]] = []
     trouble: VfifeError | None = None
     for sign in (1.0, -1.0):
-        change = path, value + sign * NEAR * abs(value)
         try:
-            models.append((sign, made.get(change) or placed(text, path, value, change[1], assembly, ideal=ideal)))
+            models.append((sign, placed(text, path, value, value + sign * NEAR * abs(value), assembly, ideal=ideal)))
         except VfifeError as error:
             trouble = error
     if trouble is not None and not models:
@@ -227,14 +160,11 @@ def assembled(text: str, chosen: Mapping[str, float], base: Assembly) -> dict[Sh
     """Return the variants of a model with each number of ``chosen`` changed by each of ``SHARES``; none
     where the model does not allow it.
     """
-    changes = [(path, value + share * abs(value), share) for path, value in chosen.items() for share in SHARES]
-    made = nearby(text, chosen, [(path, value) for path, value, _ in changes], base)
     found: dict[Share, Assembly] = {}
-    for (path, value, share), one in zip(changes, made, strict=True):
-        try:
-            found[path, share] = one or placed(text, path, chosen[path], value, base)
-        except (VfifeError, ValueError):  # beyond a limit, or no longer a mechanism: the other side remains
-            continue
+    for path, value in chosen.items():
+        for share in SHARES:
+            with suppress(ValueError):  # beyond a limit, or no longer a mechanism: the other side remains
+                found[path, share] = placed(text, path, value, value + share * abs(value), base)
     return found
 
 

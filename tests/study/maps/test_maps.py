@@ -96,11 +96,10 @@ def test_a_map_goes_on_where_it_was_broken_off(tmp_path) -> None:
 
 
 def test_values_go_side_by_side_as_each_does_alone(monkeypatch) -> None:
-    """Points to the bit, growth to what the order of sums leaves, wherever their clocks are; models too."""
+    """Points to the bit, growth to what the order of sums leaves, wherever their clocks are."""
     path, given = "joint.pin.clearance", {**GIVEN, "companions": 1}
     both = bifurcation(loose(), path, 2e-4, 3e-4, **given)
     monkeypatch.setattr("vfife.solvers.turn_runner.TOGETHER", 1)
-    monkeypatch.setattr("vfife.study.maps.bifurcation.nearby", lambda text, known, changes, base: [None] * len(changes))
     alone = bifurcation(loose(), path, 2e-4, 3e-4, **given)
     assert all(np.array_equal(both.points[name], alone.points[name]) for name in both.points) and both.companions == alone.companions
     assert np.allclose(both.growth, alone.growth, rtol=0.0, atol=1e-9) and len(both.companions) == 4

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import members
 from ..law import Pair, quantity
 from .damping import Damped
 
@@ -29,8 +28,8 @@ class PointContact(Damped):
         """Stiffness (N/m^1.5) and damping factor (1)."""
         stiffness = self.stiffness
         if stiffness is None:
-            stiffness = 4.0 / 3.0 * pair.composite_modulus * members.sqrt(pair.relative_radius)
-        return members.number(stiffness), self.damping_factor
+            stiffness = 4.0 / 3.0 * pair.composite_modulus * math.sqrt(pair.relative_radius)
+        return float(stiffness), self.damping_factor
 
     @staticmethod
     def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:

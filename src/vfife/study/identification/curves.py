@@ -19,14 +19,13 @@ from ...assembly.refit import Refit
 from ...errors import VfifeError
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
-from ...modelfile import loads
 from ...results.channels import MADE, Channel, recorded
 from ...results.series import Column, columns
 from ...results.view import View, standing
 from ...solvers.record import Record
 from ...solvers.streaming import Lane, stepped
+from ..cases import CaseModel, Cases, NoLane, Numbers
 from ..member import Wanted
-from ..preparing import Made, Numbers, Preparing, Unstepped
 from .measurements import Over
 
 Array = NDArray[np.float64]
@@ -106,15 +105,16 @@ def units_of(mechanism: Mechanism) -> dict[str, str]:
     return found
 
 
-@dataclass
-class Members(Preparing):
-    """Prepares members of a fit; what they have in common is worked out once."""
+class FitCases(Cases):
+    """Assembles cases of a fit for as long as the curves need."""
 
-    timing: Timing | None = None
+    def __init__(self, base: Mechanism, timing: Timing) -> None:
+        super().__init__(base, Wanted(("*",), 1))
+        self.timing = timing
 
-    def make(self, numbers: Numbers) -> Made:
-        """A mechanism read and assembled for as long as the curves need."""
-        mechanism, timing = loads(self.text, set=list(numbers.items())), cast(Timing, self.timing)
+    def make(self, numbers: Numbers) -> CaseModel:
+        """A mechanism with other numbers, assembled."""
+        mechanism, timing = self.mechanism(numbers), self.timing
         turn = turn_of(mechanism)
         run: dict[str, Any] = {"outputs": timing.outputs, "force_step": True}
         if timing.turns is not None and turn is not None:
@@ -123,21 +123,21 @@ class Members(Preparing):
         else:
             step, run["duration"] = timing.step, timing.duration
         assembly = assemble(mechanism, step, **run)
-        return Made(Refit(assembly, step, {}, **run), None, None, lambda *_: assembly, None, False)  # type: ignore[arg-type]
+        return CaseModel(Refit(assembly, step, {}, **run), None, None, lambda *_: assembly)  # type: ignore[arg-type]
 
     def assembled(self, numbers: Numbers) -> Assembly:
-        """A member's assembly. Raises VfifeError."""
-        play = {path: value for path, value in numbers.items() if self.of_play(path)}
-        made = cast(Made, self.made({path: value for path, value in numbers.items() if path not in play}))
-        found = self.refitted(made, play) if play else made.refit.assembly
-        return found if found is not None else self.make(numbers).refit.assembly
+        """The assembly of a case. Raises VfifeError."""
+        clearance = {path: value for path, value in numbers.items() if self.of_clearance(path)}
+        model = cast(CaseModel, self.model({path: value for path, value in numbers.items() if path not in clearance}))
+        found = self.reassembled(model, clearance) if clearance else model.assembly
+        return found if found is not None else self.make(numbers).assembly
 
 
 class Curves:
     """Makes traces of a mechanism at any numbers; ``channels`` are those that were measured."""
 
     def __init__(self, mechanism: Mechanism, channels: Sequence[str], timing: Timing, workers: int | None = None) -> None:
-        self.members = Members(mechanism, Wanted(("*",), 1), timing=timing)
+        self.cases = FitCases(mechanism, timing)
         self.channels, self.timing, self.workers = Channels(mechanism, channels), timing, workers
 
     def beside(self, finer: int, turns: float) -> Curves:
@@ -146,24 +146,24 @@ class Curves:
         every, last = timing.every + finer, timing.turns
         longer = None if last is None else lambda turn: last(turn) + turns
         changed = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
-        return Curves(self.members.base, self.channels.names, changed, self.workers)
+        return Curves(self.cases.base, self.channels.names, changed, self.workers)
 
     def each(self, every: Sequence[Numbers]) -> list[Trace | str]:
         """The trace of each member; where it has none, why."""
         found: list[Trace | str] = [""] * len(every)
         for one in stepped(self._lanes(every), len(every), workers=self.workers):
-            if isinstance(one, Unstepped):
+            if isinstance(one, NoLane):
                 found[one.number] = one.reason or ""
             else:
                 found[one.number] = "numbers left all bounds" if one.doubtful else self.trace(one.record)
         return found
 
-    def _lanes(self, every: Sequence[Numbers]) -> Iterator[Lane | Unstepped]:
+    def _lanes(self, every: Sequence[Numbers]) -> Iterator[Lane | NoLane]:
         for k, numbers in enumerate(every):
             try:
-                yield Lane(k, self.members.assembled(numbers))
+                yield Lane(k, self.cases.assembled(numbers))
             except VfifeError as error:
-                yield Unstepped(k, " ".join(str(error).split()))
+                yield NoLane(k, " ".join(str(error).split()))
 
     def trace(self, record: Record) -> Trace:
         """The channels of a record."""

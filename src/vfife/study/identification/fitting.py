@@ -311,7 +311,7 @@ class Task:
         assembling
         does.
         """
-        one = self.curves().members.assembled(numbers_at(self.sought, np.full(len(self.sought), 0.5)))
+        one = self.curves().cases.assembled(numbers_at(self.sought, np.full(len(self.sought), 0.5)))
         lanes, known = stream_lanes(len(one.topology.contact_bearing)), 0 if file is None or replace else self.known(Path(file))
         left, values, together = max(self.runs - known, 0), self.misfit.count, self.starts * (2 * len(self.sought) + 1)
         table = stream(one, together, lanes)

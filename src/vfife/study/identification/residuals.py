@@ -283,8 +283,7 @@ def tried(curves: Curves, sought: Sequence[Sought], shares: Array) -> list[tuple
 
 def carried(curves: Curves, sought: Sequence[Sought], shares: Array) -> list[tuple[Trace, Trace]]:
     """Traces to both sides of each parameter, ``SIDE`` away, as far as first derivatives tell them. Raises VfifeError where there are none."""
-    members = curves.members
-    here = members.assembled(numbers_at(sought, shares))
+    here = curves.cases.assembled(numbers_at(sought, shares))
     every = [neighbours(curves, sought, shares, k) for k in range(len(sought))]
     for one, near in zip(sought, every, strict=True):
         if not comparable(here, near):
@@ -298,7 +297,7 @@ def neighbours(curves: Curves, sought: Sequence[Sought], shares: Array, k: int) 
     for sign in (1.0, -1.0):
         beside = shares.copy()
         beside[k] = np.clip(shares[k] + sign * NEAR, 0.0, 1.0)
-        found.append(curves.members.assembled(numbers_at(sought, beside)))
+        found.append(curves.cases.assembled(numbers_at(sought, beside)))
     ends = np.clip([shares[k] + NEAR, shares[k] - NEAR], 0.0, 1.0)
     return Neighbours(found[0], found[1], float(ends[0] - ends[1]))
 

@@ -18,12 +18,12 @@ from ...errors import Fault, ModelError
 from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
+from ...modelfile.parameter import Parameter
 from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
 from ...solvers.record import recorded_rows
 from ...solvers.tangents import Neighbours
 from ...solvers.turn_runner import Orbits, Start, Sweep, carried_on, side_by_side
-from ..finite_difference import nearby
 from .section_series import (
     MapWork,
     chosen_series,
@@ -297,14 +297,9 @@ def planned(
 
 
 def assembled(text: str, path: str, values: Sequence[float], steps: int) -> list[Assembly]:
-    """The model of a text at each value, with so many steps in a turn: side by side, and those that have to be by themselves."""
-
-    def alone(value: float) -> Assembly:
-        return stepped(loads(text, set=[(path, value)]), steps)
-
-    first, rest = alone(values[0]), values[1:]
-    together = nearby(text, {path: values[0]}, [(path, value) for value in rest], first)
-    return [first, *(alone(value) if one is None else one for value, one in zip(rest, together, strict=True))]
+    """The model of a text at each value, with so many steps in a turn."""
+    parameter = Parameter(loads(text), path)
+    return [stepped(parameter.set(value), steps) for value in values]
 
 
 def refuse(asked: SweepSpec, every: Sequence[Assembly]) -> None:
