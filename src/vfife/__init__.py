@@ -6,11 +6,8 @@ command line hears signals from its first line on; llvmlite, xarray and matplotl
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from sys import modules as _modules
 from typing import TYPE_CHECKING, Any
-
-from .model import above as _above
 
 if TYPE_CHECKING:
     from . import errors, gallery
@@ -110,30 +107,6 @@ _ROOMS = {  # of nouns and laws: the public names in each, or None for all that 
     "model.loads": None,
     "model.mechanism": ("Mechanism", "Settings", "StartSettings"),
     "model.wear": ("Wear",),
-}
-
-
-def _later(module: str, name: str) -> Callable[..., Any]:
-    """A function of a room that is loaded when it is first called."""
-
-    def answer(*given: Any) -> Any:
-        from importlib import import_module
-
-        return getattr(import_module(f".{module}", __name__), name)(*given)
-
-    return answer
-
-
-_above.ANSWERS |= {
-    "to_toml": _later("modelfile", "dump"),
-    "check": _later("study.examined", "checked"),
-    "plot": _later("plots", "at_start"),
-    "html": _later("plots.notebook", "mechanism_html"),
-    "live": _later("live.cell", "live"),
-    "live_result": _later("live.cell", "live_result"),
-    "report": _later("live.cell", "report"),
-    "figures": _later("plots.study", "figures"),
-    "fit_figure": _later("plots.fit", "fit_figure"),
 }
 
 

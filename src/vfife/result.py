@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import RunFileError, StorageError
 from .files import replacement
-from .model.above import answered
+from .model.above import upper
 from .results.connections import unwritten
 from .results.provenance import beside, final_state, keep_reference, kept_companions, provenance, restored, restored_companions, versions
 from .results.runfile import RunFile
@@ -172,7 +172,7 @@ class Result(View):
 
         ``slide`` as of :meth:`Mechanism.live <vfife.model.mechanism.Mechanism.live>`, none by default. Raises VfifeError for what has no motion.
         """
-        found: Live = answered("live_result", self, slide)
+        found: Live = upper("live.cell", "live_result", self, slide)
         return found
 
     def report(self, path: str | Path, running: bool = True) -> None:
@@ -180,7 +180,7 @@ class Result(View):
 
         What is there gives way when the page is whole. Raises OSError where it cannot be written.
         """
-        answered("report", self, path, running)
+        upper("live.cell", "report", self, path, running)
 
 
 def _read(record: Record, path: Path) -> Rows:

@@ -1,52 +1,56 @@
-"""The builders of a mechanism write out what they take, for editors and type checkers; that is what the nouns take."""
+"""The builders of a mechanism are made of the fields of its kinds; a stub writes them out for editors and type checkers."""
 
 from __future__ import annotations
 
-import dataclasses
 import inspect
-import sys
-import typing
 
 import pytest
 
-from vfife.fields import described_fields, required
-from vfife.laws import Law, Material
-from vfife.model.builders import Builders
+import vfife
+from model.stubs import STUB, stub
+from vfife.errors import ModelError
+from vfife.fields import required
+from vfife.model.builders import builders
 from vfife.model.mechanism import Mechanism
 
-BUILDERS = [name for name, one in inspect.getmembers(Builders, inspect.isfunction) if name[0] != "_" and name != "point"]
-# Fields that a builder leaves to others, and what it cannot do without though its noun can.
-NAMED_BY = {"drive": {"direction", "slider", "point", "against"}, "torque": {"direction", "slider", "point"}, "moment": {"force", "follow"}}
-NEEDED = {"drive": {"body"}, "torque": {"body"}, "moment": {"moment"}}
+BUILDERS = builders()
 
 
-def test_there_are_builders() -> None:
-    assert {"link", "clearance", "spring", "frame", "curved_slot"} <= set(BUILDERS)
+def test_the_stub_is_that_of_the_kinds() -> None:
+    assert STUB.read_text("utf-8") == stub(), "run python tests/model/stubs.py"
+    assert {"link", "clearance", "spring", "frame", "curved_slot", "moment", "drive"} <= set(BUILDERS)
 
 
 @pytest.mark.parametrize("name", BUILDERS)
-def test_a_builder_takes_what_its_noun_has(name: str) -> None:
+def test_a_builder_takes_what_its_kind_has(name: str) -> None:
     builder = getattr(Mechanism, name)
-    hints = typing.get_type_hints(builder, vars(sys.modules[builder.__module__]))
-    noun = hints["return"]
     given = {one.name: one for one in inspect.signature(builder).parameters.values() if one.name != "self"}
     assert all(one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY) for one in given.values()), "a misspelt keyword is an error"
-    fields = {field.name: field for field in dataclasses.fields(noun)}
-    assert set(given) == set(fields) - NAMED_BY.get(name, set())
-    for field in described_fields(noun):
-        if field.name not in given or field.name in NEEDED.get(name, set()):  # a table has a name, which may be the body's
-            continue
-        shown = given[field.name].default
-        assert (shown is inspect.Parameter.empty) == required(field), field.name
-        if required(field):
-            continue
-        default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
-        assert shown == (default.name if isinstance(default, Law | Material) else default), field.name
+    for key, field in BUILDERS[name].fields.items():
+        assert required(field) <= (given[key].default is inspect.Parameter.empty), key
+        if given[key].kind is inspect.Parameter.KEYWORD_ONLY:
+            assert f"\n{key}: " in (inspect.getdoc(builder) or ""), key
 
 
-@pytest.mark.parametrize("name", BUILDERS)
-def test_its_help_lists_its_keywords(name: str) -> None:
-    builder = getattr(Mechanism, name)
-    for one in inspect.signature(builder).parameters.values():
-        if one.kind is one.KEYWORD_ONLY:
-            assert f"\n{one.name}: " in (inspect.getdoc(builder) or ""), one.name
+def test_what_is_made_is_added_with_the_checks_of_its_builder() -> None:
+    m = Mechanism("m")
+    m.point("O", 0, 0)
+    rod = m.add(vfife.Link(name="rod", length=1.0, mass=1.0))
+    m.add(vfife.IdealRevolute(name="J", bearing="ground.O", journal="rod.start"))
+    m.add(vfife.ConstantSpeed(body="rod", speed=3.0))
+    other = Mechanism("m")
+    other.point("O", 0, 0)
+    other.link("rod", length=1, mass=1)
+    other.revolute("J", "ground.O", "rod.start")
+    other.drive("rod", speed=3)
+    assert m == other and rod is m.bodies["rod"]
+    for wrong, words in (
+        (vfife.Link(name="rod", length=1.0), "there is a body called"),
+        (vfife.Link(name="arm", length=-1.0, mass=1.0), "negative"),
+        (vfife.IdealRevolute(name="K", bearing="ground.O", journal="rod.begin"), "rod has no pin"),
+    ):
+        with pytest.raises(ModelError, match=words):
+            m.add(wrong)
+    with pytest.raises(TypeError, match="a mechanism has no Material"):
+        m.add(vfife.Material("x", youngs_modulus=1.0, poissons_ratio=0.3, density=1.0))
+    assert m == other

@@ -183,8 +183,6 @@ def test_a_load_and_a_gear_go_the_same_way():
 ALLOWED = {
     "__init__.py": "public names",
     "model/mechanism.py": "which joints have play",
-    "model/builders.py": "builders, which name what they add",
-    "model/loadbuilders.py": "builders, which name what they add",
     "model/joints/clearance_revolute.py": "without play it is another kind",
     "model/joints/clearance_slider.py": "without play it is another kind",
     "modelfile/tables.py": "the kind of a table that names none",

@@ -1,17 +1,11 @@
-"""What a mechanism, a result or a study is asked for that rooms above this one answer: the package, which knows all rooms, enters them here when it
-is imported.
-"""
+"""Methods whose answers layers above give, such as ``mechanism.plot()``: the layer is loaded when the method is called."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
-ANSWERS: dict[
-    str, Callable[..., Any]
-] = {}  # to_toml, check, plot, html, live: of a mechanism; live_result, report: of a result; figures: of a study
 
-
-def answered(question: str, *given: Any) -> Any:
-    """The answer of the room that has it."""
-    return ANSWERS[question](*given)
+def upper(module: str, function: str, *given: Any) -> Any:
+    """Call a function of a module of this package, which is imported then."""
+    return getattr(import_module(f"vfife.{module}"), function)(*given)

@@ -1,203 +1,260 @@
-"""The builders of a mechanism, one for each kind of noun. Their signatures say what they take; :func:`~vfife.model.adders.adds` does the rest.
+"""What adds bodies, joints, gears, springs, drivers and loads to a mechanism: :meth:`Builders.add`, and a method for each kind.
 
+The methods are made from the fields of the kinds; ``builders.pyi`` writes their signatures out for editors and type checkers (``make stubs``).
 Quantities are numbers in SI units or texts with a unit, "100 mm". Laws and materials are objects or go by their names, laws and sections also
 as tables of a model file: ``contact={"law": "hertz-...", ...}``, ``section={"round": "20 mm"}``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+import dataclasses
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from inspect import Parameter as Argument
+from typing import TYPE_CHECKING, Any, cast
 
-from ..errors import Fault, ModelError, place, shown
-from ..fields import PLACE
-from ..laws import ContactLaw, FrictionLaw, Material
-from .adders import adds
-from .bodies import Frame, Link, LinkModel, Member, PointMass, Release, RigidBody, Section, Strain
-from .given import Given, Place, Quantity, Table
-from .joints import (
-    ClearanceCurvedSlot,
-    ClearanceRevolute,
-    ClearanceSlider,
-    CurvedSlot,
-    Distance,
-    ExternalContact,
-    FrictionMoment,
-    Gear,
-    IdealRevolute,
-    Slider,
-    Weld,
+from ..errors import ArgumentError, Fault, ModelError, Path, shown, suggestion
+from ..fields import (
+    PLACE,
+    Choice,
+    Chosen,
+    Each,
+    Field,
+    Inner,
+    Many,
+    Measure,
+    Named,
+    Names,
+    Switch,
+    Value,
+    Whole,
+    described_fields,
+    key_of,
+    meaning_of,
+    partial,
+    required,
+    value_of,
 )
-from .loadbuilders import LoadBuilders
-from .springs import Bushing, Spring, Stop, TorsionalSpring
-from .wear import Wear
+from .bodies import Body, Frame, Link, PointMass, RigidBody
+from .drivers import Driver
+from .given import Given, idle
+from .joints import Gear, Joint
+from .kind import Kind
+from .loads import Load
+from .springs import ForceElement
 
-NONE: Mapping[str, Any] = MappingProxyType({})
+if TYPE_CHECKING:
+    from .mechanism import Mechanism
+
+TARGETS = ("body", "slider", "point")  # what a driver is called after, where it has no name: of a pin without its dot
+SECTIONS: dict[type, str] = {Body: "body", Joint: "joint", Gear: "gear", ForceElement: "spring", Driver: "driver", Load: "load"}
+OTHERS: dict[str, type] = {"link": Link, "rigid_body": RigidBody, "point_mass": PointMass, "frame": Frame, "gear": Gear}  # that are no kinds
 
 
-class Builders(LoadBuilders):
-    """What adds nouns to a mechanism."""
+@dataclass(frozen=True)
+class Builder:
+    """A method that adds one kind: its name, section and class, the keywords of it that it does not take, and those it cannot do without."""
+
+    name: str
+    section: str
+    kind: Any
+    omitted: tuple[str, ...] = ()
+    needed: tuple[str, ...] = ()
+
+    @property
+    def fields(self) -> dict[str, Field]:
+        """Fields that it takes, by name."""
+        named = [field for field in dataclasses.fields(self.kind) if field.name == "name"]
+        return {field.name: field for field in (*named, *described_fields(self.kind)) if field.name not in self.omitted}
+
+    @property
+    def arguments(self) -> list[Argument]:
+        """Its name, what it connects, and all else by keyword."""
+        found = []
+        for name, field in self.fields.items():
+            held = None if name == "name" else value_of(field)
+            needed = name in self.needed or required(field)
+            leading = name == "name" or (needed and bool(getattr(held, "refers", ""))) or (name == "body" and self.section == "driver")
+            default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+            default = Argument.empty if needed else getattr(default, "name", default)
+            annotation = "str" if held is None else annotation_of(held) + (" | None" if default is None else "")
+            kind = Argument.POSITIONAL_OR_KEYWORD if leading else Argument.KEYWORD_ONLY
+            found.append(Argument(name, kind, default=default, annotation=annotation))
+        return sorted(found, key=lambda one: (one.kind, one.default is not Argument.empty))
+
+    @property
+    def help(self) -> str:
+        """What it adds, and a line for each keyword: the meaning of its field, with units and limits."""
+        lines = [f"Adds {(inspect.getdoc(self.kind) or '').partition(chr(10) * 2)[0]}", ""]
+        for name, field in self.fields.items():
+            if name != "name":
+                units = "; ".join(dict.fromkeys(value_of(field).units()))
+                lines.append(f"{name}: {meaning_of(field)}{f' [{units}]' if units else ''}")
+        return "\n".join(lines)
+
+    def method(self) -> Callable[..., Any]:
+        """The method of a mechanism."""
+        arguments = self.arguments
+        leading = [one.name for one in arguments if one.kind is Argument.POSITIONAL_OR_KEYWORD]
+
+        def add(mechanism: Mechanism, *places: Any, **given: Any) -> Any:
+            found = dict(zip(leading, places, strict=False)) | given
+            name = found.get("name") or called(found)
+            path: Path = (self.section, name if isinstance(name, str) else "?")
+            faults = strange(path, self, leading, places, given)
+            lacking = [one.name for one in arguments if one.default is Argument.empty and one.name not in found]
+            faults += [Fault((*path, one), "this keyword is missing", remedy=f"add {one}=...") for one in lacking]
+            item, others = read(path, self.kind, {key: value for key, value in found.items() if key in self.fields})
+            others += alone(mechanism, self.section, name, item, others)
+            if faults or others:
+                raise (ArgumentError if faults else ModelError)([*faults, *others], str(mechanism.name) or "mechanism")
+            items(mechanism, self.section)[str(name)] = item
+            return item
+
+        add.__name__, add.__qualname__, add.__doc__ = self.name, f"Mechanism.{self.name}", self.help
+        signature = inspect.Signature([Argument("self", Argument.POSITIONAL_OR_KEYWORD), *arguments], return_annotation=self.kind.__name__)
+        cast(Any, add).__signature__ = signature
+        return add
+
+
+def builders() -> dict[str, Builder]:
+    """Builders by name: of bodies, of gears, and of each kind that is registered."""
+    found = [Builder(name, section_of(kind), kind) for name, kind in OTHERS.items()]
+    for base, section in SECTIONS.items():
+        for kind in vars(base)["registry"].values() if issubclass(base, Kind) else ():
+            found += [Builder(name, section, kind, *exceptions) for name, exceptions in kind.builders.items()]
+    return {one.name: one for one in found}
+
+
+def annotation_of(held: Value) -> str:
+    """What a builder takes for a field, as an annotation."""
+    if isinstance(held, Measure):
+        return "Quantity | Sequence[Quantity]" if held.series else "Quantity"
+    if isinstance(held, Each):
+        return "Place"
+    if isinstance(held, Many):
+        return f"Sequence[{annotation_of(held.part)}]"
+    if isinstance(held, Names):
+        return f"Mapping[str, {annotation_of(held.part)}]"
+    if isinstance(held, Choice):
+        return f"Literal[{', '.join(map(shown, held.options))}]"
+    if isinstance(held, Inner | Named):
+        return f"{held.noun.__name__} | {'Table' if isinstance(held, Inner) else 'str'}"
+    if isinstance(held, Chosen):
+        return f"{held.base.__name__} | str | Table"
+    return "int" if isinstance(held, Whole) else "bool" if isinstance(held, Switch) else "str"
+
+
+class Builders:
+    """What adds to a mechanism; the methods of kinds are set below."""
 
     if TYPE_CHECKING:
         name: str
         points: dict[str, tuple[float, float]]
 
-    def point(self, name: str, x: Quantity, y: Quantity) -> None:
+    def point(self, name: str, x: Any, y: Any) -> None:
         """Adds a point of the ground (m). Raises ModelError where its place is none, or there is one of this name."""
         reading, at = Given(), ("ground", str(name))
         found = PLACE.read((x, y), at, reading)
-        faults = reading.faults
         if not name or "." in str(name):
-            faults.append(Fault(place(("ground", "")), f"the name {shown(name)} cannot be part of a path", remedy="choose a name without dots"))
+            reading.refuse(("ground", ""), f"the name {shown(name)} cannot be part of a path", remedy="choose a name without dots")
         elif name in self.points:
-            faults.append(Fault(place(at), f"there is a point called {shown(name)} already", remedy="choose another name"))
-        if faults:
-            raise ModelError(faults, str(self.name) or "mechanism")
+            reading.refuse(at, f"there is a point called {shown(name)} already", remedy="choose another name")
+        if reading.faults:
+            raise ModelError(reading.faults, str(self.name) or "mechanism")
         self.points[name] = found
 
-    # ---------------------------------------------------------------------------------------------------------- bodies
+    def add(self, item: Any, name: str | None = None) -> Any:
+        """Adds a body, joint, gear, spring, driver or load, with the checks of its builder; a driver is called after what it drives.
 
-    @adds("body", Link)
-    def link(
-        self, name: str, *, length: Quantity, mass: Quantity | None = None, model: LinkModel = "rigid", angle: Quantity = 0.0,
-        position: Place | None = None, velocity: Place = (0.0, 0.0, 0.0), material: Material | str = "steel",
-        inertia: Quantity | None = None, center_at: Quantity | None = None, elements: int = 4, section: Section | Table | None = None,
-        release: Release = "none", stiffness_factor: float = 1.0, strain: Strain = "reference", start_mass: Quantity = 0.0,
-        end_mass: Quantity = 0.0, start_inertia: Quantity = 0.0, end_inertia: Quantity = 0.0, via: Sequence[Place] = (),
-        pins: Mapping[str, Place] = NONE, masses: Mapping[str, Quantity] = NONE,
-    ) -> Link:  # fmt: skip
-        """Adds a link from ``start`` to ``end``, rigid, elastic or of two particles; see :class:`~vfife.model.bodies.Link`."""
-        raise NotImplementedError
+        Returns the item. Raises ModelError with all its faults, and TypeError for what no mechanism has.
+        """
+        mechanism, section = cast("Mechanism", self), section_of(type(item))
+        name = name or getattr(item, "name", None) or called(vars(item))
+        reading = Given()
+        reading.fields((section, str(name)), item, bool(getattr(item, "along", False)) and section == "driver")
+        faults = reading.faults + alone(mechanism, section, name, item, reading.faults)
+        if faults:
+            raise ModelError(faults, str(self.name) or "mechanism")
+        items(mechanism, section)[str(name)] = item
+        return item
 
-    @adds("body", RigidBody)
-    def rigid_body(
-        self, name: str, *, mass: Quantity, inertia: Quantity, center: Place = (0.0, 0.0), pins: Mapping[str, Place] = NONE,
-        masses: Mapping[str, Quantity] = NONE, angle: Quantity = 0.0, position: Place | None = None, velocity: Place = (0.0, 0.0, 0.0),
-        material: Material | str = "steel",
-    ) -> RigidBody:  # fmt: skip
-        """Adds a rigid body with any number of pins; see :class:`~vfife.model.bodies.RigidBody`."""
-        raise NotImplementedError
 
-    @adds("body", PointMass)
-    def point_mass(
-        self, name: str, *, mass: Quantity, inertia: Quantity = 0.0, angle: Quantity = 0.0, position: Place | None = None,
-        velocity: Place = (0.0, 0.0, 0.0), material: Material | str = "steel",
-    ) -> PointMass:  # fmt: skip
-        """Adds a particle with one pin, ``center``; see :class:`~vfife.model.bodies.PointMass`."""
-        raise NotImplementedError
+def section_of(kind: type) -> str:
+    """The section of a model file that holds what is of a class. Raises TypeError where there is none."""
+    for base, section in SECTIONS.items():
+        if issubclass(kind, base):
+            return section
+    raise TypeError(f"a mechanism has no {kind.__name__}; it has bodies, joints, gears, springs, drivers and loads")
 
-    @adds("body", Frame)
-    def frame(
-        self, name: str, *, nodes: Mapping[str, Place], members: Sequence[Member | Table], section: Section | Table | None = None,
-        masses: Mapping[str, Quantity] = NONE, strain: Strain = "reference", angle: Quantity = 0.0, position: Place | None = None,
-        velocity: Place = (0.0, 0.0, 0.0), material: Material | str = "steel",
-    ) -> Frame:  # fmt: skip
-        """Adds a frame of welded elastic members; see :class:`~vfife.model.bodies.Frame`."""
-        raise NotImplementedError
 
-    # ---------------------------------------------------------------------------------------------------------- joints
+def called(found: Mapping[str, Any]) -> Any:
+    """The name of what has none of its own."""
+    target = next((found[one] for one in TARGETS if found.get(one)), None)
+    return target.replace(".", " ") if isinstance(target, str) else target
 
-    @adds("joint", IdealRevolute)
-    def revolute(self, name: str, bearing: str, journal: str) -> IdealRevolute:
-        """Adds an ideal revolute joint between two pins, each ``body.pin`` or ``ground.point``."""
-        raise NotImplementedError
 
-    @adds("joint", ClearanceRevolute)
-    def clearance(
-        self, name: str, bearing: str, journal: str, *, clearance: Quantity, bearing_radius: Quantity, axial_length: Quantity = 0.02,
-        contact: ContactLaw | str | Table = "lankarani-nikravesh", friction: FrictionLaw | str | Table = "ambrosio",
-        friction_moment: FrictionMoment = "mid-overlap", impact_speed_floor: Quantity = 1e-3, landing_depth: Quantity | None = None,
-        bearing_material: Material | str | None = None, journal_material: Material | str | None = None, wear: Wear | Table | None = None,
-    ) -> ClearanceRevolute:  # fmt: skip
-        """Adds a revolute joint with play: bearing and journal collide; see :class:`~vfife.model.joints.ClearanceRevolute`."""
-        raise NotImplementedError
+def strange(path: Path, builder: Builder, leading: list[str], places: tuple[Any, ...], given: Mapping[str, Any]) -> list[Fault]:
+    """Arguments that there are not, or that come twice."""
+    found, names = [], list(builder.fields)
+    for key, value in given.items():
+        if key not in names:
+            every = (one for one in builders().values() if one.section == builder.section)
+            others = [f"{one.name}()" for one in every if key == one.name or key in one.fields]
+            advice = f"use {' or '.join(others[:3])} for it" if others else "remove it"
+            found.append(Fault((*path, key), "there is no such keyword", shown(value), "", suggestion(key, names, advice)))
+        elif key in leading[: len(places)]:
+            found.append(Fault((*path, key), "this is given twice", shown(value), "", "give it once"))
+    if len(places) > len(leading):
+        what, rest = f"only {', '.join(leading)} stand without a keyword", [name for name in names if name not in leading]
+        found.append(Fault((*path, ""), what, shown(places[len(leading)]), "", f"write {rest[0]}=..." if rest else "leave it out"))
+    return found
 
-    @adds("joint", Slider)
-    def slider(self, name: str, bearing: str, journal: str, *, direction: Place = (1.0, 0.0), turning: bool = False) -> Slider:
-        """Adds an ideal slider: the journal's pin moves along a guide through the bearing's; see :class:`~vfife.model.joints.Slider`."""
-        raise NotImplementedError
 
-    @adds("joint", ClearanceSlider)
-    def clearance_slider(
-        self, name: str, bearing: str, journal: str, *, clearance: Quantity, length: Quantity, height: Quantity,
-        direction: Place = (1.0, 0.0), corner_radius: Quantity = 1e-3, axial_length: Quantity = 0.02,
-        contact: ContactLaw | str | Table = "lankarani-nikravesh", friction: FrictionLaw | str | Table = "ambrosio",
-        friction_moment: FrictionMoment = "mid-overlap", impact_speed_floor: Quantity = 1e-3, landing_depth: Quantity | None = None,
-        bearing_material: Material | str | None = None, journal_material: Material | str | None = None, wear: Wear | Table | None = None,
-    ) -> ClearanceSlider:  # fmt: skip
-        """Adds a block with play in a guide; see :class:`~vfife.model.joints.ClearanceSlider`."""
-        raise NotImplementedError
+def read(path: Path, kind: Any, given: Mapping[str, Any]) -> tuple[Any, list[Fault]]:
+    """The object of what is given, known in part where something is refused, and the faults."""
+    reading, values = Given(), {key: given[key] for key in ("name",) if key in given}
+    along = bool(given.get("slider") or given.get("point"))
+    fields: dict[str, Field] = {field.name: field for field in described_fields(kind)}
+    for key, field in fields.items():
+        if key not in given or (given[key] is None and field.default is None):
+            continue
+        at = (*path, key_of(field, along))
+        values[key] = value_of(field, along).read(given[key], at, reading)
+        if users := users_of(kind, fields, key, given):
+            reading.add(idle(kind, given[kind.selected_by], users, given[key]).at(at))
+    lacking = [key for key, field in fields.items() if required(field) and key not in values]
+    return partial(kind, values) if lacking or reading.faults else kind(**values), reading.faults
 
-    @adds("joint", CurvedSlot)
-    def curved_slot(
-        self, name: str, bearing: str, journal: str, *, centre: Place = (0.0, 0.0), radius: Quantity | None = None,
-        points: Sequence[Place] = (), fillet: Quantity = 0.0,
-    ) -> CurvedSlot:  # fmt: skip
-        """Adds a pin in a curved slot: a circle, or a polyline with rounded corners; see :class:`~vfife.model.joints.CurvedSlot`."""
-        raise NotImplementedError
 
-    @adds("joint", ClearanceCurvedSlot)
-    def clearance_curved_slot(
-        self, name: str, bearing: str, journal: str, *, clearance: Quantity, journal_radius: Quantity, centre: Place = (0.0, 0.0),
-        radius: Quantity | None = None, points: Sequence[Place] = (), fillet: Quantity = 0.0, axial_length: Quantity = 0.02,
-        contact: ContactLaw | str | Table = "lankarani-nikravesh", friction: FrictionLaw | str | Table = "ambrosio",
-        friction_moment: FrictionMoment = "mid-overlap", impact_speed_floor: Quantity = 1e-3, landing_depth: Quantity | None = None,
-        bearing_material: Material | str | None = None, journal_material: Material | str | None = None, wear: Wear | Table | None = None,
-    ) -> ClearanceCurvedSlot:  # fmt: skip
-        """Adds a round pin with play in a curved slot; see :class:`~vfife.model.joints.ClearanceCurvedSlot`."""
-        raise NotImplementedError
+def users_of(kind: Any, fields: Mapping[str, Field], key: str, given: Mapping[str, Any]) -> tuple[str, ...]:
+    """Models that would have a use for a value that is no default, where the model that is named has none."""
+    only, field = fields[key].metadata.get("only"), fields[key]
+    word = given.get(getattr(kind, "selected_by", ""))
+    default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+    if not only or word is None or word in only or given[key] == default or word not in fields[kind.selected_by].metadata["choices"]:
+        return ()
+    return tuple(only)
 
-    @adds("joint", Weld)
-    def weld(self, name: str, bearing: str, journal: str) -> Weld:
-        """Joins two bodies rigidly at a pin of each; with the ground it is a clamp."""
-        raise NotImplementedError
 
-    @adds("joint", Distance)
-    def distance(self, name: str, bearing: str, journal: str, *, length: Quantity, angle: Quantity = 0.0) -> Distance:
-        """Adds a rigid link without mass between two pins; see :class:`~vfife.model.joints.Distance`."""
-        raise NotImplementedError
+def alone(mechanism: Mechanism, section: str, name: Any, item: Any, known: list[Fault]) -> list[Fault]:
+    """What is wrong with a name, and with an object among those there; pins of bodies that come later are looked for in a whole mechanism."""
+    from .validate.single import faults_of
 
-    @adds("joint", ExternalContact)
-    def external_contact(
-        self, name: str, bearing: str, journal: str, *, journal_radius: Quantity, bearing_radius: Quantity | None = None,
-        direction: Place = (1.0, 0.0), axial_length: Quantity = 0.02, contact: ContactLaw | str | Table = "lankarani-nikravesh",
-        friction: FrictionLaw | str | Table = "ambrosio", friction_moment: FrictionMoment = "mid-overlap",
-        impact_speed_floor: Quantity = 1e-3, landing_depth: Quantity | None = None, bearing_material: Material | str | None = None,
-        journal_material: Material | str | None = None, wear: Wear | Table | None = None,
-    ) -> ExternalContact:  # fmt: skip
-        """Adds a contact between a round pin and a line or another round; see :class:`~vfife.model.joints.ExternalContact`."""
-        raise NotImplementedError
+    if not isinstance(name, str):
+        return [] if name is None else [Fault((section, "?"), "this is no name", shown(name), "a text", "put it in quotes")]
+    if name in items(mechanism, section):
+        return [Fault((section, name, ""), f"there is a {section} called {shown(name)} already", "", "", "choose another name")]
+    return faults_of(mechanism, section, name, item, [fault.path for fault in known])
 
-    # ------------------------------------------------------------------------------------------------ gears and springs
 
-    @adds("gear", Gear)
-    def gear(self, name: str, first: str, second: str, *, ratio: float, carrier: str | None = None) -> Gear:
-        """Couples the angles of two bodies; see :class:`~vfife.model.joints.Gear`."""
-        raise NotImplementedError
+def items(mechanism: Mechanism, section: str) -> dict[str, Any]:
+    """The objects of a section by name."""
+    field = next(field for field in described_fields(type(mechanism)) if key_of(field) == section)
+    found: dict[str, Any] = getattr(mechanism, field.name)
+    return found
 
-    @adds("spring", Spring)
-    def spring(
-        self, name: str, first: str, second: str, *, stiffness: Quantity = 0.0, damping: Quantity = 0.0, free_length: Quantity | None = None
-    ) -> Spring:
-        """Adds a spring and damper between two pins; see :class:`~vfife.model.springs.Spring`."""
-        raise NotImplementedError
 
-    @adds("spring", TorsionalSpring)
-    def torsional_spring(
-        self, name: str, first: str, second: str, *, stiffness: Quantity = 0.0, damping: Quantity = 0.0, free_angle: Quantity | None = None
-    ) -> TorsionalSpring:
-        """Adds a torsional spring and damper between two bodies; see :class:`~vfife.model.springs.TorsionalSpring`."""
-        raise NotImplementedError
-
-    @adds("spring", Stop)
-    def stop(
-        self, name: str, first: str, second: str, *, low: Quantity, high: Quantity, stiffness: Quantity, damping: Quantity = 0.0
-    ) -> Stop:  # fmt: skip
-        """Adds a rotational stop between two bodies; see :class:`~vfife.model.springs.Stop`."""
-        raise NotImplementedError
-
-    @adds("spring", Bushing)
-    def bushing(self, name: str, first: str, second: str, *, stiffness: Place, damping: Place = (0.0, 0.0, 0.0)) -> Bushing:
-        """Adds an elastic bearing between two pins; see :class:`~vfife.model.springs.Bushing`."""
-        raise NotImplementedError
+for _one in builders().values():
+    setattr(Builders, _one.name, _one.method())

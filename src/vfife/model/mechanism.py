@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from ..fields import PLACE, SCALAR, Choice, Each, Entries, Inner, Many, Measure, Names, Text, Whole, described, quantity
-from .above import answered
+from .above import upper
 from .bodies import Body
 from .builders import Builders
 from .drivers import Driver
@@ -148,7 +148,7 @@ class Mechanism(Builders):
 
     def to_toml(self) -> str:
         """The text of a model file that holds it, in SI units. Raises ValueError or TypeError where no model file can."""
-        return str(answered("to_toml", self))
+        return str(upper("modelfile", "dump", self))
 
     def check(self) -> Checked:
         """Examines the whole of it, closes it at its start, and follows its ideal motion through what drivers ask for; nothing is run.
@@ -156,12 +156,12 @@ class Mechanism(Builders):
         Raises ModelError with every fault, AssemblyError where no position satisfies its joints, or it jams. What is left is in the answer:
         degrees of freedom, the step, what to be careful with; printed, it is a few sentences.
         """
-        found: Checked = answered("check", self)
+        found: Checked = upper("study.examined", "checked", self)
         return found
 
     def plot(self) -> Figure:
         """A figure of it at its start, with the names of its bodies and joints. Raises as :meth:`check` does."""
-        figure: Figure = answered("plot", self)
+        figure: Figure = upper("plots", "at_start", self)
         return figure
 
     def live(self, slide: Iterable[str] | None = None) -> Live:
@@ -171,12 +171,12 @@ class Mechanism(Builders):
         drivers, friction and restitution, whose positions take some seconds to assemble; () for none. ``save(path)`` of what comes back writes the
         page. Raises as :meth:`check` does, VfifeError for what has no motion to run, and ValueError for a slide that cannot be used.
         """
-        found: Live = answered("live", self, slide)
+        found: Live = upper("live.cell", "live", self, slide)
         return found
 
     def _repr_html_(self) -> str:
         """What a notebook shows: its drawing, and tables of its parts."""
-        return str(answered("html", self))
+        return str(upper("plots.notebook", "mechanism_html", self))
 
     @property
     def clock(self) -> float:

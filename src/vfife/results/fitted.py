@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files import write_text
-from ..model.above import answered
+from ..model.above import upper
 from ..numerics.scalar import log
 from .csvtable import write_rows
 
@@ -203,7 +203,7 @@ class Fit:
 
     def plot(self) -> Figure:
         """Measured curves with the model's, what is left of each, and how the parameters hang together."""
-        figure: Figure = answered("fit_figure", self)
+        figure: Figure = upper("plots.fit", "fit_figure", self)
         return figure
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
-from ..model.above import answered
+from ..model.above import upper
 from ..solvers.status import Status
 from .member_errors import NOT_ESTIMATED, MemberError, member_errors
 from .store import warn_of_damage
@@ -299,7 +299,7 @@ class Study:
 
         Raises VfifeError for a name that nothing has.
         """
-        found: dict[str, Figure] = answered("figures", self, names, measures)
+        found: dict[str, Figure] = upper("plots.study", "figures", self, names, measures)
         return found
 
     def export(self, path: str | Path) -> None:

@@ -15,6 +15,7 @@ class ConstantSpeed(Driver):
     """speed t; rad/s or m/s."""
 
     kind: ClassVar[str] = "constant-speed"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"drive": (("slider", "point", "direction", "against"), ("body",))}
     sample: ClassVar[dict[str, Any]] = {"speed": 5.0}
     revolves: ClassVar[bool] = True
     lead: ClassVar[str] = "speed"

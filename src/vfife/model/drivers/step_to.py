@@ -18,6 +18,7 @@ class StepTo(Driver):
     """From 0 to ``travel`` (rad, m) between ``begin`` and ``begin + duration`` (s), by the step 10 s^3 - 15 s^4 + 6 s^5; at rest else."""
 
     kind: ClassVar[str] = "step"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"step_to": ()}
     sample: ClassVar[dict[str, Any]] = {"travel": 0.5, "duration": 0.1}
 
     lead: ClassVar[str] = "travel"

@@ -17,6 +17,7 @@ class AngleTable(Driver):
     """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""
 
     kind: ClassVar[str] = "table"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"motion": ()}
     sample: ClassVar[dict[str, Any]] = {"times": (0.0, 0.1, 0.3), "values": (0.0, 0.2, 0.1)}
     revolves: ClassVar[bool] = True
     lead: ClassVar[str] = "values"

@@ -21,6 +21,7 @@ class Torque(Driver):
     """
 
     kind: ClassVar[str] = "effort"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"torque": (("slider", "point", "direction"), ("body",))}
     sample: ClassVar[dict[str, Any]] = {"value": 2.0}
     lead: ClassVar[str] = "value"
     moves: ClassVar[bool] = False

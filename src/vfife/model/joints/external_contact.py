@@ -27,6 +27,7 @@ class ExternalContact(Contact):
     """
 
     kind: ClassVar[str] = "contact"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"external_contact": ()}
     sample: ClassVar[dict[str, Any]] = {"journal_radius": 0.05}
     sizes: ClassVar[tuple[str, ...]] = ("bearing_radius", "journal_radius")
 

@@ -15,6 +15,7 @@ class IdealRevolute(Joint):
     """Bearing and journal share one motion; the reaction follows (Eq. 16, generalised)."""
 
     kind: ClassVar[str] = "ideal"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"revolute": ()}
 
     def rows(self) -> tuple[Row, ...]:
         """Two pins in one place."""

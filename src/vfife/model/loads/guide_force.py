@@ -25,6 +25,7 @@ class GuideForce(Tabular):
     """
 
     kind: ClassVar[str] = "guide"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"guide_force": ()}
     sample: ClassVar[dict[str, Any]] = {"slider": "guide", "force": (3.0, -2.0), "travels": (-0.1, 0.1)}
 
     slider: str = described(Text("joint"), "the joint along whose guide it acts: a slider, a pin in a slot or a block with play")

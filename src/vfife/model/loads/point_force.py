@@ -22,6 +22,7 @@ class PointForce(Tabular):
     """
 
     kind: ClassVar[str] = "force"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"force": (), "moment": (("force", "follow"), ("moment",))}
     sample: ClassVar[dict[str, Any]] = {"at": "arm.end", "force": (3.0, -2.0), "moment": 0.1}
 
     at: str = described(Text("pin"), 'where it acts, "body.pin"')

@@ -19,6 +19,7 @@ class Spring(ForceElement):
     """
 
     kind: ClassVar[str] = "linear"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"spring": ()}
     sample: ClassVar[dict[str, Any]] = {"stiffness": 100.0}
     axes: ClassVar[Axes] = "linear"
 

@@ -20,6 +20,7 @@ class TorsionalSpring(ForceElement):
     """
 
     kind: ClassVar[str] = "torsional"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"torsional_spring": ()}
     sample: ClassVar[dict[str, Any]] = {"stiffness": 10.0}
     axes: ClassVar[Axes] = "torsional"
 
