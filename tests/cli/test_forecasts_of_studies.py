@@ -14,24 +14,25 @@ from vfife.assembly.assemble import assemble
 from vfife.job.cost import Stream, cores
 from vfife.study.forecast import Cases, one_by_one
 from vfife.study.member import streams
-from vfife.study.plan import Asked
+from vfife.study.plan import Asked, Plan
 
 ASKED = Asked("slider_crank.toml", ("O.force.max",), turns=1)
 BASE = load(ROOT / "examples" / "slider_crank.toml")
+PLAN = Plan("s", BASE, ASKED, ())
 
 
 def test_members_take_time_beside_their_steps(tmp_path: Path) -> None:
-    seconds = [Cases(BASE, ASKED, [{}], left, 0).forecast(tmp_path / "s.study").seconds for left in (0, 40, 100)]
+    seconds = [Cases(PLAN, [{}], left, 0).forecast(tmp_path / "s.study").seconds for left in (0, 40, 100)]
     assert seconds[0] == 0.0 and 0.05 < seconds[1] < 20.0, "ten to a hundred members in a second are what is measured, whatever the steps"
     assert Stream(0.03, 0.1).seconds(100) == pytest.approx(100 * max(0.03, 0.13 / cores()))
 
 
 def test_a_step_that_goes_into_no_lanes_is_told_with_one_that_does(tmp_path: Path) -> None:
-    auto = Cases(BASE, ASKED, [{}], 10, 0).forecast(tmp_path / "s.study")
+    auto = Cases(PLAN, [{}], 10, 0).forecast(tmp_path / "s.study")
     turn = assemble(BASE, turns=1.0).choice.turn
     assert turn is not None
     asked = dataclasses.replace(ASKED, step=turn / 1234.5)
-    found = Cases(BASE, asked, [{}], 10, 0).forecast(tmp_path / "s.study")
+    found = Cases(dataclasses.replace(PLAN, asked=asked), [{}], 10, 0).forecast(tmp_path / "s.study")
     assert abs(found.steps - 1234) < 10 and found.lanes == 1 < auto.lanes and not auto.remarks
     (said,) = found.remarks
     assert said == one_by_one({turn}, asked)

@@ -18,7 +18,7 @@ from vfife import Study, load_model
 from vfife.study import run_missing
 from vfife.study.cluster import Answer, Question, cluster, run_batch
 from vfife.study.engine import Wanted, run_members
-from vfife.study.study_file import understood
+from vfife.study.study_file import StudyTables
 
 pytestmark = [pytest.mark.soak, pytest.mark.skipif(find_spec("distributed") is None, reason="no distributed here")]
 
@@ -55,11 +55,11 @@ class Reaper(threading.Thread):
 
 
 def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(tmp_path: Path) -> None:
-    plan, base = understood(RAW, "study", base=load_model(BASE))
-    with run_missing.opened(tmp_path / "own.study", run_missing.asked_of(plan, base, "own"), plan.numbers()) as file:
+    plan, base = StudyTables(RAW, "study", base=load_model(BASE)).plan(), load_model(BASE)
+    with run_missing.opened(tmp_path / "own.study", run_missing.asked_of(plan), plan.numbers()) as file:
         assert run_missing.Engine(file, base).run()
         own = run_missing.Engine(file, base).study()
-    reaper, asked = Reaper(tmp_path / "far.study"), run_missing.asked_of(plan, base, "far")
+    reaper, asked = Reaper(tmp_path / "far.study"), run_missing.asked_of(plan)
     with cluster("local", 2) as runner, run_missing.opened(tmp_path / "far.study", asked, plan.numbers()) as file:
         reaper.start()
         assert run_missing.Engine(file, base, runner=runner).run()

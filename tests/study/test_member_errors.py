@@ -17,7 +17,7 @@ from vfife.results.studied import Study
 from vfife.study.engine import Outcome
 from vfife.study.limits import Bound, quantile
 from vfife.study.run_missing import STEP, Engine, asked_of, opened
-from vfife.study.study_file import of_mapping, understood
+from vfife.study.study_file import StudyTables, of_mapping
 from vfife.study.tolerance import share_that_fails, spreads
 
 CASE_B, IDEAL = "examples/four_bar_case_b.toml", "examples/four_bar_ideal.toml"
@@ -55,12 +55,13 @@ def plan_of(count: int, model: str = CASE_B):
         "measures": ["C.force.max", "C.impacts"], "turns": 2, "method": "random", "count": count,
         "vary": {"play": {"path": "joint.C.clearance", "from": 1e-4, "to": 3e-4}},
     })  # fmt: skip
-    return understood(raw, "test", None, load(model))
+    return StudyTables(raw, "test", base=load(model), name="s").plan()
 
 
 def made(path, count: int, runner, contacts: bool = True) -> Study:
-    plan, base = plan_of(count)
-    with opened(path, asked_of(plan, base, "s"), plan.numbers()) as file:
+    plan = plan_of(count)
+    base = plan.base
+    with opened(path, asked_of(plan), plan.numbers()) as file:
         engine = Engine(file, base, runner=runner)
         assert engine.run()
         engine.base = base if contacts else load(IDEAL)

@@ -16,6 +16,7 @@ from vfife.study.limits import Bound
 from vfife.study.local_search import Contradiction, refined, slopes_of
 from vfife.study.optimise import Axis, Found, Numbers, Search, Values, best, judged
 from vfife.study.searches import numbers_at, search_of
+from vfife.study.study_file import StudyTables
 
 XY = (Axis("x", -2.0, 2.0), Axis("y", 0.01, 10.0, logarithmic=True))
 DISK = Search((*XY, Axis("word", values=("a", "b")), Axis("teeth", 5.0, 9.0, whole=True)), ("f",), (Bound("r", high=1.0),), 1, refine=40)
@@ -149,9 +150,9 @@ def test_derivatives_of_a_chaotic_motion_are_contradicted_by_finite_changes() ->
         "model": "examples/slider_crank_loose_guide.toml", "measures": ["O.force.max"], "turns": 1, "optimise": {"minimise": ["O.force.max"]},
         "vary": {"e": {"path": "joint.guide.contact.restitution", "from": 0.5, "to": 0.95}},
     }  # fmt: skip
-    plan, base, search = search_of(study, "here")
+    plan, search = search_of(StudyTables(study, "here"))
     with pytest.raises(VfifeError, match="contradict the derivative of O.force.max|companions part"):
-        slopes_of(plan, base, search, lambda one: dict(numbers_at(plan.parameters, one)))({"e": 0.9})
+        slopes_of(plan, search, lambda one: dict(numbers_at(plan.parameters, one)))({"e": 0.9})
 
 
 def fastest(crank: float, rod: float) -> float:
@@ -176,17 +177,17 @@ CRANK: dict[str, Any] = {
 
 def test_slopes_are_those_of_the_members_and_of_all_numbers_that_a_parameter_is() -> None:
     """m w² r (1 + r/l), of which a crank's mass is no part."""
-    plan, base, search = search_of(CRANK, "here")
-    found = slopes_of(plan, base, search, lambda one: dict(numbers_at(plan.parameters, one)))({"rod": 0.12, "speed": 80.0, "masses": 0.2})
+    plan, search = search_of(StudyTables(CRANK, "here"))
+    found = slopes_of(plan, search, lambda one: dict(numbers_at(plan.parameters, one)))({"rod": 0.12, "speed": 80.0, "masses": 0.2})
     force = 0.2 * 80.0**2 * 0.05 * (1.0 + 0.05 / 0.12)
     expected = {"rod": -0.2 * 80.0**2 * (0.05 / 0.12) ** 2, "speed": 2.0 * force / 80.0, "masses": force / 0.2}
     assert found["pin.force.max"] == pytest.approx(expected, rel=1e-4)
 
 
 def test_means_of_several_turns_and_runs_that_diverge_have_no_slopes() -> None:
-    plan, base, search = search_of({**CRANK, "turns": 3, "last": 2}, "here")
+    plan, search = search_of(StudyTables({**CRANK, "turns": 3, "last": 2}, "here"))
     with pytest.raises(VfifeError, match="means of several turns"):
-        slopes_of(plan, base, search, lambda one: dict(numbers_at(plan.parameters, one)))({"rod": 0.12, "speed": 80.0, "masses": 0.2})
+        slopes_of(plan, search, lambda one: dict(numbers_at(plan.parameters, one)))({"rod": 0.12, "speed": 80.0, "masses": 0.2})
     with pytest.raises(VfifeError, match="the run ended as (diverged|energy) after step"):
         vfife.sensitivity(vfife.load("examples/four_bar_case_c.toml"), turns=1, step=1e-4, force_step=True, companions=0)
 

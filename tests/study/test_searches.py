@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from vfife.study.sampling import Truncated
-from vfife.study.searches import load_allotment, load_search, numbers_at
-from vfife.study.study_file import load_plan
+from vfife.study.searches import allotment_of, numbers_at, search_of
+from vfife.study.study_file import StudyTables
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "tolerance.md").read_text(encoding="utf-8"), re.DOTALL)
@@ -24,11 +24,11 @@ def folder(tmp_path: Path) -> Path:
 def test_the_files_of_the_documentation_are_understood(folder: Path) -> None:
     sample, costs, search = BLOCKS
     (folder / "crank.toml").write_text(sample + costs)
-    plan, _ = load_plan(folder / "crank.toml")
+    plan = StudyTables.load(folder / "crank.toml").plan()
     assert len(plan.members) == 500
     mass = plan.parameters[2].distribution
     assert isinstance(mass, Truncated) and mass.limits == (pytest.approx(mass.centre - 0.05), pytest.approx(mass.centre + 0.05))
-    _, _, task = load_allotment(folder / "crank.toml")
+    _, task = allotment_of(StudyTables.load(folder / "crank.toml"))
     assert [len(one) for one in task.options] == [7, 3, 1]
     assert task.fits == (True, True, False)
     assert task.bound.high == 2000.0
@@ -38,7 +38,7 @@ def test_the_files_of_the_documentation_are_understood(folder: Path) -> None:
     )
     ranges = re.sub(r"\[vary.mass\].*?\n\n", "", ranges, flags=re.DOTALL).replace('method = "random"\ncount = 500\n', "")
     (folder / "crank.toml").write_text(ranges.replace('"C.penetration.max"]', '"C.penetration.max", "crank.torque.ripple"]') + search)
-    plan, _, found = load_search(folder / "crank.toml")
+    plan, found = search_of(StudyTables.load(folder / "crank.toml"))
     assert found.minimised == ("C.force.max", "crank.torque.ripple") and found.members == 400
     assert [(one.low, one.high) for one in found.axes[:1]] == [(1e-4, 2e-4)]
     assert found.axes[1].values == (1e-4, 2e-4)

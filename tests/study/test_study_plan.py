@@ -13,7 +13,7 @@ from schemas import complaints
 from study.studies import ASKED, BASE
 from vfife.errors import ModelError
 from vfife.study.plan import Plan
-from vfife.study.study_file import load_plan, study_schema
+from vfife.study.study_file import StudyTables, study_schema
 
 HEAD = f'model = "{BASE.as_posix()}"\nmeasures = "C.force.max"\n'
 
@@ -21,7 +21,7 @@ HEAD = f'model = "{BASE.as_posix()}"\nmeasures = "C.force.max"\n'
 def plan_of(text: str, tmp_path: Path) -> Plan:
     path = tmp_path / "s.toml"
     path.write_text(text)
-    return load_plan(path)[0]
+    return StudyTables.load(path).plan()
 
 
 def faults_of(text: str, tmp_path: Path) -> list[str]:
@@ -175,7 +175,7 @@ def test_sizes_with_tolerances(tolerance: str, low: float, high: float, tmp_path
 
 @pytest.mark.parametrize("path", sorted((BASE.parent / "studies").glob("*.toml")), ids=lambda path: path.stem)
 def test_examples_are_studies_and_fit_the_schema(path: Path) -> None:
-    assert len(load_plan(path)[0].members) >= 100
+    assert len(StudyTables.load(path).plan().members) >= 100
     schema = study_schema()
     raw = tomllib.loads(path.read_text("utf-8"))
     assert list(complaints(raw, schema, schema)) == []

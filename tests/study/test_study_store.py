@@ -22,7 +22,7 @@ from vfife.study import forecast, run_missing
 from vfife.study.cluster import Resources
 from vfife.study.engine import Outcome, Wanted, run_members
 from vfife.study.studies import StudyWork
-from vfife.study.study_file import load_plan
+from vfife.study.study_file import StudyTables
 
 
 @pytest.fixture
@@ -79,9 +79,9 @@ def after(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
     asked: Path, tmp_path: Path, closed: Closed, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan, base = load_plan(asked)
+    plan = StudyTables.load(asked).plan()
     monkeypatch.setattr(studyfile, "GATHER", 0.0)
-    whole = StudyWork(tmp_path / "whole.study", plan, base, "asked").run(Job("study", None, False, None))[0]
+    whole = StudyWork(tmp_path / "whole.study", plan).run(Job("study", None, False, None))[0]
     assert len(whole.done) == 6
     statements, survived, kept = 0, False, set()
     while not survived:
@@ -90,13 +90,13 @@ def test_killed_before_any_statement_and_gone_on_with_it_is_what_nobody_stopped(
 
         def once(path: Path = path, count: int = statements) -> None:
             after(count, monkeypatch)
-            StudyWork(path, plan, base, "asked").run(Job("study", None, False, None))[0]
+            StudyWork(path, plan).run(Job("study", None, False, None))[0]
 
         survived = killed(once) == 0
         before = len(Study.open(path).done) if path.exists() else -1
         kept.add(before)
         closed.computed.clear()
-        again = StudyWork(path, plan, base, "asked").run(Job("study", None, False, None))[0]
+        again = StudyWork(path, plan).run(Job("study", None, False, None))[0]
         assert told(again) == told(whole) and again.repeats == whole.repeats and len(again.repeats) == 6
         assert len(closed.computed) == 6 - max(before, 0)
     assert {-1, 0, 6} < kept and len(kept) > 5, "kills fell before, between and after all members"
@@ -109,22 +109,22 @@ def test_a_member_is_known_by_its_numbers_in_any_order() -> None:
 
 def test_what_came_of_other_numbers_is_not_taken_for_a_member(asked: Path, tmp_path: Path, closed: Closed) -> None:
     """A whole outcome in the place of another member is computed again."""
-    plan, base = load_plan(asked)
+    plan = StudyTables.load(asked).plan()
     path = tmp_path / "x.study"
-    whole = told(StudyWork(path, plan, base, "asked").run(Job("study", None, False, None))[0])
+    whole = told(StudyWork(path, plan).run(Job("study", None, False, None))[0])
     with StudyFile.write(path) as file:
         first, second = file.members()[:2]
         other = StudyCase(first.number, second.hash, first.numbers)
         file.record(other, Outcome({"C.force.max": 1.0, "C.impacts": 1.0}, turns=2, step=1e-6, steps=7))
     closed.computed.clear()
-    assert told(StudyWork(path, plan, base, "asked").run(Job("study", None, False, None))[0]) == whole and len(closed.computed) == 1
+    assert told(StudyWork(path, plan).run(Job("study", None, False, None))[0]) == whole and len(closed.computed) == 1
 
 
 @pytest.mark.system("kills a process")
 @pytest.mark.skipif(os.name != "posix", reason="a process is forked and killed")
 def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(asked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked.write_text(ASKED.replace("turns = 2", "turns = 1\nstep = 1e-5").replace('"0.3 mm"', '"0.25 mm"').replace('"0.1 mm", ', ""))
-    plan, base = load_plan(asked)
+    plan = StudyTables.load(asked).plan()
     record = StudyFile.record
 
     def recorded_twice(self: StudyFile, *given: object, **named: object) -> None:
@@ -135,17 +135,15 @@ def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(asked: Pa
     def once() -> None:
         monkeypatch.setattr(studyfile, "GATHER", 0.0)
         monkeypatch.setattr(StudyFile, "record", recorded_twice)
-        StudyWork(tmp_path / "b.study", plan, base, "asked", Resources(1)).run(Job("study", None, False, None))[0]
+        StudyWork(tmp_path / "b.study", plan, Resources(1)).run(Job("study", None, False, None))[0]
 
     assert killed(once) == -signal.SIGKILL
     assert len(Study.open(tmp_path / "b.study").done) == 2
-    whole, again = (
-        StudyWork(tmp_path / name, plan, base, "asked", Resources(1)).run(Job("study", None, False, None))[0] for name in ("a.study", "b.study")
-    )
+    whole, again = (StudyWork(tmp_path / name, plan, Resources(1)).run(Job("study", None, False, None))[0] for name in ("a.study", "b.study"))
     assert told(whole) == told(again)
     assert len(whole.done) == 4
     numbers = [dict(one.numbers) for one in whole.members]
-    own = dict(run_members(base, numbers, Wanted(("C.force.max", "C.impacts"), 1, step=1e-5), Resources(1)))
+    own = dict(run_members(plan.base, numbers, Wanted(("C.force.max", "C.impacts"), 1, step=1e-5), workers=1))
     assert [own[k].values["C.force.max"] for k in range(4)] == whole.values("C.force.max").tolist()
 
 
@@ -209,9 +207,9 @@ def test_it_is_read_while_it_grows_and_has_one_writer(asked: Path, tmp_path: Pat
         with pytest.raises(HeldError, match=r"s\.study: process \d+ on .* writes this study"):
             vfife.study(asked, file=path)
 
-    plan, base = load_plan(asked)
+    plan = StudyTables.load(asked).plan()
     monkeypatch.setattr(studyfile, "GATHER", 0.0)
-    StudyWork(path, plan, base, "asked").run(Job("study", path, False, lambda one: look(one.done, one.steps)))
+    StudyWork(path, plan).run(Job("study", path, False, lambda one: look(one.done, one.steps)))
     assert seen == [1, 2, 3, 4, 5, 6]
 
 

@@ -38,22 +38,23 @@ def optimise(
     with sentences(str(file)):
         from ..study.cluster import Resources
         from ..study.forecast import search_forecast
-        from ..study.searches import load_search, optimised
+        from ..study.searches import optimised, search_of
         from ..study.studies import StudyWork
+        from ..study.study_file import StudyTables
 
         take_laws(laws)
         resources = Resources(workers, None, cluster, device)
-        plan, base, search = load_search(file)
+        plan, search = search_of(StudyTables.load(file))
         job = StudyCommand(file, output_, yes, quiet, "search")
         target = job.target
-        work = StudyWork(target, plan, base, file.stem, resources, force)
+        work = StudyWork(target, plan, resources, force)
     with searching(job):
-        forecast = search_forecast(plan, base, search, work.known)
+        forecast = search_forecast(plan, search, work.known)
         (found, more), _ = work.search(job, forecast, lambda engine: optimised(engine, plan, search))
     from ..study.optimise import best
     from ..study.run_missing import units_of
 
-    front, units = best(search, found), units_of(plan.asked.measures, base)
+    front, units = best(search, found), units_of(plan)
     feasible = sum(one.feasible for one in found)
     if as_json or not quiet:
         from ..report.study import optimum
@@ -87,21 +88,22 @@ def allocate(
         from ..study.cluster import Resources
         from ..study.forecast import allotment_forecast
         from ..study.run_missing import units_of
-        from ..study.searches import allotted, load_allotment
+        from ..study.searches import allotment_of, allotted
         from ..study.studies import StudyWork
+        from ..study.study_file import StudyTables
 
         take_laws(laws)
         resources = Resources(workers, None, cluster, device)
-        plan, base, task = load_allotment(file)
+        plan, task = allotment_of(StudyTables.load(file))
         job = StudyCommand(file, output_, yes, quiet, "search")
         target = job.target
-        work = StudyWork(target, plan, base, file.stem, resources, force)
+        work = StudyWork(target, plan, resources, force)
     with searching(job):
-        found, _ = work.search(job, allotment_forecast(plan, base, task, work.known), lambda engine: allotted(engine, task))
+        found, _ = work.search(job, allotment_forecast(plan, task, work.known), lambda engine: allotted(engine, task))
     if as_json or not quiet:
         from ..report.study import allocation
 
-        answer(allocation(task, found, str(target), units_of(plan.asked.measures, base)[task.bound.measure]), as_json)
+        answer(allocation(task, found, str(target), units_of(plan)[task.bound.measure]), as_json)
     if found.choice is None:
         tell("failed", f"none of {len(found.rejected):,} choices keeps the limit; allow finer grades, or a higher limit", "bold red")
         raise typer.Exit(UNMET)

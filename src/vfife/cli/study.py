@@ -81,17 +81,17 @@ def run(
         from ..study.cluster import Resources
         from ..study.plan import SEARCH
         from ..study.studies import StudyWork
-        from ..study.study_file import load_plan
+        from ..study.study_file import StudyTables
 
         take_laws(laws)
         if STUDY.owns(file):
             raise ValueError(f"{file}: this is what a study was kept in; see vfife study show, resume or add, or name its STUDY.toml")
-        plan, base = load_plan(file)
+        plan = StudyTables.load(file).plan()
         if plan.asked.method == SEARCH:
             raise ValueError(f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate; give it to one of them')
         resources = Resources(workers, None, cluster, device)
         job = StudyCommand(file, output, yes, quiet)
-        work = StudyWork(job.target, plan, base, file.stem, resources, force)
+        work = StudyWork(job.target, plan, resources, force)
     computed(job, work, as_json, retry)
 
 
@@ -136,8 +136,8 @@ def add(
             resources = Resources(workers, None, cluster, device)
             items, points = [split(text, "a value") for text in values or ()], [split(text, "--point") for text in point or ()]
             lock = held.enter_context(locked(file)) if file.exists() else None  # two that add at once would lose what one of them asks for
-            plan, base, asked = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
-            work = StudyWork(file, plan, base, file.stem, resources, asked=asked)
+            plan = added(file, dict(pair for item in items for pair in item), [dict(one) for one in points], count)
+            work = StudyWork(file, plan, resources)
         computed(StudyCommand(file, file, yes, quiet), work, as_json, retry, lock)
 
 

@@ -50,8 +50,7 @@ LESS = "ask for fewer members or turns"
 class Cases:
     """Cases of a study that are to be run: some of them as an example, how many are left and known, how many are asked for at once."""
 
-    base: Mechanism
-    asked: Asked
+    plan: Plan
     some: Sequence[Numbers]
     left: int
     known: int
@@ -77,30 +76,30 @@ class Cases:
     def assembled(self, numbers: Numbers) -> Assembly | None:
         """A case; None where it cannot be assembled, which is reported when it is run."""
         try:
-            return assemble(loads(dump(self.base), set=list(numbers.items())), self.asked.step, turns=float(self.asked.turns))
+            return assemble(loads(dump(self.plan.base), set=list(numbers.items())), self.plan.asked.step, turns=float(self.plan.asked.turns))
         except VfifeError:
             return None
 
     def measured(self, every: Sequence[Assembly], seconds: float, lanes: int) -> Stream:
         """The stream of the cases, timed with a few of them where these take a small share of the work, else with the steps of one."""
-        turns, some = self.asked.turns, self.some[: round(min(self.width, self.left))]
+        turns, some = self.plan.asked.turns, self.some[: round(min(self.width, self.left))]
         share = len(some) * min(PILOT_TURNS, 3 * turns) / (self.left * turns)
         if share > PILOT_SHARE and share * seconds > PILOT_SECONDS:
             one = stream(every[0], self.width, lanes)
             return dataclasses.replace(one, stepping=one.stepping * 1e9 * timed_step(every[0]) / run_cost(every[0]).ns_per_step)
-        wanted = wanted_of(self.asked)
+        wanted = wanted_of(self.plan.asked)
 
         def once(turns: int) -> None:
             brief = dataclasses.replace(wanted, turns=turns, last=1, settle=None)
-            for _ in run_members(self.base, some, brief):
+            for _ in run_members(self.plan.base, some, brief):
                 pass
 
         return pilot(once, turns, len(some), self.width)
 
     def remarks(self, unfit: set[float], lanes: int) -> tuple[str, ...]:
         """Sentences on turns that measures leave out, and on cases that go into no lanes."""
-        found = [text] if (text := beside_last(self.asked)) else []
-        return (*found, one_by_one(unfit, self.asked)) if unfit and lanes == 1 else tuple(found)
+        found = [text] if (text := beside_last(self.plan.asked)) else []
+        return (*found, one_by_one(unfit, self.plan.asked)) if unfit and lanes == 1 else tuple(found)
 
 
 def one_by_one(turns: set[float], asked: Asked) -> str:
@@ -124,19 +123,19 @@ def ended(file: Path | None) -> set[str]:
     return {one.hash for one in Study.open(file).done} if file is not None and file.is_file() else set()
 
 
-def study_forecast(plan: Plan, base: Mechanism, file: Path | None, retry: bool = False) -> Forecast:
+def study_forecast(plan: Plan, file: Path | None, retry: bool = False) -> Forecast:
     """The forecast of the cases of a plan that the file does not have; a sample of them is repeated with coarser steps."""
     numbers, known = plan.numbers(), ended(file)
     left = [one for one in numbers if hash_of(one) not in known]
-    found = Cases(base, plan.asked, evenly(left), len(left), len(numbers) - len(left)).forecast(file)
+    found = Cases(plan, evenly(left), len(left), len(numbers) - len(left)).forecast(file)
     if not left:
         what = f"nothing is left to compute: all {len(numbers):,} members are in {file}."
         return dataclasses.replace(found, remarks=() if retry else (what,))
     repeated = 1.0 + sample_size(len(numbers)) / (RATIO * len(left))
-    return dataclasses.replace(found, seconds=repeated * found.seconds, remarks=(*found.remarks, *groups(numbers, base)))
+    return dataclasses.replace(found, seconds=repeated * found.seconds, remarks=(*found.remarks, *groups(numbers, plan.base)))
 
 
-def search_forecast(plan: Plan, base: Mechanism, search: Search, file: Path | None) -> Forecast:
+def search_forecast(plan: Plan, search: Search, file: Path | None) -> Forecast:
     """The forecast of an optimisation: its members, choosing them, and those that derivatives lead to."""
 
     def along(share: float) -> dict[str, float | str]:
@@ -144,20 +143,20 @@ def search_forecast(plan: Plan, base: Mechanism, search: Search, file: Path | No
 
     some = [numbers_at(plan.parameters, along((k + 0.5) / LOOKED_AT)) for k in range(LOOKED_AT)]
     known = min(len(ended(file)), search.members)
-    cases = Cases(base, plan.asked, some, search.members - known, known, search.batch)
-    found, refined = cases.forecast(file), refinement(cases, plan, search)
+    cases = Cases(plan, some, search.members - known, known, search.batch)
+    found, refined = cases.forecast(file), refinement(cases, search)
     first, more = CHOOSING[len(search.aims) > 1]
     seconds = found.seconds + search.members * (first + more * search.members) + refined  # those that are known are chosen again
     words = f"up to {counted(search.refine, 'member')} more by derivatives, in at most {span(refined)} of that."
     return dataclasses.replace(found, seconds=seconds, parts=(words,) if refined else ())
 
 
-def refinement(cases: Cases, plan: Plan, search: Search) -> float:
+def refinement(cases: Cases, search: Search) -> float:
     """Time (s) of the cases that derivatives lead to, each with derivatives of its own: two runs, and its steps with derivatives."""
     if not search.refine or refuses(search):
         return 0.0
     names = {axis.name for axis in search.axes if axis.continuous}
-    paths = sum(len(one.paths) for one in plan.parameters if one.name in names)
+    paths = sum(len(one.paths) for one in cases.plan.parameters if one.name in names)
     for numbers in cases.some:
         if (assembly := cases.assembled(numbers)) is not None:
             directions = TANGENT * paths * (DISPLACED if assembly.contacts else 1) / CONTACT_LANES
@@ -165,7 +164,7 @@ def refinement(cases: Cases, plan: Plan, search: Search) -> float:
     return 0.0
 
 
-def allotment_forecast(plan: Plan, base: Mechanism, task: Allotment, file: Path | None) -> Forecast:
+def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Forecast:
     """The forecast of an allocation: all machines of the choice that is taken, the first few of each other choice."""
     machines = task.asked.count or needed(1.0 - task.asked.share, task.asked.confidence)
     choices = math.prod(map(len, task.options))
@@ -174,7 +173,7 @@ def allotment_forecast(plan: Plan, base: Mechanism, task: Allotment, file: Path 
     some = [numbers_at(plan.parameters, {name: float(drawn.quantile(share)) for name, drawn in first}) for share in shares]
     members = machines + FIRST * (choices - 1)
     known = min(len(ended(file)), members)
-    found = Cases(base, plan.asked, some, members - known, known, WIDTH).forecast(file)
+    found = Cases(plan, some, members - known, known, WIDTH).forecast(file)
     words = (
         f"{counted(choices, 'choice')} of fits: {machines:,} machines of the one that is taken, and {FIRST} of each other are reckoned with; "
         f"fewer where a cheap one is taken, more where some are close to the limit, {machines * choices:,} at most."

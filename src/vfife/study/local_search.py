@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from ..analysis.measures import COUNTED
 from ..errors import VfifeError
-from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from .derivatives import sensitivity
 from .optimise import Ask, Found, Numbers, Search, best, judged
@@ -257,12 +256,12 @@ class _Walk:
         return found_there
 
 
-def slopes_of(plan: Plan, base: Mechanism, search: Search, numbers_at: Callable[[Numbers], Numbers]) -> Slopes:
+def slopes_of(plan: Plan, search: Search, numbers_at: Callable[[Numbers], Numbers]) -> Slopes:
     """Derivatives of what a search is for by what it varies, of its members: those of :func:`~vfife.study.derivatives.sensitivity`.
 
     ``numbers_at``: numbers of a member by path from its parameters by name.
     """
-    text, known = dump(base), {one.name: one for one in plan.parameters}
+    text, known = dump(plan.base), {one.name: one for one in plan.parameters}
     varied = [known[axis.name] for axis in search.axes if axis.continuous]
     names = list(dict.fromkeys([*(name for name, _ in search.aims), *(bound.measure for bound in search.bounds)]))
     asked: dict[str, Any] = {"turns": float(plan.asked.turns), "step": plan.asked.step}

@@ -9,6 +9,7 @@ from ..errors import Fault, Path, kind_of, shown
 from ..fields import Choice, Json, Measure, Reading, Switch, Text, Value, Whole, described
 from ..fields.parts import Many, Names
 from ..fields.values import is_list
+from ..model.mechanism import Mechanism
 from . import sampling
 
 Number: TypeAlias = float | str  # SI; a text is a word of the model, such as a law's name
@@ -121,8 +122,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Plan:
-    """A study that can be made: the asked one, its parameters, members added point by point."""
+    """A study that can be made, of the model ``base``: what is asked, its parameters, members added point by point."""
 
+    name: str
+    base: Mechanism
     asked: Asked
     parameters: tuple[Parameter, ...]
     points: tuple[tuple[Number, ...], ...] = ()

@@ -31,7 +31,7 @@ from ..solvers.status import Status
 from .cluster import THREADS, Resources, Runner
 from .engine import Outcome, Wanted, run_members
 from .plan import Parameter, Plan
-from .study_file import Written, understood, wanted_of
+from .study_file import StudyTables, Written, wanted_of
 from .varied import number
 
 Numbers = Mapping[str, float | str]
@@ -41,17 +41,18 @@ STEP = "run.step"  # path of the step in a model
 RATIO = 1.5  # step of a repetition over that of its member; the coarser run costs two thirds of the member
 
 
-def asked_of(plan: Plan, base: Mechanism, name: str) -> dict[str, Any]:
+def asked_of(plan: Plan) -> dict[str, Any]:
     """What a study file says of a plan: enough to go on with it, to add to it, and to read it without any other file."""
+    base = plan.base
     return {
-        "name": name,
+        "name": plan.name,
         "note": plan.asked.note.strip(),
         "model": base.name,
         "source": base.source,
         "text": dump(base),
         "raw": plan.raw,
         "wanted": {**dataclasses.asdict(wanted_of(plan.asked)), "measures": list(plan.asked.measures)},
-        "measures": units_of(plan.asked.measures, base),
+        "measures": units_of(plan),
         "parameters": [
             {"name": one.name, "paths": list(one.paths), "unit": one.unit, "kind": one.kind, "words": one.words} for one in plan.parameters
         ],
@@ -61,10 +62,11 @@ def asked_of(plan: Plan, base: Mechanism, name: str) -> dict[str, Any]:
     }
 
 
-def units_of(measures: Sequence[str], base: Mechanism) -> dict[str, str]:
+def units_of(plan: Plan) -> dict[str, str]:
     """Units of measures, and of channels that are reduced."""
+    measures = plan.asked.measures
     reduced = {name: match[2] for name in measures if (match := REDUCTION.fullmatch(name))}
-    view = standing(assemble(base)) if reduced else None
+    view = standing(assemble(plan.base)) if reduced else None
     found = {name: unit_of(name) for name in measures}
     if view is not None:
         found |= {name: view.series.column(channel).unit for name, channel in reduced.items()}
@@ -260,14 +262,10 @@ def split(text: str, what: str) -> list[tuple[str, str]]:
     return found
 
 
-def added(
-    path: Path, values: Mapping[str, Any], points: Sequence[Mapping[str, Any]] = (), count: int | None = None
-) -> tuple[Plan, Mechanism, dict[str, Any]]:
-    """The plan of a study file with what is added, the model, and what the file is to say. Raises ModelError with all faults, VfifeError."""
+def added(path: Path, values: Mapping[str, Any], points: Sequence[Mapping[str, Any]] = (), count: int | None = None) -> Plan:
+    """The plan of a study file with what is added. Raises ModelError with all faults, VfifeError."""
     found = Study.open(path)
-    base = base_of(found)
-    raw = copy.deepcopy(found.asked["raw"])
-    before, _ = understood(raw, str(path), base=base)
+    before, raw = plan_of(found), copy.deepcopy(found.asked["raw"])
     for name, more in values.items():
         listed = [parsed(one.strip()) for one in more.split(",")] if isinstance(more, str) else list(more)
         extend(raw, next(one for one in before.parameters if one.name == found.parameter(name).name), listed, str(path))
@@ -278,8 +276,12 @@ def added(
         if count < (drawn := before.asked.count or 0):
             raise VfifeError(f"{path}: {drawn:,} samples are asked for already, and --count {count} says how many there shall be in all; give more")
         raw["count"] = count
-    plan, base = understood(raw, str(path), base=base)
-    return plan, base, asked_of(plan, base, found.name)
+    return StudyTables(raw, str(path), base=before.base, name=found.name).plan()
+
+
+def plan_of(found: Study) -> Plan:
+    """The plan of a study. Raises VfifeError where a law of the user's own is not at hand."""
+    return StudyTables(copy.deepcopy(found.asked["raw"]), str(found.path), base=base_of(found), name=found.name).plan()
 
 
 def extend(raw: dict[str, Any], one: Parameter, more: list[Any], where: str) -> None:

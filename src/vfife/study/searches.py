@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,8 +12,6 @@ import numpy as np
 from ..errors import Fault, ModelError, kind_of, shown, suggestion
 from ..fields import Measure, Text, Whole, described
 from ..fields.parts import Many
-from ..model.mechanism import Mechanism
-from ..modelfile.read import raw_of, text_of
 from .allocation import Allocated, Choice, Option, allocate, options_of
 from .limits import CONFIDENCE, Bound, flat, needed, read_bounds
 from .local_search import Refined, refined, slopes_of
@@ -22,7 +19,7 @@ from .optimise import BATCH, Axis, Found, Search, searched
 from .plan import MOST_MEMBERS, SEARCH, Parameter, Plan
 from .run_missing import Engine, units_of
 from .sampling import Array, Clearance, Uniform
-from .study_file import Written, understood
+from .study_file import StudyTables, Written
 
 REFINE = 20  # members more that derivatives may lead to
 WIDTH = 128  # members that an allocation asks for at once
@@ -67,14 +64,10 @@ class Allotment:
         return {one.name: fit for one, fit, own in zip(self.parameters, choice.names, self.fits, strict=True) if own}
 
 
-def load_search(path: str | Path) -> tuple[Plan, Mechanism, Search]:
+def search_of(tables: StudyTables) -> tuple[Plan, Search]:
     """The search of a study file with ``[optimise]``. Raises ModelError with every fault."""
-    return search_of(raw_of(text_of(Path(path)), str(path)), str(path), Path(path).parent)
-
-
-def search_of(raw: Mapping[str, Any], known_as: str, folder: Path | None = None, base: Mechanism | None = None) -> tuple[Plan, Mechanism, Search]:
-    """The search of the tables of a study file; ``base`` is the model where it is at hand. Raises ModelError with every fault."""
-    plan, base, units = opened(raw, known_as, folder, base, OPTIMISE, 'minimise = ["C.force.max"]')
+    raw = tables.raw
+    plan, units = search_plan(tables, OPTIMISE, 'minimise = ["C.force.max"]')
     by = Written()
     asked = by.table((OPTIMISE,), Optimised, raw[OPTIMISE])
     bounds = read_bounds(raw.get(LIMIT, {}), units, by)
@@ -97,21 +90,15 @@ def search_of(raw: Mapping[str, Any], known_as: str, folder: Path | None = None,
         else:
             low, high = one.distribution.limits
             axes.append(Axis(one.name, low, high, whole=isinstance(one.held, Whole)))
-    finished(by, known_as)
+    finished(by, tables.source)
     refine = asked.refine if len(asked.minimise) + len(asked.maximise) == 1 else 0
-    return plan, base, Search(tuple(axes), tuple(asked.minimise), bounds, asked.members, asked.seed, asked.batch, tuple(asked.maximise), refine)
+    return plan, Search(tuple(axes), tuple(asked.minimise), bounds, asked.members, asked.seed, asked.batch, tuple(asked.maximise), refine)
 
 
-def load_allotment(path: str | Path) -> tuple[Plan, Mechanism, Allotment]:
+def allotment_of(tables: StudyTables) -> tuple[Plan, Allotment]:
     """The allocation of a study file with ``[allocation]`` and ``[cost]``. Raises ModelError with every fault."""
-    return allotment_of(raw_of(text_of(Path(path)), str(path)), str(path), Path(path).parent)
-
-
-def allotment_of(
-    raw: Mapping[str, Any], known_as: str, folder: Path | None = None, base: Mechanism | None = None
-) -> tuple[Plan, Mechanism, Allotment]:
-    """The allocation of the tables of a study file; ``base`` is the model where it is at hand. Raises ModelError with every fault."""
-    plan, base, units = opened(raw, known_as, folder, base, ALLOCATION, 'measure = "C.force.max"')
+    raw = tables.raw
+    plan, units = search_plan(tables, ALLOCATION, 'measure = "C.force.max"')
     by = Written()
     asked = by.table((ALLOCATION,), Allotted, raw[ALLOCATION])
     bounds = {one.measure: one for one in read_bounds(raw.get(LIMIT, {}), units, by)}
@@ -133,10 +120,10 @@ def allotment_of(
         remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"
         by.refuse((COST, ""), "no fit has costs, so there is nothing to choose", "", "", remedy)
     bound = bounds.get(asked.measure or "")
-    finished(by, known_as)
+    finished(by, tables.source)
     if bound is None:  # told above
-        raise ModelError(by.faults, known_as)
-    return plan, base, Allotment(plan.parameters, tuple(options), bound, asked, tuple(one.name in costs for one in plan.parameters))
+        raise ModelError(by.faults, tables.source)
+    return plan, Allotment(plan.parameters, tuple(options), bound, asked, tuple(one.name in costs for one in plan.parameters))
 
 
 def options_at(one: Parameter, costs: Any, by: Written) -> tuple[Option, ...]:
@@ -167,16 +154,15 @@ def options_at(one: Parameter, costs: Any, by: Written) -> tuple[Option, ...]:
         return ()
 
 
-def opened(
-    raw: Mapping[str, Any], known_as: str, folder: Path | None, base: Mechanism | None, table: str, example: str
-) -> tuple[Plan, Mechanism, Mapping[str, str]]:
-    """The plan of tables without members of its own, the model, units of the measures. Raises ModelError."""
+def search_plan(tables: StudyTables, table: str, example: str) -> tuple[Plan, Mapping[str, str]]:
+    """The plan of tables without members of its own, and units of the measures. Raises ModelError."""
     by = Written()
-    if not isinstance(raw.get(table), dict):
+    if not isinstance(tables.raw.get(table), dict):
         by.refuse((table, ""), "this table is missing", "", "what the search is for", f"add it, as in {example}")
-        finished(by, known_as)
-    plan, base = understood({**{key: value for key, value in raw.items() if key != "count"}, "method": SEARCH}, known_as, folder, base)
-    return plan, base, units_of(plan.asked.measures, base)
+        finished(by, tables.source)
+    raw = {**{key: value for key, value in tables.raw.items() if key != "count"}, "method": SEARCH}
+    plan = replace(tables, raw=raw).plan()
+    return plan, units_of(plan)
 
 
 def finished(by: Written, known_as: str) -> None:
@@ -206,7 +192,7 @@ def optimised(engine: Engine, plan: Plan, search: Search, told: Callable[[list[F
         return engine.ask([at(one) for one in asked])
 
     found = searched(search, ask, told)
-    more = refined(search, found, ask, slopes_of(plan, engine.base, search, at), told) if search.refine else Refined()
+    more = refined(search, found, ask, slopes_of(plan, search, at), told) if search.refine else Refined()
     return [*found, *more.members], more
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,9 +15,9 @@ from ..results.studied import Study
 from ..solvers.status import Status
 from .limits import CONFIDENCE
 from .plan import Parameter
-from .run_missing import base_of
+from .run_missing import plan_of
 from .sampling import JUMP, LEVELS, Array, places, points
-from .study_file import Written, fitting, understood
+from .study_file import Written, fitting
 
 EXTRA = 'indices are computed by SALib, which is not installed here: pip install "vfife[sensitivity]"'
 RESAMPLED = 200  # times, for limits of confidence
@@ -144,14 +143,13 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
 
 def sensitivities(found: Study, measures: Sequence[str] = ()) -> list[Sensitivity]:
     """Sensitivities of some measures, or all. Raises VfifeError without SALib, and for a study that no design planned or that is not far enough."""
-    raw = copy.deepcopy(found.asked["raw"])
-    method = raw.get("method", "grid")
+    method = found.asked["raw"].get("method", "grid")
     if method not in DESIGNS or any(one.gridded for one in found.parameters):
         raise VfifeError(
             f"{found.path or 'this study'}: indices need a design for them; give every parameter a range or a distribution, no values, and "
             'method = "saltelli" for Sobol\' indices (count = 256 or more) or "morris" for a first look (count = 20)'
         )
-    plan, _ = understood(raw, str(found.path), base=base_of(found))
+    plan = plan_of(found)
     count, seed = int(plan.asked.count or 0), plan.asked.seed
     rows = planned(plan.parameters, method, count, seed)
     at = {found.at(one): found.outcomes[one.number] for one in found.done}

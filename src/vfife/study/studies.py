@@ -15,8 +15,6 @@ from ..job.cost import Forecast
 from ..job.job import Interrupted, Job, job_of
 from ..model.mechanism import Mechanism
 from ..modelfile import load
-from ..modelfile.read import raw_of, text_of
-from ..modelfile.tables import Raw
 from ..results.lock import Lock
 from ..results.studied import Study
 from ..solvers.status import Status
@@ -28,7 +26,7 @@ from .optimise import Found, best, imported
 from .plan import Plan
 from .run_missing import Engine, asked_of, opened
 from .searches import allotment_of, allotted, optimised, search_of
-from .study_file import of_mapping, understood
+from .study_file import StudyTables, of_mapping
 
 ENDING = ".study"
 Answer = TypeVar("Answer")
@@ -65,33 +63,27 @@ def study(
     has. Raises ModelError with all faults, HeldError where another process writes the
     file, StorageError where it cannot be written, DeviceError for a card that cannot be used.
     """
-    plan, base, name = asked_in_python(model, vary, measures, more)
+    plan = tables_of(model, vary, measures, more, "study()").plan()
     job = job_of("study", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
-    work = StudyWork(file, plan, base, name, Resources(workers, lanes, cluster, device), force)
+    work = StudyWork(file, plan, Resources(workers, lanes, cluster, device), force)
     return work.run(job, retry)[0]
 
 
 @dataclass(frozen=True)
 class StudyWork:
-    """The cases of a plan, computed by ``resources`` into a study ``file``, a temporary one for None; another study gives way to ``force`` alone.
-
-    ``asked``: what the file says of them, where it is not that of the plan.
-    """
+    """The cases of a plan, computed by ``resources`` into a study ``file``, a temporary one for None; ``force`` replaces another study."""
 
     file: str | Path | None
     plan: Plan
-    base: Mechanism
-    name: str
     resources: Resources = THREADS
     force: bool = False
-    asked: Mapping[str, Any] | None = None
 
     def run(self, job: Job, retry: bool = False, lock: Lock | None = None) -> tuple[Study, bool]:
         """Compute what the file does not have, with ``retry`` also what failed: the study, and whether it is complete. ``lock``: of the
         file, where it is
         held already.
         """
-        job.begin(study_forecast(self.plan, self.base, self.known, retry))
+        job.begin(study_forecast(self.plan, self.known, retry))
         with self.engine(job, self.plan.numbers(), 0, lock) as engine:
             whole = engine.run(retry) and engine.repeat_sample()
             return engine.study(), whole
@@ -125,9 +117,8 @@ class StudyWork:
             held.enter_context(job)
             job.hold(held.enter_context(lock or locked(path)))
             runner = held.enter_context(self.resources.runner())
-            asked = self.asked or asked_of(self.plan, self.base, self.name)
-            study = held.enter_context(opened(path, asked, numbers, replace=self.force))
-            yield Engine(study, self.base, self.resources, runner, report, lasting=self.file is not None)
+            study = held.enter_context(opened(path, asked_of(self.plan), numbers, replace=self.force))
+            yield Engine(study, self.plan.base, self.resources, runner, report, lasting=self.file is not None)
 
 
 def locked(path: Path) -> Lock:
@@ -135,31 +126,22 @@ def locked(path: Path) -> Lock:
     return Lock(path.absolute().parent, f"{path.name}.lock", "this study")
 
 
-def asked_in_python(model: Any, vary: Any, measures: Any, more: Mapping[str, Any]) -> tuple[Plan, Mechanism, str]:
-    """The plan of the arguments. Raises ModelError with all faults."""
-    tables, known_as, folder, mechanism, name = written(model, vary, measures, more, "study()")
-    plan, base = understood(tables, known_as, folder, mechanism)
-    return plan, base, name or base.name
-
-
-def written(model: Any, vary: Any, measures: Any, more: Mapping[str, Any], caller: str) -> tuple[Raw, str, Path | None, Mechanism | None, str]:
-    """The arguments as the tables of a study file, what these are known as, their folder, the model where it is at hand, the name of a file.
-    Raises ModelError."""
+def tables_of(model: Any, vary: Any, measures: Any, more: Mapping[str, Any], caller: str) -> StudyTables:
+    """The arguments as the tables of a study file. Raises ModelError."""
     if vary is None and measures is None and isinstance(model, str | os.PathLike):
         if more:
             fault = Fault(
                 next(iter(more)), "a study file says this itself", shown(next(iter(more.values()))), "", "leave it out, or change the file"
             )
             raise ModelError([fault], caller)
-        path = Path(model)
-        return raw_of(text_of(path), str(path)), str(path), path.parent, None, path.stem
+        return StudyTables.load(Path(model))
     if not isinstance(model, str | os.PathLike | Mechanism):
         fault = Fault("model", f"this is {kind_of(model)}", shown(model), "a Mechanism, or a model file", "make one, or name a file")
         raise ModelError([fault], caller)
     base = model if isinstance(model, Mechanism) else load(Path(model))
     named = [measures] if isinstance(measures, str) else None if measures is None else list(measures)
     raw = of_mapping({"measures": named, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **more})
-    return raw, caller, None, base, ""
+    return StudyTables(raw, caller, base=base)
 
 
 @dataclass(frozen=True)
@@ -221,12 +203,11 @@ def optimise(
     Raises ModelError with all faults, VfifeError without optuna or where another study is in the file, HeldError, StorageError, DeviceError;
     after Ctrl-C a KeyboardInterrupt whose ``result`` is the study of the members that ended, which are kept in ``file``, too.
     """
-    tables, known_as, folder, base, name = written(model, vary, measures, more, "optimise()")
-    plan, base, search = search_of(tables, known_as, folder, base)
+    plan, search = search_of(tables_of(model, vary, measures, more, "optimise()"))
     imported()
     job = job_of("optimise", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
-    work = StudyWork(file, plan, base, name or base.name, Resources(workers, None, cluster, device), force)
-    (found, last), study = work.search(job, search_forecast(plan, base, search, work.known), lambda engine: optimised(engine, plan, search))
+    work = StudyWork(file, plan, Resources(workers, None, cluster, device), force)
+    (found, last), study = work.search(job, search_forecast(plan, search, work.known), lambda engine: optimised(engine, plan, search))
     return Optimum(tuple(best(search, found)), tuple(found), study, len(last.members), last.why)
 
 
@@ -256,11 +237,10 @@ def allocate(
 
     Raises what :func:`vfife.optimise` raises, but needs no optuna.
     """
-    tables, known_as, folder, base, name = written(model, vary, measures, more, "allocate()")
-    plan, base, task = allotment_of(tables, known_as, folder, base)
+    plan, task = allotment_of(tables_of(model, vary, measures, more, "allocate()"))
     job = job_of("allocate", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
-    work = StudyWork(file, plan, base, name or base.name, Resources(workers, None, cluster, device), force)
-    found, study = work.search(job, allotment_forecast(plan, base, task, work.known), lambda engine: allotted(engine, task))
+    work = StudyWork(file, plan, Resources(workers, None, cluster, device), force)
+    found, study = work.search(job, allotment_forecast(plan, task, work.known), lambda engine: allotted(engine, task))
     chosen, rejected = found.choice, tuple((task.chosen(one), one.cost) for one in found.rejected)
     cheapest, cost = (None, None) if chosen is None else (task.chosen(chosen), chosen.cost)
     return Allocation(cheapest, cost, found.estimate, found.failures, found.count, rejected, study)

@@ -8,6 +8,7 @@ import json
 import math
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -260,32 +261,44 @@ class Written(Reading):
         return noun(**found) if len(self.faults) == before else partial(noun, found)
 
 
-def load_plan(path: str | FilePath) -> tuple[Plan, Mechanism]:
-    """The plan of a study file and the model it is of, with what ``[set]`` replaces. Raises ModelError with every fault of both."""
-    path = FilePath(path)
-    return understood(raw_of(text_of(path), str(path)), str(path), path.parent)
+@dataclass(frozen=True)
+class StudyTables:
+    """The tables of a study file, or of arguments that say the same: what faults call them (``source``), their folder, the model where it is at
+    hand, and a name, that of the model unless given.
+    """
 
+    raw: Raw
+    source: str
+    folder: FilePath = FilePath()
+    base: Mechanism | None = None
+    name: str = ""
 
-def understood(raw: Raw, known_as: str, folder: FilePath | None = None, base: Mechanism | None = None) -> tuple[Plan, Mechanism]:
-    """The plan of the tables of a study file, and the model; ``base`` is the model where it is at hand. Raises ModelError with every fault."""
-    by = Written()
-    given = {key: value for key, value in raw.items() if key not in (VARY, POINT, *BESIDE)}
-    if base is not None:
-        given = {"model": base.source or base.name, **given}
-    asked = by.table((), Asked, given)
-    varied = vary_tables(raw, by)
-    faults = list[Fault]()
-    model = base_model(asked, folder or FilePath(), base, faults)
-    found = parameters(varied, model, by)
-    plan = Plan(asked, tuple(found), raw=dict(raw))
-    if model is not None:
-        check_measures(model, asked.measures, by)
-        check_turns(model, asked, by)
-    if not by.faults and not faults:
-        plan = spread(plan, raw.get(POINT, []), by)
-    if by.faults or faults or model is None:
-        raise ModelError([*by.faults, *faults], known_as)
-    return plan, model
+    @classmethod
+    def load(cls, path: str | FilePath) -> StudyTables:
+        """Read a study file. Raises ModelError."""
+        path = FilePath(path)
+        return cls(raw_of(text_of(path), str(path)), str(path), path.parent, None, path.stem)
+
+    def plan(self) -> Plan:
+        """Return the plan, of the model with what ``[set]`` replaces. Raises ModelError with every fault of both."""
+        by, base = Written(), self.base
+        given = {key: value for key, value in self.raw.items() if key not in (VARY, POINT, *BESIDE)}
+        if base is not None:
+            given = {"model": base.source or base.name, **given}
+        asked = by.table((), Asked, given)
+        varied = vary_tables(self.raw, by)
+        faults = list[Fault]()
+        model = base_model(asked, self.folder, base, faults)
+        found = parameters(varied, model, by)
+        if model is not None:
+            check_measures(model, asked.measures, by)
+            check_turns(model, asked, by)
+            plan = Plan(self.name or model.name, model, asked, tuple(found), raw=dict(self.raw))
+            if not by.faults and not faults:
+                plan = spread(plan, self.raw.get(POINT, []), by)
+        if by.faults or faults or model is None:
+            raise ModelError([*by.faults, *faults], self.source)
+        return plan
 
 
 def vary_tables(raw: Raw, by: Written) -> dict[str, Varied]:

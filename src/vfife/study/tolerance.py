@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,9 +14,9 @@ from ..errors import ModelError, VfifeError
 from ..results.member_errors import MemberError
 from ..results.studied import Study
 from .limits import CONFIDENCE, Bound, Estimate, mean, quantile, read_bounds, share, widened
-from .run_missing import base_of
+from .run_missing import plan_of
 from .sensitivity_indices import value_of
-from .study_file import Written, planned, understood
+from .study_file import Written, planned
 
 SHARES = (0.01, 0.5, 0.95, 0.99)
 
@@ -121,8 +120,7 @@ def machines(found: Study) -> tuple[list[Mapping[str, Any]], int]:
 
     The file may have others: points one by one, members of a search, samples of former tolerances. They are no draws.
     """
-    plan, _ = understood(copy.deepcopy(found.asked["raw"]), str(found.path), base=base_of(found))
-    rows = planned(plan, Written()) or []
+    rows = planned(plan_of(found), Written()) or []
     at = {found.at(one): found.outcomes[one.number] for one in found.done}
     return [at[row] for row in rows if row in at], len(rows)
 
