@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from vfife.cli.map import number_range
-from vfife.cli.mapped import said_spells
 from vfife.modelfile import load
+from vfife.report.maps import spells_words
 from vfife.results.lock import Lock
 from vfife.study.maps.bifurcation import Spell
 
@@ -94,9 +94,9 @@ def test_basins_are_drawn_told_and_shown(command, tmp_path):
 def test_where_which_motion_is_found_is_told() -> None:
     """Of a way with few spells all, of one with many the longest; a threshold lies between two of them."""
     few = [Spell("chaotic", 0.0, 0.03, 4), Spell("period 1", 0.04, 0.04, 1), Spell("chaotic", 0.05, 0.1, 6)]
-    assert said_spells(few, "1") == "chaotic from 0 to 0.03, period 1 at 0.04, chaotic from 0.05 to 0.1"
+    assert spells_words(few, "1") == "chaotic from 0 to 0.03, period 1 at 0.04, chaotic from 0.05 to 0.1"
     many = [Spell(f"period {k}", 1e-3 * k, 1e-3 * k, 1) for k in range(1, 20)] + [Spell("chaotic", 0.03, 0.04, 5)]
-    said = said_spells(many, "m")
+    said = spells_words(many, "m")
     assert said.startswith("period 1 at 1 mm, period 2 at 2 mm") and said.count("period") == 7
     assert said.endswith("chaotic from 30 mm to 40 mm, and 12 others between them")
 

@@ -16,7 +16,7 @@ from ..solvers.status import Status
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
 from .run import Companions, Duration, Figures, Force, ForceStep, Outputs, Quiet, Step, Turns
 from .signals import NOW
-from .terminal import DIVERGED, grid, json_text, output, print_json, row, sentences, tell, writing
+from .terminal import DIVERGED, answer, json_text, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ..results.comparison import Comparison
@@ -54,6 +54,7 @@ def compare(
     Runs that are complete are kept: after Ctrl-C or a kill the same command with -o FOLDER goes on after them.
     """
     from ..modelfile import dump
+    from ..report.sensitivity import comparison, comparison_data
     from ..study.compare import Parts
     from ..study.compare import compare as compared
 
@@ -79,7 +80,7 @@ def compare(
             found = compared(mechanism, *kinds, joints=joint, progress=progress, force_step=force_step, companions=beside, folder=place)
             close(line)
         with writing(str(place), kept_in(place)):
-            write_text(place / SUMMARY, json_text(payload(found)) + "\n")
+            write_text(place / SUMMARY, json_text(comparison_data(found)) + "\n")
             found.write_csv(place / TABLE)
             if figures:
                 from ..plots.comparison import drawn
@@ -91,10 +92,8 @@ def compare(
         close(line)
         for lock in locks:
             lock.release()
-    if as_json:
-        print_json(payload(found) | {"folder": str(place)})
-    elif not quiet:
-        show(found, place)
+    if as_json or not quiet:
+        answer(comparison(found, str(place), sorted(entry.name for entry in place.iterdir())), as_json)
     end(found, place)
 
 
@@ -153,36 +152,6 @@ def unfinished(path: Path) -> bool:
         return said["planned"] is None or len(said["runs"]) < said["planned"]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False
-
-
-def payload(found: Comparison) -> dict[str, Any]:
-    """What is kept and printed as JSON."""
-    return {"model": found.mechanism, "joints": list(found.joints), "planned": found.planned, "runs": found.rows}
-
-
-def show(found: Comparison, place: Path) -> None:
-    """The table for people."""
-    from rich.text import Text
-
-    console = output()
-    headings = ("force, N", "LIP(F), %", "LIP(a), %", "deepest, µm", "impacts", "contact, %", "lost, J", "wall, s")
-    title = f"{found.mechanism}: joint{'s' * (len(found.joints) > 1)} {', '.join(found.joints)}"
-    table = grid("contact", "friction", *headings, title=title, right=tuple(range(2, 10)))
-    table.columns[0].no_wrap = table.columns[1].no_wrap = True
-    for one in found.rows:
-        lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
-        numbers = (f"{1e6 * one['penetration']:.4g}", f"{one['impacts']:,}", f"{100.0 * one['contact_share']:.3g}", f"{one['energy_lost']:.4g}")
-        row(table, one["contact"], one["friction"], f"{one['force']:,.6g}", *lips, *numbers, f"{one['wall_s']:.2g}")
-    console.print(table)
-    said = f"Force, LIP and depth are the largest ({told_of(found)}), LIP against ideal joints"
-    console.print(Text(f"{said}; contact is the mean share of the time of the run."))
-    console.print(Text.assemble(("Folder: ", "bold"), f"{place} ({', '.join(sorted(entry.name for entry in place.iterdir()))})"))
-
-
-def told_of(found: Comparison) -> str:
-    """Which part of the runs their numbers are of."""
-    parts = list(dict.fromkeys(one["part"] for one in found.rows))
-    return parts[0] if len(parts) == 1 else "; ".join(f"{one['contact']} with {one['friction']}: {one['part']}" for one in found.rows)
 
 
 def end(found: Comparison, place: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
@@ -16,7 +15,7 @@ from .options import JsonOption, LawsOption, SetOption, overrides, read_model, t
 from .run import Quiet, Step
 from .signals import NOW
 from .targets import refuse_inputs
-from .terminal import grid, output, print_json, row, sentences, tell, writing
+from .terminal import answer, print_line, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ..results.fitted import Fit
@@ -140,12 +139,12 @@ def fit(
 def told(found: Fit, place: Path | None, figure: Path | None, csv: Path | None, as_json: bool, quiet: bool) -> None:
     """Writes and says what was found; ``place`` is where a fit that was under way is kept."""
     write(found, figure, csv)
-    if as_json:
-        print_json(found.json())
-    elif not quiet:
-        show(found)
-        if place is not None:
-            output().print(str(place), markup=False)
+    if as_json or not quiet:
+        from ..report.sensitivity import identification
+
+        answer(identification(found), as_json)
+        if place is not None and not as_json:
+            print_line(str(place))
     if found.status == "interrupted" and place is not None:
         tell("interrupted", f"{NOW.by}. What is told is the best so far, without its confidence. {NOW.saved}")
         raise typer.Exit(NOW.code)
@@ -263,35 +262,3 @@ def write(found: Fit, figure: Path | None, csv: Path | None) -> None:
             from ..plots.style import saved_in_style
 
             saved_in_style(found.plot, figure)
-
-
-def show(found: Fit) -> None:
-    """Values, what is left, and what the data cannot tell."""
-    from rich.text import Text
-
-    from ..report.study import quantity
-
-    console, percent = output(), f"{100.0 * found.confidence:g} % confidence"
-    table = grid("parameter", "value", "±, 1 σ", percent, "bounds", title=f"{found.mechanism} fitted to {found.data}", right=(1, 2))
-    for one in found.values:
-        sure = math.isfinite(one.error)
-        limits = f"{quantity(one.low, one.unit)} to {quantity(one.high, one.unit)}" if sure else "-"
-        limits = limits if one.known else "not known"
-        mark = "" if one.told or not sure else " ?"
-        bounds = " to ".join(quantity(end, one.unit) for end in one.bounds) + (", at one" if one.at_bound else "")
-        row(table, one.name, quantity(one.value, one.unit) + mark, quantity(one.error, one.unit) if sure and one.known else "-", limits, bounds)
-    console.print(table)
-    left = grid("curve", "column", "left", "factor", "level", right=(2, 3, 4))
-    for c in found.curves:
-        row(left, c.channel, c.head, f"{100.0 * c.share:.3g} %", "" if c.factor == 1.0 else f"{c.factor:.4g}", f"{c.level:.4g}" if c.level else "")
-    console.print(left)
-    pairs = [(found.correlation[i, j], a.name, b.name) for i, a in enumerate(found.values) for j, b in enumerate(found.values) if i < j]
-    said = [f"{a} and {b} {value:+.2f}" for value, a, b in sorted(pairs, key=lambda one: -abs(one[0])) if abs(value) >= 0.5]
-    if said:
-        console.print(Text(f"Correlated: {'; '.join(said[:6])}."))
-    for sentence in found.undetermined:
-        tell("not told", f"{sentence}.")
-    for sentence in found.remarks:
-        console.print(Text(sentence))
-    for note in found.notes:
-        tell("note", f"{note}.")

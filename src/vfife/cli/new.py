@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..files import GALLERY, write_text
-from .terminal import fail, grid, output, row, sentences, writing
+from .terminal import answer, fail, sentences, writing
+
+if TYPE_CHECKING:
+    from ..report.document import Document
 
 ROOM = Path(__file__).resolve().parents[1]
 FOLDERS = {"model": ROOM / "modelfile" / "templates", "model of the gallery": GALLERY}
@@ -23,7 +26,7 @@ def new(name: NameArgument = None, out: OutOption = None, force: ForceOption = F
     if name is None:
         if out is not None:
             fail(f"nothing says what to write into {out}; name one of {', '.join(templates())}")
-        show()
+        answer(listing())
         return
     text = started(name)
     if out is None:
@@ -56,11 +59,10 @@ def about(path: Path) -> str:
     return path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
 
 
-def show() -> None:
+def listing() -> Document:
     """All models with a line each, in two tables."""
-    for title, folder in FOLDERS.items():
-        table = grid(title, "what it is")
-        for path in sorted(folder.glob("*.toml")):
-            row(table, path.stem, about(path))
-        output().print(table)
-    typer.echo("Write one with: vfife new NAME -o FILE")
+    from ..report.document import Document, Paragraph, Table
+
+    kinds = ((title, sorted(folder.glob("*.toml"))) for title, folder in FOLDERS.items())
+    tables = [Table((title, "what it is"), [(path.stem, about(path)) for path in paths]) for title, paths in kinds]
+    return Document([*tables, Paragraph("Write one with: vfife new NAME -o FILE")])

@@ -12,13 +12,13 @@ import typer
 from ..files import write_text
 from .options import JsonOption
 from .signals import NOW
-from .terminal import errors, fail, grid, json_text, output, print_json, row, sentences, span, tell, writing
+from .terminal import answer, errors, fail, json_text, print_json, sentences, span, tell, writing
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.progress import Progress
 
     from ..report.contents import Item
+    from ..report.document import Document
 
 NAMES = (
     "fig8", "fig9", "fig10", "fig12", "fig13", "fig15", "fig16", "fig17", "table3", "fig18", "fig19", "fig20", "table4",
@@ -57,7 +57,7 @@ def paper(
     if as_json:
         print_json(payload(done, parameters))
     else:
-        show(output(), done, folder, time.monotonic() - began)
+        answer(document(done, folder, time.monotonic() - began))
     if not whole:
         kept = f"{len(done)} of {len(names)} items were done; they are kept in {folder}" if done else "no item was done"
         tell("interrupted", f"{kept}.")
@@ -147,31 +147,18 @@ def payload(items: list[Item], parameters: dict[str, Any]) -> dict[str, Any]:
     return {**numbers, "parameters": parameters, "origins": origins, "verdicts": verdicts}
 
 
-def show(console: Console, items: list[Item], folder: Path, seconds: float) -> None:
+def document(items: list[Item], folder: Path, seconds: float) -> Document:
     """The items for people."""
-    from rich.text import Text
+    from ..report.document import Document, Paragraph, Part, Style, Table
 
-    colours = {"true": "green", "false": "red", "open": "yellow"}
+    styles: dict[str, Style] = {"true": "good", "false": "bad", "open": "caution"}
+    parts: list[Part] = []
     for item in items:
-        console.print(Text(item.title, style="bold"))
-        for paragraph in item.text:
-            console.print(Text(paragraph))
-        for verdict in item.verdicts:
-            console.print(Text.assemble((f"{verdict.word:>5}  ", colours[verdict.word]), f"{verdict.statement}: {verdict.numbers}"))
-        for one in item.tables:
-            table = grid(*one.headings, title=one.caption)
-            for cells in one.rows:
-                row(table, *cells)
-            console.print(table)
+        parts += [Paragraph(item.title, style="strong"), *(Paragraph(text) for text in item.text)]
+        parts += [Paragraph(f"{one.statement}: {one.numbers}", f"{one.word:>5}  ", styles[one.word]) for one in item.verdicts]
+        parts += [Table(one.headings, one.rows, one.caption) for one in item.tables]
         if len(items) == 1:
-            show_parameters(console, item)
-        console.print()
-    console.print(Text.assemble(("Page: ", "bold"), f"{folder / 'index.html'} ({len(items)} items, in {span(seconds)})"))
-
-
-def show_parameters(console: Console, item: Item) -> None:
-    """Parameters and where they come from."""
-    table = grid("parameter", "value", "origin", "where")
-    for p in item.parameters:
-        row(table, p.name, p.value, p.origin, p.where)
-    console.print(table)
+            rows = [(p.name, p.value, p.origin, p.where) for p in item.parameters]
+            parts.append(Table(("parameter", "value", "origin", "where"), rows))
+        parts.append(Paragraph(""))
+    return Document([*parts, Paragraph(f"{folder / 'index.html'} ({len(items)} items, in {span(seconds)})", "Page: ")])

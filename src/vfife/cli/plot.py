@@ -12,7 +12,7 @@ from ..results.folder import FIGURES
 from .ended import loaded, refuse_taken
 from .options import RunArgument
 from .signals import NOW
-from .terminal import command, fail, grid, output, row, sentences, writing
+from .terminal import answer, command, fail, sentences, writing
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -89,9 +89,10 @@ def drawn(result: Result, targets: dict[str, Path], at: str | None, run: str) ->
 def listed(result: Result) -> None:
     """What figures there are, and which of them the run has nothing for."""
     from ..plots.table import FIGURES
+    from ..report.document import Document, Table
 
-    table = grid("figure", "shows", "")
+    rows = []
     for name, one in FIGURES.items():
         why = one.lacks(result)
-        row(table, name, one.says, f"none: {why}" if why else "usual" if one.usual else "")
-    output().print(table)
+        rows.append((name, one.says, f"none: {why}" if why else "usual" if one.usual else ""))
+    answer(Document([Table(("figure", "shows", ""), rows)]))

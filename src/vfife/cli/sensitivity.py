@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -12,10 +12,7 @@ from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_mode
 from .run import Companions, Duration, ForceStep, Quiet, Step, Turns, Yes
 from .slopecost import told_of
 from .targets import refuse_inputs
-from .terminal import grid, output, print_json, row, sentences, tell, writing
-
-if TYPE_CHECKING:
-    from ..results.derivatives import Effect, Sensitivity
+from .terminal import answer, sentences, writing
 
 Of = Annotated[
     list[str] | None,
@@ -31,12 +28,6 @@ Runs = Annotated[
 ]
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False)]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write all of them as a table.", show_default=False)]
-LEAST = 1e-6  # per cent by one per cent: smaller effects are rounding
-WIDE = 0.05  # of the largest derivative of a measure: width of a range from which on there is a note
-NOTES = {
-    "change": "* change for 1 %: the derivative does not describe it.",
-    "unknown": "? sign or order of magnitude not known: changes of 1 % differ with their direction or with the size of the step.",
-}
 ENDINGS = (".png", ".svg", ".pdf")
 
 
@@ -89,50 +80,7 @@ def sensitivity(
             from ..plots.tornado import tornado
 
             saved_in_style(lambda: tornado(found), figure)
-    if as_json:
-        left_out = {"refused": found.refused, "rounding": sorted(found.rounding)}
-        print_json({"model": found.mechanism, "part": found.part, **left_out, "rows": found.rows()})
-    elif not quiet:
-        show(found, top)
+    if as_json or not quiet:
+        from ..report import sensitivity as answers
 
-
-def cells(one: Effect) -> tuple[str, str]:
-    """The value of an effect and its range, which is left out where it has the same digits."""
-    span = f"{one.low:.3g}, {one.high:.3g}" if one.high > one.low and len({f"{end:.3g}" for end in one[2:]}) > 1 else ""
-    if one.kind == "unknown":
-        return "?", span
-    return f"{one.value:+.3g}{' *' if one.kind == 'change' else ''}", span
-
-
-def show(found: Sensitivity, top: int) -> None:
-    """A table for people: of each measure the numbers that matter most."""
-    from rich.text import Text
-
-    console = output()
-    title = f"{found.mechanism}: what its measures depend on"
-    table = grid("measure", "value", "number", "per cent by 1 %", "from, to", title=title, right=(1, 3, 4))
-    shown: set[str] = set()
-    for name, value in found.measures.items():
-        if name in found.doubtful:
-            row(table, name, f"{value:.5g}", "companions part", "?", "")
-            continue
-        effects = [one for one in found.effects(name) if max(abs(one.low), abs(one.high)) > LEAST][:top]
-        shown |= {one.kind for one in effects}
-        for k, one in enumerate(effects):
-            first = (name, f"{value:.5g}") if k == 0 else ("", "")
-            row(table, *first, one.path, *cells(one))
-    console.print(table)
-    for text in (f"Measures are of the {found.part}, in SI units.", *(NOTES[kind] for kind in ("change", "unknown") if kind in shown)):
-        console.print(Text(text))
-    if found.doubtful:
-        tell("note", f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean nothing.")
-    if found.rounding:
-        tell("note", f"left out as rounding beside the largest of their unit: {', '.join(sorted(found.rounding))}.")
-    wide = {name: spread for name in found.measures if name not in found.doubtful and (spread := found.spread(name)) > WIDE}
-    if wide:
-        most = max(wide, key=wide.__getitem__)
-        what = f"ranges of derivatives are up to {100.0 * wide[most]:.0f} % of the largest wide ({most})"
-        tell("note", f"{what}: a smaller --step makes them narrower.")
-    for path, why in found.refused.items():
-        if not why.startswith("zero"):
-            tell("note", f"{path}: {why}")
+        answer(answers.sensitivity(found, top), as_json)

@@ -19,7 +19,6 @@ from .asked import ASKED
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.table import Table
 
     from ..errors import Fault
     from ..report.document import Document
@@ -180,20 +179,6 @@ def plain(value: Any) -> Any:
     return value if value is None or isinstance(value, bool | int | str) else str(value)
 
 
-def grid(*headings: str, title: str | None = None, right: tuple[int, ...] = ()) -> Table:
-    """An empty table with little ink; columns ``right`` hold numbers."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(title=None if title is None else Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
-    for index, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if index in right else "left", overflow="fold")
-    return table
-
-
-def row(table: Table, *cells: Any) -> None:
-    """A row of texts, in which brackets are no markup."""
-    from rich.text import Text
-
-    table.add_row(*(Text(str(cell)) for cell in cells))
+def print_line(text: str) -> None:
+    """A line on standard output, in which brackets are no markup."""
+    output().print(text, markup=False)
