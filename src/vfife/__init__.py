@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .modelfile.files import load, load_model, save_model
     from .result import Result, load_result
     from .results.comparison import Comparison
-    from .results.fitfile import load_fit
+    from .results.fit import load_fit
     from .results.spectra import envelope, spectrogram, spectrum
     from .results.studied import Study, load_study
     from .simulation import resume, simulate
@@ -74,7 +74,7 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "gallery": "",
     "indices": "study.sensitivity_indices",
     "load": "modelfile.files",
-    "load_fit": "results.fitfile",
+    "load_fit": "results.fit",
     "load_laws": "laws.user",
     "load_map": "study.maps.load_map",
     "load_model": "modelfile.files",

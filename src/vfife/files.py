@@ -8,13 +8,14 @@ name. A device, a pipe or a socket in the place of a file would never end, or ne
 from __future__ import annotations
 
 import errno
+import io
 import os
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 # A model file of a thousand bodies has some 300 kB. What is larger by a factor of a hundred is no file of ours.
 LARGEST = 32_000_000
@@ -124,3 +125,20 @@ def free_bytes(path: Path) -> int | None:
         with suppress(OSError):
             return shutil.disk_usage(place).free
     return None
+
+
+def write_rows(path: str | Path, rows: Iterable[Iterable[Any]]) -> None:
+    """Write a table of commas, the row of the heads first: numbers to the last bit, lines that end as RFC 4180 has it on every machine.
+
+    A file that is there gives way when the new one is whole. Raises OSError.
+    """
+    import csv
+
+    stream = io.StringIO(newline="")
+    csv.writer(stream).writerows(rows)
+    write_text(Path(path), stream.getvalue(), newline="")
+
+
+def write_named(path: str | Path, heads: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    """The same of rows by names, empty where one has no value of a head. Raises OSError."""
+    write_rows(path, [heads, *([row.get(head, "") for head in heads] for row in rows)])

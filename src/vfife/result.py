@@ -48,7 +48,7 @@ class Result(View):
 
     def to_netcdf(self, path: str | Path) -> None:
         """Writes the dataset as NetCDF-4; a file that is there gives way when the new one is whole. Raises OSError where it cannot be written."""
-        from .results.netcdf import write_netcdf
+        from .results.export import write_netcdf
 
         write_netcdf(self.data, Path(path))
 
@@ -58,15 +58,15 @@ class Result(View):
         Data: ``.csv``, ``.nc`` (NetCDF), ``.mat`` (MATLAB), ``.parquet`` (with pyarrow). Figures: ``.svg``, ``.pdf``, ``.png``; ``figure`` names
         one, as :meth:`plot` does, where the file is not called by its name. Raises VfifeError for another ending or figure, OSError.
         """
-        from .results.export import FORMATS, export
+        from .results.export import RESULT_FORMATS, export_result
 
         path = Path(path)
-        if path.suffix.lower() in FORMATS and figure is None:
-            export(self, path)
+        if path.suffix.lower() in RESULT_FORMATS and figure is None:
+            export_result(self, path)
             return
         from .plots import save_one
 
-        save_one(self, figure, path, FORMATS)
+        save_one(self, figure, path, RESULT_FORMATS)
 
     def save(self, path: str | Path) -> None:
         """Writes a run file that :meth:`load` reads; one that is there already gives way when the new one is whole."""

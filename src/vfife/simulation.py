@@ -29,10 +29,20 @@ from .result import Result
 from .results.connections import located
 from .results.lock import Lock
 from .results.provenance import keep_reference, kept_companions, provenance, refuse_displaced
-from .results.restart import extended, refuse_ended, refuse_stateless, restart_record, restarted, same_layout, step_of
+from .results.restart import (
+    States,
+    extended,
+    initial_state,
+    on_clock,
+    refuse_ended,
+    refuse_stateless,
+    restart_record,
+    restarted,
+    same_layout,
+    step_of,
+)
 from .results.runfile import RunFile
 from .results.schemas import RUN
-from .results.start_from import States, initial_state, on_clock
 from .results.view import View
 from .solvers.arguments import Arguments, Loop, RunArguments
 from .solvers.companions import number, step_counts

@@ -22,7 +22,7 @@ from vfife import files
 from vfife.cli.app import app
 from vfife.codegen.runner import Runner
 from vfife.job import cost
-from vfife.results import place
+from vfife.results import folder
 from vfife.results.lock import Lock, holder
 from vfife.results.runfile import RunFile
 from vfife.solvers import transient
@@ -187,7 +187,7 @@ def test_one_writer_at_a_time(command: Callable, pendulum: Path, kept: Path) -> 
 def test_two_that_begin_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The one that comes first is there; the other one leaves it alone."""
     model = tmp_path / "m.toml"
-    first, second = place.placed(tmp_path / "r", model), place.placed(tmp_path / "r", model)
+    first, second = folder.placed(tmp_path / "r", model), folder.placed(tmp_path / "r", model)
     for one in (first, second):
         one.begin()
         (one.path / "model.toml").write_text("")
@@ -203,7 +203,7 @@ def test_two_that_begin_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_two_without_a_name_go_beside_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    both = [place.placed(None, Path("m.toml")) for _ in range(2)]
+    both = [folder.placed(None, Path("m.toml")) for _ in range(2)]
     for one in both:
         one.begin()
         (one.path / "model.toml").write_text("")

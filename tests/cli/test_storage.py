@@ -20,7 +20,7 @@ from vfife import files, plots
 from vfife.cli import run as of_a_run
 from vfife.cli.app import app
 from vfife.codegen import cache
-from vfife.results import netcdf, place
+from vfife.results import export, folder
 from vfife.results.runfile import RunFile
 
 
@@ -44,9 +44,9 @@ def broken_disk(*args: Any, **named: Any) -> Any:
 
 
 WRITES = {
-    "the folder": (place.Path, "mkdir", "nothing to keep"),
-    "the lock": (place, "Lock", "nothing to keep"),
-    "the move": (place.os, "rename", "nothing to keep"),
+    "the folder": (folder.Path, "mkdir", "nothing to keep"),
+    "the lock": (folder, "Lock", "nothing to keep"),
+    "the move": (folder.os, "rename", "nothing to keep"),
     "the summary": (of_a_run, "json_text", ""),
     "the figures": (plots, "save", "The run itself is whole"),
 }
@@ -137,7 +137,7 @@ def test_a_page_of_the_paper_is_whole_or_as_it_was(monkeypatch: pytest.MonkeyPat
 MADE: list[memoryview] = []
 
 
-def made_once(*args: Any, made: Any = netcdf._made) -> memoryview:
+def made_once(*args: Any, made: Any = export._made) -> memoryview:
     """The bytes of an export, which are always the same here and take a quarter of a second."""
     if not MADE:
         MADE.append(made(*args))
@@ -147,7 +147,7 @@ def made_once(*args: Any, made: Any = netcdf._made) -> memoryview:
 @pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
 @pytest.mark.parametrize("there", [False, True])
 def test_an_export_is_whole_or_not_there(command: Callable, kept: Path, monkeypatch: pytest.MonkeyPatch, fault: Any, there: bool) -> None:
-    monkeypatch.setattr(netcdf, "_made", made_once)
+    monkeypatch.setattr(export, "_made", made_once)
     if there:
         Path("out.nc").write_text("before")
     for owner, name in ((files.Path, "open"), (files.os, "replace"), (files.os, "fsync")):

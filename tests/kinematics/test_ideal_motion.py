@@ -12,7 +12,7 @@ from vfife.kinematics.initial import constraint_drivers, ideal_motion, kinematic
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.results.start_from import start_from
+from vfife.results.restart import start_from
 from vfife.simulation import simulate
 
 

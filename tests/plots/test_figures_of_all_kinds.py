@@ -21,7 +21,7 @@ from vfife.plots import figures
 from vfife.plots.signs import outline
 from vfife.report.summary import show
 from vfife.result import Result
-from vfife.results.netcdf import write_netcdf
+from vfife.results.export import write_netcdf
 
 # By default those that other tests of this file draw as well.
 DRAWN = ("everything", "quick_return", "four_bar_case_c", "squeezer", "slider_crank_loose_guide", "gear_train")

@@ -16,7 +16,7 @@ import vfife
 from vfife import files
 from vfife.cli import ended
 from vfife.plots import PICTURES
-from vfife.results.export import FORMATS, Names
+from vfife.results.export import RESULT_FORMATS, Names
 
 
 @cache
@@ -155,7 +155,7 @@ def test_what_cannot_be_written_leaves_what_was_there(name: str, monkeypatch: py
 
 
 def test_the_command_knows_what_is_written() -> None:
-    assert set(ended.ENDINGS) == {*FORMATS, *PICTURES}
+    assert set(ended.ENDINGS) == {*RESULT_FORMATS, *PICTURES}
 
 
 @pytest.mark.system("draws every figure of a run")

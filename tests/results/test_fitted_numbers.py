@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vfife.results.fitted import Fit, Laid, Value
+from vfife.results.fit import Fit, Laid, Value
 
 ONE = Value("k", ("spring.k.stiffness",), "N/m", 300.0, 5.0, 290.0, 320.0, (200.0, 600.0))
 

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 from vfife.errors import HeldError
-from vfife.results import lock, place
+from vfife.results import folder as folders
+from vfife.results import lock
 from vfife.results.lock import LOCK, Lock, holder
 
 # What POSIX has and Windows has not, taken away before anything of ours is loaded; then every module is, and a run made.
@@ -76,7 +77,7 @@ def windows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Locks of the other kind, and folders that do not move while a file in them is open."""
     monkeypatch.setattr(lock, "fcntl", None)
     monkeypatch.setattr(lock, "msvcrt", Locking())
-    monkeypatch.setattr(place, "OPEN_MOVES", False)
+    monkeypatch.setattr(folders, "OPEN_MOVES", False)
 
 
 @pytest.mark.usefixtures("windows")
@@ -99,8 +100,8 @@ def test_a_run_moves_in_although_open_files_keep_folders_where_they_are(tmp_path
         released.append(source)
         renamed(source, target)
 
-    monkeypatch.setattr(place.os, "rename", rename)
-    folder = place.placed(tmp_path / "run", tmp_path / "model.toml")
+    monkeypatch.setattr(folders.os, "rename", rename)
+    folder = folders.placed(tmp_path / "run", tmp_path / "model.toml")
     folder.begin()
     folder.run_file.write_text("")
     folder.settle()

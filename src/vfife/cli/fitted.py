@@ -18,7 +18,7 @@ from .targets import refuse_inputs
 from .terminal import answer, print_line, sentences, tell, writing
 
 if TYPE_CHECKING:
-    from ..results.fitted import Fit
+    from ..results.fit import Fit
 
 
 class Compared(StrEnum):
@@ -167,7 +167,7 @@ def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ..
 
 def shown(file: Path, model: Path | None) -> Fit:
     """The fit in a fit file, and the model with what was found. Raises RunFileError."""
-    from ..results.fitfile import FitFile, load_fit
+    from ..results.fit import FitFile, load_fit
 
     found = load_fit(file)
     with FitFile.open(file) as kept:

@@ -33,7 +33,7 @@ from .terminal import (
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..result import Result
-    from ..results.place import RunFolder
+    from ..results.folder import RunFolder
     from ..results.runfile import RunFile
     from ..simulation import Prepared
     from ..solvers.record import Checkpoint
@@ -107,7 +107,7 @@ def run(
     unless --force is given. Exit codes: 2 for input that cannot be used, 3 where the numbers became infinite or no equilibrium was found, 5 where
     something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP, which keep what was computed.
     """
-    from ..results.place import placed
+    from ..results.folder import placed
 
     with sentences(str(model)):
         mechanism = with_options(
@@ -181,7 +181,7 @@ def goes_on(path: Path, mechanism: Mechanism, figures: bool, as_json: bool, quie
 
 def resumed(path: Path, until: float | None, figures: bool, as_json: bool, quiet: bool) -> None:
     """Goes on with the run in a folder. Raises HeldError where another process does, ResumeError where there is nothing to go on with."""
-    from ..results.place import kept_run
+    from ..results.folder import kept_run
     from ..results.runfile import RunFile
     from ..simulation import taken_up
 

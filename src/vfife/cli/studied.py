@@ -49,9 +49,7 @@ def export(
         refuse_taken(target, force)
     found = read(file)
     with sentences(str(file)), writing(str(target), "The study is as it was, and so is what was there before."):
-        from ..results.studyexport import write
-
-        write(found, target)
+        found.export(target)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..results.fitted import Fit, Laid
+    from ..results.fit import Fit, Laid
 
 CURVES = 4  # in one figure, at the most
 SAMPLES = 4000  # drawn of each

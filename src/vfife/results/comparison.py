@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .csvtable import write_named
+from ..files import write_named
 from .view import View
 
 

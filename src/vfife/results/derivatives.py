@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple
 
-from .csvtable import write_named
+from ..files import write_named
 
 # "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known. "unknown": neither is.
 Kind = Literal["derivative", "change", "unknown"]

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..analysis.spectral import SHORTEST, analytic, averaged, frequencies_of, resolution_of, samples, short_time
 from ..errors import VfifeError, suggestion
+from ..files import write_rows
 from ..solvers.repeating import outputs_of_a_turn
-from .csvtable import write_rows
 
 if TYPE_CHECKING:
     from .view import View

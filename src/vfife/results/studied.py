@@ -304,9 +304,9 @@ class Study:
 
     def export(self, path: str | Path) -> None:
         """Writes a row a member as CSV or Parquet, the dataset as NetCDF, as the file's ending says. Raises VfifeError for another, OSError."""
-        from .studyexport import write
+        from .export import export_study
 
-        write(self, Path(path))
+        export_study(self, Path(path))
 
     def to_dataframe(self) -> pandas.DataFrame:
         """One table for pandas, a row a member."""

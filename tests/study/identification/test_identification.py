@@ -14,7 +14,7 @@ from vfife import Mechanism
 from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import dump
-from vfife.results.fitfile import FitFile
+from vfife.results.fit import FitFile
 from vfife.study.identification.lawfit import fit_law
 from vfife.study.identification.sought import Sought
 from vfife.study.identification.step_uncertainty import autocorrelation, confident

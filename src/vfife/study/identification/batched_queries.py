@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...errors import VfifeError
 from ...job.amounts import span
-from ...results.fitfile import Evaluation, FitFile
+from ...results.fit import Evaluation, FitFile
 from ...solvers.status import Progress
 from .curves import Curves, Trace
 from .residuals import Fitted, Misfit, Point, Slopes, answers, questions

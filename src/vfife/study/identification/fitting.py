@@ -20,8 +20,7 @@ from ...job.cost import LIBRARIES, LONG, RECORD_COPIES, WORTH, Forecast, Stream,
 from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
-from ...results.fitfile import FitFile
-from ...results.fitted import Fit
+from ...results.fit import Fit, FitFile
 from ...results.lock import Lock
 from ...solvers.arguments import Arguments
 from ...solvers.status import Progress

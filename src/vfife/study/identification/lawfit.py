@@ -18,7 +18,7 @@ from ...fields import Measure, value_of
 from ...laws import ContactLaw, Pair
 from ...model.lawtables import read_law
 from ...modelfile.paths import parsed
-from ...results.fitted import Fit, Laid, Value
+from ...results.fit import Fit, Laid, Value
 from ..sampling import sobol
 from .measurements import factor, numbers, split, table
 from .sought import Sought

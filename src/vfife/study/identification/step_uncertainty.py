@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import VfifeError
-from ...results.fitted import Fit, Laid, Value
+from ...results.fit import Fit, Laid, Value
 from .batched_queries import Evaluations
 from .curves import Curves, Trace
 from .measurements import Measured

@@ -16,10 +16,10 @@ from ...analysis.chaos import ALIKE_POINTS as ALIKE
 from ...analysis.chaos import Attractor, Verdict, attractors, exponent, verdict
 from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError
+from ...files import write_rows
 from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
-from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
 from ...solvers.record import recorded_rows
 from ...solvers.turn_runner import Orbits, Start

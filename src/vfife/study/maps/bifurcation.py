@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from ...analysis.chaos import Verdict, exponent, verdict
 from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError
+from ...files import write_rows
 from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter
-from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
 from ...solvers.record import recorded_rows
 from ...solvers.tangents import Neighbours

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from ...analysis.chaos import Exponent, Verdict, exponent, verdict
 from ...assembly.assembled import Assembly
+from ...files import write_rows
 from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
-from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
 from ...solvers.impact_section import COLUMNS, Sectioning
 from .section_series import (

@@ -16,12 +16,12 @@ from ...analysis.spectral import COSINES, resolution_of, window_of
 from ...assembly.assembled import Assembly
 from ...codegen.native import stream_lanes
 from ...errors import Fault, ModelError
+from ...files import write_rows
 from ...job.cost import ASSEMBLY
 from ...job.job import job_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
-from ...results.csvtable import write_rows
 from ...results.mapfile import MapFile
 from ...results.spectra import spectrum
 from ...results.view import View, standing

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...analysis.wear import PLACES, SIDES, areas, around, rubbed
 from ...assembly.assembled import Assembly
+from ...files import write_rows
 from ...laws.wear import coefficient
 from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
@@ -21,7 +22,6 @@ from ...model.wear import depth_at
 from ...modelfile import loads
 from ...numerics.elementwise import sincos, tan
 from ...numerics.products import times
-from ...results.csvtable import write_rows
 from ...results.mapfile import WearPoint
 from ...solvers.record import Record
 
