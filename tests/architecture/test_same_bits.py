@@ -40,7 +40,7 @@ EXCEPTIONS = {
     "codegen/source.py": "a power of two whole numbers, which is exact",
     "laws/agreement.py": "states at which loops are compared with Python, whatever they are",
     "laws/expressions.py": "a power of two whole numbers, which is exact",
-    "model/sampled.py": "values of a polynomial by Horner, products and sums of NumPy's own",
+    "model/tabulated.py": "values of a polynomial by Horner, products and sums of NumPy's own",
     "model/strokes.py": "draws",
     "model/outlines.py": "chooses in which order the corners of a body are drawn",
     "numerics/scalar.py": "math.pow of zeros and infinities, which is exact",

@@ -18,7 +18,7 @@ from typing import Any, Literal, TypeVar
 from ..laws import ContactLaw, FrictionLaw, Material
 from .bodies import Frame, Link, Member, PointMass, RigidBody, Section
 from .drivers import *
-from .given import Place, Quantity, Table
+from .reading import Place, Quantity, Table
 from .joints import *
 from .loads import *
 from .springs import *

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from support import often
 from vfife.errors import Fault
 from vfife.model.expression import FUNCTIONS, parse
-from vfife.model.sampled import SamplingError, sampled
-from vfife.model.tabulated import held
+from vfife.model.tabulated import SamplingError, held, sampled
 
 X = np.array([-1.7, -0.3, 0.2, 0.9, 2.5])
 PYTHON = {name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "abs")}

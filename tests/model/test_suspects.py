@@ -10,7 +10,7 @@ from vfife.errors import AssemblyError
 from vfife.model.drivers import Harmonic
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.model.suspects import suspects
+from vfife.model.plausibility import suspects
 
 
 def linkage(coupler: float = 0.28, unit: float = 1.0) -> Mechanism:

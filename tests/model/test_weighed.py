@@ -3,7 +3,7 @@
 from vfife.assembly.assemble import assemble
 from vfife.model.bodies import Frame, Member, Section
 from vfife.model.mechanism import Mechanism, Settings
-from vfife.model.weighed import contradictions
+from vfife.model.plausibility import contradictions
 
 
 def rod(**link) -> Mechanism:

@@ -11,8 +11,8 @@ from vfife.analysis import ledger
 from vfife.assembly.assemble import assemble
 from vfife.codegen.runner import Runner
 from vfife.kinematics.initial import ideal_motion
-from vfife.model.carriers import carrier_of
 from vfife.model.drivers import Ramp, Torque
+from vfife.model.functions import carrier_of
 from vfife.model.mechanism import Mechanism
 from vfife.model.validate import validate
 from vfife.modelfile import dump, loads

@@ -24,8 +24,8 @@ from vfife.kinematics.initial import ideal_motion
 from vfife.kinematics.system import equations
 from vfife.laws import Ambrosio, Coulomb, Frictionless, LankaraniNikravesh
 from vfife.model.bodies import RigidBody, Section
-from vfife.model.carriers import carrier_of
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
+from vfife.model.functions import carrier_of
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.model.validate import validate

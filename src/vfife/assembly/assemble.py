@@ -19,8 +19,8 @@ from ..laws.check import try_out
 from ..model.functions import Polynomials
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
+from ..model.plausibility import contradictions
 from ..model.surfaces import cautions, surfaces
-from ..model.weighed import contradictions
 from .assembled import Assembly
 from .checks import refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck
 from .entities import Parts, parts_of, touches_of, turning

@@ -24,8 +24,7 @@ from ..kernels.topology import (
 from ..kinematics.drives import constraint_drivers, guide_of, kinematic_drivers, spinless
 from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
-from ..model.carriers import carrier_of
-from ..model.functions import motion_function
+from ..model.functions import carrier_of, motion_function
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path

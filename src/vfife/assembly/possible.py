@@ -17,7 +17,7 @@ from ..kinematics.passage import Jam, Singular, passage
 from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
-from ..model.suspects import suspects
+from ..model.plausibility import suspects
 from ..modelfile import dump
 from .timestep import length_of
 

@@ -56,7 +56,7 @@ def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Filled]
 def law(path: str, kind: str, given: dict[str, Any]) -> Iterator[Filled]:
     """The law and its parameters that a joint leaves out."""
     from ..fields import described_fields
-    from ..model.lawtables import DEFAULTS, LAWS
+    from ..model.reading import DEFAULTS, LAWS
 
     name = given.get("law", DEFAULTS[kind].name)
     if "law" not in given:

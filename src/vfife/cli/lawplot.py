@@ -35,8 +35,8 @@ def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str
 def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
     """The law with what ``--set`` says, tried out at these surfaces. Raises ValueError with all that is wrong."""
     from ..laws.check import try_out
-    from ..model.lawtables import read_law
-    from ..model.validate.laws import senseless
+    from ..model.reading import read_law
+    from ..model.validate.settings import senseless
     from ..modelfile.csvtables import expand_curves
     from ..modelfile.paths import parsed
 

@@ -6,9 +6,8 @@ makes, the lists of defaults.
 
 from __future__ import annotations
 
-from .described import Field, described, described_fields, key_of, meaning_of, quantity, required, value_of
+from .described import Field, Reading, described, described_fields, key_of, meaning_of, partial, quantity, required, value_of
 from .parts import LENGTH, PLACE, SCALAR, Chosen, Curve, Direction, Each, Entries, Inner, Many, Named, Names
-from .reading import Reading, partial
 from .values import Choice, Json, Measure, Switch, Text, Value, Whole
 
 __all__ = [

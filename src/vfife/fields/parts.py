@@ -10,7 +10,7 @@ from ..errors import Path, kind_of, shown
 from .values import Json, Measure, Value, any_none, is_list
 
 if TYPE_CHECKING:
-    from .reading import Reading
+    from .described import Reading
 
 
 @dataclass(frozen=True)

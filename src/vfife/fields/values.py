@@ -13,7 +13,7 @@ from ..errors import Fault, Path, kind_of, shown
 from ..units import dimension_of, number
 
 if TYPE_CHECKING:
-    from .reading import Reading
+    from .described import Reading
 
 Json = dict[str, Any]
 # Least and largest size of a quantity, by SI unit: what is beyond can only be a slip of units.

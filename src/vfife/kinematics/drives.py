@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from ..errors import AssemblyError, VfifeError
 from ..model.bodies import PointMass
-from ..model.carriers import carrier_of
 from ..model.drivers import AngleTable, Driver
-from ..model.functions import motion_function
+from ..model.functions import carrier_of, motion_function
 from ..model.joints import Contact, Gear, Joint
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism

@@ -38,10 +38,10 @@ from ..fields import (
 )
 from .bodies import Body, Frame, Link, PointMass, RigidBody
 from .drivers import Driver
-from .given import Given, idle
 from .joints import Gear, Joint
 from .kind import Kind
 from .loads import Load
+from .reading import Given, idle
 from .springs import ForceElement
 
 if TYPE_CHECKING:

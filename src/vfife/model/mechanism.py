@@ -13,7 +13,7 @@ from .builders import Builders
 from .drivers import Driver
 from .joints import ClearanceRevolute, Contact, Gear, Joint
 from .loads import Load
-from .spoken import spoken
+from .reading import spoken
 from .springs import AnySpring, ForceElement
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 from .bodies import Link
-from .carriers import carrier_of
+from .functions import carrier_of
 from .joints import Contact, Gear
 
 if TYPE_CHECKING:

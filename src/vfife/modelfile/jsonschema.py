@@ -11,9 +11,9 @@ from typing import Any
 from ..fields import Chosen, Entries, Field, Inner, Many, Value, described_fields, meaning_of, required, value_of
 from ..laws import Material
 from ..laws.law import built_in
-from ..model.lawtables import DEFAULTS, LAWS
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from .drivers import merged
+from ..model.reading import DEFAULTS, LAWS
+from .reader import merged
 from .tables import CSV, TARGETS, Table, tables
 
 Json = dict[str, Any]

@@ -11,8 +11,8 @@ from typing import Any
 from ..errors import Fault, Path, shown, suggestion
 from ..fields import Choice, Chosen, Each, Inner, Many, Measure, Names, Value, value_of
 from ..laws import MATERIALS
-from ..model.lawtables import DEFAULTS, LAWS
 from ..model.mechanism import Mechanism
+from ..model.reading import DEFAULTS, LAWS
 from .tables import FAMILIES, NAMED, TARGETS, Raw, Table, body_table, entries, kind_table, known_keys, law_fields, table, tables, target_of
 
 # How many keys of a path name a table; the next one is a key in it.

@@ -1,4 +1,4 @@
-"""TOML text -> mechanism: values set by path, keys read by the nouns' fields, checks across nouns; all faults at once."""
+"""TOML text -> mechanism: values set by path, keys read by the fields, checks across objects; all faults at once."""
 
 from __future__ import annotations
 
@@ -13,12 +13,27 @@ from ..errors import Fault, ModelError, Path, place, shown
 from ..files import read_bytes
 from ..model.mechanism import Mechanism
 from ..model.validate import Checks, across, check_laws
-from ..model.validate.names import check_name
+from ..model.validate.settings import check_name
 from .csvtables import expand
-from .kept import kept
 from .paths import override
 from .reader import Written
 from .tables import Raw, table
+
+SQLITE, MARK = b"SQLite format 3\0", slice(68, 72)  # how such a file begins, and where its header says whose it is
+KEPT = {
+    b"VFIF": ("this is what a run was kept in", "see vfife info, plot, report, impacts and resume, or name its model.toml"),
+    b"VFST": ("this is what a study was kept in", "see vfife study show, plot, export, resume and add, or name its STUDY.toml"),
+    b"VFMP": ("this is what a map was kept in", "see vfife map show, or name its model"),
+}
+
+
+def kept(data: bytes) -> Fault | None:
+    """The fault that one of our own files is, whatever was meant to be read; None for any other file."""
+    if not data.startswith(SQLITE) or data[MARK] not in KEPT:
+        return None
+    what, remedy = KEPT[data[MARK]]
+    return Fault("file", what, "", "a text", remedy)
+
 
 Items = Iterable[tuple[str, Any]]
 

@@ -15,9 +15,9 @@ from ..laws import Law, Material
 from ..model.bodies import LINK_MODELS, Frame, Link, PointMass, RigidBody
 from ..model.drivers import Driver
 from ..model.joints import Gear, IdealRevolute, Joint
-from ..model.lawtables import LAWS
 from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
+from ..model.reading import LAWS
 from ..model.springs import ForceElement, Spring
 
 Raw = dict[str, Any]

@@ -11,8 +11,7 @@ from ...errors import Fault
 from ...fields import Choice, Many, Measure, Switch, Text, described, quantity
 from ..expression import VARIABLES, parse
 from ..polynomials import Polynomials, constant, moved
-from ..sampled import sampled
-from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, Pieces, closes, held, repeated, table, two_ways, whole_turns
+from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, Pieces, closes, held, repeated, sampled, table, two_ways, whole_turns
 from .load import OVER, Load, Over
 
 OPEN = 1e-3  # of the largest value: by how much two ways may differ where they meet

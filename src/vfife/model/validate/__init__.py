@@ -15,12 +15,9 @@ from ..mechanism import Mechanism
 from .bodies import check_bodies
 from .checks import Checks
 from .drivers import check_drivers
-from .joints import check_gears, check_joints
-from .laws import check_laws
+from .joints import check_gears, check_joints, check_springs
 from .loads import check_loads
-from .names import check_names
-from .settings import check_settings
-from .springs import check_springs
+from .settings import check_laws, check_names, check_settings
 
 __all__ = ["Checks", "across", "check_laws", "faults", "validate"]
 

@@ -11,8 +11,7 @@ from ..functions import turning_speed
 from ..loads.load import OVER
 from ..loads.tabular import Tabular
 from ..rows import Across, place_row, turn_row
-from ..sampled import SamplingError, sampled
-from ..tabulated import closes
+from ..tabulated import SamplingError, closes, sampled
 from .checks import Checks, known, rows_of, shown_name
 
 REPEATS = ("times", "angles")

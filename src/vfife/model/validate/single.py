@@ -13,9 +13,9 @@ from . import written
 from .bodies import check_bodies
 from .checks import Checks
 from .drivers import check_tables
+from .joints import check_strength
 from .loads import check_alone
-from .names import check_name
-from .springs import check_strength
+from .settings import check_name
 
 
 class Single(Checks):

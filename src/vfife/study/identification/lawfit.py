@@ -16,7 +16,7 @@ from ...analysis.impact import free_impact
 from ...errors import Fault, ModelError, VfifeError, suggestion
 from ...fields import Measure, value_of
 from ...laws import ContactLaw, Pair
-from ...model.lawtables import read_law
+from ...model.reading import read_law
 from ...modelfile.paths import parsed
 from ...results.fit import Fit, Laid, Value
 from ..sampling import sobol

@@ -1,0 +1,217 @@
+"""What scripts and files give for objects of a model: laws by name, sections by their shapes, quantities as texts, materials by name."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias, TypeVar
+
+from ..errors import ArgumentError, Fault, LawError, ModelError, Path, article, kind_of, shown, suggestion
+from ..fields import Choice, Field, Reading, Text, described_fields, key_of, partial, required, value_of
+from ..laws import MATERIALS, ContactLaw, FrictionLaw, Law
+from .bodies import Section
+from .joints import Contact
+
+LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
+DEFAULTS: dict[str, Any] = {field.name: field.default_factory for field in dataclasses.fields(Contact) if field.name in LAWS}
+
+
+class Parameters(Reading):
+    """Reads the parameters of a law as they are written."""
+
+    written = True
+
+
+def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fault]]:
+    """The law of a table [joint.NAME.contact] or [joint.NAME.friction], or its faults, by keys."""
+    registry = LAWS[kind].known()
+    name = holder.get("law", DEFAULTS[kind].name)
+    if not isinstance(name, str) or name not in registry:
+        remedy = suggestion(str(name), registry, f"name a {kind} law, and with --laws the file of one of your own")
+        return None, [Fault(("law",), f"no {kind} law is called so", shown(name), "", remedy)]
+    law, reading, values = registry[name], Parameters(), {}
+    fields = {field.name: field for field in dataclasses.fields(law)}
+    for key, value in holder.items():
+        if key in fields:
+            values[key] = value_of(fields[key]).read(value, (key,), reading)
+        elif key != "law":
+            remedy = suggestion(key, fields, f'remove it, or name another law than "{name}"')
+            reading.refuse((key,), "unknown key", shown(value), "", remedy)
+    for key, field in fields.items():
+        if key not in holder and required(field):
+            reading.refuse((key,), f'the law "{name}" needs this key, which is missing', "", needs(field), "add it")
+    # Parameters that are known are compared with each other, whatever else is wrong.
+    try:
+        good = law(**{key: value for key, value in values.items() if value is not None})
+    except LawError as error:
+        known = {fault.path[0] for fault in reading.faults}
+        for fault in error.faults:
+            if fault.where not in known:
+                reading.add(fault.at((fault.where,)))
+    except (ArithmeticError, TypeError, ValueError) as error:
+        if not reading.faults:
+            reading.refuse(("",), f'the law "{name}" refuses these parameters: {error}')
+    return (None, reading.faults) if reading.faults else (good, [])
+
+
+def needs(field: Field) -> str:
+    """Meaning and unit of a parameter."""
+    meaning, unit = field.metadata.get("meaning", ""), field.metadata.get("unit", "1")
+    return f"{meaning} in {unit}" if unit != "1" else str(meaning)
+
+
+def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
+    """The section of a table: ``area`` and ``second_moment``, or one shape; known in part where something is refused."""
+    before, shapes = len(by.faults), [key for key in Section.shapes if key in value]
+    both = {"area", "second_moment"} & set(value)
+    if not ((len(shapes) == 1 and not both) or (not shapes and len(both) == 2)):
+        what = "the section is described more than once" if shapes else "the section is not complete"
+        limit = "area and second_moment together, or one of " + ", ".join(Section.shapes)
+        by.refuse(path, what, shown(value), limit, "give one of these")
+    fields = {field.name: field for field in described_fields(Section)}
+    read: dict[str, Any] = {}
+    for key, entry in value.items():
+        held = Section.shapes[key][0] if key in shapes else value_of(fields[key]) if key in fields else None
+        if held is None:
+            by.unknown((*path, key), entry)
+        else:
+            read[key] = held.read(entry, (*path, key), by)
+    if shapes and "extreme_fibre" in value:
+        what = f"{article(shapes[0])} section knows its outermost fibre"
+        by.refuse((*path, "extreme_fibre"), what, shown(value["extreme_fibre"]), "", "remove it")
+    tube = read.get("tube")
+    if tube is not None and tube[1] >= tube[0]:
+        what, limit = "the inner diameter is not below the outer one: no wall is left", f"inner below outer = {tube[0]:g} m"
+        by.refuse((*path, "tube"), what, shown(value["tube"]), limit, "give the outer diameter first")
+    if len(by.faults) > before:
+        found: Section = partial(Section, {} if shapes else read)
+        return found
+    if not shapes:
+        return Section(**read)
+    sizes = read[shapes[0]]
+    made: Section = getattr(Section, shapes[0])(*(sizes if isinstance(sizes, tuple) else (sizes,)))
+    return made
+
+
+Quantity: TypeAlias = float | str  # 0.1, or "100 mm"
+Place: TypeAlias = Sequence[Quantity]  # x and y
+Table: TypeAlias = Mapping[str, Any]  # keys and values as in a model file
+
+
+class Given(Reading):
+    """Reads what a script gives: everything that a model file can say, and the nouns themselves."""
+
+    written = True
+
+    def noun(self, path: Path, kind: type, value: Any) -> Any:
+        """A noun, or the table of one."""
+        if isinstance(value, Mapping):
+            return read_section(self, path, value) if kind is Section else self.table(path, kind, value)
+        return self.one_of(path, kind, value)
+
+    def table(self, path: Path, kind: type, value: Table) -> Any:
+        """The noun of a table."""
+        before, fields = len(self.faults), {field.name: field for field in described_fields(kind)}
+        for key in value.keys() - fields.keys():
+            self.refuse((*path, key), "unknown key", shown(value[key]), "", suggestion(key, fields, "remove it"))
+        found = {key: value_of(field).read(value[key], (*path, key), self) for key, field in fields.items() if key in value}
+        for key, field in fields.items():
+            if required(field) and key not in value:
+                self.refuse((*path, key), "this key is missing", "", "", "add it")
+        return kind(**found) if len(self.faults) == before else partial(kind, found)
+
+    def unknown(self, path: Path, value: Any) -> None:
+        """A key of a section that there is not."""
+        known = (*Section.shapes, *(field.name for field in described_fields(Section)))
+        self.refuse(path, "unknown key", shown(value), "", suggestion(str(path[-1]), known, "remove it"))
+
+    def named(self, path: Path, kind: type, value: Any) -> Any:
+        """A material, or the name of one."""
+        if not isinstance(value, str):
+            return self.one_of(path, kind, value)
+        if value not in MATERIALS:
+            remedy = suggestion(value, MATERIALS, "make one: vfife.Material(name, youngs_modulus=..., poissons_ratio=..., density=...)")
+            self.refuse(path, "there is no material of this name", shown(value), "", remedy)
+        return MATERIALS.get(value)
+
+    def chosen(self, path: Path, base: type, value: Any) -> Any:
+        """A law, its name, or its table: law = name, and its parameters."""
+        kind = next(kind for kind, known in LAWS.items() if known is base)
+        if isinstance(value, Law) and not isinstance(value, base):
+            self.refuse(path, f"this is no {kind} law", shown(value.name), "", f"give {article(kind)} law here")
+            return None
+        if isinstance(value, base):
+            return value
+        if isinstance(value, type) and issubclass(value, base):
+            self.refuse(path, "this is the law's class", value.__name__, "", f"write {value.__name__}(), with its parameters by name")
+            return None
+        if not isinstance(value, str | Mapping):
+            self.refuse(path, f"this is {kind_of(value)}", shown(value), f"{article(kind)} law, its name, or its table", "give one")
+            return None
+        law, faults = read_law(kind, {"law": value} if isinstance(value, str) else value)
+        for fault in faults:
+            self.add(fault.at((*path, *fault.path)))
+        return law
+
+    def one_of(self, path: Path, kind: type, value: Any) -> Any:
+        """A noun as it is: it was made by Python, where numbers are numbers."""
+        plain = Reading()
+        found = plain.one_of(path, kind, value)
+        self.faults += plain.faults
+        return found
+
+
+def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
+    """What is said of a value for which the model of a link, or the kind of analysis, has no use; ``users`` would have one."""
+    chooser = noun.selected_by
+    kind = f"{article(word)} {'link' if chooser == 'model' else chooser}"
+    listed = " or ".join(users if chooser == "model" else map(shown, users))
+    return Fault("", f"{kind} has no use for this", shown(value), "", f"remove it, or set {chooser} {'to' if chooser == 'model' else '='} {listed}")
+
+
+Noun = TypeVar("Noun", bound=type)
+
+
+def spoken(*path: str) -> Callable[[Noun], Noun]:
+    """Lets a dataclass take texts with units where it holds quantities. ``path``: where it stands in a model file.
+
+    Making one raises ArgumentError for a keyword that it does not have, and ModelError for a text that is no such quantity. Numbers are looked at
+    when the whole mechanism is.
+    """
+
+    def decorate(noun: Noun) -> Noun:
+        made: Callable[..., None] = vars(noun)["__init__"]
+        names = [field.name for field in dataclasses.fields(noun)]
+        held = {field.name: (key_of(field), value_of(field)) for field in described_fields(noun)}
+        quantities = {name for name, (_, value) in held.items() if not isinstance(value, Text | Choice)}
+
+        @functools.wraps(made)
+        def init(self: Any, *args: Any, **values: Any) -> None:
+            faults = [strange((*path, key), value, names) for key, value in values.items() if key not in names]
+            if faults:
+                raise ArgumentError(faults, f"{noun.__name__}()")
+            given, reading = dict(zip(names, args, strict=False)) | values, Given()
+            if len(args) <= len(names):
+                for name in quantities & given.keys():
+                    if written(given[name]):
+                        given[name] = held[name][1].read(given[name], (*path, held[name][0]), reading)
+                args, values = (), given
+            if reading.faults:
+                raise ModelError(reading.faults, f"{noun.__name__}()")
+            made(self, *args, **values)
+
+        setattr(noun, "__init__", init)  # noqa: B010 - a checker forbids the assignment
+        return noun
+
+    return decorate
+
+
+def strange(path: Path, value: Any, names: list[str]) -> Fault:
+    """A keyword that there is not."""
+    return Fault(path, "there is no such keyword", shown(value), "", suggestion(str(path[-1]), names, "remove it"))
+
+
+def written(value: Any) -> bool:
+    """Whether a text is given where a quantity stands, or among those of a list."""
+    return isinstance(value, str) or (isinstance(value, tuple | list) and any(isinstance(one, str) for one in value))
