@@ -42,7 +42,7 @@ test: $(VENV)/.test  ## run the tests of every idea, in two minutes (PYTEST="-k 
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
 
 system: $(VENV)/.test  ## the tests that start processes, browsers and emulators, and those that take long
-	@$(PYTHON) -m pytest $(XDIST) -m system $(PYTEST)
+	@$(PYTHON) -m pytest $(XDIST) -m "system and not verify and not soak" $(PYTEST)
 
 matrix: $(VENV)/.test  ## commands of a user under other kernels of BLAS, processors, libraries and versions: the same bits? (MATRIX="--example NAME")
 	@$(PYTHON) tests/matrix/matrix.py $(MATRIX)

@@ -87,6 +87,7 @@ def largest_values(found: Found) -> dict[str, float]:
     return {name: one for name, one in found.outside.items() if name.endswith(tuple(f".{kind}" for kind in JUDGED))}
 
 
+@pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize(("kind", "seed"), QUICK)
 def test_the_truth_lies_in_the_range(kind: str, seed: int) -> None:
     found = checked(kind, seed)

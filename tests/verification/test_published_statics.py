@@ -68,6 +68,7 @@ def dead(elements: int) -> tuple[np.ndarray, Record]:
     return np.stack([1.0 - end[:, 0], end[:, 1]], axis=1), record
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_cantilever_under_a_dead_tip_load():
     """Bisshopp and Drucker's elastica; the reactions are those of statics on the bent beam."""
     moved, record = dead(20)
@@ -79,12 +80,14 @@ def test_cantilever_under_a_dead_tip_load():
     assert record.block("unbalanced").max() < 1e-6
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_the_elastica_converges_with_the_square_of_the_element():
     errors = [np.abs(dead(elements)[0][4, 1] / DEAD[10.0][1] - 1.0) for elements in (5, 10, 20)]
     slopes = np.log2(np.array(errors[:-1]) / errors[1:])
     assert slopes == pytest.approx([2.0, 2.0], abs=0.15), errors
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_cantilever_rolled_up_by_an_end_moment():
     """x = sin(2 pi q)/(2 pi q), y = (1 - cos(2 pi q))/(2 pi q), as far as a closed circle; chords of equal arcs, so right to L/n squared."""
     turns = (0.25, 0.5, 1.0)
@@ -116,6 +119,7 @@ def follower(load: float) -> tuple[float, float, float]:
     return -end[0], -end[1], angle
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_cantilever_under_a_follower_force():
     loads = (0.5, 1.0, 2.0, 4.0)
     m = cantilever(40, *loads, **slender(slenderness=300.0))
@@ -142,6 +146,7 @@ def toggle(elements: int, *drops: float) -> Mechanism:
     return m
 
 
+@pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize(("elements", "upper", "lower"), [(4, 35.66, 32.91), (20, 33.94, 31.35)])
 def test_both_limit_loads_of_the_williams_toggle(elements, upper, lower):
     """The way of the apex is prescribed, its reaction is the load."""
@@ -166,6 +171,7 @@ def extreme(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
     return roots[0], float(fit(roots[0]))
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_under_load_the_toggle_snaps_through_at_the_limit():
     """Just below the limit load it holds, just above it it is on the other side, where the curve says."""
     m = toggle(4, 35.6, 35.7)
@@ -177,6 +183,7 @@ def test_under_load_the_toggle_snaps_through_at_the_limit():
     assert -reaction(settled(n), "push")[0, 1] == pytest.approx(35.7, rel=1e-4)
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_two_bar_truss_against_its_closed_form():
     """Von Mises' truss of bars whose force is EA times the logarithm of their stretch, as path units add it up."""
     half, rise, ea = 1.0, 0.2, 1e6
@@ -225,6 +232,7 @@ def lee(elements: int) -> float:
     return extreme(drops, -reaction(settled(m), "push")[2:, 1])[1]
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_limit_load_of_lees_frame():
     """1.8552, as the literature of path following quotes it (Schweizerhof and Wriggers 1986), is what 10 and 20 elements a leg lead to."""
     coarse, fine = lee(10), lee(20)
@@ -235,6 +243,7 @@ def test_limit_load_of_lees_frame():
 # ------------------------------------------------------------------------------------------------------------------ buckling
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_lateral_stiffness_vanishes_at_the_euler_load():
     """A pinned column pushed aside in its middle gives way by F/(k (1 - P/P_E)); the root of F/d over P is pi^2 EI/L^2."""
     shares = (0.5, 0.8, 0.9, 0.95)
@@ -259,6 +268,7 @@ def test_lateral_stiffness_vanishes_at_the_euler_load():
 # ------------------------------------------------------------------------------------------- indeterminate, curved, on springs
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_clamped_at_both_ends():
     """Force in the middle: d = F L^3/(192 EI), end moments F L/8."""
     m = Mechanism("beam", settings=static())
@@ -277,6 +287,7 @@ def test_clamped_at_both_ends():
     assert reaction(record, "z")[0, 1:] == pytest.approx([5e-3, -1.25e-3], rel=1e-4)
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_on_three_supports():
     """Two equal spans, a force in the middle of the first: reactions 13/32, 22/32 and -3/32 of it."""
     m = Mechanism("beam", settings=static())
@@ -293,6 +304,7 @@ def test_on_three_supports():
     assert np.array(found) == pytest.approx(1e-2 * np.array([13.0, 22.0, -3.0]) / 32.0, rel=1e-3)
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_quarter_circle():
     """A curved cantilever with a force along its end's normal: d = pi F R^3/(4 EI), and F R^3/(2 EI) across, without stretch."""
     radius, elements = 1.0, 40
@@ -314,6 +326,7 @@ def test_quarter_circle():
     assert moved[1] == pytest.approx(-0.5, rel=1e-3)
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_rigid_body_on_springs():
     """Three springs to the ground and gravity: the equations of the free body solved by SciPy."""
     m = Mechanism("table", gravity=(0.0, -9.81), settings=static(0.5, 1.0))
@@ -342,6 +355,7 @@ def test_rigid_body_on_springs():
         assert found == pytest.approx(q, abs=1e-6)
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_a_journal_settles_in_its_bearing():
     """Under its weight at the lowest point, as deep as the law says: m g = K d^1.5."""
     m = Mechanism("journal", gravity=(0.0, -9.81), settings=static(1.0, 2.0))
@@ -357,6 +371,7 @@ def test_a_journal_settles_in_its_bearing():
     assert record.block("contact_normal_force")[1:, 0] == pytest.approx([9.81, 19.62], rel=1e-5)
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_a_journal_finds_the_lowest_point():
     """Under a force askew it rolls down to where the force points."""
     m = Mechanism("journal", gravity=(5.0, -9.81), settings=static())
@@ -382,6 +397,7 @@ def test_a_rod_comes_to_hang(clear):
     assert found == pytest.approx([0.0, -0.5 - depth, -0.5 * math.pi], abs=5e-6)
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_a_driven_crank_holds_a_weight():
     """A crank turned by a table: its torque is that of the weight at its end, sector by sector."""
     m = Mechanism("crank", gravity=(0.0, -9.81), settings=static(1.0, 2.0, 3.0))

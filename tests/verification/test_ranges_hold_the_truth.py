@@ -33,6 +33,7 @@ def checked(mechanism: Mechanism) -> tuple[Result, bool, dict[str, float]]:
     return result, said.sensitive, {name: max(truth[name] - found[name].high, found[name].low - truth[name], 0.0) / size[name] for name in size}
 
 
+@pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize("name", QUICK)
 def test_the_truth_lies_in_the_range(name: str) -> None:
     _, sensitive, outside = checked(EVERY[name]())

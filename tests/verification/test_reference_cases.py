@@ -29,6 +29,7 @@ def second_turn(case: str, step: float):
     return record, within(record, TURN, 2 * TURN)
 
 
+@pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize(("step", "tolerance"), STEPS)
 @pytest.mark.parametrize("case", CASES)
 def test_maxima_and_impacts(case, step, tolerance):
@@ -45,6 +46,7 @@ def test_maxima_and_impacts_at_a_tenth_of_a_microsecond(case):
     test_maxima_and_impacts(case, 1e-7, 5e-3)
 
 
+@pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize("case", CASES)
 def test_what_is_reached_at_a_quarter_of_a_microsecond(case):
     """Far better than asked for; a step back would not show in the test above."""
@@ -54,12 +56,14 @@ def test_what_is_reached_at_a_quarter_of_a_microsecond(case):
     assert largest_force(record, "C", window) == pytest.approx(force, rel=1e-4)
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_forces_of_the_other_joints():
     record, window = second_turn("c", 2.5e-7)
     for joint, force in OTHER_JOINTS_OF_C.items():
         assert largest_force(record, joint, window) == pytest.approx(force, rel=2e-3)
 
 
+@pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize("case", CASES)
 def test_no_onset_grazes_or_lands_too_deep(case):
     record, _ = second_turn(case, 1e-6)
@@ -68,6 +72,7 @@ def test_no_onset_grazes_or_lands_too_deep(case):
     assert 0.0 < record.block("contact_deepest")[-1].max() < 1e-5
 
 
+@pytest.mark.system("compares whole runs with references")
 def test_case_a():
     record = go(four_bar(""), 1e-6, turns=2)
     window = within(record, TURN, 2 * TURN)
@@ -75,6 +80,7 @@ def test_case_a():
     assert largest_force(record, "C", window) == pytest.approx(IDEAL[1], rel=1e-6)
 
 
+@pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize("loop", ["generated", "interpreted"])
 def test_the_other_loops_tell_the_same(loop):
     """Case c by the other loops (interpreted: its first sixteenth of a turn): the same numbers, not only nearly."""

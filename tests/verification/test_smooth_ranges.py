@@ -70,6 +70,7 @@ CASES = {
 SENSITIVE = {"beyond the edge", "chaotic"}
 
 
+@pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize("name", CASES)
 def test_an_independent_integration_lies_in_the_range(name: str) -> None:
     *numbers, count = CASES[name]
