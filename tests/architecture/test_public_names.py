@@ -98,7 +98,7 @@ vfife.load_result(3)
 """
 
 
-@pytest.mark.slow
+@pytest.mark.system("starts a type checker")
 def test_a_type_checker_sees_every_name(tmp_path: Path) -> None:
     api = pytest.importorskip("mypy.api")
     with warnings.catch_warnings():

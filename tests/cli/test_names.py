@@ -23,6 +23,7 @@ def renamed() -> str:
     return text
 
 
+@pytest.mark.system("every command with a hostile name")
 @pytest.mark.parametrize("clear", [False, True])
 def test_names_are_text(command: Callable, clear: bool) -> None:
     text = renamed()

@@ -97,6 +97,7 @@ EXPRESSIONS = st.recursive(
 )
 
 
+@pytest.mark.system("compiles hundreds of expressions")
 @settings(max_examples=often(100))
 @given(st.lists(EXPRESSIONS, min_size=8, max_size=8))
 def test_expressions_to_the_bit(expressions):

@@ -90,6 +90,7 @@ def test_forces_of_a_loose_guide_and_moments_of_gears_have_panels():
     assert "forces" not in drawn("elastica_circle")  # what rounding leaves is no force
 
 
+@pytest.mark.system("draws a frame of sixty elements")
 def test_a_large_frame_has_a_short_legend_and_no_more_panels_than_fit():
     result = vfife.simulate(gallery.williams_toggle(elements=60, drops=(0.05,)))
     assert words(figures(result)) == {"toggle", "weld", "load"}

@@ -179,6 +179,7 @@ def test_figures_without_a_crank() -> None:
         result.plot("orbit")
 
 
+@pytest.mark.system("starts a process")
 def test_numbers_and_files_load_neither_xarray_nor_matplotlib(result: Result, tmp_path: Path) -> None:
     result.save(tmp_path / "run.sqlite")
     code = (
