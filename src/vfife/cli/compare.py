@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..files import read_bytes, write_text
-from ..job.progress import ProgressLine
 from ..results.folder import numbered, refuse_foreign
 from ..solvers.status import Status
+from .job import CommandJob
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
-from .run import Companions, Duration, Figures, Force, ForceStep, Outputs, Quiet, Step, Turns
+from .run import Companions, Duration, Figures, Force, ForceStep, Outputs, Quiet, Step, Turns, Yes
 from .signals import NOW
 from .terminal import DIVERGED, answer, json_text, sentences, tell, writing
 
@@ -45,6 +45,7 @@ def compare(
     force_step: ForceStep = False,
     companions: Companions = "0",
     force: Force = False,
+    yes: Yes = False,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -58,27 +59,14 @@ def compare(
     from ..study.compare import Parts
     from ..study.compare import compare as compared
 
-    line: list[ProgressLine] = []
-    locks: list[Lock] = []
-
-    def progress(name: str) -> ProgressLine | None:
-        close(line)
-        if not locks:
-            begin(place, dump(mechanism), locks)
-        if quiet:
-            return None
-        tell("run", name, "bold")
-        line.append(ProgressLine(quiet).__enter__())
-        return line[-1]
-
     with sentences(str(model)):
         mechanism = with_options(read_model(model, set_, laws), step=step, turns=turns, duration=duration, outputs=outputs, companions=companions)
         place = folder_for(folder, model, dump(mechanism), force)
+        job = ComparisonJob(place, dump(mechanism), yes, quiet)
     try:
-        with sentences(str(model)), writing(str(place), kept_in(place)):
+        with job.at_work(str(model), job.saved):
             kinds, beside = (named(contact, "contact"), named(friction, "friction")), mechanism.settings.companions
-            found = compared(mechanism, *kinds, joints=joint, progress=progress, force_step=force_step, companions=beside, folder=place)
-            close(line)
+            found = compared(mechanism, *kinds, joints=joint, progress=job, force_step=force_step, companions=beside, folder=place)
         with writing(str(place), kept_in(place)):
             write_text(place / SUMMARY, json_text(comparison_data(found)) + "\n")
             found.write_csv(place / TABLE)
@@ -89,35 +77,37 @@ def compare(
             if len(found.rows) == found.planned:
                 Parts(place).remove()
     finally:
-        close(line)
-        for lock in locks:
-            lock.release()
+        if job.lock is not None:
+            job.lock.release()
     if as_json or not quiet:
         answer(comparison(found, str(place), sorted(entry.name for entry in place.iterdir())), as_json)
     end(found, place)
 
 
-def begin(place: Path, text: str, locks: list[Lock]) -> None:
-    """Makes the folder, in which nobody else writes from now on."""
-    from ..results.lock import Lock
+class ComparisonJob(CommandJob):
+    """The job of a comparison; its folder is made, and locked, when it begins."""
 
-    place.mkdir(parents=True, exist_ok=True)
-    locks.append(Lock(place))
-    NOW.last.append(locks[0].release)
-    NOW.saved = kept_in(place)
-    write_text(place / MODEL, text)
-    write_text(place / SUMMARY, json_text({"model": None, "planned": None, "runs": []}) + "\n")
+    def __init__(self, place: Path, text: str, yes: bool, quiet: bool) -> None:
+        super().__init__("comparison", place, yes=yes, quiet=quiet, saved=kept_in(place))
+        self.text, self.lock = text, None
+
+    lock: Lock | None
+
+    def start(self) -> None:
+        """Make the folder, in which nobody else writes from now on."""
+        from ..results.lock import Lock
+
+        self.target.mkdir(parents=True, exist_ok=True)
+        self.lock = Lock(self.target)
+        self.hold(self.lock)
+        write_text(self.target / MODEL, self.text)
+        write_text(self.target / SUMMARY, json_text({"model": None, "planned": None, "runs": []}) + "\n")
+        super().start()
 
 
 def kept_in(place: Path) -> str:
     """What is kept of a comparison that was broken off."""
     return f"Runs that are complete are kept in {place}; the same command with -o {shlex.quote(str(place))} goes on after them."
-
-
-def close(line: list[ProgressLine]) -> None:
-    """Ends the progress line of the run before."""
-    while line:
-        line.pop().__exit__(None, None, None)
 
 
 def named(text: str | None, kind: str) -> list[Any]:

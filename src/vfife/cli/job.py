@@ -29,11 +29,13 @@ class CommandJob(Job):
     which the same takes less time; not ``announced``: a forecast is reported only where the job ends because of it.
     """
 
-    def __init__(self, what: str, target: Path, *, yes: bool = False, quiet: bool = False, first_look: str = "", announced: bool = True) -> None:
+    def __init__(
+        self, what: str, target: Path, *, yes: bool = False, quiet: bool = False, first_look: str = "", announced: bool = True, saved: str = ""
+    ) -> None:
         self.bars, self.begun = ProgressLine(quiet), False
         super().__init__(what, target, yes, self.bars)
         self.target, self.quiet, self.first_look, self.announced = target, quiet, first_look, announced
-        self.saved = f"What is complete is kept in {target}; the same command goes on after it."
+        self.saved = saved or f"What is complete is kept in {target}; the same command goes on after it."
 
     def begin(self, forecast: Forecast) -> None:
         """Report a forecast; end the command where the disk has no room, or where it takes much and nobody said ``--yes``."""

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
-from ..job.progress import ProgressLine
+from .job import FIGURES, CommandJob, refuse_endings
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model
 from .run import Companions, Duration, ForceStep, Quiet, Step, Turns, Yes
-from .slopecost import told_of
+from .signals import NOTHING
 from .targets import refuse_inputs
 from .terminal import answer, sentences, writing
 
@@ -28,7 +28,6 @@ Runs = Annotated[
 ]
 Figure = Annotated[Path | None, typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False)]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write all of them as a table.", show_default=False)]
-ENDINGS = (".png", ".svg", ".pdf")
 
 
 def sensitivity(
@@ -58,19 +57,16 @@ def sensitivity(
     known, a question mark.
     """
     with sentences(str(model)):
-        for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",))):
-            if path is not None and (path.suffix.lower() not in endings or not path.absolute().parent.is_dir()):
-                what = f"ending in {' or '.join(endings)}, in a folder that is there"
-                raise ValueError(f"{option} {path}: this is no file {what}; name one")
+        refuse_endings((("--figure", figure, FIGURES), ("--csv", csv, (".csv",))), in_folder=True)
         refuse_inputs((("--figure", figure), ("--csv", csv)), (model, *(laws or ())))
         mechanism = read_model(model, set_, laws)
-        told_of(mechanism, to or ["*"], step, turns, duration, runs, force_step, yes, quiet)
         from ..study.derivatives import sensitivity as sensitive
 
         length: dict[str, Any] = {"turns": turns, "duration": duration, "step": step}
         beside: int | str | None = int(companions) if companions is not None and companions.isdecimal() else companions
-        with ProgressLine(quiet) as line:
-            found = sensitive(mechanism, of or None, to or ("*",), companions=beside, runs=runs, force_step=force_step, progress=line, **length)
+        job = CommandJob("sensitivity", Path(), yes=yes, quiet=quiet, saved=NOTHING)
+        with job.at_work(str(model)):
+            found = sensitive(mechanism, of or None, to or ("*",), companions=beside, runs=runs, force_step=force_step, progress=job, **length)
     if csv is not None:
         with writing(str(csv)):
             found.write_csv(csv)

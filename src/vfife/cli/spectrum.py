@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
+from .job import FIGURES, refuse_endings
 from .options import RunArgument, positive
-from .sensitivity import ENDINGS
 from .targets import refuse_inputs
 from .terminal import answer, sentences, writing
 
@@ -53,7 +53,7 @@ def spectrum(
     A run is seen at its outputs: what is faster than half their rate is folded back, so let short impacts have several each (vfife run --outputs).
     """
     with sentences(str(run)):
-        refuse_places(figure, csv)
+        refuse_endings((("--figure", figure, FIGURES), ("--csv", csv, (".csv",))), in_folder=True)
         refuse_inputs((("--figure", figure), ("--csv", csv)), ())
         seconds, within = None if length is None else positive("--length", length, "s"), banded(band)
         result, names = series(run, of)
@@ -84,13 +84,6 @@ def spectrum(
     from ..report import vibration
 
     answer(vibration.spectra(found, result.name))
-
-
-def refuse_places(figure: Path | None, csv: Path | None) -> None:
-    """Raises ValueError for files that cannot be."""
-    for option, path, endings in (("--figure", figure, ENDINGS), ("--csv", csv, (".csv",))):
-        if path is not None and (path.suffix.lower() not in endings or not path.absolute().parent.is_dir()):
-            raise ValueError(f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is there; name one")
 
 
 def banded(text: str | None) -> tuple[float, float] | None:

@@ -189,8 +189,8 @@ def timed(work: Callable[[], Any]) -> float:
 def timed_step(assembly: Assembly, companions: int = 0) -> float:
     """Processor time (s) of a step of this assembly on this machine, from a short run; its step is compiled for it, as the run needs it anyway."""
     choice = assembly.choice
-    outputs = min(choice.outputs, math.ceil(CHUNK_STEPS / choice.outputs_every))
-    short = dataclasses.replace(assembly, choice=dataclasses.replace(choice, outputs=outputs))
+    every = min(choice.outputs_every, CHUNK_STEPS)
+    short = dataclasses.replace(assembly, choice=dataclasses.replace(choice, outputs_every=every, outputs=math.ceil(CHUNK_STEPS / every)))
     run(short, companions=companions)
     return timed(lambda: run(short, companions=companions)) / short.choice.steps
 

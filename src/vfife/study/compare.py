@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ..assembly.possible import outlook
+from ..codegen.native import stream_lanes
 from ..errors import RunFileError, VfifeError, suggestion
+from ..job.cost import LANES, LIBRARIES, WORTH, Forecast, cores, run_cost, timed_step
+from ..job.job import Job, job_of
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..model.mechanism import Mechanism
 from ..result import Result
@@ -19,7 +23,7 @@ from ..results.schemas import is_run_file
 from ..simulation import Prepared, prepare, reference_of
 from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.status import Progress, Status
-from .together import carried_out
+from .together import carried_out, fits
 
 NAME = "part-{}.sqlite"
 
@@ -36,9 +40,13 @@ class Parts:
         told = [meta["model"], sorted(meta["asked"].items()), meta["versions"], one.companions]
         return folder / NAME.format(hashlib.blake2b(repr(told).encode(), digest_size=10).hexdigest())
 
+    def path_of(self, one: Prepared) -> Path:
+        """Where a run would be kept; a place that is none without a folder."""
+        return self.path(self.folder or Path(os.devnull), one)
+
     def found(self, one: Prepared) -> Result | None:
         """A run that was made before; None where there is none, or it is damaged."""
-        if self.folder is None or not (path := self.path(self.folder, one)).is_file():
+        if not (path := self.path_of(one)).is_file():
             return None
         with suppress(RunFileError):
             result = Result.load(path)
@@ -70,7 +78,7 @@ def compare(
     friction: Sequence[Choice] = (),
     *,
     joints: Iterable[str] | None = None,
-    progress: Callable[[str], Callable[[Progress], None] | None] | None = None,
+    progress: Callable[[str], Callable[[Progress], None] | None] | Job | None = None,
     turns: float | None = None,
     duration: float | str | None = None,
     step: float | str | None = None,
@@ -79,6 +87,7 @@ def compare(
     force_step: bool = False,
     companions: int | str = 0,
     folder: str | Path | None = None,
+    confirm: bool = False,
 ) -> Comparison:
     """Runs a mechanism under every pair of the given laws, and under its own where a kind is not given.
 
@@ -88,7 +97,8 @@ def compare(
     ended, and may return a call for how far all are; the others are arguments of :func:`~vfife.simulate`. Without companions, which are none
     unless asked for, an automatic step is the finer one that nobody has to look at.
     Ctrl-C ends with the runs that are complete. In a ``folder`` (there already) they are kept until all are, so that the same comparison, broken
-    off or killed, goes on after them. Raises VfifeError with every law that cannot be used, before the first run, and StorageError where a run
+    off or killed, goes on after them. ``confirm``: compare even where it takes more than an hour, or half of the memory. Raises VfifeError
+    with every law that cannot be used, before the first run, and StorageError where a run
     cannot be kept.
     """
     given = Arguments("compare")
@@ -104,17 +114,14 @@ def compare(
     found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
     results: dict[int, Result] = {}
     lines: list[Callable[[Progress], None] | None] = [None]
-
-    def told(how_far: Progress) -> None:
-        if lines[-1] is not None:
-            lines[-1](how_far)
-
-    with suppress(KeyboardInterrupt):
-        if progress is not None:
-            lines.append(progress(f"{len(ready)} runs, side by side" if len(ready) > 1 else ready[0][0]))
-        for k, result in made(ready, Parts(folder), told):
-            if progress is not None:
-                lines.append(progress(f"{len(results) + 1} of {len(ready)}: {ready[k][0]}"))
+    name = progress if callable(progress) and not isinstance(progress, Job) else lambda text: None
+    job = job_of("compare", folder, confirm, progress, lambda one: None if lines[-1] is None else lines[-1](one))
+    parts = Parts(folder)
+    job.begin(forecast([one for _, one in ready if not parts.path_of(one).is_file()], len(ready)))
+    with job, suppress(KeyboardInterrupt):
+        lines.append(name(f"{len(ready)} runs, side by side" if len(ready) > 1 else ready[0][0]))
+        for k, result in made(ready, parts, job):
+            lines.append(name(f"{len(results) + 1} of {len(ready)}: {ready[k][0]}"))
             if result.record.status == Status.INTERRUPTED:
                 break
             results[k] = result
@@ -122,6 +129,21 @@ def compare(
         found.results.append(result)
         found.rows.append(numbers_of(result, names))
     return found
+
+
+def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
+    """The forecast of runs that are left of those planned: side by side in lanes, or one after another."""
+    costs = [run_cost(one.assembly, companions=one.companions, refined=one.refined) for one in left]
+    lanes = stream_lanes(1) if left and fits(left[0]) else 1
+    faster = cores() * min(lanes, len(left)) / LANES[lanes] if lanes > 1 and len(left) > 1 else 1.0
+    seconds = sum(one.seconds for one in costs) / faster
+    if seconds > WORTH and costs[0].loop == "generated":
+        seconds *= 1e9 * timed_step(left[0].assembly) / costs[0].ns_per_step
+    steps = sum(one.assembly.choice.steps for one in left) / max(len(left), 1)
+    memory, disk = sum(one.memory - LIBRARIES for one in costs) + LIBRARIES, sum(one.disk for one in costs)
+    return Forecast(
+        "run", len(left), steps, seconds, memory, disk, planned - len(left), cores(), lanes, less="compare fewer laws, or over fewer turns"
+    )
 
 
 def made(ready: Sequence[tuple[str, Prepared]], parts: Parts, told: Callable[[Progress], None]) -> Iterator[tuple[int, Result]]:

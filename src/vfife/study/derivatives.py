@@ -16,7 +16,11 @@ from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.numbering import Numbering
 from ..assembly.timestep import size_of
+from ..codegen.native import CONTACT_LANES
 from ..errors import Fault, ModelError, VfifeError, suggestion
+from ..job.amounts import counted
+from ..job.cost import LANES, Forecast, cores, run_cost, timed
+from ..job.job import job_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..modelfile.parameter import holds, numbers
@@ -24,7 +28,7 @@ from ..result import Result
 from ..results.derivatives import Derivative, Sensitivity
 from ..results.studied import UNITS, unit_of
 from ..results.view import standing
-from ..simulation import simulate
+from ..simulation import Prepared, carry_out, prepare
 from ..solvers.arguments import Arguments
 from ..solvers.companions import SENSITIVE, measured_rows
 from ..solvers.ensemble import StepSize, step_sizes
@@ -43,6 +47,10 @@ NO_CHANGE = 1e-6  # per cent by one per cent: rounding of a finite change, of wh
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
 MOST_RUNS = 8  # that go side by side in the widest vector
+TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
+SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps of the first
+VARIANTS, CHANGES = 6, 4.0  # of a model by each number: two for its derivative and four finite changes, each at all step sizes
+BATCHED = 6e-4  # s in which one variant is assembled where many are assembled side by side
 DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
 
@@ -59,6 +67,7 @@ def sensitivity(
     runs: int | None = None,
     force_step: bool = False,
     progress: Callable[[Progress], None] | None = None,
+    confirm: bool = False,
 ) -> Sensitivity:
     """How measures ``of`` a run depend on numbers of its model, ``to``: patterns of names and of paths, ``"*.force.max"``, ``"joint.C.*"``;
     of None: of the largest forces, torques and angular accelerations that there are.
@@ -68,18 +77,22 @@ def sensitivity(
     them: with contact it is the mean over ``runs`` with displaced steps, two if nothing is said, with their range; without ``companions``, of the
     run alone. A number that the model has as zero is left out, and so are those that nothing depends on. Derivatives of a measure that the run's
     companions do not agree on mean nothing, and are marked. Those relative to the ideal mechanism take its own derivatives with them.
-    Raises ModelError for patterns that fit nothing, VfifeError for a run that diverges, KeyboardInterrupt, and what simulate raises.
+    ``confirm``: go on even where it takes more than an hour. Raises ModelError for patterns that fit nothing, VfifeError for a run that
+    diverges, KeyboardInterrupt, and what simulate raises.
     """
     given = Arguments("sensitivity")
     given.mechanism(mechanism)
-    given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=force_step, companions=companions)
+    asked_run = given.run(turns=turns, duration=duration, step=step, outputs=None, loop="auto", force_step=force_step, companions=companions)
     if given.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
         given.fault("runs", "more than go side by side", runs, f"a whole number from 1 to {MOST_RUNS}", "give fewer")
     given.check()
     refuse_unfit(mechanism, of or ())
     text = dump(mechanism)
     chosen = matching("to", to, numbers(mechanism))
-    result = simulate(mechanism, turns=turns, duration=duration, step=step, force_step=force_step, companions=companions, progress=progress)
+    with job_of("sensitivity", None, confirm, progress) as job:
+        prepared = prepare(mechanism, asked_run)
+        job.begin(forecast(prepared, mechanism, sum(value != 0.0 for value in chosen.values()), runs))
+        result = carry_out(prepared, progress=job)
     refuse_unended(result.record)
     record, reference = result.record, None if result.reference is None else result.reference.measures
     window = last_turn(record)
@@ -101,6 +114,21 @@ def sensitivity(
     told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every), nothing & asked)
     told.derivatives = [one for one in found if any(matters(told, name, one.path) for name in names if name in one.values)]
     return told
+
+
+def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | None) -> Forecast:
+    """The forecast of a run and of its derivatives by a ``count`` of numbers: steps with derivatives at all step sizes, and finite changes."""
+    assembly, lanes = prepared.assembly, CONTACT_LANES
+    alone = run_cost(assembly, companions=prepared.companions, measured=True)
+    one_by_one = bool(assembly.topology.frame_nodes) or len(assembly.contacts) != len(set(assembly.contact_joints))  # and not side by side
+    variant = timed(lambda: prepared.again(assembly.choice.step)) if one_by_one else BATCHED
+    displaced = runs or DISPLACED if assembly.contacts else 1
+    each = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
+    seconds = alone.seconds * (1.0 + each * count * LANES[lanes] / (lanes * cores())) + VARIANTS * count * variant
+    work = f"a run of {assembly.choice.steps:,} steps and {counted(count, 'number')} by which it has derivatives, each checked by finite changes"
+    note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
+    less = "ask for fewer numbers (to) or turns"
+    return Forecast("run", 1, alone.seconds, seconds, alone.memory, threads=cores(), lanes=lanes, work=work, less=less, note=note)
 
 
 def size_of_change(one: Derivative, name: str) -> float:
