@@ -11,7 +11,7 @@ from .study import quantity
 if TYPE_CHECKING:
     from ..results.comparison import Comparison
     from ..results.derivatives import Effect, Sensitivity
-    from ..results.fitted import Fit
+    from ..results.fit import Fit
 
 SMALLEST = 1e-6  # per cent by one per cent: smaller effects are rounding
 WIDE = 0.05  # share of the largest derivative of a measure: wider ranges get a note
