@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import MISSING
 from typing import Any
 
-from ..errors import Fault, Path, kind_of
+from ..errors import Fault, Path, kind_of, shown, suggestion
 from .parts import SCALAR
 from .values import Choice, Measure, Switch, Text, Value
 
@@ -100,11 +100,10 @@ def required(field: Field) -> bool:
 
 
 class Reading:
-    """Who reads values: keeps all faults, with their paths. From Python numbers are numbers; a ``written`` one may be a text with a unit."""
+    """Reads values by their fields and keeps all faults, with their paths. ``written`` numbers may be texts with a unit."""
 
-    written = False
-
-    def __init__(self) -> None:
+    def __init__(self, written: bool = False) -> None:
+        self.written = written
         self.faults: list[Fault] = []
 
     def add(self, fault: Fault) -> None:
@@ -114,6 +113,32 @@ class Reading:
     def refuse(self, path: Path, what: str, value: str = "", limit: str = "", remedy: str = "") -> None:
         """Keeps the fault of what is at a path."""
         self.add(Fault(path, what, value, limit, remedy))
+
+    def values(self, path: Path, fields: Mapping[str, Field], table: Mapping[str, Any], others: Collection[str] = ()) -> dict[str, Any]:
+        """Values of a table, by the names of their fields; ``others`` are keys that are read elsewhere."""
+        found = {}
+        for key, value in table.items():
+            if key in fields:
+                found[fields[key].name] = value_of(fields[key]).read(value, (*path, key), self)
+            elif key not in others:
+                self.unknown((*path, key), value, (*fields, *others))
+        for key, field in fields.items():
+            if key not in table and required(field):
+                self.missing((*path, key), field)
+        return found
+
+    def unknown(self, path: Path, value: Any, known: Iterable[str] = ()) -> None:
+        """A key that its table does not have."""
+        what = "unknown table" if isinstance(value, Mapping) else "unknown key"
+        self.refuse(path, what, shown(value), "", suggestion(str(path[-1]), known, "remove it"))
+
+    def missing(self, path: Path, field: Field) -> None:
+        """A key that has to be there."""
+        self.refuse(path, "this key is missing", "", "", "add it")
+
+    def made(self, kind: type, values: Mapping[str, Any], before: int) -> Any:
+        """The object of such values; known in part if there are more faults than ``before``."""
+        return kind(**values) if len(self.faults) == before else partial(kind, values)
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
         """A noun in a field of another."""

@@ -41,7 +41,7 @@ from .drivers import Driver
 from .joints import Gear, Joint
 from .kind import Kind
 from .loads import Load
-from .reading import Given, idle
+from .reading import ScriptReading, idle
 from .springs import ForceElement
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ class Builders:
 
     def point(self, name: str, x: Any, y: Any) -> None:
         """Adds a point of the ground (m). Raises ModelError where its place is none, or there is one of this name."""
-        reading, at = Given(), ("ground", str(name))
+        reading, at = ScriptReading(), ("ground", str(name))
         found = PLACE.read((x, y), at, reading)
         if not name or "." in str(name):
             reading.refuse(("ground", ""), f"the name {shown(name)} cannot be part of a path", remedy="choose a name without dots")
@@ -172,7 +172,7 @@ class Builders:
         """
         mechanism, section = cast("Mechanism", self), section_of(type(item))
         name = name or getattr(item, "name", None) or called(vars(item))
-        reading = Given()
+        reading = ScriptReading()
         reading.fields((section, str(name)), item, bool(getattr(item, "along", False)) and section == "driver")
         faults = reading.faults + alone(mechanism, section, name, item, reading.faults)
         if faults:
@@ -214,7 +214,7 @@ def strange(path: Path, builder: Builder, leading: list[str], places: tuple[Any,
 
 def read(path: Path, kind: Any, given: Mapping[str, Any]) -> tuple[Any, list[Fault]]:
     """The object of what is given, known in part where something is refused, and the faults."""
-    reading, values = Given(), {key: given[key] for key in ("name",) if key in given}
+    reading, values = ScriptReading(), {key: given[key] for key in ("name",) if key in given}
     along = bool(given.get("slider") or given.get("point"))
     fields: dict[str, Field] = {field.name: field for field in described_fields(kind)}
     for key, field in fields.items():

@@ -13,7 +13,7 @@ from .builders import Builders
 from .drivers import Driver
 from .joints import ClearanceRevolute, Contact, Gear, Joint
 from .loads import Load
-from .reading import spoken
+from .reading import with_units
 from .springs import AnySpring, ForceElement
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ MOST_COMPANIONS = 7  # with the run itself they fill the widest vectors that ste
 Journals = Literal["centred", "seated"]
 
 
-@spoken("start")
+@with_units("start")
 @dataclass(frozen=True)
 class StartSettings:
     """How a run starts.
@@ -53,7 +53,7 @@ class StartSettings:
     )
 
 
-@spoken("run")
+@with_units("run")
 @dataclass(frozen=True)
 class Settings:
     """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
@@ -109,7 +109,7 @@ class Settings:
     iterations: int = described(Whole(1, 1_000_000_000), "of a static analysis: most iterations for a load factor", 1_000_000, only=STATIC)
 
 
-@spoken()
+@with_units()
 @dataclass
 class Mechanism(Builders):
     """Bodies, joints, drivers and loads by name; all numbers in SI units.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeAlias, TypeVar
 
 from ..errors import ArgumentError, Fault, LawError, ModelError, Path, article, kind_of, shown, suggestion
-from ..fields import Choice, Field, Reading, Text, described_fields, key_of, partial, required, value_of
+from ..fields import Choice, Field, Reading, Text, described_fields, key_of, meaning_of, partial, value_of
 from ..laws import MATERIALS, ContactLaw, FrictionLaw, Law
 from .bodies import Section
 from .joints import Contact
@@ -17,10 +17,23 @@ LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 DEFAULTS: dict[str, Any] = {field.name: field.default_factory for field in dataclasses.fields(Contact) if field.name in LAWS}
 
 
-class Parameters(Reading):
+class LawReading(Reading):
     """Reads the parameters of a law as they are written."""
 
-    written = True
+    def __init__(self, name: str) -> None:
+        super().__init__(written=True)
+        self.name = name
+
+    def unknown(self, path: Path, value: Any, known: Iterable[str] = ()) -> None:
+        """A parameter that the law does not have."""
+        remedy = suggestion(str(path[-1]), known, f'remove it, or name another law than "{self.name}"')
+        self.refuse(path, "unknown key", shown(value), "", remedy)
+
+    def missing(self, path: Path, field: Field) -> None:
+        """A parameter that the law cannot do without: its meaning and unit."""
+        meaning, unit = meaning_of(field), field.metadata.get("unit", "1")
+        needs = f"{meaning} in {unit}" if unit != "1" else meaning
+        self.refuse(path, f'the law "{self.name}" needs this key, which is missing', "", needs, "add it")
 
 
 def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fault]]:
@@ -30,17 +43,8 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
     if not isinstance(name, str) or name not in registry:
         remedy = suggestion(str(name), registry, f"name a {kind} law, and with --laws the file of one of your own")
         return None, [Fault(("law",), f"no {kind} law is called so", shown(name), "", remedy)]
-    law, reading, values = registry[name], Parameters(), {}
-    fields = {field.name: field for field in dataclasses.fields(law)}
-    for key, value in holder.items():
-        if key in fields:
-            values[key] = value_of(fields[key]).read(value, (key,), reading)
-        elif key != "law":
-            remedy = suggestion(key, fields, f'remove it, or name another law than "{name}"')
-            reading.refuse((key,), "unknown key", shown(value), "", remedy)
-    for key, field in fields.items():
-        if key not in holder and required(field):
-            reading.refuse((key,), f'the law "{name}" needs this key, which is missing', "", needs(field), "add it")
+    law, reading = registry[name], LawReading(name)
+    values = reading.values((), {field.name: field for field in dataclasses.fields(law)}, {key: holder[key] for key in holder if key != "law"})
     # Parameters that are known are compared with each other, whatever else is wrong.
     try:
         good = law(**{key: value for key, value in values.items() if value is not None})
@@ -53,12 +57,6 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
         if not reading.faults:
             reading.refuse(("",), f'the law "{name}" refuses these parameters: {error}')
     return (None, reading.faults) if reading.faults else (good, [])
-
-
-def needs(field: Field) -> str:
-    """Meaning and unit of a parameter."""
-    meaning, unit = field.metadata.get("meaning", ""), field.metadata.get("unit", "1")
-    return f"{meaning} in {unit}" if unit != "1" else str(meaning)
 
 
 def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
@@ -74,7 +72,7 @@ def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
     for key, entry in value.items():
         held = Section.shapes[key][0] if key in shapes else value_of(fields[key]) if key in fields else None
         if held is None:
-            by.unknown((*path, key), entry)
+            by.unknown((*path, key), entry, (*Section.shapes, *fields))
         else:
             read[key] = held.read(entry, (*path, key), by)
     if shapes and "extreme_fibre" in value:
@@ -99,32 +97,20 @@ Place: TypeAlias = Sequence[Quantity]  # x and y
 Table: TypeAlias = Mapping[str, Any]  # keys and values as in a model file
 
 
-class Given(Reading):
-    """Reads what a script gives: everything that a model file can say, and the nouns themselves."""
+class ScriptReading(Reading):
+    """Reads what a script gives: everything that a model file can say, and the objects themselves."""
 
-    written = True
+    def __init__(self) -> None:
+        super().__init__(written=True)
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
         """A noun, or the table of one."""
         if isinstance(value, Mapping):
-            return read_section(self, path, value) if kind is Section else self.table(path, kind, value)
+            if kind is Section:
+                return read_section(self, path, value)
+            before = len(self.faults)
+            return self.made(kind, self.values(path, {field.name: field for field in described_fields(kind)}, value), before)
         return self.one_of(path, kind, value)
-
-    def table(self, path: Path, kind: type, value: Table) -> Any:
-        """The noun of a table."""
-        before, fields = len(self.faults), {field.name: field for field in described_fields(kind)}
-        for key in value.keys() - fields.keys():
-            self.refuse((*path, key), "unknown key", shown(value[key]), "", suggestion(key, fields, "remove it"))
-        found = {key: value_of(field).read(value[key], (*path, key), self) for key, field in fields.items() if key in value}
-        for key, field in fields.items():
-            if required(field) and key not in value:
-                self.refuse((*path, key), "this key is missing", "", "", "add it")
-        return kind(**found) if len(self.faults) == before else partial(kind, found)
-
-    def unknown(self, path: Path, value: Any) -> None:
-        """A key of a section that there is not."""
-        known = (*Section.shapes, *(field.name for field in described_fields(Section)))
-        self.refuse(path, "unknown key", shown(value), "", suggestion(str(path[-1]), known, "remove it"))
 
     def named(self, path: Path, kind: type, value: Any) -> Any:
         """A material, or the name of one."""
@@ -173,7 +159,7 @@ def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
 Noun = TypeVar("Noun", bound=type)
 
 
-def spoken(*path: str) -> Callable[[Noun], Noun]:
+def with_units(*path: str) -> Callable[[Noun], Noun]:
     """Lets a dataclass take texts with units where it holds quantities. ``path``: where it stands in a model file.
 
     Making one raises ArgumentError for a keyword that it does not have, and ModelError for a text that is no such quantity. Numbers are looked at
@@ -191,7 +177,7 @@ def spoken(*path: str) -> Callable[[Noun], Noun]:
             faults = [strange((*path, key), value, names) for key, value in values.items() if key not in names]
             if faults:
                 raise ArgumentError(faults, f"{noun.__name__}()")
-            given, reading = dict(zip(names, args, strict=False)) | values, Given()
+            given, reading = dict(zip(names, args, strict=False)) | values, ScriptReading()
             if len(args) <= len(names):
                 for name in quantities & given.keys():
                     if written(given[name]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from ..errors import Fault, Path, article, kind_of, shown, suggestion
@@ -50,7 +51,7 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
         if key not in holder:
             said = f"{told[0]} and {key} go together, and {key} is missing" if key.endswith("s") else f"{told[0]} needs a {key}, which is missing"
             by.refuse((*path, key), said, "", "", "add it")
-    return what.noun(**found) if len(by.faults) == before else partial(what.noun, found)
+    return by.made(what.noun, found, before)
 
 
 def lead(one: Table) -> str:
@@ -96,10 +97,8 @@ A_TABLE = ("a table", "write its keys in a table of that name")
 class Written(Reading):
     """Reads a model file. ``shapes`` are the tables met, with their paths; ``given`` the paths of values that do not stand in the file."""
 
-    written = True
-
     def __init__(self, raw: Raw, given: set[Path]) -> None:
-        super().__init__()
+        super().__init__(written=True)
         self.raw, self.given = raw, given
         self.materials: dict[str, Material | None] = dict(MATERIALS)
         self.shapes: list[tuple[Path, Table, Raw]] = []
@@ -163,11 +162,11 @@ class Written(Reading):
                     found[what.fields[key].name] = read
         for key in what.needed:
             if key not in holder:
-                self.missing((*path, key), what, holder)
+                self.lacking((*path, key), what, holder)
         for key, field in what.fields.items():
             if key not in holder and field.default_factory is Material:  # of steel, as the file has it
                 found[field.name] = self.materials[Material().name]
-        return what.noun(**found) if len(self.faults) == before else partial(what.noun, found)
+        return self.made(what.noun, found, before)
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
         """A noun in a field of another; a section may be given by its shape."""
@@ -200,7 +199,7 @@ class Written(Reading):
         word = holder.get(field.name, field.default)
         self.add(idle(what.noun, word, users, holder[str(path[-1])]).at(path))
 
-    def unknown(self, path: Path, value: Any) -> None:
+    def unknown(self, path: Path, value: Any, known: Iterable[str] = ()) -> None:
         """A key that its table does not know, or only one of another kind."""
         key, above = str(path[-1]), path[:-1]
         known, holder = known_keys(above) or (), table(self.raw, *above)
@@ -210,10 +209,9 @@ class Written(Reading):
         elif key in known and above:
             self.add(other_kind(str(above[0]), key, holder, shown(value)).at(path))
         else:
-            what = "unknown table" if isinstance(value, dict) else "unknown key"
-            self.refuse(path, what, shown(value), "", suggestion(key, known, "remove it"))
+            super().unknown(path, value, known)
 
-    def missing(self, path: Path, what: Table, holder: Raw) -> None:
+    def lacking(self, path: Path, what: Table, holder: Raw) -> None:
         """A key that has to be there."""
         key, remedy = path[-1], "add it"
         if key == "kind" and path[0] in FAMILIES:

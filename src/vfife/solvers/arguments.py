@@ -48,10 +48,8 @@ class RunArguments:
 class Arguments(Reading):
     """Reads the arguments of a function one by one and keeps what is wrong with them; :meth:`check` raises it."""
 
-    written = True
-
     def __init__(self, function: str) -> None:
-        super().__init__()
+        super().__init__(written=True)
         self.function = function
 
     def check(self) -> None:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from ..analysis.measures import of_whole_runs
 from ..assembly.assemble import assemble
 from ..errors import Fault, ModelError, Path, StepError, VfifeError, article, kind_of, shown, suggestion
-from ..fields import Measure, Reading, Whole, partial
+from ..fields import Field, Measure, Reading, Whole, meaning_of
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -244,21 +244,17 @@ BESIDE = ("sensitivity", "tolerance", "allocation", "optimise", "limit", "cost")
 class Written(Reading):
     """Reads the tables of a study file."""
 
-    written = True
+    def __init__(self) -> None:
+        super().__init__(written=True)
 
-    def table(self, path: Path, noun: type, holder: Any, beside: tuple[str, ...] = ()) -> Any:
-        """The noun of a table, known in part where something of it was refused."""
-        what, found, before = Table(noun), dict[str, Any](), len(self.faults)
-        for key, value in holder.items():
-            if key in what.fields:
-                found[what.fields[key].name] = what.value(key).read(value, (*path, key), self)
-            elif key not in beside:
-                said = "unknown table" if isinstance(value, dict) else "unknown key"
-                self.refuse((*path, key), said, shown(value), "", suggestion(key, (*what.keys, *beside), "remove it"))
-        for key in what.needed:
-            if key not in holder:
-                self.refuse((*path, key), "this key is missing", "", what.fields[key].metadata["meaning"], "add it")
-        return noun(**found) if len(self.faults) == before else partial(noun, found)
+    def missing(self, path: Path, field: Field) -> None:
+        """A key that has to be there, and its meaning."""
+        self.refuse(path, "this key is missing", "", meaning_of(field), "add it")
+
+    def table(self, path: Path, kind: type, holder: Any) -> Any:
+        """The object of a table, known in part where something of it was refused."""
+        before = len(self.faults)
+        return self.made(kind, self.values(path, Table(kind).fields, holder), before)
 
 
 @dataclass(frozen=True)
