@@ -12,7 +12,7 @@ from vfife.errors import ModelError
 from vfife.modelfile import load
 from vfife.results.view import standing
 from vfife.study.maps import section_series
-from vfife.study.maps.basins import basins, planned
+from vfife.study.maps.basins import BasinSpec, basins, planned
 from vfife.study.maps.bifurcation import bifurcation
 from vfife.study.maps.section_series import SEARCH_TURNS, default_series, models_along, run_step, step_count, variations
 from vfife.study.maps.sections import poincare_section
@@ -43,7 +43,8 @@ def test_a_map_takes_the_step_that_a_run_finds(monkeypatch) -> None:
     monkeypatch.setattr(section_series, "run_step", lambda model: 1e-5)
     assert poincare_section(light(0.2), turns=2, dropped=0).asked.steps == int(np.ceil(2e3 * np.pi))
     grid = ("start.crank", 0.0, 1.0), ("start.pin.vx", 0.0, 0.1)
-    assert planned(light(0.3), *grid, (2, 2), 2, 1, (), 0.0, None, False, 0).steps == int(np.ceil(2e3 * np.pi))
+    asked = BasinSpec("", (grid[0][0], grid[1][0]), ("", ""), (0.0, 1.0), (0.0, 0.1), 2, 1, (), 0.0, 0, False, 0)
+    assert planned(light(0.3), asked, grid, None, lambda *_: None).steps == int(np.ceil(2e3 * np.pi))
 
 
 def test_the_step_of_a_sweep_is_the_finest_of_ends_and_middle(monkeypatch) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -196,7 +196,10 @@ def basins(
                        first_look=FIRST_LOOK)  # fmt: skip
         job.begin(work.forecast(first, file))
 
-    asked = planned(mechanism, x, y, count, turns, dropped, series, phase, step, exponents, companions, begin)
+    grid = [tuple(np.linspace(low, high, some).tolist()) for (_, low, high), some in zip((x, y), count, strict=True)]
+    paths, names = (x[0], y[0]), tuple(series)
+    asked = BasinSpec(dump(mechanism), paths, ("", ""), grid[0], grid[1], turns, dropped, names, phase, 0, exponents, companions)
+    asked = planned(mechanism, asked, (x, y), step, begin)
     with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
         known = kept.legs(gaps=True) if kept is not None else {}
         beside = unpacked(kept.array(BESIDE)) if kept is not None else []
@@ -229,31 +232,27 @@ def basins(
 
 
 def planned(
-    mechanism: Mechanism, x: Range, y: Range, count: tuple[int, int], turns: int, dropped: int, series: Sequence[str], phase: float,
-    step: float | None, exponents: bool, companions: int, begin: Callable[[Assembly, int], None],
-) -> BasinSpec:  # fmt: skip
-    """What is asked; ``begin`` sees the model at its own start, and the steps of a turn.
+    mechanism: Mechanism, asked: BasinSpec, ranges: tuple[Range, Range], step: float | None, begin: Callable[[Assembly, int], None]
+) -> BasinSpec:
+    """What is asked, with units, series and steps; ``begin`` sees the model at its own start, and the steps of a turn.
 
     Raises ModelError for numbers that there are not, or that do not leave members side by side.
     """
-    refuse_idle(mechanism, turns, dropped)
+    refuse_idle(mechanism, asked.turns, asked.dropped)
     units = []
-    for name, (path, _, _) in (("x", x), ("y", y)):
+    for name, path in zip("xy", asked.paths, strict=True):
         try:
             units.append(unit_of_start(mechanism, path))
         except ValueError as error:
             raise ModelError([Fault(name, str(error))], mechanism.name) from None
-    if x[0] == y[0]:
-        raise ModelError([Fault("y", "this is the number that x is", x[0], "two numbers", "name another one")], mechanism.name)
-    refuse_contradiction(mechanism, (x[0], y[0]))
-    text = dump(mechanism)
-    steps = step_count(models_along(mechanism, (x, y)), step, search=True)
+    if asked.paths[0] == asked.paths[1]:
+        raise ModelError([Fault("y", "this is the number that x is", asked.paths[0], "two numbers", "name another one")], mechanism.name)
+    refuse_contradiction(mechanism, asked.paths)
+    steps = step_count(models_along(mechanism, ranges), step, search=True)
     first = Starts(mechanism, steps).at({})
     refuse_large_frame(first)
     begin(first, steps)
-    chosen, _ = chosen_series(first, series)
-    values = [tuple(np.linspace(low, high, some).tolist()) for (_, low, high), some in zip((x, y), count, strict=True)]
-    return BasinSpec(text, (x[0], y[0]), (units[0], units[1]), values[0], values[1], turns, dropped, chosen, phase, steps, exponents, companions)
+    return replace(asked, units=(units[0], units[1]), series=chosen_series(first, asked.series)[0], steps=steps)
 
 
 def together(name: str, asked: BasinSpec, known: Mapping[int, tuple[Array, Array]], beside: Sequence[Companion]) -> Basins:

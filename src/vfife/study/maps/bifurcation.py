@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -261,7 +261,9 @@ def bifurcation(
         work = MapWork("value", count * max(len(starts), 1), turns, dropped, steps, lanes, numbers, companions, first_look=FIRST_LOOK)
         job.begin(work.forecast(first, file))
 
-    asked, every = planned(mechanism, path, values, turns, dropped, series, phase, step, starts, companions, begin)
+    own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)
+    asked = SweepSpec(dump(mechanism), path, tuple(map(float, values)), turns, dropped, tuple(series), phase, 0, starts=own, companions=companions)
+    asked, every = planned(mechanism, asked, step, begin)
     refuse(asked, every)
     with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
         known = Legs(asked) if kept is None else Legs.of(asked, kept)
@@ -278,22 +280,19 @@ def bifurcation(
     return known.diagram(mechanism.name)
 
 
-def planned(
-    mechanism: Mechanism, path: str, values: Array, turns: int, dropped: int, series: Sequence[str], phase: float, step: float | None,
-    starts: Sequence[Mapping[str, float]], companions: int, begin: Callable[[Assembly, int], None],
-) -> tuple[SweepSpec, list[Assembly]]:  # fmt: skip
-    """What is asked, and the model at each value, stepped alike; ``begin`` sees the first of them and the steps of a turn before the others."""
-    text = dump(mechanism)
-    refuse_idle(mechanism, turns, dropped)
-    for one in starts:
-        refuse_contradiction(mechanism, (path, *one))
-    steps = step_count(models_along(mechanism, ((path, float(values[0]), float(values[-1])),)), step, search=True)
-    begin(stepped(loads(text, set=[(path, float(values[0]))]), steps), steps)
-    every = assembled(text, path, values.tolist(), steps)
-    chosen, units = chosen_series(every[0], series)
-    own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)
-    unit = unit_at(mechanism, path)
-    return SweepSpec(text, path, tuple(map(float, values)), turns, dropped, chosen, phase, steps, unit, units, own, companions), every
+def planned(mechanism: Mechanism, asked: SweepSpec, step: float | None, begin: Callable[[Assembly, int], None]) -> tuple[SweepSpec, list[Assembly]]:
+    """What is asked, with steps, series and units, and the model at each value, stepped alike; ``begin`` sees the first of them and the steps of a
+    turn before the others.
+    """
+    path, values = asked.path, asked.values
+    refuse_idle(mechanism, asked.turns, asked.dropped)
+    for one in asked.starts:
+        refuse_contradiction(mechanism, (path, *dict(one)))
+    steps = step_count(models_along(mechanism, ((path, values[0], values[-1]),)), step, search=True)
+    begin(stepped(loads(asked.model, set=[(path, values[0])]), steps), steps)
+    every = assembled(asked.model, path, values, steps)
+    series, units = chosen_series(every[0], asked.series)
+    return replace(asked, series=series, steps=steps, unit=unit_at(mechanism, path), units=units), every
 
 
 def assembled(text: str, path: str, values: Sequence[float], steps: int) -> list[Assembly]:

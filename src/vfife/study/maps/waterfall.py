@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -191,7 +191,9 @@ def waterfall(
             "run", count, turns, turns - last, steps, max(lanes, 3), numbers, growth=False, start=ASSEMBLY, first_look=(FIRST_LOOK, turns)
         )
         job.begin(work.forecast(placed(mechanism, step, turns, outputs), file))
-    asked, assemblies = planned(mechanism, path, np.linspace(low, high, count), turns, last, tuple(series), outputs, highest, window, step)
+    values = tuple(map(float, np.linspace(low, high, count)))
+    asked = WaterfallSpec(text, path, "", values, turns, last, window, tuple(series), (), outputs, highest, step or 0.0)
+    asked, assemblies = planned(mechanism, asked)
     places = round(asked.highest * asked.last) + 1
     with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
         found = {} if kept is None else {number: points for number, (points, _) in kept.legs(gaps=True).items()}
@@ -235,43 +237,37 @@ def laid_out(name: str, asked: WaterfallSpec, found: Mapping[int, Array]) -> Wat
     return Waterfall(name, asked, np.arange(places) / asked.last, turn, amplitudes, len(found), broken)
 
 
-def planned(
-    mechanism: Mechanism, path: str, values: Array, turns: int, last: int, series: tuple[str, ...], outputs: int, highest: float, window: str,
-    step: float | None,
-) -> tuple[WaterfallSpec, list[Assembly]]:  # fmt: skip
-    """What is asked, and the model at each value."""
-    window_of(window, 8)
-    faults = []
+def planned(mechanism: Mechanism, asked: WaterfallSpec) -> tuple[WaterfallSpec, list[Assembly]]:
+    """What is asked, with step, series and units where they are left open, and the model at each value. Raises ModelError."""
+    window_of(asked.window, 8)
+    last, turns, outputs, faults = asked.last, asked.turns, asked.outputs, []
     if turn_of(mechanism) is None:
         faults.append(Fault("driver", "no crank turns at constant speed, so there are no orders", "", "", "drive a body"))
     if not 1 <= last <= turns:
         faults.append(Fault("last", "so many turns are not made", str(last), f"1 to {turns}", "transform fewer, or make more turns"))
-    if last < (least := len(COSINES[window])):
-        faults.append(Fault("last", f"under the window {window} an order runs into the next", str(last), f"at least {least}", "take more turns"))
-    if not 0.0 < highest <= 0.5 * outputs:
-        faults.append(Fault("highest", "no such order is seen", f"{highest:g}", f"up to half the {outputs} outputs of a turn", "ask for more"))
+    if last < (least := len(COSINES[asked.window])):
+        what = f"under the window {asked.window} an order runs into the next"
+        faults.append(Fault("last", what, str(last), f"at least {least}", "take more turns"))
+    if not 0.0 < asked.highest <= 0.5 * outputs:
+        limit = f"up to half the {outputs} outputs of a turn"
+        faults.append(Fault("highest", "no such order is seen", f"{asked.highest:g}", limit, "ask for more"))
     if faults:
         raise ModelError(faults, mechanism.name)
-    text = dump(mechanism)
-    models = [loads(text, set=[(path, float(value))]) for value in values]
-    still = [float(value) for value, model in zip(values, models, strict=True) if turn_of(model) is None]
+    models = [loads(asked.model, set=[(asked.path, value)]) for value in asked.values]
+    still = [value for value, model in zip(asked.values, models, strict=True) if turn_of(model) is None]
     if still:
-        raise ModelError(
-            [Fault(path, "no crank turns here, so there are no orders", f"{still[0]:g}", "", "leave it out of the range")], mechanism.name
-        )
-    if step is None:
-        step = automatic(models)
+        what = "no crank turns here, so there are no orders"
+        raise ModelError([Fault(asked.path, what, f"{still[0]:g}", "", "leave it out of the range")], mechanism.name)
+    step = asked.step or automatic(models)
     assemblies = [placed(model, step, turns, outputs) for model in models]
     refuse_large_frame(assemblies[0])
     start = standing(assemblies[0])
-    series = series or usual(assemblies[0], list(start.series))
+    series = asked.series or usual(assemblies[0], list(start.series))
     refuse_unknown("series", series, list(start.series), "the mechanism has none of this name", "name one that it has", mechanism.name)
     if not series:
         raise ModelError([Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")], mechanism.name)
     units = tuple(unit_of(start, name) for name in series)
-    return WaterfallSpec(
-        text, path, unit_at(mechanism, path), tuple(map(float, values)), turns, last, window, series, units, outputs, highest, step
-    ), assemblies
+    return replace(asked, unit=unit_at(mechanism, asked.path), series=series, units=units, step=step), assemblies
 
 
 def last_of(last: int | None, turns: int) -> int:

@@ -88,7 +88,9 @@ def wear(
     the same call goes on there. Ctrl-C leaves what is complete. ``confirm``: go on even where the first block shows that it takes more than an
     hour. Raises ModelError for a mechanism that does not wear so, HeldError where another process writes the file.
     """
-    asked, surfaces = planned(mechanism, turns, block, settle, tolerance, harmonics, clearance, force, step)
+    asked = WearSpec(dump(mechanism), float(turns), block, settle, tolerance, harmonics, clearance, force)
+    surfaces = wearing_surfaces(mechanism, asked)
+    asked = dataclasses.replace(asked, steps=-(-step_count([mechanism], step) // PLACES) * PLACES)
     began, points, apart = time.monotonic(), list[WearPoint](), tuple[float, ...]()
     new = file is not None and not Path(file).exists()
     report: Any = progress
@@ -132,36 +134,26 @@ def load_wear(path: str | Path) -> Worn:
     return worn_of(said["name"], WearSpec(**said["asked"]), points, apart)
 
 
-def planned(
-    mechanism: Mechanism,
-    turns: float,
-    block: int,
-    settle: int,
-    tolerance: float,
-    harmonics: int,
-    clearance: float | None,
-    force: float | None,
-    step: float | None,
-) -> tuple[WearSpec, list[Surface]]:
-    """What is asked, and the surfaces that wear. Raises ModelError with all that is wrong."""
+def wearing_surfaces(mechanism: Mechanism, asked: WearSpec) -> list[Surface]:
+    """The surfaces that wear. Raises ModelError with all that is wrong with them or with what is asked."""
     surfaces, faults = surfaces_of(mechanism), []
     if turn_of(mechanism) is None:
         faults.append(Fault("driver", "no crank turns at constant speed, so there are no turns to count", "", "", "drive a body"))
     if not surfaces:
         what = "no journal in a bearing wears: there is no coefficient above zero"
         faults.append(Fault("joint", what, "", "", 'give a joint with clearance a table wear, as in wear = { bearing = "1e-15 1/Pa" }'))
-    for name, value, low in (("turns", turns, 1.0), ("block", block, 1), ("settle", settle, 1), ("harmonics", harmonics, 0)):
-        if not value >= low:
+    for name, low in (("turns", 1.0), ("block", 1), ("settle", 1), ("harmonics", 0)):
+        if not (value := getattr(asked, name)) >= low:
             faults.append(Fault(name, "too small", f"{value:g}", f"at least {low:g}", "give more"))
-    if not 0.0 < tolerance <= 1.0:
-        faults.append(Fault("tolerance", "out of range", f"{tolerance:g}", "a share above 0 and up to 1", "for example 0.01"))
-    if not faults and clearance is not None and clearance <= max(surface.clearance for surface in surfaces):
-        limit = f"above {max(surface.clearance for surface in surfaces):g} m"
-        faults.append(Fault("clearance", "a joint has as much play from the start", f"{clearance:g} m", limit, "give a larger limit"))
+    if not 0.0 < asked.tolerance <= 1.0:
+        faults.append(Fault("tolerance", "out of range", f"{asked.tolerance:g}", "a share above 0 and up to 1", "for example 0.01"))
+    largest = max((surface.clearance for surface in surfaces), default=0.0)
+    if not faults and asked.clearance is not None and asked.clearance <= largest:
+        what = "a joint has as much play from the start"
+        faults.append(Fault("clearance", what, f"{asked.clearance:g} m", f"above {largest:g} m", "give a larger limit"))
     if faults:
         raise ModelError(faults, mechanism.name)
-    steps = -(-step_count([mechanism], step) // PLACES) * PLACES
-    return WearSpec(dump(mechanism), float(turns), block, settle, tolerance, harmonics, clearance, force, steps), surfaces
+    return surfaces
 
 
 class WearSimulation:

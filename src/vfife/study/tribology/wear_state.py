@@ -56,7 +56,7 @@ class WearSpec:
     harmonics: int
     clearance: float | None
     force: float | None
-    steps: int
+    steps: int = 0
 
 
 @dataclass(frozen=True)
