@@ -8,7 +8,7 @@ import pytest
 
 from vfife import gallery
 from vfife.errors import VfifeError
-from vfife.live.patches import Settings, patched
+from vfife.live.patches import Assembler, patched
 from vfife.live.sliders import Slide, asked_slides, default_slides, value_at
 from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump
@@ -26,9 +26,9 @@ def same(one, other) -> bool:
 
 def every_setting(found, mechanism):
     """Each setting as patches give it and as assembly does, with the numbers and the model file of both."""
-    settings = Settings(mechanism, found.slides, found.base.own.choice.step)
+    assembler = Assembler(mechanism, found.base.own.choice.step)
     for positions in itertools.product(*(range(len(slide.values)) for slide in found.slides)):
-        wanted = settings.at(positions)
+        wanted = assembler.at(found.slides, positions)
         assert wanted is not None
         yield found.laid(positions), wanted.vector, found.written(positions), dump(wanted.own.mechanism)
 
@@ -68,11 +68,11 @@ def test_where_a_grid_would_be_too_coarse_one_slider_moves_at_a_time():
     (group,) = (group for group in found.groups if group.singly)
     assert group.sliders == (0, 1, 2, 3) and len(group.values) == 5
     assert "one at a time" in found.notes[-1]
-    settings = Settings(mechanism, found.slides, found.base.own.choice.step)
+    assembler = Assembler(mechanism, found.base.own.choice.step)
     here = [slide.here for slide in found.slides]
     for s, slide in enumerate(found.slides):
         positions = tuple(1 - slide.here if k == s else one for k, one in enumerate(here))
-        assert same(found.laid(positions), settings.at(positions).vector)
+        assert same(found.laid(positions), assembler.at(found.slides, positions).vector)
     with pytest.raises(ValueError):
         found.laid([1 - one for one in here])
 

@@ -10,10 +10,9 @@ import itertools
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from copy import copy
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +30,8 @@ from .sliders import POSITIONS, Slide
 from .together import Together, refuse_unfit, together, turned
 
 Array = NDArray[np.float64]
+Slides: TypeAlias = tuple[Slide, ...]
+Setting: TypeAlias = tuple[int, ...]  # a position of each slider
 GROUP_COMBINATIONS = 400  # of the positions of sliders that have to be assembled together
 FEWEST = 7  # positions of such a slider; where there would be fewer, one slider of the group moves at a time
 CHECKED = 12  # positions of all sliders at once that are assembled to be compared
@@ -104,114 +105,124 @@ class Patched:
         return {"slides": slides, "groups": groups, "notes": list(self.notes), "texts": self.texts}
 
 
-OTHERWISE = "it has other parts, or other outputs, than the page; over turns, in place of a duration, a speed keeps its outputs"
+UNLIKE = "it has other parts, or other outputs, than the page; over turns, in place of a duration, a speed keeps its outputs"
 
 
-class Settings:
-    """Settings of sliders, and what assembly gives for each of them with one number of steps between outputs."""
+class Assembler:
+    """Assembles a model at settings of sliders, always with one number of steps between outputs, and keeps every answer.
 
-    def __init__(self, mechanism: Mechanism, slides: Sequence[Slide], step: float | None, going: Callable[[], None] = lambda: None) -> None:
-        self.going = going
-        self.slides, self.text, self.given = tuple(slides), dump(mechanism), step
+    A setting is the position of each slider. ``before_assembly`` is called before each assembly; what it raises ends the whole.
+    """
+
+    def __init__(self, mechanism: Mechanism, step: float | None, before_assembly: Callable[[], None] = lambda: None) -> None:
+        self.before_assembly = before_assembly
+        self.text, self.fixed = dump(mechanism), step is not None
         self.ideals: list[Assembly] = []
         self.expected: Mapping[str, float] = {}
         if step is None:
             refuse_unfit(mechanism)
             prepared = prepare(mechanism, RunArguments(companions=0))
             step, self.expected = prepared.assembly.choice.step, expected_forces(prepared.reference)
-        self.base = together(mechanism, step, force=self.given is not None, known=self.ideals)
-        self.every = self.base.own.choice.outputs_every
-        self.known: dict[tuple[Any, ...], Together | None] = {}
-        self.why = ""  # the last of those that no model may have cannot be run
+        self.base = together(mechanism, step, force=self.fixed, known=self.ideals)
+        self.answers: dict[tuple[Any, ...], Together | str] = {}
 
-    @property
-    def here(self) -> tuple[int, ...]:
-        """The model's own setting."""
-        return tuple(slide.here for slide in self.slides)
-
-    def moved(self, moves: dict[int, int]) -> tuple[int, ...]:
-        """The model's own setting with some sliders moved."""
-        return tuple(moves.get(s, here) for s, here in enumerate(self.here))
-
-    def mechanism(self, positions: tuple[int, ...]) -> Mechanism:
+    def mechanism(self, slides: Slides, positions: Setting) -> Mechanism:
         """The model at a setting."""
-        settings = [one for slide, k in zip(self.slides, positions, strict=True) if k != slide.here for one in slide.set(k)]
-        return loads(self.text, set=settings)
+        changes = [change for slide, k in zip(slides, positions, strict=True) if k != slide.here for change in slide.set(k)]
+        return loads(self.text, set=changes)
 
-    def refine(self) -> None:
-        """Takes as many steps between two outputs as each slider needs at its harder end, and all do there at once: one step serves all."""
-        if self.given is not None or not self.slides:
+    def refine(self, slides: Slides) -> None:
+        """Take as many steps between two outputs as each slider needs at its harder end, and all do there at once: one step serves all."""
+        if self.fixed or not slides:
             return
-        hardest = {}
-        for s, slide in enumerate(self.slides):
-            ends = [(self._every({s: k}), k) for k in (0, len(slide.values) - 1)]
-            hardest[s] = max(ends)[1]
-        self.every = max(self.every, self._every(hardest), *(self._every({s: k}) for s, k in hardest.items()))
+        hardest = {s: max((self._every(slides, {s: k}), k) for k in ends_of(slide))[1] for s, slide in enumerate(slides)}
+        moves = [hardest, *({s: k} for s, k in hardest.items())]
         choice = self.base.own.choice
-        if self.every != choice.outputs_every:
-            self.base = together(self.base.own.mechanism, choice.step * choice.outputs_every / self.every)
+        every = max(choice.outputs_every, *(self._every(slides, one) for one in moves))
+        if every != choice.outputs_every:
+            self.base = together(self.base.own.mechanism, choice.step * choice.outputs_every / every)
 
-    def _every(self, moves: dict[int, int]) -> int:
+    def _every(self, slides: Slides, moves: Mapping[int, int]) -> int:
         """Steps between two outputs that a setting would have by itself; 0 for one that no model may have."""
-        self.going()
+        self.before_assembly()
         with suppress(VfifeError):
-            return assemble(self.mechanism(self.moved(moves)), expected=self.expected).choice.outputs_every
+            return assemble(self.mechanism(slides, moved(slides, moves)), expected=self.expected).choice.outputs_every
         return 0
 
-    def at(self, positions: tuple[int, ...]) -> Together | None:
-        """Both mechanisms at a setting; None for one that no model may have, or that another text would run."""
-        self.going()
-        if positions == self.here:
+    def answer(self, slides: Slides, positions: Setting) -> Together | str:
+        """Both mechanisms at a setting; the reason why the page cannot run a setting that no model may have, or that another text would run."""
+        self.before_assembly()
+        key = tuple((slide.paths, slide.values[k]) for slide, k in zip(slides, positions, strict=True) if k != slide.here)
+        if not key:
             return self.base
-        key = tuple((slide.paths, slide.values[k]) for slide, k in zip(self.slides, positions, strict=True) if k != slide.here)
-        if key not in self.known:
-            try:
-                mechanism = self.mechanism(positions)
-                turn, ideal = turn_of(mechanism), self.base.ideal
-                steps = turned(self.base.own, turn), None if ideal is None else turned(ideal, turn)
-                found = together(mechanism, *steps, force=self.given is not None, known=self.ideals)
-                fits = self.base.same_kind(found)
-                self.known[key] = found if fits else None
-                self.why = self.why if fits else OTHERWISE
-            except VfifeError as error:
-                self.known[key], self.why = None, str(error).split("\n", 1)[0]
-        return self.known[key]
+        if key not in self.answers:
+            self.answers[key] = self._assembled(slides, positions)
+        return self.answers[key]
+
+    def _assembled(self, slides: Slides, positions: Setting) -> Together | str:
+        try:
+            mechanism = self.mechanism(slides, positions)
+            turn, ideal = turn_of(mechanism), self.base.ideal
+            steps = turned(self.base.own, turn), None if ideal is None else turned(ideal, turn)
+            found = together(mechanism, *steps, force=self.fixed, known=self.ideals)
+        except VfifeError as error:
+            return str(error).split("\n", 1)[0]
+        return found if self.base.same_kind(found) else UNLIKE
+
+    def at(self, slides: Slides, positions: Setting) -> Together | None:
+        """Both mechanisms at a setting; None where the page cannot run it."""
+        found = self.answer(slides, positions)
+        return None if isinstance(found, str) else found
 
 
-def patched(mechanism: Mechanism, slides: Sequence[Slide], step: float | None = None, going: Callable[[], None] = lambda: None) -> Patched:
-    """Assembles the positions of all sliders, groups those whose patches do not combine, and checks settings of all of them at once.
+def moved(slides: Slides, moves: Mapping[int, int]) -> Setting:
+    """The model's own setting with some sliders moved."""
+    return tuple(moves.get(s, slide.here) for s, slide in enumerate(slides))
 
-    ``going`` is called before each assembly; what it raises ends the whole.
+
+def ends_of(slide: Slide) -> tuple[int, int]:
+    """The first and the last position of a slider."""
+    return 0, len(slide.values) - 1
+
+
+def patched(
+    mechanism: Mechanism, slides: Sequence[Slide], step: float | None = None, before_assembly: Callable[[], None] = lambda: None
+) -> Patched:
+    """Assemble the positions of all sliders, group those whose patches do not combine, and check settings of all of them at once.
+
+    ``before_assembly`` is called before each assembly; what it raises ends the whole.
     """
-    settings = Settings(mechanism, slides, step, going)
-    settings.refine()
-    settings, notes = usable(settings)
-    groups = joined(settings)
-    for _ in range(len(settings.slides)):
-        settings = thinned(settings, groups)
-        found = Patched(settings.base, settings.slides, tuple(group(settings, sliders) for sliders in groups), tuple(notes))
-        if len(groups) < 2 or differing(found, settings) is None:
-            notes += [f"{', '.join(found.slides[s].name for s in one.sliders)}: these move one at a time" for one in found.groups if one.singly]
-            found = replace(found, notes=tuple(notes))
-            return replace(found, texts=all(found.written(positions) == dump(one.own.mechanism) for positions, one in checked(found, settings)))
-        groups = [tuple(sorted(itertools.chain(*groups)))]
-    return Patched(settings.base, (), (), tuple(notes))
+    assembler = Assembler(mechanism, step, before_assembly)
+    assembler.refine(tuple(slides))
+    usable, notes = runnable(assembler, slides)
+    found = combined(assembler, usable, grouped(assembler, usable))
+    if len(found.groups) > 1 and differing(found, assembler) is not None:
+        # Patches that combine pair by pair need not combine all at once. Then all sliders are one group, whose combinations are assembled.
+        found = combined(assembler, found.slides, [tuple(range(len(found.slides)))])
+    notes += [f"{', '.join(found.slides[s].name for s in one.sliders)}: these move one at a time" for one in found.groups if one.singly]
+    texts = all(found.written(positions) == dump(one.own.mechanism) for positions, one in checked(found, assembler))
+    return replace(found, notes=tuple(notes), texts=texts)
 
 
-def usable(settings: Settings) -> tuple[Settings, list[str]]:
-    """Sliders without the positions that no model may have; a sentence for each that lost some."""
-    kept, notes = [], []
-    for s, slide in enumerate(settings.slides):
-        settings.why = ""
-        good = [k for k in range(len(slide.values)) if settings.at(settings.moved({s: k})) is not None]
-        if len(good) < len(slide.values):
-            notes.append(
-                f"{slide.name}: {len(slide.values) - len(good)} of {len(slide.values)} positions cannot be run and are left out"
-                + (f", as the last of them: {settings.why}" if settings.why else "")
-            )
+def combined(assembler: Assembler, slides: Slides, groups: Sequence[tuple[int, ...]]) -> Patched:
+    """The patches of all groups, for the positions that they keep."""
+    slides = thinned(slides, groups)
+    return Patched(assembler.base, slides, tuple(group(assembler, slides, sliders) for sliders in groups))
+
+
+def runnable(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Slides, list[str]]:
+    """Sliders without the positions that cannot be run; a sentence for each slider that lost some."""
+    found, notes = [], []
+    for s, slide in enumerate(slides):
+        answers = [assembler.answer(tuple(slides), moved(tuple(slides), {s: k})) for k in range(len(slide.values))]
+        good = [k for k, answer in enumerate(answers) if not isinstance(answer, str)]
+        reasons = [answer for answer in answers if isinstance(answer, str)]
+        if reasons:
+            lost = f"{len(reasons)} of {len(answers)} positions cannot be run and are left out"
+            notes.append(f"{slide.name}: {lost}, as the last of them: {reasons[-1]}")
         if len(good) > 1:
-            kept.append(with_positions(slide, good))
-    return again(settings, kept), notes
+            found.append(with_positions(slide, good))
+    return tuple(found), notes
 
 
 def with_positions(slide: Slide, kept: Sequence[int]) -> Slide:
@@ -220,41 +231,36 @@ def with_positions(slide: Slide, kept: Sequence[int]) -> Slide:
     return replace(slide, values=values, here=values.index(slide.values[slide.here]))
 
 
-def again(settings: Settings, slides: Sequence[Slide]) -> Settings:
-    """Settings of other sliders over the same model with the same step."""
-    found = copy(settings)
-    found.slides = tuple(slides)
-    return found
-
-
 def differs(one: Array, other: Array) -> NDArray[np.bool_]:
     """Where two vectors differ in a bit."""
     return np.asarray(one.view(np.uint64) != other.view(np.uint64))
 
 
-def joined(settings: Settings) -> list[tuple[int, ...]]:
+def grouped(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]:
     """Sliders by group: two share one where their patches meet in a row, or do not give together what assembly gives."""
-    slides, base = settings.slides, settings.base.vector
-    ends = [(0, len(slide.values) - 1) for slide in slides]
-    own = {(s, k): of(settings.at(settings.moved({s: k})), base) for s, pair in enumerate(ends) for k in pair}
-    touched = [differs(own[s, ends[s][0]], base) | differs(own[s, ends[s][1]], base) for s in range(len(slides))]
+    base, ends = assembler.base.vector, [ends_of(slide) for slide in slides]
+    own = {(s, k): vector_at(assembler, slides, {s: k}) for s, pair in enumerate(ends) for k in pair}
+    rows = [differs(own[s, first], base) | differs(own[s, last], base) for s, (first, last) in enumerate(ends)]
     group_of = list(range(len(slides)))
     for a, b in itertools.combinations(range(len(slides)), 2):
         if group_of[a] == group_of[b]:
             continue
-        apart = bool((touched[a] & touched[b]).any())
-        for i, j in () if apart else zip(ends[a], ends[b], strict=True):
-            both = settings.at(settings.moved({a: i, b: j}))
-            laid = np.where(differs(own[a, i], base), own[a, i], own[b, j])
-            apart = apart or both is None or bool(differs(laid, both.vector).any())
-        if apart:
+        overlap = bool((rows[a] & rows[b]).any())
+        if overlap or not all(_add_up(assembler, slides, own, (a, i), (b, j)) for i, j in zip(ends[a], ends[b], strict=True)):
             group_of = [group_of[a] if g == group_of[b] else g for g in group_of]
     return [tuple(s for s, g in enumerate(group_of) if g == which) for which in dict.fromkeys(group_of)]
 
 
-def of(found: Together | None, base: Array) -> Array:
-    """The numbers of a setting; those of the model where it has none."""
-    return base if found is None else found.vector
+def _add_up(assembler: Assembler, slides: Slides, own: Mapping[tuple[int, int], Array], first: tuple[int, int], second: tuple[int, int]) -> bool:
+    """Whether the patches of two sliders at a position, laid on one another, are what assembly gives for both."""
+    both = assembler.at(slides, moved(slides, dict((first, second))))
+    laid = np.where(differs(own[first], assembler.base.vector), own[first], own[second])
+    return both is not None and not differs(laid, both.vector).any()
+
+
+def vector_at(assembler: Assembler, slides: Slides, moves: Mapping[int, int]) -> Array:
+    """The numbers at a setting; those of the model where it cannot be run."""
+    return (assembler.at(slides, moved(slides, moves)) or assembler.base).vector
 
 
 def single(sliders: tuple[int, ...]) -> bool:
@@ -271,33 +277,31 @@ def combinations(slides: Sequence[Slide], sliders: tuple[int, ...], singly: bool
     return [here, *moved]
 
 
-def thinned(settings: Settings, groups: Sequence[tuple[int, ...]]) -> Settings:
+def thinned(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides:
     """Fewer positions for sliders that are assembled together."""
-    slides = list(settings.slides)
+    found = list(slides)
     for sliders in groups:
         most = int(GROUP_COMBINATIONS ** (1.0 / len(sliders))) if len(sliders) > 1 and not single(sliders) else POSITIONS + 1
         for s in sliders:
-            count = len(slides[s].values)
-            if count > most and not (slides[s].whole and len(sliders) == 1):
+            count = len(found[s].values)
+            if count > most and not (found[s].whole and len(sliders) == 1):
                 even = {round(k * (count - 1) / (most - 1)) for k in range(most)}
-                gaps = {abs(k - slides[s].here): k for k in even}
-                slides[s] = with_positions(slides[s], sorted({*(even - {gaps[min(gaps)]}), slides[s].here}))
-    return again(settings, slides) if tuple(slides) != settings.slides else settings
+                nearest = min(even, key=lambda k, here=found[s].here: (abs(k - here), -k))  # type: ignore[misc]
+                found[s] = with_positions(found[s], sorted({*(even - {nearest}), found[s].here}))
+    return tuple(found)
 
 
-def group(settings: Settings, sliders: tuple[int, ...]) -> Group:
+def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Group:
     """The patches of a group."""
-    base, lines = settings.base.vector, settings.text.splitlines()
-    found = [
-        settings.at(settings.moved(dict(zip(sliders, positions, strict=True)))) or settings.base
-        for positions in combinations(settings.slides, sliders, single(sliders))
-    ]
+    base, lines, singly = assembler.base.vector, assembler.text.splitlines(), single(sliders)
+    settings = (moved(slides, dict(zip(sliders, at, strict=True))) for at in combinations(slides, sliders, singly))
+    found = [assembler.at(slides, positions) or assembler.base for positions in settings]
     changed = np.zeros(len(base), dtype=bool)
     for one in found:
         changed |= differs(one.vector, base)
     rows = np.flatnonzero(changed)
     texts = [dump(one.own.mechanism).splitlines() for one in found]
-    return Group(sliders, single(sliders), rows, np.array([one.vector[rows] for one in found]), tuple(rewritten(lines, text) for text in texts))
+    return Group(sliders, singly, rows, np.array([one.vector[rows] for one in found]), tuple(rewritten(lines, text) for text in texts))
 
 
 def rewritten(lines: list[str], text: list[str]) -> dict[int, str | None]:
@@ -312,7 +316,7 @@ def rewritten(lines: list[str], text: list[str]) -> dict[int, str | None]:
     return found
 
 
-def checked(found: Patched, settings: Settings) -> Iterator[tuple[tuple[int, ...], Together]]:
+def checked(found: Patched, assembler: Assembler) -> Iterator[tuple[Setting, Together]]:
     """Some settings of all sliders at once, and what assembly gives for them."""
     draw = random.Random(1)
     for _ in range(CHECKED):
@@ -320,10 +324,10 @@ def checked(found: Patched, settings: Settings) -> Iterator[tuple[tuple[int, ...
         for group in (group for group in found.groups if group.singly):
             for s in set(group.sliders) - {draw.choice(group.sliders)}:
                 positions[s] = found.slides[s].here
-        if (both := settings.at(tuple(positions))) is not None:
+        if (both := assembler.at(found.slides, tuple(positions))) is not None:
             yield tuple(positions), both
 
 
-def differing(found: Patched, settings: Settings) -> tuple[int, ...] | None:
+def differing(found: Patched, assembler: Assembler) -> Setting | None:
     """A setting for which the patches do not give what assembly gives, to the bit; None where all that were tried do."""
-    return next((positions for positions, both in checked(found, settings) if differs(found.laid(positions), both.vector).any()), None)
+    return next((positions for positions, both in checked(found, assembler) if differs(found.laid(positions), both.vector).any()), None)

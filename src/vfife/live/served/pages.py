@@ -104,7 +104,7 @@ class Pages:
             self.current = None
 
     def _assemble(self, document: Document, key: Key, mechanism: Any, step: float | None) -> None:
-        def going() -> None:
+        def before_assembly() -> None:
             if self.closed or document.version != key[1]:
                 raise Superseded
             if self.newer:  # what was asked for last goes first; this one begins anew after it
@@ -121,7 +121,7 @@ class Pages:
             if not slides:
                 self.told({**about, "said": ""})
                 return
-            page = written(patched(mechanism, slides, step, going))
+            page = written(patched(mechanism, slides, step, before_assembly))
             if len(page.encode("utf-8")) > LARGEST:
                 raise VfifeError("with its sliders the page would be too large")
             self._keep(key, True, page)
