@@ -85,5 +85,6 @@ def setup(app) -> None:
     app.connect("source-read", fill_verification_page)
     app.connect("source-read", fill_benchmarks_page)
 
+
 # Rooms may use the same short word (a Table of a model file and one of a page); annotations name both by it alone.
 suppress_warnings = ["ref.python"]

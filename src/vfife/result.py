@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from .live.cell import Live
+    from .live.page import Live
 
 
 class Result(View):
@@ -172,7 +172,7 @@ class Result(View):
 
         ``slide`` as of :meth:`Mechanism.live <vfife.model.mechanism.Mechanism.live>`, none by default. Raises VfifeError for what has no motion.
         """
-        found: Live = upper("live.cell", "live_result", self, slide)
+        found: Live = upper("live.page", "live_result", self, slide)
         return found
 
     def report(self, path: str | Path, running: bool = True) -> None:
@@ -180,7 +180,7 @@ class Result(View):
 
         What is there gives way when the page is whole. Raises OSError where it cannot be written.
         """
-        upper("live.cell", "report", self, path, running)
+        upper("live.reports", "report", self, path, running)
 
 
 def _read(record: Record, path: Path) -> Rows:

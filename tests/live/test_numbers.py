@@ -11,11 +11,11 @@ from support import with_settings
 from vfife import gallery, simulate
 from vfife.analysis.forces import joint_force, joint_rows
 from vfife.codegen.runner import Runner
-from vfife.live.given import left
 from vfife.live.page import written
+from vfife.live.page_model import page_model
 from vfife.live.patches import patched
+from vfife.live.payload import left
 from vfife.live.sliders import asked_slides, default_slides
-from vfife.live.together import together
 from vfife.model.functions import turn_of
 from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump, loads
@@ -132,7 +132,7 @@ def test_a_setting_of_the_page_is_the_model_with_these_values(tmp_path):
     settings = [pair for slide, k in zip(slides, positions, strict=True) for pair in slide.set(k)]
     wanted = loads(dump(mechanism), set=settings)
     assert loads(found[1]) == wanted
-    fine = together(wanted, turn_of(wanted) / (wanted.settings.outputs * found[2]))
+    fine = page_model(wanted, turn_of(wanted) / (wanted.settings.outputs * found[2]))
     assert (bits_of(found[0], 1)[:, 0] == fine.vector.view(np.uint64)).all()
 
 

@@ -11,10 +11,10 @@ from live.pages import page_of, scripts_of
 from model.test_kinds import CASES
 from vfife import gallery
 from vfife.live import strokes
-from vfife.live.given import given
-from vfife.live.outlines import pin_of, place
 from vfife.live.page import BROWSER, LARGEST
-from vfife.live.together import together
+from vfife.live.page_model import page_model
+from vfife.live.payload import payload as given
+from vfife.live.payload import pin_of, place
 
 RUNNING = [name for name in gallery.__all__ if getattr(gallery, name)().settings.analysis == "dynamic"]
 EVIL = '</script><script>alert("x")</script><b onclick=1>&amp;<!--'
@@ -58,7 +58,7 @@ def placed(point, pins, angles, size, way):
 @pytest.mark.parametrize("name", RUNNING)
 def test_strokes_are_carried_to_where_the_noun_draws_them(name):
     """Every joint asked again at another place, angle, size and way: its points are where the first answer carries them."""
-    assembly = together(getattr(gallery, name)()).own
+    assembly = page_model(getattr(gallery, name)()).own
     draw = np.random.default_rng(3)
     for joint in assembly.mechanism.joints.values():
         pins = [pin_of(assembly, end) for end in (joint.bearing, joint.journal)]
@@ -90,7 +90,7 @@ def test_a_spring_is_drawn_between_its_pins():
 @pytest.mark.parametrize(("make", "kind"), CASES)
 def test_every_kind_goes_into_a_page(make, kind):
     """Joints, springs, drivers and loads of all kinds: named, drawn where there is something to draw, and told in JSON."""
-    told = json.loads(json.dumps(given(together(make(kind), 1e-5, force=True)), allow_nan=False))
+    told = json.loads(json.dumps(given(page_model(make(kind), 1e-5, force=True)), allow_nan=False))
     if make.__name__ in ("with_joint", "with_spring"):
         (noun,) = (one for one in [*told["joints"], *told["springs"]] if one["name"] in ("joint", "spring"))
         assert noun["strokes"] and all(len(point) == 10 for stroke in noun["strokes"] for point in stroke["points"])

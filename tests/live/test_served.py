@@ -24,9 +24,8 @@ from vfife.modelfile import dump, load, loads
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
-from vfife.live.served.mailbox import MOST_BROWSERS, Mailbox, text_of
 from vfife.live.served.serving import served
-from vfife.live.served.session import Session
+from vfife.live.served.session import MOST_BROWSERS, Mailbox, Session, text_of
 
 TEXT = "# kept\n" + dump(gallery.four_bar_case_b())
 

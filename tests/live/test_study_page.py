@@ -12,10 +12,10 @@ import vfife
 from live.browsers import needs_browser
 from study.studies import BASE
 from vfife.errors import VfifeError
-from vfife.live import studied
+from vfife.live import reports as studied
+from vfife.live.page_model import page_model, turned
 from vfife.live.patches import Patched, patched
-from vfife.live.studied import mechanism, study_page
-from vfife.live.together import together, turned
+from vfife.live.reports import mechanism, study_page
 from vfife.model.functions import turn_of
 from vfife.report.pages import study_page as document
 
@@ -52,7 +52,7 @@ def test_positions_have_the_numbers_of_their_members(kind: str, request: pytest.
         at = [places[member.number][one.name] for one in found.slides]
         alone = mechanism(study, member)
         ideal = None if found.base.ideal is None else turned(found.base.ideal, turn_of(alone))
-        wanted = together(alone, turned(own, turn_of(alone)), ideal, force=True)
+        wanted = page_model(alone, turned(own, turn_of(alone)), ideal, force=True)
         assert np.array_equal(found.laid(at).view(np.uint64), wanted.vector.view(np.uint64))
     steps = max(one["steps"] / one["turns"] for one in study.outcomes.values())
     assert own.choice.turn is not None and own.choice.turn / own.choice.step >= steps - 0.5, "as fine as the finest member"

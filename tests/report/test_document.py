@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import vfife
 from vfife import gallery
 from vfife.cli.app import app
-from vfife.live import cell
+from vfife.live import reports
 from vfife.modelfile import dump, load
 from vfife.report.html import elements
 from vfife.report.pages import as_given, found, trust
@@ -122,7 +122,7 @@ def test_equilibria_have_a_report() -> None:
 def test_the_command_writes_one_file_and_replaces_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run().save(tmp_path / "run.sqlite")
     line = ["report", str(tmp_path), "-o", str(tmp_path / "r.html")]
-    monkeypatch.setattr(cell, "result_page", lambda result: "x" * 4_000_000)
+    monkeypatch.setattr(reports, "result_page", lambda result: "x" * 4_000_000)
     said = CliRunner().invoke(app, line)
     assert said.exit_code == 0 and "left out" in said.stderr and (tmp_path / "r.html").stat().st_size < 4_000_000
     titles = Page((tmp_path / "r.html").read_text("utf-8")).texts["h2"]

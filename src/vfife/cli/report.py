@@ -36,9 +36,9 @@ def report(run: RunArgument, out: Out = None, no_live: NoLive = False, force: Fo
     result, _ = loaded(run)
     with sentences(str(run)):
         from ..files import write_text
-        from ..live.cell import reported
+        from ..live.reports import run_report
 
-        page, notes = reported(result, not no_live)
+        page, notes = run_report(result, not no_live)
     for note in notes:
         tell("note", note)
     with writing(str(target), KEPT):
@@ -56,9 +56,9 @@ def of_study(file: Path, out: Path | None, no_live: bool, force: bool) -> None:
     found = read(file)
     with sentences(str(file)):
         from ..files import write_text
-        from ..live.studied import reported
+        from ..live.reports import study_report
 
-        page, notes = reported(found, not no_live)
+        page, notes = study_report(found, not no_live)
     for note in notes:
         tell("note", note)
     with writing(str(target), "The study is as it was, and so is what was there before."):

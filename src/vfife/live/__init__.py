@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .page import live_page
+from .page_model import model_of
 from .sliders import Slide, asked_slides, default_slides
-from .together import model_of
 
 __all__ = ["Slide", "asked_slides", "default_slides", "live_page", "model_of"]

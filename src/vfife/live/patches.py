@@ -25,9 +25,9 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..simulation import expected_forces, prepare
 from ..solvers.arguments import RunArguments
-from .given import packed
+from .page_model import PageModel, page_model, refuse_unfit, turned
+from .payload import packed
 from .sliders import POSITIONS, Slide
-from .together import Together, refuse_unfit, together, turned
 
 Array = NDArray[np.float64]
 Slides: TypeAlias = tuple[Slide, ...]
@@ -56,7 +56,7 @@ class Group:
 class Patched:
     """What a page starts with, its sliders, their groups, and what had to be left out."""
 
-    base: Together
+    base: PageModel
     slides: tuple[Slide, ...]
     groups: tuple[Group, ...]
     notes: tuple[str, ...] = ()
@@ -123,8 +123,8 @@ class Assembler:
             refuse_unfit(mechanism)
             prepared = prepare(mechanism, RunArguments(companions=0))
             step, self.expected = prepared.assembly.choice.step, expected_forces(prepared.reference)
-        self.base = together(mechanism, step, force=self.fixed, known=self.ideals)
-        self.answers: dict[tuple[Any, ...], Together | str] = {}
+        self.base = page_model(mechanism, step, force=self.fixed, known=self.ideals)
+        self.answers: dict[tuple[Any, ...], PageModel | str] = {}
 
     def mechanism(self, slides: Slides, positions: Setting) -> Mechanism:
         """The model at a setting."""
@@ -140,7 +140,7 @@ class Assembler:
         choice = self.base.own.choice
         every = max(choice.outputs_every, *(self._every(slides, one) for one in moves))
         if every != choice.outputs_every:
-            self.base = together(self.base.own.mechanism, choice.step * choice.outputs_every / every)
+            self.base = page_model(self.base.own.mechanism, choice.step * choice.outputs_every / every)
 
     def _every(self, slides: Slides, moves: Mapping[int, int]) -> int:
         """Steps between two outputs that a setting would have by itself; 0 for one that no model may have."""
@@ -149,7 +149,7 @@ class Assembler:
             return assemble(self.mechanism(slides, moved(slides, moves)), expected=self.expected).choice.outputs_every
         return 0
 
-    def answer(self, slides: Slides, positions: Setting) -> Together | str:
+    def answer(self, slides: Slides, positions: Setting) -> PageModel | str:
         """Both mechanisms at a setting; the reason why the page cannot run a setting that no model may have, or that another text would run."""
         self.before_assembly()
         key = tuple((slide.paths, slide.values[k]) for slide, k in zip(slides, positions, strict=True) if k != slide.here)
@@ -159,17 +159,17 @@ class Assembler:
             self.answers[key] = self._assembled(slides, positions)
         return self.answers[key]
 
-    def _assembled(self, slides: Slides, positions: Setting) -> Together | str:
+    def _assembled(self, slides: Slides, positions: Setting) -> PageModel | str:
         try:
             mechanism = self.mechanism(slides, positions)
             turn, ideal = turn_of(mechanism), self.base.ideal
             steps = turned(self.base.own, turn), None if ideal is None else turned(ideal, turn)
-            found = together(mechanism, *steps, force=self.fixed, known=self.ideals)
+            found = page_model(mechanism, *steps, force=self.fixed, known=self.ideals)
         except VfifeError as error:
             return str(error).split("\n", 1)[0]
         return found if self.base.same_kind(found) else UNLIKE
 
-    def at(self, slides: Slides, positions: Setting) -> Together | None:
+    def at(self, slides: Slides, positions: Setting) -> PageModel | None:
         """Both mechanisms at a setting; None where the page cannot run it."""
         found = self.answer(slides, positions)
         return None if isinstance(found, str) else found
@@ -316,7 +316,7 @@ def rewritten(lines: list[str], text: list[str]) -> dict[int, str | None]:
     return found
 
 
-def checked(found: Patched, assembler: Assembler) -> Iterator[tuple[Setting, Together]]:
+def checked(found: Patched, assembler: Assembler) -> Iterator[tuple[Setting, PageModel]]:
     """Some settings of all sliders at once, and what assembly gives for them."""
     draw = random.Random(1)
     for _ in range(CHECKED):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from ..live.cell import Live
+    from ..live.page import Live
     from ..report.check import Checked
 
 StartMode = Literal["consistent", "rough"]
@@ -171,7 +171,7 @@ class Mechanism(Builders):
         drivers, friction and restitution, whose positions take some seconds to assemble; () for none. ``save(path)`` of what comes back writes the
         page. Raises as :meth:`check` does, VfifeError for what has no motion to run, and ValueError for a slide that cannot be used.
         """
-        found: Live = upper("live.cell", "live", self, slide)
+        found: Live = upper("live.page", "live", self, slide)
         return found
 
     def _repr_html_(self) -> str:

@@ -6,8 +6,10 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import lru_cache
 from typing import Any
 
+from ... import gallery
 from ...errors import VfifeError
 from ..page import LARGEST, live_page, written
 from ..patches import patched
@@ -136,3 +138,14 @@ class Pages:
         with self.changed:
             self.closed = True
             self.changed.notify_all()
+
+
+@lru_cache(maxsize=64)
+def drawing(name: str) -> bytes:
+    """A mechanism of the gallery at its start, as SVG; for one thread at a time. Raises LookupError for a name that it has not."""
+    from ...plots import at_start
+    from ...plots.notebook import lines
+
+    if name not in gallery.__all__:
+        raise LookupError(name)
+    return lines(at_start(getattr(gallery, name)()), name)

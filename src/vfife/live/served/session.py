@@ -3,18 +3,86 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import subprocess
+import sys
 import threading
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from .documents import Conflict, Document, Json, text_in
-from .mailbox import Mailbox, text_of
 from .pages import Pages
-from .runs import Runs
 from .shelf import Shelf
 
 INTERVAL = 0.2  # s between two looks at files
+MOST_BROWSERS = 64  # that listen at once; each may hold one event of each kind and document, and what the system buffers
+Key = tuple[str, str]
+
+
+class Mailbox:
+    """The events that a browser has not got yet. An event supersedes the one of the same kind and document before it."""
+
+    def __init__(self) -> None:
+        self.events: OrderedDict[Key, str] = OrderedDict()
+        self.filled = asyncio.Event()
+
+    def put(self, key: Key, text: str) -> None:
+        """Add an event; in the loop's thread."""
+        self.events[key] = text
+        self.events.move_to_end(key)
+        self.filled.set()
+
+    async def take(self, seconds: float) -> tuple[Key, str]:
+        """Return the oldest event, or wait for one. Raises TimeoutError after ``seconds``."""
+        if not self.events:
+            self.filled.clear()
+            await asyncio.wait_for(self.filled.wait(), seconds)
+        return self.events.popitem(last=False)
+
+
+def text_of(event: dict[str, Any]) -> tuple[Key, str]:
+    """What an event is about, and its text, which all browsers share."""
+    return (str(event["kind"]), str(event.get("id", ""))), f"data: {json.dumps(event, ensure_ascii=False)}\n\n"
+
+
+class Runs:
+    """Runs of saved models, one at a time each; ``told`` is called at their end."""
+
+    def __init__(self, told: Callable[[dict[str, Any]], None], folder: Path, options: list[str]) -> None:
+        self.told, self.folder, self.options = told, folder, options
+        self.processes: dict[str, subprocess.Popen[str]] = {}
+
+    def begin(self, document: Document) -> None:
+        """Runs the file of a document. Raises Conflict where it is being run."""
+        process = self.processes.get(document.id)
+        if process is not None and process.poll() is None:
+            raise Conflict("this model is being run; wait for its end")
+        command = [sys.executable, "-m", "vfife", "run", str(document.path), *self.options]
+        pipe = subprocess.PIPE
+        process = subprocess.Popen(
+            command, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=pipe, stderr=subprocess.STDOUT, text=True, encoding="utf-8",
+            start_new_session=True,
+        )  # fmt: skip
+        self.processes[document.id] = process
+        threading.Thread(target=self._wait, args=(document.id, process), daemon=True).start()
+
+    def _wait(self, which: str, process: subprocess.Popen[str]) -> None:
+        said, _ = process.communicate()
+        self.told({"kind": "run", "id": which, "code": process.returncode, "said": said.strip()})
+
+    def stop(self, which: str) -> None:
+        """Ends a run as Ctrl-C does: what was computed is kept."""
+        process = self.processes.get(which)
+        if process is not None and process.poll() is None:
+            process.send_signal(2)
+
+    def close(self) -> None:
+        """Ends all of them."""
+        for which in self.processes:
+            self.stop(which)
 
 
 class Session:

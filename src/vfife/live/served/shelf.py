@@ -12,7 +12,7 @@ from ...files import read_bytes
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, load
 from ...modelfile.paths import resolve
-from ..together import model_of
+from ..page_model import model_of
 from .documents import LARGEST, Conflict, Document, Json
 
 MOST = 200  # files of a folder that are looked at

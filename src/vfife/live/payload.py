@@ -1,4 +1,4 @@
-"""What a page is given: names, places of numbers, strokes and numbers, as JSON."""
+"""Data of a page as JSON: names, places of numbers, outlines of bodies, strokes, equilibria of static analyses."""
 
 from __future__ import annotations
 
@@ -9,19 +9,89 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import __version__
-from ..analysis.forces import KINDS, joint_rows, peaks
+from ..analysis.forces import KINDS, joint_rows, normals, peaks
 from ..assembly.assembled import Assembly, BodyMap
+from ..errors import VfifeError
 from ..kernels.arrays import Layout
 from ..kernels.blocks import BLOCKS
 from ..kernels.topology import CURRENT
 from ..model.bodies import PointMass
 from ..model.joints import Gear
-from ..model.outlines import loose_pins
+from ..model.outlines import FEW, axis_between, corners, drawn_pins, loose_pins, wheels_at
+from ..model.springs import AnySpring
 from ..model.strokes import PairSeen
 from ..modelfile import dump
+from ..result import Result
 from ..solvers.record import Record, recorded_rows
-from . import outlines, strokes
-from .together import DEPTHS, Together
+from . import strokes
+from .page_model import DEPTHS, PageModel
+
+Pin = list[float]  # particle, x and y (m) in its frame
+
+
+def pin_of(assembly: Assembly, end: str) -> Pin:
+    """Where ``body.pin`` or ``ground.point`` is found."""
+    body, _, pin = end.partition(".")
+    if body == "ground":
+        return [0, *assembly.mechanism.points[pin]]
+    where = assembly.bodies[body]
+    if where.elements:
+        return [where.nodes[pin], 0.0, 0.0]
+    return [where.particles[0], *map(float, np.subtract(where.pins[pin], where.reference))]
+
+
+def centre_of(assembly: Assembly, body: str) -> Pin:
+    """The centre of mass of a rigid body; of others their middle node."""
+    where = assembly.bodies[body]
+    if where.elements:
+        return [where.particles[len(where.particles) // 2], 0.0, 0.0]
+    return [where.particles[0], *map(float, np.subtract(where.center, where.reference))]
+
+
+def axis_of(assembly: Assembly, first: str, second: str) -> Pin:
+    """Where two bodies turn against each other: at a pin, else at the centre of mass of the second."""
+    end = axis_between(assembly.mechanism, first, second)
+    return centre_of(assembly, second) if end is None else pin_of(assembly, end)
+
+
+def ends_of(assembly: Assembly, spring: AnySpring) -> tuple[Pin, Pin]:
+    """The pins of a spring, or twice the axis about which its bodies turn."""
+    if spring.between_pins:
+        return pin_of(assembly, spring.first), pin_of(assembly, spring.second)
+    axis = axis_of(assembly, spring.first, spring.second)
+    return axis, axis
+
+
+def axes_of(assembly: Assembly, gear: Gear) -> tuple[Pin, Pin]:
+    """Where the two wheels of a gear turn."""
+
+    def same(one: Pin, two: Pin) -> bool:
+        return bool(np.allclose(place(assembly, one), place(assembly, two)))
+
+    return wheels_at(assembly.mechanism, gear, lambda first, second: axis_of(assembly, first, second), same)
+
+
+def place(assembly: Assembly, pin: Pin) -> tuple[float, float]:
+    """Where a pin is at the start (m)."""
+    particle, x, y = int(pin[0]), pin[1], pin[2]
+    px, py, angle = (float(assembly.state[assembly.layout.row(f"particle_{axis}", particle)]) for axis in ("x", "y", "theta"))
+    c, s = np.cos(angle), np.sin(angle)
+    return float(px + c * x - s * y), float(py + s * x + c * y)
+
+
+def outline(assembly: Assembly, body: BodyMap) -> dict[str, Any]:
+    """The line of a body as pins, one list for each piece that hangs together; whether it is a plate, and has nodes to show."""
+    if body.model == "frame":
+        pairs = [assembly.topology.frame_nodes[e][:2] for e in body.elements]
+        return {"pieces": [[[first, 0.0, 0.0], [second, 0.0, 0.0]] for first, second in pairs], "plate": False, "dots": False}
+    if body.elements:
+        return {"pieces": [[[p, 0.0, 0.0] for p in body.particles]], "plate": False, "dots": len(body.particles) <= FEW}
+    pins = drawn_pins(assembly.mechanism, body.name)
+    at = np.array([body.pins[pin] for pin in pins] or [body.center], dtype=float)
+    order, plate = corners(at)
+    points = at[order] - np.asarray(body.reference)
+    return {"pieces": [[[body.particles[0], float(x), float(y)] for x, y in points]], "plate": plate, "dots": False}
+
 
 Json = dict[str, Any]
 ROLES = ("state", "extreme", "parameter")
@@ -34,7 +104,7 @@ def packed(values: NDArray[Any]) -> str:
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode("ascii")
 
 
-def given(found: Together) -> Json:
+def payload(found: PageModel) -> Json:
     """All that a page knows of a mechanism, but the text of its step and its sliders."""
     own = found.own
     names = [name for name, body in own.bodies.items() if body.driven == 0]
@@ -95,9 +165,9 @@ def _body(assembly: Assembly, body: BodyMap) -> Json:
     loose = loose_pins(assembly.mechanism, body.name, bool(body.elements))
     return {
         "name": body.name, "chord": bool(body.elements), "particles": list(body.particles), "masses": [value or left for value in mass],
-        "centre": outlines.centre_of(assembly, body.name), "driven": body.driven, "row": body.row,
-        "turns": not (isinstance(noun, PointMass) and noun.inertia == 0.0), "outline": outlines.drawn(assembly, body),
-        "loose": [outlines.pin_of(assembly, f"{body.name}.{pin}") for pin in loose],
+        "centre": centre_of(assembly, body.name), "driven": body.driven, "row": body.row,
+        "turns": not (isinstance(noun, PointMass) and noun.inertia == 0.0), "outline": outline(assembly, body),
+        "loose": [pin_of(assembly, f"{body.name}.{pin}") for pin in loose],
     }  # fmt: skip
 
 
@@ -105,10 +175,10 @@ def joints(assembly: Assembly) -> list[Json]:
     """Joints with their pins and strokes."""
     size, found = extent(assembly), []
     for name, joint in assembly.mechanism.joints.items():
-        pins = outlines.pin_of(assembly, joint.bearing), outlines.pin_of(assembly, joint.journal)
+        pins = pin_of(assembly, joint.bearing), pin_of(assembly, joint.journal)
         sides = joint.sides[0][0], joint.sides[1][0]
         angles = (_angle(assembly, pins[0]), _angle(assembly, pins[1]))
-        at = strokes.Asked(outlines.place(assembly, pins[0]), outlines.place(assembly, pins[1]), angles, size)
+        at = strokes.Asked(place(assembly, pins[0]), place(assembly, pins[1]), angles, size)
         drawn, tilt = strokes.of_joint(joint, at, angles, (sides[0] == "ground", sides[1] == "ground"))
         around, *reaches = joint.drawn
         words = {
@@ -135,13 +205,13 @@ def contacts(assembly: Assembly) -> list[Json]:
 def springs(assembly: Assembly) -> list[Json]:
     """Springs and gears: their pins and strokes."""
     size, found = extent(assembly), []
-    pairs: list[tuple[Any, tuple[outlines.Pin, outlines.Pin], tuple[str, str]]] = [
-        (spring, outlines.ends_of(assembly, spring), ("ground" if spring.between_pins else spring.first, "ground"))
+    pairs: list[tuple[Any, tuple[Pin, Pin], tuple[str, str]]] = [
+        (spring, ends_of(assembly, spring), ("ground" if spring.between_pins else spring.first, "ground"))
         for spring in assembly.mechanism.springs.values()
     ]
-    pairs += [(gear, outlines.axes_of(assembly, gear), (gear.first, gear.second)) for gear in assembly.mechanism.gears.values()]
+    pairs += [(gear, axes_of(assembly, gear), (gear.first, gear.second)) for gear in assembly.mechanism.gears.values()]
     for noun, (first, second), sides in pairs:
-        one, two = outlines.place(assembly, first), outlines.place(assembly, second)
+        one, two = place(assembly, first), place(assembly, second)
         turner = 0 if sides[0] == "ground" else assembly.bodies[sides[0]].particles[0]
         drawn = strokes.of_pair(noun, strokes.Asked(one, two, (_angle(assembly, [turner]), 0.0), size))
         wheels = noun.wheels(PairSeen(np.array(one), np.array(two), 0.0, size)) if isinstance(noun, Gear) else ()
@@ -168,7 +238,7 @@ def loads(assembly: Assembly) -> list[Json]:
         for push in load.pushes(assembly.mechanism.joints):
             if push.body == "ground":
                 continue
-            at = outlines.pin_of(assembly, f"{push.body}.{push.pin}") if push.pin else outlines.centre_of(assembly, push.body)
+            at = pin_of(assembly, f"{push.body}.{push.pin}") if push.pin else centre_of(assembly, push.body)
             turner = push.aligned or (push.body if push.follow else "ground")
             particle = 0 if turner == "ground" else assembly.bodies[turner].particles[0]
             found.append({"name": load.name, "at": at, "acts": list(push.acts), "turner": particle})
@@ -180,16 +250,32 @@ def points(assembly: Assembly) -> list[list[float]]:
     return [[float(x), float(y)] for x, y in assembly.mechanism.points.values()]
 
 
-def _angle(assembly: Assembly, pin: outlines.Pin) -> float:
+def _angle(assembly: Assembly, pin: Pin) -> float:
     return float(assembly.state[assembly.layout.row("particle_theta", int(pin[0]))])
 
 
 def extent(assembly: Assembly) -> float:
     """About the size of a drawing (m): the largest side of what the mechanism spans at its start."""
-    at = [outlines.place(assembly, pin) for body in assembly.bodies.values() for piece in outlines.drawn(assembly, body)["pieces"] for pin in piece]
+    at = [place(assembly, pin) for body in assembly.bodies.values() for piece in outline(assembly, body)["pieces"] for pin in piece]
     for joint in assembly.mechanism.joints.values():
         for end, reach in zip((joint.bearing, joint.journal), joint.drawn[1:], strict=True):
-            x, y = outlines.place(assembly, outlines.pin_of(assembly, end))
+            x, y = place(assembly, pin_of(assembly, end))
             at += [(x - reach, y - reach), (x + reach, y + reach)] if reach else []
     spread = np.ptp(np.array([*at, *assembly.mechanism.points.values()], dtype=float).reshape(-1, 2), axis=0)
     return float(spread.max(initial=0.0)) or 1.0
+
+
+def static_payload(result: Result) -> Json:
+    """What the page of a static result is given: all rows of its equilibria, with the directions in which contacts press.
+
+    Raises VfifeError where there is none but the start.
+    """
+    record = result.record
+    if len(record.steps) < 2:
+        raise VfifeError(f"no equilibrium but the start was found, so there is no load path to show. {record.message}".rstrip())
+    pressed = normals(record)
+    rows = np.hstack([record.rows, pressed[..., 0], pressed[..., 1]])
+    notes = [] if record.status == "complete" else [f"the analysis ended {record.status} at load factor {result.time[-1]:g}"]
+    return payload(PageModel(record.assembly, None)) | {
+        "outputs": len(rows) - 1, "factors": result.time.tolist(), "path": packed(rows), "slides": [], "groups": [], "notes": notes, "texts": True,
+    }  # fmt: skip

@@ -1,28 +1,32 @@
-"""A page in which a member of a study is picked and runs: sliders at the values of its parameters, or one over its members."""
+"""Reports of runs and studies with the mechanism running in them; a member of a study is a position of sliders."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from ..errors import VfifeError
+from ..files import write_text
 from ..laws.stored import standing_in
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import loads
+from ..plots.notebook import pictures as run_pictures
 from ..plots.study import pictures
 from ..report import pages
 from ..report.study import where
+from ..result import Result
 from ..results.studied import Study
 from ..results.studyfile import StudyCase
 from ..solvers.status import Status
-from .cell import LARGEST_REPORT
-from .page import written
+from .page import result_page, written
 from .patches import GROUP_COMBINATIONS, Patched, patched
 from .sliders import Slide
 
+LARGEST_REPORT = 4_000_000  # bytes
 MEMBER = "member"
 MOST_MEMBERS = 60  # of a slider over members
 Places = dict[int, dict[str, int]]
@@ -65,7 +69,7 @@ def study_page(study: Study) -> tuple[str, Places, tuple[str, ...]]:
     return written(found), places(study, found), found.notes
 
 
-def reported(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
+def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
     """The report of a study, and sentences about what is not in it."""
     drawn = pictures(study)
     page = pages.study_page(study, drawn)
@@ -135,3 +139,24 @@ def places(study: Study, found: Patched) -> Places:
         if all(at[name] in slide.values for name, slide in slides.items()):
             told[one.number] = {name: slide.values.index(float(at[name])) for name, slide in slides.items()}
     return told
+
+
+def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:
+    """The report of a result as one page, and sentences why the mechanism does not run in it where it was to."""
+    mechanism, notes, page = result.record.assembly.mechanism, [], None
+    if running:
+        try:
+            page = result_page(result)  # sliders take long to find: vfife live has them
+        except VfifeError as error:
+            notes.append(f"the mechanism does not run in the report: {error}.")
+    drawn = run_pictures(result)
+    text = pages.run_page(result, drawn, page, mechanism.source)
+    if len(text.encode("utf-8")) > LARGEST_REPORT and page is not None:
+        notes.append("the page in which the mechanism runs is left out: with it the report would be too large.")
+        text = pages.run_page(result, drawn, None, mechanism.source)
+    return text, notes
+
+
+def report(result: Result, path: str | Path, running: bool = True) -> None:
+    """Writes the report; what is there gives way when it is whole."""
+    write_text(Path(path), run_report(result, running)[0])

@@ -27,7 +27,7 @@ NO_ENERGY = -300.0  # logarithm of what counts as none
 
 
 @dataclass(frozen=True)
-class Together:
+class PageModel:
     """A mechanism and, where it is comparable turn by turn, its ideal reference, both assembled."""
 
     own: Assembly
@@ -46,7 +46,7 @@ class Together:
         """All numbers that a slider may change."""
         return np.concatenate(list(self.parts.values()))
 
-    def same_kind(self, other: Together) -> bool:
+    def same_kind(self, other: PageModel) -> bool:
         """Whether the other runs by the same text, and differs in numbers alone."""
         if (self.ideal is None) != (other.ideal is None) or len(self.vector) != len(other.vector):
             return False
@@ -97,14 +97,14 @@ def refuse_unfit(mechanism: Mechanism) -> None:
         raise VfifeError("a static analysis has no motion to run in a page; see vfife run and vfife plot")
 
 
-def together(
+def page_model(
     mechanism: Mechanism,
     step: float | None = None,
     ideal_step: float | None = None,
     *,
     force: bool = False,
     known: list[Assembly] | None = None,
-) -> Together:
+) -> PageModel:
     """Both, with steps (s) or the automatic ones. Raises ModelError and AssemblyError for what cannot be run.
 
     ``known`` are ideal references that were assembled before, and takes another one: play changes none.
@@ -114,13 +114,13 @@ def together(
     if choose_loop(own, "auto") != "generated":
         raise VfifeError(f"a page runs models whose step is written out, and that of this one is not: {why_not(own)}")
     if not comparable(mechanism) or any(driver.steady_speed is None for driver in mechanism.drivers.values() if driver.moves):
-        return Together(own, None)
+        return PageModel(own, None)
     without, known = mechanism.ideal(), [] if known is None else known
     for one in known:
         if one.mechanism == without and ideal_step in (None, one.choice.step):
-            return Together(own, one)
+            return PageModel(own, one)
     known.append(assemble(without, ideal_step, beside=mechanism, turns=1.0))
-    return Together(own, known[-1])
+    return PageModel(own, known[-1])
 
 
 def why_not(assembly: Assembly) -> str:
