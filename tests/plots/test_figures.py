@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 import vfife
 from drawn_texts import faults
 from vfife import gallery
+from vfife.analysis.spectral import short_time
 from vfife.errors import VfifeError
 from vfife.plots import chosen, figures, style
 from vfife.plots.clearances import bearing_force, seen_from_bearing, tilt_and_offset
 from vfife.plots.curves import accelerations, joint_forces, moments, swept
-from vfife.plots.spectra import amplitudes
 from vfife.plots.table import FIGURES, available, usual
 from vfife.plots.turn import Span, output_at, span
 from vfife.result import Result
@@ -184,9 +184,10 @@ def test_a_polar_force_has_the_size_of_the_joints_force() -> None:
 
 def test_a_spectrum_shows_the_amplitude_of_a_wave() -> None:
     turn = 2.0 * np.pi * np.arange(400) / 400
-    found = amplitudes(3.0 + 2.0 * np.cos(7.0 * turn + 0.4) + 0.5 * np.sin(30.0 * turn), repeats=True)
+    first = np.zeros(1, dtype=np.int64)
+    found = short_time(3.0 + 2.0 * np.cos(7.0 * turn + 0.4) + 0.5 * np.sin(30.0 * turn), first, "rectangular", 400)[0]
     assert found[[0, 7, 30]] == pytest.approx([3.0, 2.0, 0.5]) and found.sum() == pytest.approx(5.5)
-    assert amplitudes(2.0 * np.cos(7.0 * turn), repeats=False)[7] == pytest.approx(2.0)  # Hann's window keeps it
+    assert short_time(2.0 * np.cos(7.0 * turn), first, "hann", 400)[0, 7] == pytest.approx(2.0)  # Hann's window keeps it
 
 
 def test_orders_of_the_crank_and_frequencies() -> None:

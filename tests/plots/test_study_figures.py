@@ -13,8 +13,9 @@ from matplotlib.collections import LineCollection, QuadMesh
 import vfife
 from study.studies import ASKED, Closed
 from vfife.errors import VfifeError
-from vfife.plots.studyaxes import broken, edges, logarithmic, shortened, unit_for
+from vfife.plots.studyaxes import broken, edges, logarithmic, shortened
 from vfife.plots.studycurves import front, quantiles
+from vfife.plots.style import readable
 from vfife.study import run_missing
 
 GRID = ASKED.replace("count = 2", "count = 4")
@@ -73,9 +74,9 @@ def test_a_front_is_what_no_other_point_beats(measures: int) -> None:
 
 
 def test_axes_say_quantities_as_people_do() -> None:
-    assert unit_for([2e-4], "m") == (1e3, "mm")
-    assert unit_for([5000.0], "W") == (1e-3, "kW")
-    assert unit_for([50.0], "rad/s^2") == (1.0, "rad/s²")
+    assert readable([2e-4], "m") == (1e3, "mm")
+    assert readable([5000.0], "W") == (1e-3, "kW")
+    assert readable([50.0], "rad/s^2") == (1.0, "rad/s²")
     assert edges(np.array([1.0, 2.0, 4.0])).tolist() == [0.5, 1.5, 3.0, 5.0]
     assert logarithmic(np.geomspace(1.0, 100.0, 5)) and not logarithmic(np.linspace(1.0, 100.0, 5))
     assert broken("follower.angular_acceleration.max").replace("\n", "") == "follower.angular_acceleration.max"

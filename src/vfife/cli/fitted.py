@@ -259,6 +259,6 @@ def write(found: Fit, figure: Path | None, csv: Path | None) -> None:
             found.write_csv(csv)
     if figure is not None:
         with writing(str(figure)):
-            from ..plots.style import saved_in_style
+            from ..plots.style import saved
 
-            saved_in_style(found.plot, figure)
+            saved(found.plot(), figure)

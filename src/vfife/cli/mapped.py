@@ -18,9 +18,9 @@ def drawn_and_told(
     """Draws it, as ``plot`` says, writes its table, and says what it is; where it is not ``whole``, nobody waits for the rest."""
     if drawn is not None:
         with writing(str(drawn)):
-            from ..plots.style import saved_in_style
+            from ..plots.style import saved
 
-            saved_in_style(lambda: found.plot(**plot or {}), drawn)
+            saved(found.plot(**plot or {}), drawn)
     if csv is not None:
         with writing(str(csv)):
             found.write_csv(csv)

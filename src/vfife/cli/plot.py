@@ -75,13 +75,14 @@ def free(targets: dict[str, Path], force: bool) -> None:
 
 def drawn(result: Result, targets: dict[str, Path], at: str | None, run: str) -> None:
     """Draws one figure after the other, each of them whole or not there."""
-    from ..plots import figure, saved_as
+    from ..plots import figure
+    from ..plots.style import saved
 
     for done, (name, path) in enumerate(targets.items(), 1):
         with sentences(run), writing(str(path), f"{KEPT}, and so is what was there before."):
             made = figure(result, name, result.reference, at)
             path.parent.mkdir(parents=True, exist_ok=True)
-            saved_as(made, path)
+            saved(made, path)
         typer.echo(path)
         NOW.saved = f"{KEPT}; {done} of {len(targets)} figures were drawn, in {path.parent}."
 

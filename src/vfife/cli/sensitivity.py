@@ -72,10 +72,10 @@ def sensitivity(
             found.write_csv(csv)
     if figure is not None:
         with writing(str(figure)):
-            from ..plots.style import saved_in_style
+            from ..plots.style import saved
             from ..plots.tornado import tornado
 
-            saved_in_style(lambda: tornado(found), figure)
+            saved(tornado(found), figure)
     if as_json or not quiet:
         from ..report import sensitivity as answers
 

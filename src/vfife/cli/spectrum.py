@@ -100,7 +100,7 @@ def banded(text: str | None) -> tuple[float, float] | None:
 
 def series(run: Path, of: list[str] | None) -> tuple[Result, list[str]]:
     """The run, and which series. Raises ValueError where there are none to choose from."""
-    from ..plots.spectrograms import forces
+    from ..plots.spectra import forces
     from ..result import Result
 
     result = Result.load(run)
@@ -119,8 +119,8 @@ def by_frequency(one: Found) -> Found:
 
 def draw(found: list[Any], result: Result, path: Path, kind: str) -> None:
     """The figure of them."""
-    from ..plots import spectrograms as drawn
-    from ..plots.style import saved_in_style
+    from ..plots import spectra as drawn
+    from ..plots.style import saved
 
     draws: Any = {"spectrum": drawn.spectrums, "spectrogram": drawn.spectrograms, "envelope": drawn.envelopes}[kind]
-    saved_in_style(lambda: draws(found, result), path)
+    saved(draws(found, result), path)

@@ -101,9 +101,9 @@ def wear(
 def keep(found: Worn, drawn: Path, csv: Path | None, saved: Path | None) -> None:
     """Figure, table and worn model."""
     with writing(str(drawn)):
-        from ..plots.style import saved_in_style
+        from ..plots.style import saved as written
 
-        saved_in_style(found.plot, drawn)
+        written(found.plot(), drawn)
     if csv is not None:
         with writing(str(csv)):
             found.write_csv(csv)

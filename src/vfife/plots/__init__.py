@@ -8,11 +8,10 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import matplotlib
+from matplotlib import rc_context
 
 from ..assembly.assemble import assemble
 from ..errors import VfifeError, shown, suggestion
-from ..files import replacement
 from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from ..results.view import standing
@@ -62,31 +61,24 @@ def refuse_beside(names: Collection[str]) -> None:
         raise VfifeError("at: the mechanism alone is drawn at a moment; name no other figure with it")
 
 
+@rc_context(STYLE)
 def figure(result: View, name: str, reference: View | None = None, at: str | None = None) -> Figure:
     """One figure that the result has something for; the mechanism ``at`` a moment, see :func:`~vfife.plots.turn.output_at`."""
-    with matplotlib.rc_context(STYLE):
-        return FIGURES[name].draw(result, reference) if at is None else drawing(result, output_at(result, at))
+    return FIGURES[name].draw(result, reference) if at is None else drawing(result, output_at(result, at))
 
 
+@rc_context(STYLE)
 def at_start(mechanism: Mechanism) -> Figure:
     """A mechanism drawn where it starts. Raises ModelError for one with faults, AssemblyError for one that cannot be assembled."""
     validate(mechanism)
-    with matplotlib.rc_context(STYLE):
-        return drawing(standing(assemble(mechanism)))
+    return drawing(standing(assemble(mechanism)))
 
 
 def save(figures: dict[str, Figure], folder: str | Path, kind: str = "png") -> list[Path]:
     """Writes each figure into a folder, made if need be, as PNG, SVG or PDF; returns the files."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}):
-        return [saved(figure, folder / f"{name}.{kind}") for name, figure in figures.items()]
-
-
-def saved_as(figure: Figure, path: Path) -> Path:
-    """Writes a figure as its file's ending says, whole or not at all. Raises OSError."""
-    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}):
-        return saved(figure, path)
+    return [saved(figure, folder / f"{name}.{kind}") for name, figure in figures.items()]
 
 
 def save_one(result: View, name: str | None, path: Path, beside: Collection[str] = ()) -> None:
@@ -103,8 +95,7 @@ def save_one(result: View, name: str | None, path: Path, beside: Collection[str]
         found = figures(result, names=[wanted])
     except VfifeError as error:
         raise VfifeError(f"{path}: {error}") from None
-    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}), replacement(path) as part:
-        found[wanted].savefig(part, format=kind[1:])
+    saved(found[wanted], path)
 
 
 __all__ = ["acceleration_curves", "at_start", "drawing", "figures", "force_curves", "moment_curves", "orbits", "save", "save_one"]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import base64
 import io
-import math
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.ticker import MaxNLocator
 
 from .style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, STYLE, VERMILION, one_legend, panels
@@ -33,19 +33,16 @@ LOOKS: dict[str, dict[str, Any]] = {
 DOTS = {"ls": "", "marker": "o", "ms": 3.5, "alpha": 0.7, "mew": 0.0, "zorder": 5}
 
 
+@rc_context(STYLE)
 def drawn(chart: Chart) -> Figure:
     """The figure of a chart."""
     columns = min(chart.columns, len(chart.panels))
-    rows = math.ceil(len(chart.panels) / columns)
     equal = any(panel.equal for panel in chart.panels)
-    with matplotlib.rc_context(STYLE):
-        width, height = (3.5, 3.7) if equal else {1: (7.0, 3.6), 2: (5.2, 3.4)}.get(columns, (4.1, 3.2))
-        figure, axes = panels(rows, columns, width, height, equal=equal)
-        for ax, panel in zip(axes, chart.panels, strict=False):
-            _panel(ax, panel)
-        for ax in axes[len(chart.panels) :]:
-            ax.set_visible(False)
-        one_legend(figure, axes)
+    width, height = (3.5, 3.7) if equal else {1: (7.0, 3.6), 2: (5.2, 3.4)}.get(columns, (4.1, 3.2))
+    figure, axes = panels(len(chart.panels), columns, width, height, equal=equal)
+    for ax, panel in zip(axes, chart.panels, strict=True):
+        _panel(ax, panel)
+    one_legend(figure, axes)
     return figure
 
 
@@ -83,11 +80,11 @@ def _look(style: str) -> dict[str, Any]:
     return {"color": colours[(2 * number) % 20 + (2 * number) // 20 % 2], "lw": 1.3, "marker": "o", "ms": 3.0, "zorder": 4}
 
 
+@rc_context(STYLE)
 def picture(chart: Chart) -> bytes:
     """A chart as PNG."""
     buffer = io.BytesIO()
-    with matplotlib.rc_context(STYLE):
-        drawn(chart).savefig(buffer, format="png", dpi=110)
+    drawn(chart).savefig(buffer, format="png", dpi=110)
     return buffer.getvalue()
 
 

@@ -13,7 +13,7 @@ from ..analysis.guides import sliders, turning
 from ..analysis.motion import pin_path
 from .curves import hardest, joint_forces
 from .layout import Panels
-from .style import BLUE, GREY, INK, ORANGE, SKY, VERMILION, digits, length_unit, scale_of
+from .style import BLUE, GREY, IDEAL, INK, ORANGE, SKY, VERMILION, digits, length_unit, scale_of
 from .turn import said_shortly, span
 
 if TYPE_CHECKING:
@@ -169,7 +169,7 @@ def polar(result: View, reference: View | None = None) -> Figure:
             ax.plot(factor * told * np.cos(turn), factor * told * np.sin(turn), color=GREY, lw=0.8, label="peak that is reported", zorder=2)
             ax.set_title(f"{digits(factor * told)} {unit}", loc="right", fontsize=9, fontweight="normal")
         if ideal is not None:
-            ax.plot(*(factor * ideal).T, color=VERMILION, lw=1.3, ls=(0, (5, 1.6)), label="ideal joints", zorder=4)
+            ax.plot(*(factor * ideal).T, **IDEAL, zorder=4)
         ax.plot(*(factor * own).T, color=BLUE, lw=0.8, label="at the outputs", zorder=3)
         ax.plot(0.0, 0.0, color=INK, ls="", marker="+", ms=8, mew=1.2, zorder=5)
         square(ax, 1.08 * factor * most)

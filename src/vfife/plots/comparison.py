@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import matplotlib
 import numpy as np
+from matplotlib import rc_context
 
 from .style import BODIES, GREY, INK, STYLE, heading, one_legend, panels, saved, scale_of
 from .turn import abscissa, one_turn
@@ -25,12 +25,12 @@ def labels(found: Comparison) -> list[str]:
     return [" + ".join(row[kind] for kind in kinds) for row in found.rows]
 
 
+@rc_context(STYLE)
 def forces(found: Comparison) -> Figure:
     """Size of each joint's force over the last turn, a line a run; the largest force in each output interval, so that no peak is missed."""
-    columns = 2 if len(found.joints) > 1 else 1
-    rows = -(-len(found.joints) // columns)
-    figure, axes = panels(rows, columns, 5.6 if columns > 1 else 8.0, 3.2 if rows > 1 else 4.0)
-    for ax, name in zip(axes, found.joints, strict=False):
+    count = len(found.joints)
+    figure, axes = panels(count, 2, 5.6 if count > 1 else 8.0, 3.2 if count > 2 else 4.0)
+    for ax, name in zip(axes, found.joints, strict=True):
         factor, unit = scale_of(max(row["joints"][name]["force.max"] for row in found.rows), "N")
         for k, (result, label) in enumerate(zip(found.results, labels(found), strict=True)):
             first = max(int(np.argmax(result.last_turn)) - 1, 0)
@@ -41,14 +41,13 @@ def forces(found: Comparison) -> Figure:
         ax.set(title=f"joint {name}", ylabel=f"joint force\n({unit})")
         ax.set_xlabel("time (ms)" if found.results[0].crank is None else f"angle of {found.results[0].crank} (degrees)")
         ax.margins(x=0.0)
-    for ax in axes[len(found.joints) :]:
-        ax.set_visible(False)
     one_legend(figure, axes)
     turn = "" if found.results[0].crank is None else ", last turn"
     heading(figure, f"{found.mechanism}: joint force{turn}")
     return figure
 
 
+@rc_context(STYLE)
 def bars(found: Comparison) -> Figure:
     """Largest force, deepest penetration, impacts and energy lost, a bar a run."""
     peak = max(row["force"] for row in found.rows)
@@ -60,7 +59,7 @@ def bars(found: Comparison) -> Figure:
         ("energy lost (J)", [row["energy_lost"] for row in found.rows]),
     )
     count = len(found.rows)
-    figure, axes = panels(1, 4, 2.9, 1.5 + 0.32 * count, sharey=True)
+    figure, axes = panels(4, 4, 2.9, 1.5 + 0.32 * count, sharey=True)
     places = np.arange(count)
     for ax, (title, values) in zip(axes, what, strict=True):
         ax.barh(places, values, color=[BODIES[k % len(BODIES)] for k in range(count)], height=0.66)
@@ -79,8 +78,4 @@ def bars(found: Comparison) -> Figure:
 
 def drawn(found: Comparison, folder: Path) -> list[Path]:
     """Writes both figures into a folder; nothing where no run is complete."""
-    paths = []
-    with matplotlib.rc_context(STYLE):
-        for name, draw in (("forces", forces), ("bars", bars)) if found.rows else ():
-            paths.append(saved(draw(found), folder / f"{name}.png"))
-    return paths
+    return [saved(draw(found), folder / f"{name}.png") for name, draw in (("forces", forces), ("bars", bars)) if found.rows]

@@ -15,7 +15,7 @@ from ..analysis.ranges import band
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .layout import ACROSS, Panels
-from .style import BLUE, DEEP, INK, ORANGE, PREFIXED, SKY, VERMILION, digits, scale_of
+from .style import BLUE, DEEP, IDEAL, INK, ORANGE, PREFIXED, SKY, digits, scale_of
 from .turn import Span, said, span
 
 if TYPE_CHECKING:
@@ -210,7 +210,7 @@ def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Sp
         for edge in (low, high):
             ax.plot(x, edge, color=SKY, lw=0.7, zorder=3.7)
     if ideal is not None:
-        ax.plot(ideal[0], factor * ideal[1], color=VERMILION, lw=1.3, ls=(0, (5, 1.6)), label="ideal joints", zorder=4.2)
+        ax.plot(ideal[0], factor * ideal[1], **IDEAL, zorder=4.2)
     look: dict[str, Any] = {"marker": "o", "ms": 3.0} if len(over.x) < 40 else {}
     ax.plot(*over.placed(factor * reach.line), color=BLUE, lw=0.9, label="at the outputs", zorder=4, **look)
     _peak(ax, result, one, over, reach, factor, unit)

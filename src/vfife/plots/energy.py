@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .layout import Panels
-from .style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, scale_of
+from .style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, readable, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,6 +55,6 @@ def energy(result: View) -> Figure:
 
 
 def _residual(ax: Axes, time: Any, residual: Any) -> None:
-    factor, unit = scale_of(float(np.abs(residual).max()), "J")
+    factor, unit = readable(residual, "J")
     ax.plot(time, factor * residual, color=BLUE, lw=1.0)
     ax.set(ylabel=f"residual ({unit})", title="what the ledger leaves open")

@@ -6,8 +6,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib import rc_context
 
-from .style import BLUE, FAINT, GREY, INK, VERMILION, heading, panels, scale_of
+from .style import BLUE, FAINT, GREY, INK, STYLE, VERMILION, heading, panels, readable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,10 +24,11 @@ ABSCISSAE = {
 }  # fmt: skip
 
 
+@rc_context(STYLE)
 def fit_figure(found: Fit) -> Figure:
     """Above each other a curve and what is left of it; on the right the parameters between their bounds with their confidence, and correlations."""
     curves = found.curves[:CURVES]
-    figure, axes = panels(len(curves), 3, 4.0, 2.7, width_ratios=(1.6, 1.2, 1.2))
+    figure, axes = panels(3 * len(curves), 3, 4.0, 2.7, width_ratios=(1.6, 1.2, 1.2))
     for k, one in enumerate(curves):
         laid(axes[3 * k], one, k == 0)
         residual(axes[3 * k + 1], one)
@@ -50,7 +52,7 @@ def laid(ax: Axes, one: Laid, first: bool) -> None:
     """Measured and model's values."""
     every = max(1, len(one.places) // SAMPLES)
     x, label = abscissa(one)
-    factor, unit = scale_of(float(np.abs(one.measured).max()), one.unit)
+    factor, unit = readable(one.measured, one.unit)
     ax.plot(x[::every], factor * one.measured[::every], ".", color=GREY, ms=2.5, label="measured")
     ax.plot(x[::every], factor * one.model[::every], color=BLUE, lw=1.1, label="model")
     ax.set(title=one.channel, xlabel=label, ylabel=unit if one.unit != "1" else "")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
+from matplotlib import rc_context
 
 from .style import BLUE, BODIES, GREY, STYLE, VERMILION, heading, length_unit, panels, saved, scale_of
 
@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+@rc_context(STYLE)
 def contact_figure(title: str, loops: dict[str, Impact], delivered: tuple[Array, Array] | None) -> Figure:
     """Force against penetration of free impacts, by label, and restitution delivered against restitution asked for, if the law has any."""
-    figure, axes = panels(1, 2 if delivered is not None else 1, 4.9, 4.3)
+    figure, axes = panels(2 if delivered is not None else 1, 2, 4.9, 4.3)
     length, unit = length_unit(max(one.deepest for one in loops.values()))
     factor, force = scale_of(max(one.largest for one in loops.values()), "N")
     for k, (label, one) in enumerate(loops.items()):
@@ -44,9 +45,10 @@ def contact_figure(title: str, loops: dict[str, Impact], delivered: tuple[Array,
     return figure
 
 
+@rc_context(STYLE)
 def friction_figure(title: str, speeds: Array, forces: Array, loops: dict[str, tuple[Array, Array]], normal: float) -> Figure:
     """Force against the motion over the normal force, against sliding velocity, steady; loops of small sliding for a law with memory."""
-    figure, axes = panels(1, 2 if loops else 1, 4.9, 4.1 if loops else 3.6)
+    figure, axes = panels(2 if loops else 1, 2, 4.9, 4.1 if loops else 3.6)
     axes[0].plot(speeds, -forces / normal, color=BLUE)
     small = float(np.abs(speeds[np.abs(speeds) > 0.0]).min())
     axes[0].set_xscale("symlog", linthresh=small)
@@ -66,6 +68,4 @@ def friction_figure(title: str, speeds: Array, forces: Array, loops: dict[str, t
 
 def drawn(kind: str, target: Path, **what: Any) -> Path:
     """Draws a contact or a friction law into a file; its ending chooses PNG, PDF or SVG."""
-    with matplotlib.rc_context(STYLE):
-        figure = (contact_figure if kind == "contact" else friction_figure)(**what)
-        return saved(figure, target)
+    return saved((contact_figure if kind == "contact" else friction_figure)(**what), target)

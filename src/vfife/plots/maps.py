@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
-from .style import BLUE, BODIES, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, heading, length_unit, panels, scale_of
+from .style import BLUE, BODIES, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, STYLE, VERMILION, heading, panels, readable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,12 +23,7 @@ MARKERS = (("o", 1.6), ("x", 2.6), ("^", 2.6), ("s", 1.6), ("+", 4.0), ("v", 2.6
 NAMES = {"up": "way up", "down": "way down"}
 
 
-def readable(values: Any, unit: str) -> tuple[float, str]:
-    """Factor and unit in which numbers of a unit read well."""
-    size = float(np.nanmax(np.abs(values), initial=0.0))
-    return length_unit(size) if unit == "m" else scale_of(size, unit)
-
-
+@rc_context(STYLE)
 def diagram(found: Bifurcation) -> Figure:
     """Points of each series, each way or start in a mark of its own, and below them the largest Lyapunov exponent, above zero of chaos.
 
@@ -78,6 +74,7 @@ def colours(found: Basins) -> list[str]:
     return [OTHERS.get(one.kind) or next(left) for one in found.attractors]
 
 
+@rc_context(STYLE)
 def basins(found: Basins) -> Figure:
     """The grid, with the share of each attractor among all starts; white is what is no start, crosses where companions are told otherwise."""
     asked = found.asked
@@ -115,10 +112,11 @@ MARK = 9.0  # area of a point
 BOX = {"boxstyle": "square,pad=0.2", "fc": "white", "ec": "none"}
 
 
+@rc_context(STYLE)
 def section(found: PoincareSection) -> Figure:
     """Points once a turn (of one series over those a turn before), the running mean of the exponent, and below them the onsets of each joint."""
     rows = 1 + len(found.struck)
-    figure, axes = panels(rows, 2, 4.7, 3.6)
+    figure, axes = panels(2 * rows, 2, 4.7, 3.6)
     points(axes[0], found)
     converging(axes[1], found)
     for k, name in enumerate(found.struck, 1):

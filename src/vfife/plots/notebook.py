@@ -7,7 +7,7 @@ import io
 from html import escape
 from typing import TYPE_CHECKING
 
-import matplotlib
+from matplotlib import rc_context
 
 from ..errors import VfifeError
 from ..report.check import mechanism_parts
@@ -61,7 +61,7 @@ def pictures(result: View) -> dict[str, str]:
 def lines(figure: Figure, words: str) -> bytes:
     """A figure as SVG; ``words`` name its parts, so that it is the same each time."""
     made = io.BytesIO()
-    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path", "svg.hashsalt": words}):
+    with rc_context({**STYLE, "svg.hashsalt": words}):
         figure.savefig(made, format="svg", dpi=FINE, metadata={"Date": None})
     return made.getvalue()
 
@@ -75,10 +75,10 @@ def sharp(figure: Figure, words: str) -> str:
     return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/svg+xml;base64,{data}">'
 
 
+@rc_context(STYLE)
 def picture(figure: Figure, words: str, dpi: float = 96.0) -> str:
     """A figure as an element of a page in its own size, with what it shows in words; ``dpi`` are pixels an inch."""
     made = io.BytesIO()
-    with matplotlib.rc_context(STYLE):
-        figure.savefig(made, format="png", dpi=dpi)
+    figure.savefig(made, format="png", dpi=dpi)
     data = base64.b64encode(made.getvalue()).decode("ascii")
     return f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%" src="data:image/png;base64,{data}">'

@@ -11,7 +11,7 @@ from ..analysis.guides import slider_motion, sliders
 from ..analysis.motion import body_motion, pin_path
 from ..model.outlines import CENTER, loose_pins
 from .layout import Panels
-from .style import BLUE, BODIES, INK, SKY, VERMILION, length_unit, scale_of
+from .style import BLUE, BODIES, IDEAL, INK, SKY, length_unit, readable
 from .turn import said_shortly, span
 
 if TYPE_CHECKING:
@@ -119,8 +119,8 @@ def phase(result: View, reference: View | None = None) -> Figure:
     ideal = {} if reference is None else portraits(reference)
     panels = Panels([(3.9, 2.7)] * len(found), COLUMNS, across=1.1, down=0.95)
     for ax, (name, (first, second, position, velocity)) in zip(panels.axes, found.items(), strict=True):
-        factor, unit = length_unit(float(np.abs(position).max())) if first == "m" else (1.0, first)
-        power, rate = scale_of(float(np.nanmax(np.abs(velocity))), second)
+        factor, unit = readable(position, first) if first == "m" else (1.0, first)
+        power, rate = readable(velocity, second)
         if over.first > 0:
             part = slice(0, over.first, max(1, over.first // 20_000))
             dots: dict[str, Any] = {"color": SKY, "ls": "", "marker": ".", "ms": 2.2, "mew": 0.0}
@@ -128,7 +128,7 @@ def phase(result: View, reference: View | None = None) -> Figure:
         shown = slice(over.first, over.last + 1)
         if reference is not None and name in ideal:
             turn = reference.last_turn
-            ax.plot(factor * ideal[name][2][turn], power * ideal[name][3][turn], color=VERMILION, lw=1.3, ls=(0, (5, 1.6)), label="ideal joints")
+            ax.plot(factor * ideal[name][2][turn], power * ideal[name][3][turn], **IDEAL)
         ax.plot(factor * position[shown], power * velocity[shown], color=BLUE, lw=0.9, label="this run", zorder=3)
         ax.plot(factor * position[over.first], power * velocity[over.first], color=INK, ls="", marker="o", ms=4, label="begins here", zorder=5)
         what = ("position", "velocity") if first == "m" else ("angle", "angular velocity")

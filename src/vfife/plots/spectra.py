@@ -1,40 +1,50 @@
-"""What joint forces are made of: amplitudes over orders of the crank or frequencies, of the last turns, and turn by turn."""
+"""What forces and other series are made of: amplitudes over orders or frequencies, turn by turn, in time, over a number of the model; envelopes."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib import rc_context
 from numpy.typing import NDArray
 
+from ..analysis.spectral import frequencies_of, short_time
 from ..solvers.repeating import outputs_of_a_turn
 from .curves import Quantity, hardest, joint_forces
 from .layout import Panels
-from .style import BLUE, RAISED, VERMILION, scale_of
+from .style import BLUE, FAINT, IDEAL, RAISED, SKY, STYLE, VERMILION, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ..results.spectra import Envelope, Spectrogram, Spectrum, Transformed
     from ..results.view import View
+    from ..study.maps.waterfall import Waterfall
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
-MOST = 6  # panels
+MOST, MOST_IN_TIME = 6, 4  # panels of spectra, of spectrograms and envelopes
 TURNS = 4  # the latest ones, over which a spectrum is the root of the mean square
 PIECES, LEAST = 15, 256  # pieces of a run without turns, and outputs that it needs for them
 FEW = 3  # turns that a waterfall needs
+SAMPLES = 64  # outputs that a spectrogram needs
 DECADES = 5.0  # below the largest amplitude
+CELLS = 1200  # of a picture in each direction; more are joined, the highest of them shown
+RPM = 30.0 / np.pi
 
 
-def amplitudes(values: Array, repeats: bool) -> Array:
-    """Amplitudes of series, shape (.., n), at 0, 1, .. n/2 waves in it; weighted by Hann's window where it does not repeat itself."""
-    count = values.shape[-1]
-    weight = np.ones(count) if repeats else 1.0 - np.cos(2.0 * np.pi * np.arange(count) / count)
-    found = np.abs(np.fft.rfft(values * weight, axis=-1)) / count
-    found[..., 1 : (count + 1) // 2] *= 2.0
-    return np.asarray(found, dtype=float)
+# ---------------------------------------------------------------------------------------------------- joint forces of a run
+
+
+@dataclass(frozen=True)
+class Found:
+    """Places on the axis, orders or frequencies (Hz), and amplitudes of each piece, shape (pieces, places)."""
+
+    over: Array
+    each: Array
 
 
 def pieces(result: View) -> tuple[Places, int, bool] | None:
@@ -50,20 +60,10 @@ def pieces(result: View) -> tuple[Places, int, bool] | None:
     return np.arange(PIECES) * (long // 2), long, False
 
 
-@dataclass(frozen=True)
-class Found:
-    """Places on the axis, orders or frequencies (Hz), and amplitudes of each piece, shape (pieces, places)."""
-
-    over: Array
-    each: Array
-
-
 def found(result: View, one: Quantity, starts: Places, count: int, orders: bool) -> Found:
-    """Amplitudes of a quantity in pieces of so many outputs; ``orders``: of turns, which repeat themselves."""
-    values = one.samples(result.record)
-    cut = np.stack([values[int(k) + 1 : int(k) + count + 1] for k in starts])
-    over = np.arange(count // 2 + 1) / (1.0 if orders else count * spacing(result))
-    return Found(np.asarray(over, dtype=float), amplitudes(cut, orders))
+    """Amplitudes of a quantity in pieces of so many outputs, through Hann's window unless they are turns, which repeat (``orders``)."""
+    over = frequencies_of(count, 1.0 / count if orders else spacing(result))
+    return Found(over, short_time(one.samples(result.record), starts + 1, "rectangular" if orders else "hann", count))
 
 
 def spacing(result: View) -> float:
@@ -88,15 +88,11 @@ def spectrum(result: View, reference: View | None = None) -> Figure:
     starts, _, turning = pieces(result) or (np.array([0]), 1, False)
     for k, (ax, one) in enumerate(zip(panels.axes, chosen, strict=True)):
         own = _latest(result, one, turning)
-        top = float(own.each.max())
-        factor, unit = scale_of(top, one.unit)
+        factor = amplitude_curve(ax, own.over, own.each, one.unit, label="this run")
         if reference is not None and pieces(reference) is not None:
             ideal = _latest(reference, one, turning)
-            ax.plot(ideal.over, factor * ideal.each, color=VERMILION, lw=1.2, ls=(0, (5, 1.6)), label="ideal joints")
-        ax.plot(own.over, factor * own.each, color=BLUE, lw=0.9, label="this run", zorder=3)
-        above = int(np.flatnonzero(own.each > top * 10.0**-DECADES)[-1])
-        logarithmic(ax, 2.0 * factor * top)
-        ax.set(xlim=(0.0, own.over[min(int(1.05 * above) + 2, len(own.over) - 1)]), title=one.title, ylabel=f"amplitude ({unit})")
+            ax.plot(ideal.over, factor * ideal.each, **IDEAL)
+        ax.set_title(one.title)
         if k in panels.lowest:
             ax.set_xlabel(f"order of {result.crank}" if turning else "frequency (Hz)")
     many = min(TURNS, len(starts))
@@ -104,38 +100,187 @@ def spectrum(result: View, reference: View | None = None) -> Figure:
     return panels.close(f"{result.name}: spectra of joint forces, {part}")
 
 
-def logarithmic(ax: Axes, top: float) -> None:
-    """A logarithmic axis of so many decades, ticks at powers of ten."""
-    ax.set_yscale("log")
-    ax.set_ylim(top * 10.0**-DECADES, top)
-    powers = range(int(np.ceil(np.log10(top) - DECADES)), int(np.floor(np.log10(top))) + 1)
-    ax.set_yticks([10.0**power for power in powers], labels=[power_of_ten(power) for power in powers])
-    ax.minorticks_off()
-
-
 def waterfall(result: View) -> Figure:
     """The same of every turn, or of parts of a run without turns, as colour: from bottom to top as time goes on."""
     chosen = list(hardest(result, joint_forces(result), MOST).values())
     panels = Panels([(4.4, 2.6) if len(chosen) > 1 else (7.4, 3.4)] * len(chosen), 2, across=1.75)
     starts, count, turning = pieces(result) or (np.array([0]), 1, False)
-    edges = np.arange(len(starts) + 1) + 0.5
-    if not turning:
-        edges = 1e3 * spacing(result) * (np.append(starts, 2 * starts[-1] - starts[-2]) + 0.25 * count)  # pieces overlap by half
+    times = np.arange(len(starts) + 1, dtype=float) + 0.5
+    if not turning:  # pieces overlap by half
+        ends = np.append(starts, 2 * starts[-1] - starts[-2]).astype(float)
+        times = 1e3 * spacing(result) * (ends + 0.25 * count)
     for ax, one in zip(panels.axes, chosen, strict=True):
         every = found(result, one, starts, count, turning)
-        factor, unit = scale_of(float(every.each.max()), one.unit)
-        top = float(np.log10(factor * every.each.max()))
-        shown = np.log10(np.maximum(factor * every.each, 10.0 ** (top - DECADES)))
-        last = min(int(np.flatnonzero((shown > top - DECADES + 0.3).any(axis=0))[-1]) + 2, len(every.over))
-        half, over = 0.5 * every.over[1], every.over[:last]
-        drawn = ax.pcolormesh(np.append(over - half, over[-1] + half), edges, shown[:, :last], cmap="cividis", rasterized=True)
-        ax.grid(visible=False)
+        shown, unit = logarithms(every.each, one.unit)
+        last = reached(shown)
+        coloured(panels, ax, edges(every.over, len(every.over))[: last + 1], times, shown[:, :last], unit)
         ax.set(title=one.title, ylabel="turn" if turning else "time (ms)", xlabel=f"order of {result.crank}" if turning else "frequency (Hz)")
         ax.set_xlim(left=0.0)
-        bar = panels.scale(ax, drawn, f"amplitude ({unit})")
-        powers = range(int(np.ceil(shown[:, :last].min())), int(np.floor(top)) + 1)
-        bar.set_ticks(list(powers), labels=[power_of_ten(power) for power in powers])
     return panels.close(f"{result.name}: joint forces in time and frequency")
+
+
+def forces(result: View) -> list[str]:
+    """Series of the forces of joints that carry the most."""
+    if len(result.record.steps) <= SAMPLES:
+        return []
+    return [f"{name}.force" for name in hardest(result, joint_forces(result), MOST_IN_TIME) if f"{name}.force" in result.series]
+
+
+def spectrogram(result: View) -> Figure:
+    """Spectrograms of the largest joint forces."""
+    return spectrograms([result.spectrogram(name) for name in forces(result)], result)
+
+
+def envelope(result: View) -> Figure:
+    """Envelopes of the largest joint forces, and their spectra."""
+    return envelopes([result.envelope(name) for name in forces(result)], result)
+
+
+# ---------------------------------------------------------------------------------------------------------- any series
+
+
+@rc_context(STYLE)
+def spectrograms(every: Sequence[Spectrogram], result: View) -> Figure:
+    """A panel each: time to the right, orders of the crank or frequencies upwards, amplitudes as colour."""
+    panels = Panels([(5.2, 2.8) if len(every) > 1 else (8.0, 3.6)] * len(every), 2, across=1.75)
+    for ax, one in zip(panels.axes, every, strict=True):
+        size, (upwards, label) = joined(one.amplitudes), axis(one, result)
+        shown, unit = logarithms(size, one.unit)
+        last = reached(shown)
+        y = edges(upwards, shown.shape[1])[: last + 1]
+        coloured(panels, ax, 1e3 * edges(one.times, len(shown)), y, shown[:, :last].T, unit)
+        ax.set(title=one.name, xlabel="time (ms)", ylabel=label, ylim=(0.0, y[-1]))
+    return panels.close(f"{result.name}: {every[0].words}")
+
+
+@rc_context(STYLE)
+def envelopes(every: Sequence[Envelope], result: View) -> Figure:
+    """A row each: what vibrates within its envelope, and the spectrum of the envelope."""
+    panels = Panels([(5.6, 2.1), (3.4, 2.1)] * len(every), 2)
+    for k, one in enumerate(every):
+        ax, right = panels.axes[2 * k], panels.axes[2 * k + 1]
+        factor, unit = scale_of(float(one.values.max()), one.unit)
+        ax.plot(1e3 * one.times, factor * one.filtered, color=SKY, lw=0.5, rasterized=True, label="what vibrates")
+        ax.plot(1e3 * one.times, factor * one.values, color=VERMILION, lw=0.9, label="its envelope")
+        ax.set(title=one.name, ylabel=f"{unit}, without the mean")
+        ax.margins(x=0.0)
+        amplitudes(right, one.spectrum, result)
+        right.set_title("spectrum of the envelope")
+        if k == len(every) - 1:
+            ax.set_xlabel("time (ms)")
+        else:
+            right.set_xlabel("")
+    return panels.close(f"{result.name}: {every[0].words}")
+
+
+@rc_context(STYLE)
+def spectrums(every: Sequence[Spectrum], result: View) -> Figure:
+    """A panel each: amplitudes over orders or frequencies."""
+    panels = Panels([(4.6, 2.2) if len(every) > 1 else (8.0, 2.9)] * len(every), 2)
+    for ax, one in zip(panels.axes, every, strict=True):
+        amplitudes(ax, one, result)
+        ax.set_title(one.name)
+    return panels.close(f"{result.name}: {every[0].words}")
+
+
+def amplitudes(ax: Axes, one: Spectrum, result: View) -> None:
+    """A curve of amplitudes, as far as there are any."""
+    over, label = axis(one, result)
+    amplitude_curve(ax, over, one.amplitudes, one.unit)
+    ax.set_xlabel(label)
+
+
+def axis(one: Transformed, result: View) -> tuple[Array, str]:
+    """Places on the axis of orders, or of frequencies where nothing turns evenly, and what it is called."""
+    if one.turn is None:
+        return one.frequencies, "frequency (Hz)"
+    return one.orders, f"order of {result.crank} ({1.0 / one.turn:.4g} Hz each)"
+
+
+# ---------------------------------------------------------------------------------- amplitudes over a number of the model
+
+
+@rc_context(STYLE)
+def over_values(one: Waterfall, hertz: bool = False) -> Figure:
+    """A panel for each series, orders to the right, or frequencies (``hertz``), the number upwards; what is not known, or diverged, stays grey."""
+    asked, unit = one.asked, one.asked.unit
+    panels = Panels([(5.2, 3.4) if len(asked.series) > 1 else (8.0, 4.4)] * len(asked.series), 2, across=1.85)
+    factor, unit = (RPM, "rpm") if unit == "rad/s" else scale_of(float(np.abs(asked.values).max()), unit)
+    y = edges(factor * np.array(asked.values), len(asked.values))
+    for ax, name, unit_of in zip(panels.axes, asked.series, asked.units, strict=True):
+        shown, of = logarithms(one.amplitudes[name], unit_of)
+        ax.set_facecolor(FAINT)
+        coloured(panels, ax, across(one, hertz), np.repeat(y[:, None], shown.shape[1] + 1, axis=1), np.ma.masked_invalid(shown), of)
+        ax.set(title=name, ylabel=f"{asked.path} ({unit})", xlabel="frequency (Hz)" if hertz else "order of the crank")
+        ax.set_xlim(left=0.0)
+    return panels.close(f"{one.name}: {one.words}; {one.limits}; no companions")
+
+
+def across(one: Waterfall, hertz: bool) -> Array:
+    """Edges of cells from left to right, shape (values + 1, places + 1); of frequencies those of the values, which fan out with the speed."""
+    places = np.append(one.orders, 2.0 * one.orders[-1] - one.orders[-2]) - 0.5 * one.orders[1]
+    rate = 1.0 / one.turn if hertz else np.ones(len(one.turn))
+    rate = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
+    return np.asarray(np.maximum(places, 0.0) * rate[:, None], dtype=float)
+
+
+# -------------------------------------------------------------------------------------------------------------- scales
+
+
+def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any) -> float:
+    """Draw amplitudes on a logarithmic scale of so many decades, as far as they reach; returns the factor of their unit."""
+    top = float(values.max())
+    factor, unit = scale_of(top, unit)
+    ax.plot(over, factor * values, color=BLUE, lw=0.9, zorder=3, **look)
+    above = np.flatnonzero(values > top * 10.0**-DECADES)
+    if top > 0.0:
+        highest = 2.0 * factor * top
+        ax.set_yscale("log")
+        ax.set_ylim(highest * 10.0**-DECADES, highest)
+        powers = range(int(np.ceil(np.log10(highest) - DECADES)), int(np.floor(np.log10(highest))) + 1)
+        ax.set_yticks([10.0**power for power in powers], labels=[power_of_ten(power) for power in powers])
+        ax.minorticks_off()
+    ax.set_ylabel(f"amplitude ({unit})")
+    ax.set_xlim(0.0, over[min(int(1.05 * (above[-1] if len(above) else len(over))) + 2, len(over) - 1)])
+    return factor
+
+
+def logarithms(size: Array, unit: str) -> tuple[Array, str]:
+    """Logarithms of amplitudes in a unit that reads well, as many decades as are shown, and the unit."""
+    most = float(np.nanmax(size, initial=0.0))
+    factor, unit = scale_of(most, unit)
+    top = np.log10(max(factor * most, 1e-300))
+    return np.log10(np.maximum(factor * size, 10.0 ** (top - DECADES))), unit
+
+
+def reached(shown: Array) -> int:
+    """Places along the last axis up to the last one that is seen."""
+    seen, count = np.flatnonzero((shown > shown.max() - DECADES + 0.5).any(axis=0)), int(shown.shape[1])
+    return min(int(seen[-1]) + 2, count) if len(seen) else count
+
+
+def coloured(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: str) -> None:
+    """Draw logarithms of amplitudes as colours, with a scale in powers of ten."""
+    bar = panels.scale(ax, ax.pcolormesh(x, y, shown, cmap="cividis", rasterized=True), f"amplitude ({unit})")
+    ax.grid(visible=False)
+    if shown.count() if isinstance(shown, np.ma.MaskedArray) else shown.size:
+        powers = list(range(int(np.ceil(shown.min())), int(np.floor(shown.max())) + 1))
+        bar.set_ticks(powers, labels=[power_of_ten(power) for power in powers])
+
+
+def joined(size: Array) -> Array:
+    """Amplitudes in no more cells than a picture can show, of those that are joined the highest."""
+    for axis in (0, 1):
+        many = -(-size.shape[axis] // CELLS)
+        if many > 1:
+            size = np.maximum.reduceat(size, np.arange(0, size.shape[axis], many), axis=axis)
+    return size
+
+
+def edges(middles: Array, count: int) -> Array:
+    """Edges of so many even cells around places at even distances."""
+    half = 0.5 * (middles[1] - middles[0]) if len(middles) > 1 else 0.5
+    return np.linspace(middles[0] - half, middles[-1] + half, count + 1)
 
 
 def power_of_ten(power: int) -> str:

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import matplotlib
+from matplotlib import rc_context
 
 from ..errors import VfifeError, shown, suggestion
 from .notebook import sharp
@@ -27,6 +27,7 @@ TITLES = {
 KINDS = (".png", ".svg", ".pdf")
 
 
+@rc_context(STYLE)
 def figures(study: Study, names: Collection[str] = (), measures: Collection[str] = (), larger: Collection[str] = ()) -> dict[str, Figure]:
     """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; all that the study has something for, or those of ``names``.
 
@@ -40,8 +41,7 @@ def figures(study: Study, names: Collection[str] = (), measures: Collection[str]
         study.values(name)
     draws: dict[str, Callable[[Study, list[str]], Figure | None]] = {**FIGURES, "fronts": partial(fronts, larger=larger)}
     chosen = list(measures) or list(study.measures)
-    with matplotlib.rc_context(STYLE):
-        found = {name: draw(study, chosen) for name, draw in draws.items() if not names or name in names}
+    found = {name: draw(study, chosen) for name, draw in draws.items() if not names or name in names}
     return {name: figure for name, figure in found.items() if figure is not None}
 
 
@@ -66,5 +66,4 @@ def drawn(
         raise VfifeError(
             f"{study.path or 'this study'}: there is nothing to draw: {len(study.done):,} of {len(study.members):,} members have ended"
         )
-    with matplotlib.rc_context({**STYLE, "svg.fonttype": "path"}):
-        return [saved(figure, folder / f"{name}{ending}") for name, figure in found.items()]
+    return [saved(figure, folder / f"{name}{ending}") for name, figure in found.items()]

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from .style import length_unit, scale_of
+from .style import readable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,20 +19,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST_TICKS = 7  # of a logarithmic axis
-PREFIXED = ("W", "J", "N", "N m")  # units that people say with k and M
-
-
-def unit_for(values: Any, unit: str) -> tuple[float, str]:
-    """Factor and unit in which numbers read well."""
-    found = np.asarray(values, dtype=float)
-    size = float(np.nanmax(np.abs(found))) if np.isfinite(found).any() else 1.0
-    if unit == "m":
-        return length_unit(size)
-    if unit == "Pa":
-        return (1e-6, "MPa") if size >= 1e5 else (1.0, unit)
-    if unit in PREFIXED and size >= 2e3:
-        return (1e-6, f"M{unit}") if size >= 2e6 else (1e-3, f"k{unit}")
-    return (1.0, "") if unit == "1" else scale_of(size, unit.replace("^2", "²"))
 
 
 def broken(name: str, width: int = 15) -> str:
@@ -54,7 +40,7 @@ def places(values: Sequence[Any], unit: str) -> tuple[Array, str]:
     """Where values of a parameter lie along an axis, and their unit; words one after another."""
     if any(isinstance(value, str) for value in values):
         return np.arange(len(values), dtype=float), ""
-    factor, unit = unit_for(values, unit)
+    factor, unit = readable(values, unit)
     return factor * np.asarray(values, dtype=float), unit
 
 

@@ -12,8 +12,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from .studyaxes import Array, broken, edges, lines, places, said_of, shortened, ticked, titled, unit_for
-from .style import BLUE, BODIES, FAINT, GREY, INK, VERMILION, heading, one_legend, panels
+from .studyaxes import Array, broken, edges, lines, places, said_of, shortened, ticked, titled
+from .style import BLUE, BODIES, FAINT, GREY, INK, VERMILION, heading, one_legend, panels, readable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,13 +31,10 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
     shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
     if not own or not shown:
         return None
-    columns = min(len(shown), 2 if len(shown) < 5 else 3)
-    figure, boxes = panels(-(-len(shown) // columns), columns, 4.8, 3.5)
-    for ax, name in zip(boxes, shown, strict=False):
+    figure, boxes = panels(len(shown), 2 if len(shown) < 5 else 3, 4.8, 3.5)
+    for ax, name in zip(boxes, shown, strict=True):
         curve_panel(ax, study, name, own)
-    for ax in boxes[len(shown) :]:
-        ax.set_visible(False)
-    one_legend(figure, boxes[: len(shown)])
+    one_legend(figure, boxes)
     others = [name for name in study.axes if name not in {one.name for one in own[:2]}]
     band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {said_of(study, others)})"
     heading(figure, study.model + (band if others else ""))
@@ -51,7 +48,7 @@ def curve_panel(ax: Axes, study: Study, name: str, own: list[Any]) -> None:
     keep = [dims.index(along.name)] + ([dims.index(other.name)] if other is not None else [])
     values = np.moveaxis(study.laid_out(name), keep, list(range(len(keep))))
     values = values.reshape(values.shape[0], values.shape[1] if other is not None else 1, -1)
-    factor, unit = unit_for(values, study.measures[name])
+    factor, unit = readable(values, study.measures[name])
     x, x_unit = places(study.axes[along.name], along.unit)
     labels, label_unit = ([None], "") if other is None else labelled(study.axes[other.name], other.unit)
     for colour, k in enumerate(shortened(values.shape[1], MOST_CURVES)):
@@ -92,12 +89,9 @@ def heat_maps(study: Study, measures: list[str]) -> Figure | None:
     shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
     if not shown:
         return None
-    columns = min(len(shown), 2 if len(shown) < 5 else 3)
-    figure, boxes = panels(-(-len(shown) // columns), columns, 4.8, 3.7)
-    for ax, name in zip(boxes, shown, strict=False):
+    figure, boxes = panels(len(shown), 2 if len(shown) < 5 else 3, 4.8, 3.7)
+    for ax, name in zip(boxes, shown, strict=True):
         map_panel(figure, ax, study, name, axes)
-    for ax in boxes[len(shown) :]:
-        ax.set_visible(False)
     others = [name for name in study.axes if name not in {one.name for one in axes}]
     heading(figure, study.model + (f" (median over {said_of(study, others)})" if others else ""))
     return figure
@@ -109,7 +103,7 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, axes: list[Any]
     dims = list(study.axes)
     values = median(study.laid_out(name), [dims.index(up.name), dims.index(across.name)])
     (x, x_unit), (y, y_unit) = (places(study.axes[one.name], one.unit) for one in axes)
-    factor, unit = unit_for(values, study.measures[name])
+    factor, unit = readable(values, study.measures[name])
     ax.set_facecolor(FAINT)
     drawn = ax.pcolormesh(edges(x), edges(y), np.ma.masked_invalid(factor * values), cmap="viridis", rasterized=True)
     ticked(ax, across, study.axes[across.name], x, x_unit)
@@ -157,7 +151,7 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     )
     furnish(ax, study, names, low, high)
     colour = names[min(len(study.parameters), len(names) - 1)]
-    factor, unit = unit_for(key, unit_of(study, colour))
+    factor, unit = readable(key, unit_of(study, colour))
     bar = figure.colorbar(ScalarMappable(Normalize(factor * least, factor * most), "viridis"), ax=ax, pad=0.02)
     bar.outline.set_visible(False)
     bar.set_label(titled(colour, unit))
@@ -188,7 +182,7 @@ def furnish(ax: Axes, study: Study, names: list[str], low: Array, high: Array) -
     for k, name in enumerate(names):
         ax.axvline(k, color=GREY, lw=0.8, zorder=0)
         words = sorted({value for one in study.done if isinstance(value := study.at(one)[k], str)}) if k < len(study.parameters) else []
-        factor, unit = unit_for([low[k], high[k]], unit_of(study, name))
+        factor, unit = readable([low[k], high[k]], unit_of(study, name))
         heads.append(broken(name) + (f"\n({unit})" if unit else ""))
         ends = ("", "") if words else (f"{factor * low[k]:.4g}", f"{factor * high[k]:.4g}")
         ax.text(k, -0.04, ends[0], ha="center", va="center", **END)
@@ -208,11 +202,11 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
     known = [pair for pair in pairs if np.isfinite(study.values(pair[0]) + study.values(pair[1])).sum() > 1]
     if not known:
         return None
-    figure, axes = panels(1, len(known), 4.8, 4.2)
+    figure, axes = panels(len(known), len(known), 4.8, 4.2)
     for ax, pair in zip(axes, known, strict=True):
         both = np.stack([study.values(name) for name in pair], axis=1)
         both = both[np.isfinite(both).all(axis=1)]
-        scales = [unit_for(both[:, k], study.measures[pair[k]]) for k in (0, 1)]
+        scales = [readable(both[:, k], study.measures[pair[k]]) for k in (0, 1)]
         x, y = (both[:, k] * scales[k][0] for k in (0, 1))
         signs = np.array([-1.0 if name in larger else 1.0 for name in pair])
         best = front(both * signs)

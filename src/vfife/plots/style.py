@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
+import numpy as np
+from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -23,7 +25,9 @@ INK, GREY, FAINT = "#222222", "#767676", "#d9d9d9"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 BODIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
-PREFIXED = ("N", "N m", "Pa", "J", "W", "m")
+IDEAL: Any = {"color": VERMILION, "lw": 1.3, "ls": (0, (5, 1.6)), "label": "ideal joints"}
+PREFIXED = ("N", "N m", "Pa", "J", "W")
+LENGTHS = ((1.0, 1.0, "m"), (1e-4, 1e3, "mm"), (1e-7, 1e6, "µm"), (0.0, 1e9, "nm"))  # from so much on
 SCALES = ((2e9, 9, "G"), (2e6, 6, "M"), (2e3, 3, "k"), (0.02, 0, ""), (2e-5, -3, "m"), (2e-8, -6, "µ"), (0.0, -9, "n"))  # from so much on
 
 STYLE: Any = {  # matplotlib types its settings by their names
@@ -55,32 +59,44 @@ STYLE: Any = {  # matplotlib types its settings by their names
     "legend.frameon": False,
     "figure.facecolor": "white",
     "savefig.dpi": 160,
+    "svg.fonttype": "path",
 }
 
 
-def panels(rows: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any) -> tuple[Figure, list[Axes]]:
-    """A figure with a grid of axes (inches for each), and the axes; ``equal`` if their scales will be."""
+def panels(count: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any) -> tuple[Figure, list[Axes]]:
+    """A figure with so many axes (inches for each) in rows of up to ``columns``, and the axes; ``equal`` if their scales will be."""
+    columns = min(columns, count)
+    rows = -(-count // columns)
     figure = Figure(figsize=(width * columns, height * rows), layout="compressed" if equal else "constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, columns, squeeze=False, **options)
-    return figure, list(axes.flat)
+    axes = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
+    for ax in axes[count:]:
+        ax.set_visible(False)
+    return figure, axes[:count]
 
 
 def length_unit(size: float) -> tuple[float, str]:
-    """Factor and name of the unit (µm, mm or m) in which a length (m) reads well."""
-    if size < 1e-4:
-        return 1e6, "µm"
-    return (1e3, "mm") if size < 1.0 else (1.0, "m")
+    """Factor and name of the unit (nm to m) in which a length (m) reads well."""
+    return next((factor, name) for least, factor, name in LENGTHS if size >= least)
 
 
 def scale_of(size: float, unit: str) -> tuple[float, str]:
     """Factor and unit in which a quantity reads well: kN, MPa or mJ for units that take a prefix, powers of ten for others."""
+    if unit == "m":
+        return length_unit(size)
+    unit = "" if unit == "1" else unit.replace("^2", "²")
     if not 0.0 < size < float("inf"):
         return 1.0, unit
     power, prefix = next((power, prefix) for limit, power, prefix in SCALES if size >= limit)
     if power == 0:
         return 1.0, unit
-    return 10.0**-power, f"{prefix}{unit}" if unit in PREFIXED else f"10{str(power).translate(RAISED)} {unit}"
+    return 10.0**-power, f"{prefix}{unit}" if unit in PREFIXED else f"10{str(power).translate(RAISED)} {unit}".strip()
+
+
+def readable(values: Any, unit: str) -> tuple[float, str]:
+    """Factor and unit in which the largest of some numbers reads well."""
+    found = np.abs(np.asarray(values, dtype=float))
+    return scale_of(float(np.max(found, initial=0.0, where=np.isfinite(found))), unit)
 
 
 def digits(value: float) -> str:
@@ -104,12 +120,7 @@ def heading(figure: Figure, text: str) -> None:
     figure.suptitle("\n".join(wrap(text, max(20, int(10.0 * figure.get_figwidth())))))
 
 
-def saved_in_style(draw: Callable[[], Figure], path: Path) -> Path:
-    """Draws a figure in the style of all and writes it as :func:`saved` does."""
-    with matplotlib.rc_context(STYLE):
-        return saved(draw(), path)
-
-
+@rc_context(STYLE)
 def saved(figure: Figure, path: Path) -> Path:
     """Writes a figure under another name and renames it; the ending of ``path`` chooses PNG, PDF or SVG."""
     kind, by = path.suffix.lower().removeprefix("."), f"vfife, Matplotlib {matplotlib.__version__}"

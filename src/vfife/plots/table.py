@@ -12,9 +12,7 @@ from .curves import acceleration_curves, accelerations, force_curves, joint_forc
 from .drawing import drawing, strip
 from .energy import energy
 from .paths import phase, points, portraits, traces
-from .spectra import FEW, LEAST, pieces, spectrum, waterfall
-from .spectrograms import LEAST as SAMPLES
-from .spectrograms import envelope, forces, spectrogram
+from .spectra import FEW, LEAST, SAMPLES, envelope, forces, pieces, spectrogram, spectrum, waterfall
 from .worn import in_a_turn, wears
 
 if TYPE_CHECKING:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib import rc_context
 
-from .style import BLUE, GREY, INK, VERMILION, heading, panels
+from .style import BLUE, GREY, INK, STYLE, VERMILION, heading, panels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,6 +19,7 @@ MARKS = {"derivative": "", "change": " *", "unknown": " ?"}
 PANELS = 6  # measures in one figure, at the most
 
 
+@rc_context(STYLE)
 def tornado(found: Sensitivity) -> Figure:
     """By how many per cent measures change with one per cent of each number; hatched, and to the left, where they fall. Thin lines are ranges.
 
@@ -26,9 +28,7 @@ def tornado(found: Sensitivity) -> Figure:
     that are zero are left out.
     """
     names = [name for name in found.measures if name in found.doubtful or any(np.isfinite(e) and e for _, e in found.ranked(name))][:PANELS]
-    columns = min(2, max(1, len(names)))
-    rows = max(1, -(-len(names) // columns))
-    figure, axes = panels(rows, columns, 5.4, 0.9 + 0.24 * BARS)
+    figure, axes = panels(max(1, len(names)), 2, 5.4, 0.9 + 0.24 * BARS)
     for ax, name in zip(axes, names, strict=False):
         ax.set_title(name)
         if name in found.doubtful:

@@ -27,6 +27,7 @@ ANGLES = -math.pi + 2.0 * math.pi / PLACES * (np.arange(PLACES) + 0.5)
 MOST, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches of a panel
 
 
+@rc_context(STYLE)
 def worn(found: Worn) -> Figure:
     """One row a joint: each surface around itself, drawn far larger than its wear is small, and over turns the play and the largest force."""
     sides = max(sum(one.joint == joint for one in found.surfaces) for joint in found.joints)
@@ -50,12 +51,6 @@ def worn(found: Worn) -> Figure:
         told += f"; life of joint {found.ended['joint']} ends after {counted(found.ended['turns'])} by its {found.ended['by']}"
     heading(figure, f"{found.name}: wear after {told}")
     return laid_out(figure)
-
-
-def in_style(found: Worn) -> Figure:
-    """The same in the style of all figures."""
-    with rc_context(STYLE):
-        return worn(found)
 
 
 def laid_out(figure: Figure) -> Figure:
@@ -105,7 +100,7 @@ def choice(found: Worn) -> list[int]:
 def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
     """Depths (m) of one surface, each with its label, the last one filled: outwards from a bearing, inwards into a journal."""
     deepest = max(max(float(depth.max()) for _, depth in lines), 1e-15)
-    factor, unit = (1e9, "nm") if deepest < 1e-7 else length_unit(deepest)
+    factor, unit = length_unit(deepest)
     sign, last = 1.0 if side == "bearing" else -1.0, lines[-1][1]
     angle = np.append(angles, angles[0] + 2.0 * math.pi)
     circle = np.full_like(angle, HOLLOW)
@@ -143,7 +138,7 @@ def over_turns(ax: Any, found: Worn, row: int, what: str) -> None:
     values = (found.play if what == "play" else found.force)[:, row]
     limit = found.asked.clearance if what == "play" else found.asked.force
     size = max(float(values.max()), limit or 0.0)
-    factor, unit = length_unit(size) if what == "play" else scale_of(size, "N")
+    factor, unit = scale_of(size, "m" if what == "play" else "N")
     million = found.turns[-1] >= 1e5
     turns = found.turns / (1e6 if million else 1.0)
     ax.plot(turns, factor * values, color=BLUE, marker="o", ms=3.0)

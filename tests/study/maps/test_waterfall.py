@@ -85,9 +85,9 @@ def test_a_table_and_a_picture_have_every_amplitude(tmp_path):
     rows = list(csv.reader((tmp_path / "all.csv").read_text().splitlines()))
     assert rows[0] == ["driver.crank.speed [rad/s]", "order [1]", "frequency [Hz]", "block.x [m]"] and len(rows) == 1 + 5 * 13
     assert float(rows[3][3]) == found.amplitudes["block.x"][0, 2]
-    from vfife.plots.waterfall import across, drawn
+    from vfife.plots.spectra import across, over_values
 
-    ax = drawn(found).axes[0]
+    ax = over_values(found).axes[0]
     assert ax.get_ylabel() == "driver.crank.speed (rpm)" and ax.get_ylim() == pytest.approx((5.0 * 30 / math.pi, 15.0 * 30 / math.pi))
     assert across(found, True)[-1, 3] == pytest.approx(1.25 * 14.0 / (2.0 * math.pi))
 

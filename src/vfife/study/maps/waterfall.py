@@ -135,9 +135,9 @@ class Waterfall:
 
     def plot(self, hertz: bool = False) -> Figure:
         """The amplitudes as colour, orders to the right, or frequencies (``hertz``), the number upwards."""
-        from ...plots.waterfall import drawn
+        from ...plots.spectra import over_values
 
-        return drawn(self, hertz)
+        return over_values(self, hertz)
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for each value and order: the value, order, frequency (Hz) and the amplitude of each series. Raises OSError."""

@@ -128,9 +128,9 @@ class Worn:
 
     def plot(self) -> Figure:
         """Depths around each surface in polar axes, and play and forces over turns."""
-        from ...plots.worn import in_style
+        from ...plots.worn import worn
 
-        return in_style(self)
+        return worn(self)
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for every point, surface and place: turns, joint, side, angle (rad), depth (m)."""
