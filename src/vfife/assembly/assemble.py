@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
-from ..kernels.arrays import Layout
+from ..kernels.arrays import layout_of
 from ..kernels.topology import Topology
 from ..kinematics.drives import standing
 from ..kinematics.initial import Given, Motion, ideal_motion, seated
@@ -80,7 +80,7 @@ def assemble(
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
     stressed = prestress(mechanism, seats) if wanted(mechanism) and given is None else None
-    filler = filled(Filler(mechanism, numbering, Layout(topology), motion, stressed, given=given is not None), parts, tables)
+    filler = filled(Filler(mechanism, numbering, layout_of(topology), motion, stressed, given=given is not None), parts, tables)
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     if redundant(filler.layout, filler.state, topology):

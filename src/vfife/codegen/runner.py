@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.arrays import Layout
+from ..kernels.arrays import layout_of
 from ..kernels.topology import Topology
 from .cachelines import aligned
 from .loops import NEVER, NONE, Integers, Rows, loop_of, memory_of
@@ -60,7 +60,7 @@ class Runner:
     ) -> None:
         self.topology, self.loop = topology, loop
         self.kept = np.ascontiguousarray(kept, dtype=np.uint32)
-        self.layout = Layout(topology)
+        self.layout = layout_of(topology)
         self.lanes = states.shape[1]
         rows = self.layout.rows
         own = np.array(self.layout.of("extreme"), dtype=np.uint32)

@@ -11,6 +11,7 @@ The topology reaches the data-driven loop as one array ``I`` of unsigned integer
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -163,3 +164,9 @@ class Layout:
             chosen = [block for block in BLOCKS if block.role in roles and len(self.records[block.entity])]
             self.roles[roles] = tuple(row for block in chosen for row in self.rows_of(block.name).tolist())
         return list(self.roles[roles])
+
+
+@lru_cache(maxsize=64)
+def layout_of(topology: Topology) -> Layout:
+    """The layout of a topology, one for all mechanisms that have it."""
+    return Layout(topology)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -163,11 +164,16 @@ def _closed(mechanism: Mechanism, system: RigidSystem, guess: Array) -> Array:
     return position
 
 
-def _forced_alike(one: Mechanism | None, other: Mechanism) -> bool:
-    """Whether the same forces, and no velocities of bodies of their own, act on two mechanisms whose equations are the same."""
-    if one is None or any(any(body.velocity) for body in (*one.bodies.values(), *other.bodies.values())):
+def _starts_alike(one: Mechanism | None, other: Mechanism) -> bool:
+    """Whether the same bodies, drivers and springs are tied by joints of the same rows, as in a mechanism and its ideal reference."""
+    if one is None or len(one.bodies) != len(other.bodies):
         return False
-    return not one.loads and (one.loads, one.springs, one.drivers, one.gravity) == (other.loads, other.springs, other.drivers, other.gravity)
+    bodies = one.bodies.values(), other.bodies.values()
+    if any(any(body.velocity) for body in bodies[0]) or not all(map(operator.is_, *bodies)) or one.loads or other.loads:
+        return False
+    parts = ((m.points, m.drivers, m.springs, m.gears, m.gravity, m.clock, m.settings.analysis) for m in (one, other))
+    joints = ([(j.sides, j.rows(), j.rank, j.first_place) for j in m.joints.values()] for m in (one, other))
+    return [*one.bodies, *one.joints] == [*other.bodies, *other.joints] and operator.eq(*parts) and operator.eq(*joints)
 
 
 def ideal_motion(
@@ -186,13 +192,13 @@ def ideal_motion(
 
     ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame and accelerations. ``datum``: where
     travels and springs count from, :func:`datum_of` unless given. ``given``: a start from known positions and velocities.
-    ``known``: a motion solved before. It is taken where it is that of this very mechanism, and its position where that follows from the same
-    numbers, as it does of a mechanism and its ideal reference; so it never changes the result.
+    ``known``: a motion solved before. It is taken where it is that of this mechanism or of its ideal reference, and its position wherever that
+    follows from the same numbers; so it never changes the result.
     Joints with clearance whose body was given a velocity of its own are closed in position only; those between bodies of a given start are
     left as they are. Raises AssemblyError where links cannot reach, which says what stays open by how much where that is to be ``named``.
     """
     plain = not (time or seats or inertial) and guess is None and datum is None and given is None
-    if plain and known is not None and known.mechanism is mechanism:
+    if plain and known is not None and (known.mechanism is mechanism or _starts_alike(known.mechanism, mechanism)):
         return known
     datum = datum_of(mechanism, given) if datum is None else datum
     eccentric = {name: seat.at for name, seat in (seats or {}).items()}
@@ -202,10 +208,10 @@ def ideal_motion(
     hand = handedness(guess)  # solved in one of the two mirror images, so that the other one starts from the same bits
     flip = np.array([1.0, hand, hand])
     solved = mirrored(system) if hand < 0.0 else system
-    same = known if known is not None and known.solves(solved, guess * flip) else None
-    if same is not None and plain and _forced_alike(same.mechanism, mechanism):
-        return dataclasses.replace(same, mechanism=mechanism)
-    position = close(solved, guess * flip, named).position * flip if same is None else same.position
+    if known is not None and known.solves(solved, guess * flip):
+        position = known.position
+    else:
+        position = close(solved, guess * flip, named).position * flip
     own = {name for name, body in mechanism.bodies.items() if any(body.velocity)} if given is None else set()
     loose = apart | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
     moving, moved = system, solved
