@@ -8,20 +8,17 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias, TypedDict, Unpack
+from typing import Any, TypeAlias
 
 from .analysis.energy import drifting, too_open
 from .analysis.meshes import mesh_estimate
 from .analysis.ranges import estimate, finer, own_ranges, window
-from .assembly.assemble import assemble
 from .assembly.assembled import Assembly
 from .assembly.possible import Outlook, outlook
-from .assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from .codegen.cache import sources as sources_of_the_step
 from .errors import Fault, ModelError
 from .job.cost import BRIEF, run_cost
 from .job.job import Job, job_of
-from .kinematics.initial import Motion
 from .model.mechanism import Mechanism
 from .model.validate import validate
 from .modelfile import dump
@@ -30,20 +27,12 @@ from .results.connections import located
 from .results.lock import Lock
 from .results.provenance import keep_reference, kept_companions, provenance, refuse_displaced
 from .results.restart import (
-    States,
     extended,
-    initial_state,
     on_clock,
     refuse_ended,
-    refuse_stateless,
-    restart_record,
-    restarted,
-    same_layout,
-    step_of,
 )
 from .results.runfile import RunFile
 from .results.schemas import RUN
-from .results.view import View
 from .solvers.arguments import Arguments, Loop, RunArguments
 from .solvers.companions import number, step_counts
 from .solvers.record import Checkpoint, Record, recorded_rows
@@ -51,19 +40,10 @@ from .solvers.refinement import other_meshes, refinable, refine, worth_other_mes
 from .solvers.statics import equilibrium
 from .solvers.status import Progress, Status
 from .solvers.transient import choose_loop, run
+from .start import Length, RestoredStart, RunStart, StartFrom, StaticStart, expected_forces, ideal_of, referred
 
 Earlier: TypeAlias = dict[str, tuple[float, float]]
 Tried: TypeAlias = tuple[tuple[float, float | None], ...]
-StartFrom: TypeAlias = Result | str | Path | States
-
-
-class Length(TypedDict, total=False):
-    """How long a run is and how much of it is kept, as assemble takes it."""
-
-    turns: float | None
-    duration: float | None
-    outputs: int | None
-    force_step: bool
 
 
 @dataclass(frozen=True)
@@ -73,7 +53,7 @@ class Prepared:
     assembly: Assembly
     reference: Result | None
     loop: Loop
-    again: Callable[[float], Assembly]  # the same with another step (s)
+    start: RunStart | StaticStart | RestoredStart  # assembles it with another step
     companions: int = 0
     refined: bool = False  # whether it is repeated with smaller steps, being smooth, or on other meshes, being static
     asked: Mapping[str, Any] = field(default_factory=dict)  # what it takes to prepare it again, beside the model
@@ -95,57 +75,6 @@ class Prepared:
         found = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
         asked = {**self.asked, "refined": self.refined}
         return found | kept_companions(assembly, step_counts(assembly.choice, self.companions), earlier or {}) | {"asked": asked}
-
-
-def expected_forces(reference: Result | None) -> Mapping[str, float]:
-    """Largest forces of the ideal mechanism, by joint."""
-    if reference is None:
-        return {}
-    return {name.removesuffix(".force.max"): value for name, value in reference.measures.items() if name.endswith(".force.max")}
-
-
-def comparable(mechanism: Mechanism) -> bool:
-    """Whether there is an ideal mechanism to compare with turn by turn: play, a driver, and joints that are still joints without their play."""
-    if mechanism.settings.analysis == "static" or not mechanism.contacts or not any(driver.moves for driver in mechanism.drivers.values()):
-        return False
-    return len(mechanism.ideal().joints) == len(mechanism.joints)
-
-
-def ideal_of(
-    mechanism: Mechanism,
-    turns: float | None = None,
-    duration: float | None = None,
-    start: Result | States | None = None,
-    motion: Motion | None = None,
-) -> Assembly | None:
-    """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else as long as the run, from its start.
-
-    ``motion``: the start of the mechanism, solved before.
-    """
-    if not comparable(mechanism):
-        return None
-    if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
-        turns, duration, start = 1.0, None, None
-    ideal = mechanism.ideal()
-    given = None if start is None else initial_state(start, ideal)
-    return assemble(ideal, beside=mechanism, turns=turns, duration=duration, given=given, motion=motion)
-
-
-def reference_of(
-    mechanism: Mechanism, turns: float | None = None, duration: float | None = None, start: Result | States | None = None
-) -> Result | None:
-    """What the ideal mechanism does (:func:`ideal_of`). Raises KeyboardInterrupt where it is interrupted."""
-    return referred(ideal_of(mechanism, turns, duration, start))
-
-
-def referred(ideal: Assembly | None) -> Result | None:
-    """The result of an ideal mechanism, if there is one. Raises KeyboardInterrupt where it is interrupted."""
-    if ideal is None:
-        return None
-    record = run(ideal)
-    if record.status == Status.INTERRUPTED:
-        raise KeyboardInterrupt
-    return Result(record)
 
 
 def simulate(
@@ -219,20 +148,11 @@ def prepare(
         mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, settle=asked.settle))
     validate(mechanism)
     if mechanism.settings.analysis == "static":
-        if start is not None:
-            fault = Fault("start", "a static analysis begins at the mechanism's own start, without loads", remedy="leave it out")
-            raise ModelError([fault], "simulate()")
-        given = {name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None}
-        still = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
-        assembly, wanted = assemble(still), companions_of(mechanism, asked.companions)
-        finer, about = repeated(assembly, wanted, asked.loop), {"sources": sources_of_the_step().decode()}
-        if job is not None:
-            forecast(job, assembly, None, finer)
-        return Prepared(assembly, None, asked.loop, lambda _: assemble(still), refined=finer, asked=about)
+        return _prepare_static(mechanism, asked, start, job)
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
         mechanism = on_clock(mechanism, former)
-    seen = outlook(mechanism, asked.turns, asked.duration) if start is None else Outlook()
+    seen = outlook(mechanism, asked.turns, asked.duration) if former is None else Outlook()
     ideal = reference if isinstance(reference, Result) else None
     if reference is True and seen.through:
         alone = ideal_of(mechanism, asked.turns, asked.duration, former, seen.motion)
@@ -240,26 +160,29 @@ def prepare(
             forecast(job, alone)
         ideal = referred(alone)
     length = Length(turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step)
-
+    begin = RunStart(mechanism, length, former, seen, expected_forces(ideal))
     wanted = companions_of(mechanism, asked.companions)
-
-    def again(step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
-        found = assembled_at(mechanism, step, former, expected=expected_forces(ideal), contact_steps=contact_steps, motion=seen.motion, **length)
-        return dataclasses.replace(found, notes=(*found.notes, *seen.notes))
-
-    begin = first_contact_steps(mechanism, wanted, asked.loop)
-    assembly = again(asked.step, begin)
-    before = step_of(former.record, assembly) if isinstance(former, View) and asked.step is None else None
-    if before is not None:
-        assembly = taken_over(again(before))
+    assembly = begin.first(asked.step, asked.loop, wanted)
     companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
-    if before is None and begin != CONTACT_STEPS and not companions and assembly.choice.automatic:
-        assembly = again(asked.step)  # a large frame: nobody looks whether a coarse step will do
-    finer = repeated(assembly, wanted, asked.loop)
+    refined = repeated(assembly, wanted, asked.loop)
     if job is not None:
-        forecast(job, assembly, None if ideal is None else ideal.record.assembly, finer, companions)
+        forecast(job, assembly, None if ideal is None else ideal.record.assembly, refined, companions)
     kept = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
-    return Prepared(assembly, ideal, asked.loop, again, companions, finer, kept)
+    return Prepared(assembly, ideal, asked.loop, begin, companions, refined, kept)
+
+
+def _prepare_static(mechanism: Mechanism, asked: RunArguments, start: StartFrom | None, job: Job | None) -> Prepared:
+    """Prepare a static analysis."""
+    if start is not None:
+        fault = Fault("start", "a static analysis begins at the mechanism's own start, without loads", remedy="leave it out")
+        raise ModelError([fault], "simulate()")
+    given = {name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None}
+    begin = StaticStart(dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given)))
+    assembly = begin.assemble()
+    refined = repeated(assembly, companions_of(mechanism, asked.companions), asked.loop)
+    if job is not None:
+        forecast(job, assembly, None, refined)
+    return Prepared(assembly, None, asked.loop, begin, refined=refined, asked={"sources": sources_of_the_step().decode()})
 
 
 def companions_of(mechanism: Mechanism, wanted: int | str | None) -> int | str:
@@ -278,12 +201,6 @@ def repeated(assembly: Assembly, wanted: int | str, loop: Loop = "auto") -> bool
         return refinable(assembly.mechanism) and (wanted != "auto" or worth_other_meshes(assembly))
     smooth = not assembly.mechanism.contacts and choose_loop(assembly, loop) == "generated"
     return smooth and (wanted != "auto" or worth_refining(assembly))
-
-
-def first_contact_steps(mechanism: Mechanism, companions: int | str, loop: Loop = "auto") -> int:
-    """Steps in half a period of the stiffest contact with which an automatic step begins: fewer where companions look whether they will do."""
-    looked = mechanism.contacts and companions and (companions != "auto" or loop in ("auto", "generated"))
-    return FIRST_CONTACT_STEPS if looked else CONTACT_STEPS
 
 
 def carry_out(
@@ -360,23 +277,13 @@ def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Check
 
 def _prepared_again(former: Result, asked: dict[str, Any], beside: Mapping[str, Any]) -> Prepared:
     """What a file holds, as :func:`prepare` had it. Of companions rows may be gone that were needed before the checkpoint, and are not after it."""
-    record = former.record
-    mechanism, expected = record.assembly.mechanism, expected_forces(former.reference)
+    record, reference = former.record, former.reference
     length = Length(
         turns=asked.get("turns"), duration=asked.get("duration"), outputs=asked.get("outputs"), force_step=bool(asked.get("force_step"))
     )
-
-    def again(step: float) -> Assembly:
-        if record.static or not asked.get("started"):
-            return assembled_at(mechanism, step, expected=expected, **length)
-        given = initial_state(View(record), mechanism, 0.0)
-        found = assemble(mechanism, step, given=given, expected=expected, **length)
-        state = record.assembly.state.copy()  # positions alone do not make it: element and contact forces went on
-        state[found.layout["step"]] = found.choice.step
-        return dataclasses.replace(found, state=state, tables=record.assembly.tables)
-
     return Prepared(
-        record.assembly, former.reference, record.loop, again,  # type: ignore[arg-type]
+        record.assembly, reference, record.loop,  # type: ignore[arg-type]
+        RestoredStart(record, length, expected_forces(reference), bool(asked.get("started"))),
         companions=len(beside.get("counts", ())), refined=bool(asked.get("refined")), asked=asked,
         earlier={name: (float(low), float(high)) for name, (low, high) in beside.get("earlier", {}).items()},
         searches=bool(asked.get("searches", True)),
@@ -401,12 +308,6 @@ def resume(run: str | Path, *, until: float | str | None = None, progress: Calla
     return result
 
 
-def taken_over(assembly: Assembly) -> Assembly:
-    """The assembly with the step of the run that it goes on from, which may still be halved."""
-    choice = dataclasses.replace(assembly.choice, automatic=True, culprit="the run that it goes on from")
-    return dataclasses.replace(assembly, choice=choice)
-
-
 def looked_at(prepared: Prepared, record: Record) -> Record:
     """The record of a smooth run with an estimate of what its step leaves out, where one is made: Ctrl-C leaves it out."""
     if prepared.refined and record.status == Status.COMPLETE and len(record.steps) > 2:
@@ -425,34 +326,6 @@ def meshed(prepared: Prepared, record: Record, progress: Callable[[Progress], No
 
 def halved(prepared: Prepared, assembly: Assembly, tried: Tried) -> Assembly:
     """The same with half the step, which stays an automatic one that knows what was tried before it."""
-    again = prepared.again(0.5 * assembly.choice.step)
+    again = prepared.start.assemble(0.5 * assembly.choice.step)
     culprit = f"{prepared.assembly.choice.culprit.partition(', halved ')[0]}, halved {len(tried)} time{'s' * (len(tried) > 1)}"
     return dataclasses.replace(again, choice=dataclasses.replace(again.choice, automatic=True, culprit=culprit, tried=tried))
-
-
-def assembled_at(
-    mechanism: Mechanism,
-    step: float | str | None = None,
-    start: Result | States | None = None,
-    time: float | None = None,
-    *,
-    expected: Mapping[str, float] | None = None,
-    contact_steps: int = CONTACT_STEPS,
-    motion: Motion | None = None,
-    **length: Unpack[Length],
-) -> Assembly:
-    """The assembled mechanism at its own start, or where a former run was at ``time`` (s; its end unless given), or at states given by name.
-
-    ``motion``: its own start, solved before.
-
-    A run that ended and is cut alike goes on with its whole state, element and contact forces with it.
-    """
-    if start is None:
-        return assemble(mechanism, step, expected=expected, contact_steps=contact_steps, motion=motion, **length)
-    mechanism = on_clock(mechanism, start, time)
-    given = initial_state(start, mechanism, time)
-    assembly = assemble(mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length)
-    record = restart_record(start, time)
-    if isinstance(start, View) and time is None:
-        refuse_stateless(start.record, start.name, same_layout(assembly, start.record))
-    return restarted(assembly, record) if record is not None and same_layout(assembly, record) else assembly

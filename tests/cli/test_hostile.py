@@ -16,7 +16,7 @@ from vfife.model.drivers import Ramp
 from vfife.model.joints import ClearanceRevolute
 from vfife.model.mechanism import Mechanism
 from vfife.model.validate import validate
-from vfife.simulation import assembled_at
+from vfife.start import assembled_at
 
 CRANK = """name = "slider-crank"
 [run]

@@ -5,7 +5,7 @@ import dataclasses
 from support import CONTACT_LAWS, contact_law, four_bar
 from vfife.assembly.assemble import assemble, forms
 from vfife.laws import Ambrosio, ContactLaw, Flores, FrictionLaw, Frictionless, Johnson, LankaraniNikravesh, Liu, Pereira, Radzimovsky
-from vfife.simulation import reference_of
+from vfife.start import reference_of
 
 COMMON = forms(ContactLaw, [])
 

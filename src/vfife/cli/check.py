@@ -39,9 +39,10 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     from ..assembly.timestep import CONTACT_STEPS
     from ..job.cost import BRIEF, run_cost
     from ..report import check as described
-    from ..simulation import expected_forces, first_contact_steps, ideal_of, referred, repeated
+    from ..simulation import repeated
     from ..solvers.companions import number
     from ..solvers.transient import choose_loop
+    from ..start import expected_forces, first_contact_steps, ideal_of, referred
     from .filled import filled_in
 
     seen = outlook(mechanism)

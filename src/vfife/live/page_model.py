@@ -18,8 +18,8 @@ from ..model.mechanism import Mechanism
 from ..modelfile import load
 from ..result import Result
 from ..results.schemas import RUN_FILE, is_run_file
-from ..simulation import comparable
 from ..solvers.transient import LONGEST_STRAIGHT_LINE, choose_loop
+from ..start import comparable
 
 Array = NDArray[np.float64]
 DEPTHS = np.geomspace(1e-9, 1e-2, 29)  # m: the energy of a contact is told at these, and is a power of the depth between two of them

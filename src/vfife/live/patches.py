@@ -23,8 +23,9 @@ from ..errors import VfifeError
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
-from ..simulation import expected_forces, prepare
+from ..simulation import prepare
 from ..solvers.arguments import RunArguments
+from ..start import expected_forces
 from .page_model import PageModel, page_model, refuse_unfit, turned
 from .payload import packed
 from .sliders import POSITIONS, Slide

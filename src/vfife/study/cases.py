@@ -26,9 +26,9 @@ from ..model.validate import Checks, across
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, replaced
 from ..results.view import Reductions
-from ..simulation import ideal_of
 from ..solvers.status import Status
 from ..solvers.transient import run
+from ..start import ideal_of
 from .member import Plan, Stepped, Wanted, streams
 
 Numbers = Mapping[str, float | str]

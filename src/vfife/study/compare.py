@@ -27,13 +27,14 @@ from ..model.mechanism import Mechanism
 from ..result import Result
 from ..results.comparison import Comparison
 from ..results.schemas import is_run_file
-from ..simulation import Prepared, carry_out, concluded, halved, prepare, reference_of
+from ..simulation import Prepared, carry_out, concluded, halved, prepare
 from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.record import Record
 from ..solvers.repeating import Settling
 from ..solvers.status import Progress, Status
 from ..solvers.streaming import Lane, stepped
 from ..solvers.transient import choose_loop
+from ..start import reference_of
 
 Array = NDArray[np.float64]
 ROOM = 720  # outputs between two looks

@@ -27,10 +27,10 @@ from ..model.validate import validate
 from ..result import Result
 from ..results.channels import RECORDED
 from ..results.view import View
-from ..simulation import StartFrom, assembled_at
 from ..solvers.arguments import Arguments, Loop
 from ..solvers.record import Record, recorded_rows
 from ..solvers.transient import choose_loop
+from ..start import StartFrom, assembled_at
 from ..units import number
 
 LATE = 1e9  # s: nobody gets there

@@ -8,7 +8,7 @@ from ..model.mechanism import Mechanism
 from ..model.validate import validate
 from ..report.check import Checked
 from ..report.check import checked as summarised
-from ..simulation import expected_forces, first_contact_steps, ideal_of, referred
+from ..start import expected_forces, first_contact_steps, ideal_of, referred
 
 BRIEF = 1_000_000  # steps of an ideal mechanism that need no patience
 
