@@ -17,6 +17,8 @@ from vfife.assembly.timestep import (
     SAFETY,
     TURN_STEPS,
     Bounds,
+    StepRequest,
+    Times,
     chosen,
     coarseness,
     length_of,
@@ -34,8 +36,8 @@ FREE = Bounds([], [], [])
 
 def choice(bounds: Bounds = FREE, turn: float | None = 0.1, length: float = 0.2, step="auto", outputs: int = 100, **more) -> StepChoice:
     """The step of a run of 0.2 s with turns of 0.1 s and 100 outputs each, nothing else being prescribed."""
-    own = more.pop("own", math.inf)
-    return chosen(Settings(), bounds, turn, length, own, lambda: iter(()), step, outputs, **more)
+    times = Times(turn, length, more.pop("own", math.inf))
+    return chosen(Settings(), bounds, times, lambda: iter(()), StepRequest(step, outputs=outputs, **more))
 
 
 def test_a_step_that_is_given_divides_a_turn_into_outputs() -> None:

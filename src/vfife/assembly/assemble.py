@@ -28,7 +28,7 @@ from .fill import Filler, touch_rows
 from .numbering import Numbering
 from .prestress import prestress, wanted
 from .redundancy import redundant, shared
-from .timestep import choose_step, coarse, missed
+from .timestep import StepModel, StepRequest, choose_step, coarse, missed
 
 
 def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
@@ -86,8 +86,9 @@ def assemble(
     if redundant(filler.layout, filler.state, topology):
         topology = dataclasses.replace(topology, redundant=True)
     ideals = [joint.name for joint in parts.ideals]
-    names = (parts.touches, step, expected, owners, ideals)
-    choice = choose_step(mechanism, filler.layout, filler.state, topology, *names, free=motion.mobility.after_drives, **run)
+    free = motion.mobility.after_drives
+    model = StepModel(mechanism, filler.layout, filler.state, topology, parts.touches, owners, ideals, expected or {}, free)
+    choice = choose_step(model, StepRequest(step, **run))
     if parts.ideals:
         topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, filler.layout, filler.state))
     filler.put("step", choice.step)

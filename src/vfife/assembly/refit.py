@@ -23,7 +23,7 @@ from ..numerics.scalar import distance, sincos
 from .assembled import Assembly, StepChoice
 from .entities import touches_of
 from .fill import TOUCHED, touch_values
-from .timestep import choose_step, coarse
+from .timestep import StepModel, StepRequest, choose_step, coarse
 
 NOWHERE = (0, (0.0, 0.0))
 MOST_CHOICES = 4096  # steps that are remembered
@@ -33,7 +33,7 @@ class Refit:
     """Makes such assemblies from one, which ``assemble`` made with the same ``step``, ``expected`` and ``run``."""
 
     def __init__(self, assembly: Assembly, step: float | str | None, expected: Mapping[str, float], **run: Any) -> None:
-        self.assembly, self.step, self.expected, self.run = assembly, step, expected, run
+        self.assembly, self.expected, self.request = assembly, expected, StepRequest(step, **run)
         mechanism, layout = assembly.mechanism, assembly.layout
         self.places = {name: k for k, name in enumerate(assembly.contact_joints) if mechanism.contacts[name].refits}
         self.usable = mechanism.start.journals == "centred" and len(self.places) == len(assembly.contacts) and not assembly.topology.contact_knots
@@ -97,12 +97,10 @@ class Refit:
         touches = [touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()]
         owners = [name for name, body in old.bodies.items() for _ in body.elements]
         mobility = 0 if old.mobility is None else old.mobility.after_drives
-        layout, topology = old.layout, old.topology
-        choice = choose_step(
-            mechanism, layout, state, topology, touches, self.step, self.expected, owners, old.ideals, free=mobility, **self.run
-        )  # fmt: skip
+        topology = old.topology
+        choice = choose_step(StepModel(mechanism, old.layout, state, topology, touches, owners, old.ideals, self.expected, mobility), self.request)
         if old.ideals:
-            topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, layout, state))
+            topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, old.layout, state))
         if len(self.choices) < MOST_CHOICES:
             self.choices[key] = choice, topology
         return choice, topology

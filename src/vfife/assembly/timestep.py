@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,82 +36,88 @@ COARSEST_STEPS = 60  # steps a turn down to which ideal mechanisms hold
 MOST_STEPS = 10**15  # time is the number of the step times its size: beyond, it would no longer be exact
 
 
-def choose_step(
-    mechanism: Mechanism,
-    layout: Layout,
-    state: Array,
-    topology: Topology,
-    touches: Sequence[Touch],
-    step: float | str | None,
-    expected: Mapping[str, float] | None,
-    owners: Sequence[str] = (),
-    ideals: Sequence[str] = (),
-    *,
-    turns: float | None = None,
-    duration: float | None = None,
-    outputs: int | None = None,
-    force_step: bool = False,
-    free: int = 0,
-    contact_steps: int = CONTACT_STEPS,
-) -> StepChoice:
+@dataclass(frozen=True)
+class StepRequest:
+    """The step (s, or "auto") and the length of a run that are asked for; None stands for those of the settings.
+
+    ``contact_steps``: steps in half a period of the stiffest contact that an automatic step makes at least.
+    """
+
+    step: float | str | None = None
+    turns: float | None = None
+    duration: float | None = None
+    outputs: int | None = None
+    force_step: bool = False
+    contact_steps: int = CONTACT_STEPS
+
+
+@dataclass(frozen=True)
+class StepModel:
+    """A mechanism in the arrays that its step depends on.
+
+    ``owners``: the body of each element; ``ideals``: names of ideal joints; ``expected``: largest force (N) of each joint; ``free``: motions that
+    are left to a driven mechanism.
+    """
+
+    mechanism: Mechanism
+    layout: Layout
+    state: Array
+    topology: Topology
+    touches: Sequence[Touch] = ()
+    owners: Sequence[str] = ()
+    ideals: Sequence[str] = ()
+    expected: Mapping[str, float] = field(default_factory=dict)
+    free: int = 0
+
+
+@dataclass(frozen=True)
+class Times:
+    """Times (s) of a run: a turn of its crank, how long it lasts, and the period of free motions."""
+
+    turn: float | None
+    length: float
+    own: float = math.inf
+
+
+def choose_step(model: StepModel, request: StepRequest) -> StepChoice:
     """The step, its limits, and the number of steps and outputs.
 
-    "auto" takes 0.9 of the stable step, at least ``contact_steps`` in half a period of the stiffest contact, resolves motions and forces that are
-    prescribed, and divides a turn into whole steps; where ``free`` motions are left to a driven mechanism, they have a period of their own, which
-    may be shorter than a turn. Raises StepError for a larger one than stable unless ``force_step``.
+    "auto" takes 0.9 of the stable step, makes enough steps in half a period of the stiffest contact, resolves motions and forces that are
+    prescribed, and divides a turn into whole steps; motions that are left free have a period of their own, which may be shorter than a turn.
+    Raises StepError for a larger one than stable unless that is forced.
     """
+    mechanism, layout, state = model.mechanism, model.layout, model.state
     if mechanism.settings.analysis == "static":
         return static_choice(mechanism)
-    found = bounds(mechanism, layout, state, topology, touches, expected, owners, ideals)
     turn = turn_of(mechanism)
-    length = length_of(mechanism, turns, duration, turn)
-    own = _time_scale(mechanism, layout, state, length) if free or not turn else math.inf
-    told = partial(_prescribed, mechanism, layout, state, length)
-    return chosen(mechanism.settings, found, turn, length, own, told, step, outputs, force_step, contact_steps)
+    length = length_of(mechanism, request.turns, request.duration, turn)
+    own = _time_scale(mechanism, layout, state, length) if model.free or not turn else math.inf
+    return chosen(mechanism.settings, bounds(model), Times(turn, length, own), partial(_prescribed, mechanism, layout, state, length), request)
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Largest stable steps (s) of parts, of ideal joints on long arms, and half periods (s) of contacts; of members those of all."""
+    """Largest stable steps (s) of parts, of ideal joints on long arms, and half periods (s) of contacts."""
 
     parts: Limits
     arms: Limits
     periods: Limits
 
 
-def bounds(
-    mechanism: Mechanism,
-    layout: Layout,
-    state: Array,
-    topology: Topology,
-    touches: Sequence[Touch],
-    expected: Mapping[str, Any] | None,
-    owners: Sequence[str] = (),
-    ideals: Sequence[str] = (),
-) -> Bounds:
-    """What limits the step of an assembly, or of members side by side."""
-    contacts = contact_stiffness(touches, layout, state, topology, expected or {})
-    parts = _limits(touches, layout, state, topology, contacts, owners, tuple(mechanism.springs))
-    return Bounds(parts, arm_limits(layout, state, topology, ideals), contact_periods(touches, contacts))
+def bounds(model: StepModel) -> Bounds:
+    """What limits the step of an assembly."""
+    layout, state, topology = model.layout, model.state, model.topology
+    contacts = contact_stiffness(model.touches, layout, state, topology, model.expected)
+    return Bounds(_limits(model, contacts), arm_limits(layout, state, topology, model.ideals), contact_periods(model.touches, contacts))
 
 
-def chosen(
-    settings: Settings,
-    found: Bounds,
-    turn: float | None,
-    length: float,
-    own: float,
-    told: Callable[[], Iterator[Prescribed]],
-    step: float | str | None,
-    outputs: int | None = None,
-    force_step: bool = False,
-    contact_steps: int = CONTACT_STEPS,
-) -> StepChoice:
-    """The step within these bounds, of a run so long (s), a ``turn`` or an ``own`` period (s) being resolved, and what is ``told`` to bodies."""
+def chosen(settings: Settings, found: Bounds, times: Times, told: Callable[[], Iterator[Prescribed]], request: StepRequest) -> StepChoice:
+    """The step within bounds, of a run of such times in which bodies are ``told`` to move."""
+    turn, length, own, contact_steps = times.turn, times.length, times.own, request.contact_steps
     limits = found.parts + sorted(found.arms, key=lambda entry: entry[1])[:1]
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
-    wanted: float | Literal["auto"] | str = settings.step if step is None else step
-    per = outputs or settings.outputs
+    wanted: float | Literal["auto"] | str = settings.step if request.step is None else request.step
+    per = request.outputs or settings.outputs
     if wanted == "auto":
         largest = SAFETY * stable
         for name, half in found.periods:
@@ -126,12 +132,12 @@ def chosen(
         size = chunk / (per * every)
     else:
         size = float(wanted)
-        if size > SAFETY * stable and not force_step:
+        if size > SAFETY * stable and not request.force_step:
             raise StepError(
                 f"a step of {size:.4g} s is too large: {culprit} allows {stable:.4g} s, and {SAFETY} of it ({SAFETY * stable:.4g} s) is the most "
                 f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step; in Python force_step=True)'
             )
-        _refuse_long(size, length, force_step)
+        _refuse_long(size, length, request.force_step)
         every = _divisor(max(1, round((turn or length) / size)), per)
     every = min(every, max(1, math.ceil(length / size * (1.0 - 1e-9))))  # a run may be shorter than the time between two outputs of a turn
     count = max(1, math.ceil(length / size / every * (1.0 - 1e-9)))
@@ -153,17 +159,11 @@ def static_choice(mechanism: Mechanism) -> StepChoice:
     return StepChoice(1.0, math.inf, "fictitious masses", True, (), None, 1, len(mechanism.settings.load_factors))
 
 
-def _limits(
-    touches: Sequence[Touch],
-    layout: Layout,
-    state: Array,
-    topology: Topology,
-    contacts: Sequence[tuple[Any, Any]],
-    owners: Sequence[str],
-    springs: Sequence[str],
-) -> Limits:
-    load = demands(layout, state, topology, held(layout, state, topology, at_once(touches, contacts)))
-    limits = contact_limits(touches, layout, state, topology, load) + spring_limits(layout, state, topology, springs, load)
+def _limits(model: StepModel, contacts: Sequence[tuple[float, float]]) -> Limits:
+    layout, state, topology, owners = model.layout, model.state, model.topology, model.owners
+    load = demands(layout, state, topology, held(layout, state, topology, at_once(model.touches, contacts)))
+    limits = contact_limits(model.touches, layout, state, topology, load)
+    limits += spring_limits(layout, state, topology, tuple(model.mechanism.springs), load)
     if topology.frame_nodes:
         for kind, steps in zip(("axial", "bending"), element_limits(layout, state, topology, load), strict=True):
             worst = int(np.argmin(steps))
