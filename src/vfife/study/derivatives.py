@@ -50,7 +50,6 @@ MOST_RUNS = 8  # that go side by side in the widest vector
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
 SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps of the first
 VARIANTS, CHANGES = 6, 4.0  # of a model by each number: two for its derivative and four finite changes, each at all step sizes
-BATCHED = 6e-4  # s in which one variant is assembled where many are assembled side by side
 DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
 
@@ -120,8 +119,7 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     """The forecast of a run and of its derivatives by a ``count`` of numbers: steps with derivatives at all step sizes, and finite changes."""
     assembly, lanes = prepared.assembly, CONTACT_LANES
     alone = run_cost(assembly, companions=prepared.companions, measured=True)
-    one_by_one = bool(assembly.topology.frame_nodes) or len(assembly.contacts) != len(set(assembly.contact_joints))  # and not side by side
-    variant = timed(lambda: prepared.again(assembly.choice.step)) if one_by_one else BATCHED
+    variant = timed(lambda: assemble(assembly.mechanism, assembly.choice.step, force_step=True))
     displaced = runs or DISPLACED if assembly.contacts else 1
     each = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
     seconds = alone.seconds * (1.0 + each * count * LANES[lanes] / (lanes * cores())) + VARIANTS * count * variant
