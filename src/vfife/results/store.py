@@ -42,10 +42,10 @@ ERRORS = (sqlite3.Error, zlib.error, json.JSONDecodeError, UnicodeDecodeError)
 class Row:
     """A sound row: ``row["state"]`` decodes the column of this name, ``values`` are all of them as they are stored."""
 
-    __slots__ = ("_columns", "_file", "values")
+    __slots__ = ("_columns", "_file", "seal", "values")
 
-    def __init__(self, file: Store, columns: Columns, values: Values) -> None:
-        self._file, self._columns, self.values = file, columns, values
+    def __init__(self, file: Store, columns: Columns, values: Values, sealed: bytes) -> None:
+        self._file, self._columns, self.values, self.seal = file, columns, values, sealed
 
     def __getitem__(self, column: str) -> Any:
         value = self.values[list(self._columns).index(column)]
@@ -181,7 +181,7 @@ class Store:
             before = self.row(table, stored[0]) if self.knows(table, stored[0]) else None
             count, seals = counts.get(table, (0, 0))  # a file of format 1 gets a table that it lacks
             if before is not None:
-                count, seals = count - 1, seals ^ _number(seal(table, *before.values))
+                count, seals = count - 1, seals ^ _number(before.seal)
             counts[table] = count + 1, seals ^ _number(sealed)
         marks = ", ".join("?" * (len(stored) + 1))
         self._connection.execute(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", (*stored, sealed))
@@ -313,8 +313,8 @@ class Store:
 
     def _sound(self, table: str, found: Values) -> Row | None:
         """The row without its seal; None where the seal is that of another one."""
-        values = tuple(found[:-1])
-        return Row(self, self.schema.tables[table], values) if seal(table, *values) == found[-1] else None
+        *values, sealed = found
+        return Row(self, self.schema.tables[table], tuple(values), sealed) if seal(table, *values) == sealed else None
 
     # -------------------------------------------------------------------------------------------------------- damage
 
@@ -353,7 +353,7 @@ class Store:
             if row is None:
                 lost += 1
             else:
-                count, seals = count + 1, seals ^ _number(seal(table, *row.values))
+                count, seals = count + 1, seals ^ _number(row.seal)
         return (count, seals), lost
 
     def _structure(self) -> list[str]:
