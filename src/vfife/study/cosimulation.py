@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -142,13 +142,6 @@ NOTHING_TO_SET = (
 )
 
 
-class Nowhere(NamedTuple):
-    """An array of no rows, as machine code asks for it: its address is looked up once."""
-
-    shape: tuple[int, int, int]
-    ctypes: Any
-
-
 class Simulation:
     """Steps a mechanism, lets every channel of it be read, and torques, forces, loads and speeds of drivers be set between.
 
@@ -204,7 +197,7 @@ class Simulation:
             parts=mechanism.settings.parts, watched=watched([self.assembly], np.ones(1, dtype=bool)),
         )  # fmt: skip
         self._state, self._broken, numbers = (looked_into(one) for one in (self._runner.S, self._runner.broken, self._runner.functions))
-        self._none = nowhere(self.loop)
+        self._none = np.zeros((1, 0, 1))  # rows of a call that keeps none
         self._take: Any = self._runner.take
         self._look = self._runner.look
         self.step: float = self.assembly.choice.step
@@ -375,12 +368,6 @@ class Simulation:
         except (TypeError, ValueError):
             words = f"a number in {one.unit}" if one.unit != "1" else "a number"
             raise ModelError([Fault(one.name, f"this is {kind_of(value)}", shown(value), words, "give one")], "set()") from None
-
-
-def nowhere(loop: str) -> Any:
-    """An array of no rows as a loop takes it."""
-    none: Any = np.zeros((1, 0, 1))
-    return Nowhere(none.shape, none.ctypes) if loop == "generated" else none
 
 
 def looked_into(numbers: Any) -> Any:
