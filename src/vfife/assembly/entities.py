@@ -28,9 +28,8 @@ from ..model.functions import carrier_of, motion_function
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path
-from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Row, Turn, loosened, place_row, turn_row
+from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Row, Touching, Turn, loosened, place_row, turn_row
 from ..model.springs import AnySpring
-from ..model.touching import Touching
 from .numbering import Numbering, Place
 
 PLACES = {type(None): NOWHERE, Coincide: PINNED, Across: ACROSS, Along: ALONG, OnPath: ON_PATH, Apart: APART}

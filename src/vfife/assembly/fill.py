@@ -19,9 +19,9 @@ from ..laws import Pair
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.path import Path
+from ..model.rows import Touching
 from ..model.springs import AnySpring
 from ..model.surfaces import surfaces
-from ..model.touching import Touching
 from ..numerics.elementwise import hypot, sincos
 from .assembled import BodyMap
 from .numbering import Numbering, Place

@@ -1,11 +1,12 @@
-"""What joints, gears and drivers hold: rows of constraints between two bodies, bearing and journal. They are data; others solve for them."""
+"""What a joint holds, as rows of constraints, and where its surfaces touch, as data that kinematics and steps read."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
+from ..numerics import elementwise
 from ..numerics.scalar import hypot
 from .path import Path
 
@@ -100,3 +101,38 @@ def place_row(rows: tuple[Row, ...]) -> Place | None:
 def loosened(rows: tuple[Row, ...]) -> tuple[Row, ...]:
     """The rows without that of the turn."""
     return tuple(row for row in rows if not isinstance(row, Turn))
+
+
+Geometry = Literal["bearing", "round", "line", "slot"]
+CENTRED = {"bearing": 0.0, "round": -1.0, "line": 1.0, "slot": 1.0}
+
+
+@dataclass(frozen=True)
+class Touching:
+    """A round of the journal's body in a bearing, beside another round, on a line, or in a slot along a path.
+
+    ``size`` (m) is the distance from the bearing's pin, from the line through it or from the path at which the surfaces begin to touch; ``arms``
+    (m) are those of friction on bearing and journal from there. ``offset`` is the round's centre seen from the journal's pin, in the journal's
+    frame. ``normal`` points into the material of a line, and ``path`` counts from the bearing's pin, both in the bearing's frame.
+    """
+
+    geometry: Geometry
+    size: float
+    arms: tuple[float, float]
+    offset: Point = (0.0, 0.0)
+    normal: Point = (1.0, 0.0)
+    path: Path | None = None
+
+    @property
+    def centred(self) -> tuple[float, float]:
+        """Arms with which friction makes no couple: at the centres, which are in one place in a bearing; outside, both at the journal's."""
+        return CENTRED[self.geometry] * self.size, 0.0
+
+    def depth(self, x: Any, y: Any) -> Any:
+        """Penetration (m) with the round's centre at (x, y), seen from the bearing's pin in the bearing's frame; negative where they are apart."""
+        if self.path is not None:
+            return abs(self.path.distance(x, y)) - self.size
+        if self.geometry == "line":
+            return self.normal[0] * x + self.normal[1] * y - self.size
+        beyond = elementwise.hypot(x, y) - self.size
+        return -beyond if self.geometry == "round" else beyond

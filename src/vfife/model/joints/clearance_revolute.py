@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 from ...errors import Fault
 from ...fields import quantity
 from ...laws import Material, Pair
+from ..rows import Touching
 from ..strokes import JointSeen, Mark, Stroke, ring, standing
-from ..touching import Touching
 from .contact import Contact
 from .ideal_revolute import IdealRevolute
 from .joint import Point

@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 from ...errors import Fault
 from ...fields import Choice, Chosen, Inner, Named, described, quantity
 from ...laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Material, Pair
-from ..touching import Touching
+from ..rows import Touching
 from ..wear import Wear
 from .joint import Joint
 

@@ -12,9 +12,8 @@ from ...fields import PLACE, Many, described, quantity
 from ...laws import Material, Pair
 from ...numerics.scalar import hypot
 from ..path import Path, circle, polyline
-from ..rows import OnPath, Row
+from ..rows import OnPath, Row, Touching
 from ..strokes import Curve, JointSeen, Label, Mark, Stroke, left_of, ring
-from ..touching import Touching
 from .contact import Contact
 from .joint import Joint, Point
 

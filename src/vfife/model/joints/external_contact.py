@@ -11,9 +11,8 @@ from ...errors import Fault
 from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2
-from ..rows import Across
+from ..rows import Across, Touching
 from ..strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
-from ..touching import Touching
 from .contact import Contact
 from .joint import Point
 
