@@ -56,10 +56,10 @@ def answer(words: list[str]) -> int:
     if words[0] != "vfife":
         raise ValueError(f"{words[0]}: pages run vfife and cat")
     from vfife.cli import app as commands
-    from vfife.cli import asked, terminal
+    from vfife.cli import signals, terminal
 
     commands.Signals = contextlib.nullcontext  # the builder ends its processes by signals, which are not for the command
-    asked.ASKED.as_json, asked.ASKED.printed = "--json" in words, False
+    signals.ASKED.as_json, signals.ASKED.printed = "--json" in words, False
     given, sys.argv, terminal.PIPE_WIDTH = sys.argv, words, WIDTH
     try:
         commands.app(words[1:], prog_name="vfife")

@@ -38,7 +38,7 @@ def told() -> list[dict[str, Any]]:
 
 def pictures(folder: Path) -> None:
     """A picture of each law."""
-    from vfife.cli import lawplot
+    from vfife.cli import laws as lawplot
     from vfife.laws import ContactLaw, FrictionLaw
     from vfife.plots.laws import drawn
 

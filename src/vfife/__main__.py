@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 
-from .cli import asked, signals
+from .cli import signals
 
 
 def main() -> None:
     """The command line. Signals are heard before it is loaded, and until the process has ended."""
     signals.listen()
-    asked.ASKED.as_json = "--json" in sys.argv
+    signals.ASKED.as_json = "--json" in sys.argv
     try:
         from .cli.app import app
 

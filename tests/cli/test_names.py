@@ -8,7 +8,7 @@ import pytest
 
 import vfife
 from cli.test_hostile import CRANK
-from vfife.cli import lawplot
+from vfife.cli import laws as lawplot
 
 NAMES = {"joint.P": "[/]", "joint.W": r"$\frac{1$", "joint.O": "[bold]x", "body.rod": "<b>&%s{0}", "body.block": "$_$^"}
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from vfife import plots
-from vfife.cli import plot as of_the_command
+from vfife.cli import result as of_the_command
 from vfife.plots.table import FIGURES
 from vfife.results.folder import PICTURES, is_own
 

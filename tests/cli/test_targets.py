@@ -3,7 +3,7 @@
 import pytest
 
 from cli.models import ROOT
-from vfife.cli.targets import refuse_inputs
+from vfife.cli.options import refuse_inputs
 
 MODEL = """[joint.C.contact]
 law = "table"

@@ -10,7 +10,7 @@ import vfife
 from model_texts import COMPRESSOR as MODEL
 from model_texts import GAS
 from vfife.cli.app import app
-from vfife.cli.filled import filled_in
+from vfife.cli.check import filled_in
 from vfife.errors import ModelError
 from vfife.modelfile import csvtables, dump, load, loads
 

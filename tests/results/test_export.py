@@ -14,7 +14,7 @@ import pytest
 
 import vfife
 from vfife import files
-from vfife.cli import ended
+from vfife.cli import result as of_the_command
 from vfife.plots import PICTURES
 from vfife.results.export import RESULT_FORMATS, Names
 
@@ -155,7 +155,7 @@ def test_what_cannot_be_written_leaves_what_was_there(name: str, monkeypatch: py
 
 
 def test_the_command_knows_what_is_written() -> None:
-    assert set(ended.ENDINGS) == {*RESULT_FORMATS, *PICTURES}
+    assert set(of_the_command.ENDINGS) == {*RESULT_FORMATS, *PICTURES}
 
 
 @pytest.mark.system("draws every figure of a run")

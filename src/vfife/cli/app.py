@@ -10,8 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from .. import __version__
-from .commands import Named
-from .plainly import Plainly, UsageError
+from .commands import Named, Plainly, UsageError
 from .signals import NOW, Signals
 from .terminal import BAD_INPUT, fail, failed, tell
 

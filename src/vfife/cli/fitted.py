@@ -11,10 +11,9 @@ import typer
 
 from ..results.schemas import FIT
 from .job import FIGURES, RUNS, CommandJob, refuse_endings
-from .options import JsonOption, LawsOption, SetOption, overrides, read_model, take_laws
+from .options import JsonOption, LawsOption, SetOption, overrides, read_model, refuse_inputs, take_laws
 from .run import Quiet, Step
 from .signals import NOW
-from .targets import refuse_inputs
 from .terminal import answer, print_line, sentences, tell, writing
 
 if TYPE_CHECKING:

@@ -1,14 +1,19 @@
-"""``vfife laws``: contact and friction laws with their sources, formulas and parameters, and a law by itself in numbers and a picture."""
+"""``vfife laws`` and ``vfife materials``: the laws there are, with their sources, units and forms; a free impact through one of them."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .options import JsonOption, LawsOption, positive, take_laws
+from .options import JsonOption, LawsOption, overrides, positive, take_laws
 from .terminal import answer, fail, sentences, writing
+
+if TYPE_CHECKING:
+    from ..laws import Law, Pair
 
 Size = Annotated[str, typer.Option(metavar="LENGTH", help="Of the pair of surfaces.")]
 MaterialOption = Annotated[str, typer.Option("--material", metavar="NAME", help='Of both surfaces, or "bearing,journal"; see `vfife materials`.')]
@@ -83,18 +88,120 @@ def chosen(name: str | None, own: list[str]) -> list[dict[str, Any]]:
 def by_itself(law: dict[str, Any], pair_of: tuple[str, ...], sizes: tuple[float, ...], texts: Any, picture: Path | None) -> dict[str, Any]:
     """Numbers of a law by itself, and the file with its picture."""
     from ..laws import ContactLaw, FrictionLaw
-    from . import lawplot
 
     clearance, radius, length, material = pair_of
     bearing, _, journal = material.partition(",")
-    pair = lawplot.surfaces(clearance, radius, length, (bearing.strip(), journal.strip() or bearing.strip()))
+    pair = surfaces(clearance, radius, length, (bearing.strip(), journal.strip() or bearing.strip()))
     base: Any = ContactLaw if law["kind"] == "contact" else FrictionLaw
-    noun: Any = lawplot.made(base.registry[law["name"]], law["kind"], texts, pair)
-    target = lawplot.target_of(picture, law["name"])
+    noun: Any = made(base.registry[law["name"]], law["kind"], texts, pair)
+    target = target_of(picture, law["name"])
     mass, speed, normal = sizes
-    numbers, what = lawplot.contact(noun, pair, mass, speed) if law["kind"] == "contact" else lawplot.friction(noun, pair, normal)
+    numbers, what = contact(noun, pair, mass, speed) if law["kind"] == "contact" else friction(noun, pair, normal)
     from ..plots.laws import drawn
 
     with writing(str(target), "What was there is as it was."):
         drawn(law["kind"], target, **what)
     return {"derived": noun.derived(pair), "units": noun.units(pair), "numbers": numbers, "picture": str(target)}
+
+
+LOOPS = (0.3, 0.5, 0.7, 0.9, 1.0)
+ASKED = tuple(round(0.05 * k, 2) for k in range(1, 21))
+SPEEDS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)  # of the table
+
+
+def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str]) -> Pair:
+    """The pair of surfaces that the options tell. Raises ValueError for what is none."""
+    from ..errors import suggestion
+    from ..laws import MATERIALS, Pair
+
+    options = (("--bearing-radius", radius), ("--clearance", clearance), ("--axial-length", length))
+    outer, gap, along = (positive(option, text, "m") for option, text in options)
+    if gap >= outer:
+        raise ValueError(f"--clearance {clearance}: as large as the bearing, so no journal is left; allowed: below --bearing-radius {radius}")
+    for name in materials:
+        if name not in MATERIALS:
+            raise ValueError(f"--material {name}: there is no material of this name. {suggestion(name, MATERIALS, 'name one of them')}")
+    return Pair(outer, gap, along, MATERIALS[materials[0]], MATERIALS[materials[1]])
+
+
+def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
+    """The law with what ``--set`` says, tried out at these surfaces. Raises ValueError with all that is wrong."""
+    from ..laws.check import try_out
+    from ..model.reading import read_law
+    from ..model.validate.settings import senseless
+    from ..modelfile.csvtables import expand_curves
+    from ..modelfile.paths import parsed
+
+    holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
+    broken = expand_curves(holder, "laws") if kind == "contact" else []
+    found, faults = read_law(kind, holder)
+    faults = broken + [one for one in faults if one.path[:1] not in {fault.path for fault in broken}]
+    if found is None or faults:
+        raise ValueError("\n".join(f"--set {fault}" for fault in faults))
+    if what := senseless(found, pair):
+        raise ValueError(f"{what} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or --material")
+    try_out([(found, pair)])
+    return found
+
+
+def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numbers of free impacts through a contact law, and what to draw of them."""
+    import numpy as np
+
+    from ..analysis.impact import free_impact, with_restitution
+
+    has = hasattr(law, "restitution")
+    loops, rows = {}, []
+    for value in ASKED if has else (None,):
+        try:
+            one = with_restitution(law, value) if value is not None else law
+            found = free_impact(one, pair, mass, speed)
+        except (ArithmeticError, ValueError):
+            continue  # a coefficient that this law does not take
+        rows.append(
+            {"restitution": value, "delivered": found.restitution, "deepest": found.deepest, "force": found.largest, "time": found.duration}
+        )
+        if value is None or value in LOOPS:
+            loops["free impact" if value is None else f"{value:g} → {found.restitution:.3f}"] = found
+    asked = np.array([entry["restitution"] for entry in rows]) if has else None
+    delivered = (asked, np.array([entry["delivered"] for entry in rows])) if has else None
+    dry = ", dry contact" if law.film else ""
+    title = f"{law.name}{dry}: {mass:g} kg at {speed:g} m/s, clearance {1e3 * pair.clearance:g} mm, radius {1e3 * pair.bearing_radius:g} mm"
+    return {"mass": mass, "speed": speed, "impacts": rows}, {"title": title, "loops": loops, "delivered": delivered}
+
+
+def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numbers of steady sliding through a friction law, and what to draw of it."""
+    import numpy as np
+
+    from ..analysis.impact import breakaway, presliding, remembers, steady_sliding
+
+    positive_ = np.geomspace(1e-5, 1.0, 81)
+    speeds = np.concatenate([-positive_[::-1], [0.0], positive_])
+    forces = steady_sliding(law, pair, normal, speeds)
+    at = steady_sliding(law, pair, normal, SPEEDS)
+    found: dict[str, Any] = {"normal_force": normal, "steady": [{"speed": v, "force": 0.0 - float(f)} for v, f in zip(SPEEDS, at, strict=True)]}
+    loops = {}
+    if remembers(law, pair, normal):
+        found["breakaway"] = reach = breakaway(law, pair, normal)
+        loops = {f"{share:g}": presliding(law, pair, normal, share * reach) for share in (0.5, 1.0, 3.0)}
+    title = f"{law.name}: normal force {normal:g} N"
+    return found, {"title": title, "speeds": speeds, "forces": forces, "loops": loops, "normal": normal}
+
+
+def target_of(asked: Path | None, name: str) -> Path:
+    """The file to draw into. Raises ValueError where none can be there."""
+    plain = re.sub(r"[^\w-]+", "-", name).strip("-") or "law"
+    target = asked if asked is not None else Path(f"{plain}.png")
+    if target.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise ValueError(f"-o {target}: the ending chooses the kind of picture; allowed: .png, .pdf, .svg")
+    if not target.absolute().parent.is_dir():
+        raise ValueError(f"-o {target}: there is no folder {target.absolute().parent}; make it first")
+    return target
+
+
+def materials(as_json: JsonOption = False) -> None:
+    """Materials that a model may name, with their numbers and where these are from."""
+    from ..report import laws
+
+    answer(laws.materials(), as_json)

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from .commands import Command, Plainly
 from .job import RUNS, CommandJob, places
-from .mapped import drawn_and_told
-from .options import LawsOption, ModelArgument, SetOption, positive, read_model
-from .plainly import Command, Plainly
+from .options import LawsOption, ModelArgument, SetOption, positive, read_model, refuse_inputs
 from .run import Quiet
-from .targets import refuse_inputs
-from .terminal import sentences
+from .signals import NOW
+from .terminal import answer, print_line, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -286,3 +285,38 @@ def counts(text: str) -> tuple[int, int]:
     if not all(2 <= one <= MOST_STARTS for one in found):
         raise ValueError(f"--count {text}: allowed: 2 to {MOST_STARTS} values of each")
     return found
+
+
+def drawn_and_told(
+    found: Any, place: Path, drawn: Path | None, csv: Path | None, quiet: bool, *, whole: bool = True, plot: Mapping[str, Any] | None = None
+) -> None:
+    """Draws it, as ``plot`` says, writes its table, and says what it is; where it is not ``whole``, nobody waits for the rest."""
+    if drawn is not None:
+        with writing(str(drawn)):
+            from ..plots.style import saved
+
+            saved(found.plot(**plot or {}), drawn)
+    if csv is not None:
+        with writing(str(csv)):
+            found.write_csv(csv)
+    done, of_all, what = counted(found)
+    if not quiet:
+        from ..report.maps import document
+
+        answer(document(found))
+        print_line(", ".join(str(path) for path in (place, drawn, csv) if path is not None))
+    if whole and done < of_all:
+        tell("interrupted", f"{NOW.by}: {done:,} of {of_all:,} {what} are complete and kept in {place}; the same command goes on.")
+        raise typer.Exit(NOW.code)
+
+
+def counted(found: Any) -> tuple[int, int, str]:
+    """How much of it is done, of how much."""
+    from ..study.maps.basins import Basins
+    from ..study.maps.sections import PoincareSection
+
+    if isinstance(found, PoincareSection):
+        return found.done, found.asked.turns - found.asked.dropped, "turns"
+    if isinstance(found, Basins):
+        return found.done, found.asked.count, "starts"
+    return found.done, len(found.asked.values), "values"

@@ -1,4 +1,4 @@
-"""``vfife new``: commented model files to start from."""
+"""``vfife new`` and ``vfife schema``: model files to begin with, and what may stand in one."""
 
 from __future__ import annotations
 
@@ -66,3 +66,20 @@ def listing() -> Document:
     kinds = ((title, sorted(folder.glob("*.toml"))) for title, folder in FOLDERS.items())
     tables = [Table((title, "what it is"), [(path.stem, about(path)) for path in paths]) for title, paths in kinds]
     return Document([*tables, Paragraph("Write one with: vfife new NAME -o FILE")])
+
+
+StudyOption = Annotated[bool, typer.Option("--study", help="The schema of study files instead.")]
+
+
+def schema(out: OutOption = None, study: StudyOption = False) -> None:
+    """JSON Schema of model files, for completion and checks in an editor: every key with its meaning, unit and limits."""
+    if study:
+        from ..study.study_file import text
+    else:
+        from ..modelfile.jsonschema import text
+
+    if out is None:
+        typer.echo(text(), nl=False)
+        return
+    with writing(str(out), "What was there is as it was."):
+        write_text(out, text())

@@ -9,8 +9,7 @@ from contextlib import contextmanager
 import typer
 
 from ..solvers.status import Status
-from .membered import Device, Force, Quiet, StudyArgument, StudyCommand, Target, Workers, Yes
-from .options import ClusterOption, JsonOption, LawsOption, take_laws
+from .options import ClusterOption, Device, Force, JsonOption, LawsOption, Quiet, StudyArgument, StudyCommand, Target, Workers, Yes, take_laws
 from .signals import NOW
 from .terminal import answer, command, sentences, tell
 

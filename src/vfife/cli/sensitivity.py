@@ -8,10 +8,9 @@ from typing import Annotated, Any
 import typer
 
 from .job import FIGURES, CommandJob, refuse_endings
-from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model
+from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, refuse_inputs
 from .run import Companions, Duration, ForceStep, Quiet, Step, Turns, Yes
 from .signals import NOTHING
-from .targets import refuse_inputs
 from .terminal import answer, sentences, writing
 
 Of = Annotated[

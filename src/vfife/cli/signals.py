@@ -12,11 +12,20 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from .asked import ASKED
-
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType, TracebackType
+
+
+class Asked:
+    """Whether one object on standard output is asked for (``--json``), and whether it is printed."""
+
+    def __init__(self) -> None:
+        self.as_json, self.printed = False, False
+
+
+ASKED = Asked()
+
 
 CODES = {getattr(signal, name): code for name, code in (("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)) if hasattr(signal, name)}
 WORDS = {code: name for name, code in (("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129))}

@@ -11,13 +11,26 @@ import typer
 from typer.core import TyperGroup
 
 from ..solvers.status import Status
-from .membered import Device, FileArgument, Force, Quiet, Retry, StudyArgument, StudyCommand, Target, Workers, Yes
-from .options import ClusterOption, JsonOption, LawsOption, take_laws
-from .plainly import Command, Plainly
-from .sampled import indices, tolerance
+from .commands import Command, Plainly
+from .options import (
+    ClusterOption,
+    Device,
+    FileArgument,
+    Force,
+    JsonOption,
+    LawsOption,
+    Quiet,
+    Retry,
+    StudyArgument,
+    StudyCommand,
+    Target,
+    Workers,
+    Yes,
+    take_laws,
+)
 from .searched import allocate
 from .signals import NOW
-from .studied import export, plot, show
+from .studied import export, indices, plot, show, tolerance
 from .terminal import DIVERGED, answer, command, sentences, tell
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import typer
 
 from ..job.amounts import amount_of_bytes, counted, span
-from .asked import ASKED
+from .signals import ASKED
 
 if TYPE_CHECKING:
     from rich.console import Console

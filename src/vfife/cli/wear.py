@@ -10,10 +10,9 @@ import typer
 from ..results.schemas import WEAR
 from .job import RUNS, CommandJob, places, refuse_endings
 from .map import STEP
-from .options import LawsOption, SetOption, positive, read_model
+from .options import LawsOption, SetOption, positive, read_model, refuse_inputs
 from .run import Quiet, Yes
 from .signals import NOW
-from .targets import refuse_inputs
 from .terminal import answer, print_line, sentences, tell, writing
 
 if TYPE_CHECKING:

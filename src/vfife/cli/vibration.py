@@ -1,4 +1,4 @@
-"""``vfife spectrum``: what series of a run are made of, as spectra, spectrograms and envelopes; tables and figures of them."""
+"""``vfife modes`` and ``vfife spectrum``: natural frequencies of a mechanism, and what series of a run are made of."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from .job import FIGURES, refuse_endings
-from .options import RunArgument, positive
-from .targets import refuse_inputs
+from .options import JsonOption, LawsOption, ModelArgument, RunArgument, SetOption, positive, read_model, refuse_inputs
 from .terminal import answer, sentences, writing
 
 if TYPE_CHECKING:
@@ -18,6 +17,32 @@ if TYPE_CHECKING:
     from ..results.spectra import Envelope, Spectrogram, Spectrum
 
     Found: TypeAlias = Spectrum | Spectrogram | Envelope
+
+Count = Annotated[int, typer.Option("-n", "--count", metavar="N", min=1, help="So many of the lowest.")]
+Released = Annotated[bool, typer.Option("--released", help="Without drivers, which otherwise hold what they drive.")]
+
+
+def modes(
+    model: ModelArgument,
+    set_: SetOption = None,
+    count: Count = 10,
+    released: Released = False,
+    laws: LawsOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Natural frequencies and shapes about the start: of the whole mechanism, and of its elastic links by themselves.
+
+    Shapes are in the JSON value: displacement (m, m, rad) of every particle, in the order of the particles of a result, the ground first.
+    """
+    with sentences(str(model)):
+        mechanism = read_model(model, set_, laws)
+        from ..analysis.modes import modes as found_modes
+
+        found = found_modes(mechanism, count, released=released)
+    from ..report import vibration
+
+    answer(vibration.modes(mechanism, found), as_json)
+
 
 KINDS = ("spectrum", "spectrogram", "envelope")
 OF = "Series, as C.force; once for each."
