@@ -22,8 +22,7 @@ from vfife import load_model
 from vfife.codegen.native import stream_lanes
 from vfife.codegen.runner import Runner
 from vfife.solvers.record import recorded_rows
-from vfife.study.cases import Cases
-from vfife.study.engine import Wanted, run_members
+from vfife.study.engine import Cases, Wanted, run_members
 
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")

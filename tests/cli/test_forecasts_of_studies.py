@@ -12,8 +12,8 @@ from cli.models import ROOT
 from vfife import load
 from vfife.assembly.assemble import assemble
 from vfife.job.cost import Stream, cores
+from vfife.study.engine import streams
 from vfife.study.forecast import Cases, one_by_one
-from vfife.study.member import streams
 from vfife.study.plan import Asked, Plan
 
 ASKED = Asked("slider_crank.toml", ("O.force.max",), turns=1)

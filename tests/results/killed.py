@@ -17,7 +17,7 @@ from vfife.results.runfile import RunFile
 from vfife.simulation import carry_out, prepare
 from vfife.solvers import interrupts
 from vfife.solvers.arguments import RunArguments
-from vfife.solvers.synchronised import SynchronisedLanes
+from vfife.solvers.companions import SynchronisedLanes
 
 
 class Killed(BaseException):

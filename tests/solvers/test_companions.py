@@ -28,9 +28,8 @@ from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism
 from vfife.report.trust import verdict
 from vfife.result import Result
-from vfife.solvers.companions import DEFAULT, SENSITIVE, Gathering, Watch, step_counts
+from vfife.solvers.companions import DEFAULT, SENSITIVE, Gathering, SeparateLanes, SynchronisedLanes, Watch, step_counts
 from vfife.solvers.record import lasting_rows, recorded_rows
-from vfife.solvers.synchronised import SeparateLanes, SynchronisedLanes
 from vfife.solvers.transient import run
 
 ACCELERATION, FORCE = "follower.angular_acceleration.max", "C.force.max"

@@ -16,9 +16,7 @@ from vfife.kinematics.solve import close
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
-from vfife.study.cases import CaseModel, Cases
-from vfife.study.engine import Wanted, run_members
-from vfife.study.member import Stepped
+from vfife.study.engine import CaseModel, Cases, Stepped, Wanted, run_members
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE_C = EXAMPLES / "four_bar_case_c.toml"

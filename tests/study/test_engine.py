@@ -16,8 +16,7 @@ from vfife import load_model, simulate
 from vfife.assembly.assemble import assemble
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.study import engine
-from vfife.study.cases import Cases
-from vfife.study.engine import Outcome, Wanted, run_members
+from vfife.study.engine import Cases, Outcome, Wanted, run_members
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
 NUMBERS: list[dict[str, float | str]] = [

@@ -16,12 +16,11 @@ from ..codegen.straight_line import about
 from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
-from .companions import Gathering, step_counts
+from .companions import Gathering, SeparateLanes, Stepper, SynchronisedLanes, step_counts
 from .interrupts import FIRST, QUICK, ChunkSize, Interrupts
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
 from .repeating import Settling
 from .status import Progress, Status
-from .synchronised import SeparateLanes, Stepper, SynchronisedLanes
 
 CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHECKPOINT_SECONDS = 60.0  # between two checkpoints, at the most, however far apart outputs are

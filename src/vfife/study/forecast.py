@@ -22,10 +22,9 @@ from ..results.member_errors import sample_size
 from ..results.studied import Study
 from ..results.studyfile import hash_of
 from .allocation import FIRST
-from .engine import run_members
+from .engine import run_members, streams
 from .limits import needed
 from .local_search import refuses
-from .member import streams
 from .optimise import Search
 from .plan import Asked, Plan
 from .run_missing import RATIO

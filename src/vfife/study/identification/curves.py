@@ -24,8 +24,7 @@ from ...results.series import Column, columns
 from ...results.view import View, standing
 from ...solvers.record import Record
 from ...solvers.streaming import Lane, stepped
-from ..cases import CaseModel, Cases, NoLane, Numbers
-from ..member import Wanted
+from ..engine import CaseModel, Cases, NoLane, Numbers, Wanted
 from .measurements import Over
 
 Array = NDArray[np.float64]
