@@ -104,7 +104,7 @@ def simulate(
     within the tolerance of the settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask for a static
     analysis is brought to equilibrium instead (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``, ``duration`` nor
     ``step``. ``file``: a run file that takes the outputs while they come, which are not kept in memory then. ``start``: a former run (or its
-    folder) to go on from, or states of bodies by name (:func:`~vfife.results.start_from.start_from`). ``confirm``: run
+    folder) to go on from, or states of bodies by name (:func:`~vfife.results.restart.start_from`). ``confirm``: run
     even what takes more than an hour, or half of the memory or of the disk. Raises ModelError with all faults of the
     arguments, or of the mechanism, AssemblyError for one that cannot be assembled and StepError for too large a step.
     """

@@ -367,3 +367,36 @@ def test_a_damaged_index_leads_to_no_other_row(tmp_path: Path) -> None:
         with RunFile.open(changed) as file:
             assert set(file.meta) == set(meta)
             assert all("\0" not in one for one in file.lost)
+
+
+@pytest.mark.parametrize(("table", "said"), [
+    ("history", "outputs 1 to 29"), ("checkpoints", "a checkpoint"), ("events", "some of its events"), ("reference", "the ideal reference"),
+])  # fmt: skip
+def test_a_table_that_is_empty_is_noticed_by_the_counts_of_the_end(tmp_path: Path, table: str, said: str) -> None:
+    path, steps = tmp_path / "run.sqlite", np.arange(30)
+    with RunFile.create(path, {"step": 1e-6}) as file:
+        file.append(steps, written(steps))
+        file.checkpoint(29, np.ones(3))
+        file.event(20, "something happened")
+        file.keep_reference({"step": 1.0}, steps, written(steps))
+        file.finish("complete")
+    with sqlite3.connect(path) as connection:
+        connection.execute(f"DELETE FROM {table}")
+    with RunFile.open(path) as file:
+        _ = file.latest(), file.events, file.reference(), file.outputs()
+        assert any(said in one for one in file.lost), file.lost
+
+
+def test_a_row_of_another_key_is_not_taken_for_the_one_that_was_looked_for(tmp_path: Path) -> None:
+    """As a damaged index leads to it: the row is sound, and has its own seal."""
+
+    class Misled:
+        def execute(self, statement: str, values: tuple[str, ...]) -> sqlite3.Cursor:
+            return connection.execute(statement, ("step",))
+
+    RunFile.create(tmp_path / "run.sqlite", {"step": 1e-6, "loop": "generated"}).close()
+    with RunFile.open(tmp_path / "run.sqlite") as file:
+        connection = file._connection
+        file._connection = Misled()  # type: ignore[assignment]
+        assert file.row("meta", "step") is not None and file.row("meta", "loop") is None
+        file._connection = connection
