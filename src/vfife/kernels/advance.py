@@ -118,13 +118,14 @@ def proceed(S, Q, R, C, T, I, N, n, end):
 
 
 def watch(S, N, kept, limited, limits, broken, n):
-    """Mark lanes that have failed after n steps, and return whether a sound watched lane is left.
+    """Mark lanes that have failed after n steps, and return whether to go on: a sound watched lane is left, or none has failed.
 
     A lane fails where one of the rows ``kept`` is not finite (times zero it is NaN then) or a row of ``limited`` is not between its two ``limits``
     (limited, 2, lanes). ``broken`` is 0 for a sound lane, else the step at which it was found broken, or negative if the lane is not watched.
     """
     lanes, stride = N[RUN.lanes], N[RUN.stride]
     left = False
+    failed = False
     for w in range(lanes):
         if broken[w] == 0.0:
             nothing = 0.0
@@ -138,7 +139,8 @@ def watch(S, N, kept, limited, limits, broken, n):
                 left = True
             else:
                 broken[w] = float(n)
-    return left
+        failed = failed or broken[w] > 0.0
+    return left or not failed
 
 
 def event(S, Q, R, C, T, I, N, n):
