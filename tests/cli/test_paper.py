@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from vfife.cli.paper import NAMES, chosen
-from vfife.report.contents import Chart, Item, Line, Panel, Parameter, Table, Verdict
+from vfife.report.contents import Chart, Item, Line, Panel, Parameter, Verdict
+from vfife.report.document import Table
 from vfife_validation.paper.page import Folder, page
 
 
@@ -44,7 +45,7 @@ def item(name: str = "one") -> Item:
     panel = Panel("a < b", "x (m)", "y (N)", [Line([0.0, 1.0], [0.0, 2.0], "line"), Line([0.5], [1.0], "dot", "second", True)])
     return Item(
         name, f"Title of {name}: more", ["5 < 6 & so on"], [Parameter("p", "1 mm", "inferred", "<lost>")], [Chart(name, "A chart", [panel], 1)],
-        [Table("cells", ["a", "b"], [["true", "1 < 2"]])], [Verdict("claim", False, "1 & 2")], {"value": 1.5},
+        [Table(["a", "b"], [["true", "1 < 2"]], "cells")], [Verdict("claim", False, "1 & 2")], {"value": 1.5},
     )  # fmt: skip
 
 
@@ -65,7 +66,7 @@ def test_page_is_whole_and_stands_alone(tmp_path: Path) -> None:
 
 def test_verdicts_and_origins_can_be_told_apart() -> None:
     text = page([item()], lambda chart: "x")
-    assert '<td class="false">false</td>' in text and '<td class="inferred">inferred</td>' in text and '<td class="true">true</td>' in text
+    assert all(f'<span class="{one}">{one}</span>' in text for one in ("false", "inferred", "true"))
 
 
 def test_an_item_on_a_page_and_as_text(command: Callable) -> None:

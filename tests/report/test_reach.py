@@ -10,8 +10,7 @@ from vfife.assembly.assemble import assemble
 from vfife.kinematics.passage import passage
 from vfife.model.drivers import AngleTable, ConstantSpeed
 from vfife.model.mechanism import Mechanism
-from vfife.report.diverged import cause
-from vfife.report.reach import end_of_reach
+from vfife.report.divergence import cause, end_of_reach
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
 

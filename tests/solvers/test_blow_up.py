@@ -13,7 +13,7 @@ from vfife.assembly.bounds import watched
 from vfife.codegen.python import straight_line
 from vfife.codegen.runner import LOOK, Runner
 from vfife.model.mechanism import Mechanism
-from vfife.report.diverged import cause, first_infinite
+from vfife.report.divergence import cause, first_infinite
 from vfife.solvers.ensemble import ensemble
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.transient import run

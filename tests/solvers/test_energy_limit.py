@@ -16,7 +16,7 @@ from vfife.analysis.energy import drifting, ledger
 from vfife.analysis.ranges import finer
 from vfife.cli.app import app
 from vfife.errors import ResumeError
-from vfife.report.diverged import energy_cause
+from vfife.report.divergence import energy_cause
 from vfife.solvers import interrupts, transient
 from vfife.solvers.record import places
 from vfife.solvers.transient import run

@@ -156,7 +156,7 @@ def document(items: list[Item], folder: Path, seconds: float) -> Document:
     for item in items:
         parts += [Paragraph(item.title, style="strong"), *(Paragraph(text) for text in item.text)]
         parts += [Paragraph(f"{one.statement}: {one.numbers}", f"{one.word:>5}  ", styles[one.word]) for one in item.verdicts]
-        parts += [Table(one.headings, one.rows, one.caption) for one in item.tables]
+        parts += item.tables
         if len(items) == 1:
             rows = [(p.name, p.value, p.origin, p.where) for p in item.parameters]
             parts.append(Table(("parameter", "value", "origin", "where"), rows))

@@ -74,8 +74,9 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
     }
 
 
+KEPT = "The run is as it was"
+AS_BEFORE = f"{KEPT}, and so is what was there before."
 ENDINGS = (".csv", ".nc", ".nc4", ".h5", ".mat", ".parquet", ".svg", ".pdf", ".png")  # as Result.export has them; a test compares
-AS_IT_WAS = "The run is as it was, and so is what was there before."
 ForceFile = Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")]
 
 
@@ -94,9 +95,9 @@ def export(
     with sentences(str(target)):
         refuse_ending(target, ENDINGS)
         refuse_taken(target, force)
-    NOW.saved = f"Nothing was written. {AS_IT_WAS}"
+    NOW.saved = f"Nothing was written. {AS_BEFORE}"
     result, _ = loaded(run)
-    with sentences(str(run)), writing(str(target), AS_IT_WAS):
+    with sentences(str(run)), writing(str(target), AS_BEFORE):
         result.export(target, figure)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)})")
 
@@ -150,8 +151,6 @@ def impacts(run: RunArgument, count: Count = 10, as_json: JsonOption = False) ->
 
 LIST = "list"
 PICTURES = (".png", ".svg", ".pdf")  # as plots has them; a test compares
-KEPT = "The run is as it was"
-AS_BEFORE = f"{KEPT}, and so is what was there before."
 
 
 OutOption = Annotated[Path | None, typer.Option("-o", "--output", metavar="FOLDER", help="Where to; of one figure also a file, as forces.svg.",
@@ -280,41 +279,22 @@ def report(run: RunArgument, out: PageOut = None, no_live: NoLive = False, force
     """
     from ..results.schemas import STUDY
 
-    if STUDY.owns(run):
-        of_study(run, out, no_live, force)
-        return
+    study = STUDY.owns(run)
     target = out if out is not None else Path(f"{(run.resolve() if run.is_dir() else run).stem}-report.html")
     with sentences(str(target)):
         refuse_taken(target, force)
-    NOW.saved = f"No report was written. {AS_BEFORE}"
-    result, _ = loaded(run)
+    kept = "The study is as it was, and so is what was there before." if study else AS_BEFORE
+    NOW.saved = f"No report was written. {kept}"
+    if study:
+        from .studied import read
+    found: Any = read(run) if study else loaded(run)[0]
     with sentences(str(run)):
         from ..files import write_text
-        from ..live.reports import run_report
+        from ..live.reports import run_report, study_report
 
-        page, notes = run_report(result, not no_live)
+        page, notes = (study_report if study else run_report)(found, not no_live)
     for note in notes:
         tell("note", note)
-    with writing(str(target), AS_BEFORE):
-        write_text(target, page)
-    typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")
-
-
-def of_study(file: Path, out: Path | None, no_live: bool, force: bool) -> None:
-    """The report of a study."""
-    from .studied import read
-
-    target = out if out is not None else Path(f"{file.stem}-report.html")
-    with sentences(str(target)):
-        refuse_taken(target, force)
-    found = read(file)
-    with sentences(str(file)):
-        from ..files import write_text
-        from ..live.reports import study_report
-
-        page, notes = study_report(found, not no_live)
-    for note in notes:
-        tell("note", note)
-    with writing(str(target), "The study is as it was, and so is what was there before."):
+    with writing(str(target), kept):
         write_text(target, page)
     typer.echo(f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there.")

@@ -350,11 +350,11 @@ def ending(result: Result, place: RunFolder) -> tuple[str, str, int]:
         made = f"{NOW.by}: {record.reached:,} of {choice.steps:,} steps were made"
         return status, f"{made}; they are kept in {place.path}, and the run goes on with: {go_on}", NOW.code
     if status == Status.ENERGY:
-        from ..report.diverged import energy_cause
+        from ..report.divergence import energy_cause
 
         return status, f"{energy_cause(result)} All of it is kept in {place.path}.", ENERGY
     if status == Status.DIVERGED:
-        from ..report.diverged import diverged
+        from ..report.divergence import diverged
 
         return status, f"{diverged(record)} What was computed before is kept in {place.path}.", DIVERGED
     return status, "", 0

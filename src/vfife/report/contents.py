@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from .document import Table
+
 Origin = Literal["stated", "inferred", "chosen"]
 Style = str  # "main", "second" ... "fifth", "ideal", "paper", "circle", "faint", or a number: that of a colour in a long row
 
@@ -61,15 +63,6 @@ class Chart:
     caption: str
     panels: Sequence[Panel]
     columns: int = 3
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table; cells are texts."""
-
-    caption: str
-    headings: Sequence[str]
-    rows: Sequence[Sequence[str]]
 
 
 @dataclass(frozen=True)

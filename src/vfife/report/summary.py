@@ -12,7 +12,7 @@ from ..analysis.ranges import OPEN
 from ..laws import Law
 from ..model.bodies import Link
 from ..solvers.status import Status
-from .diverged import FLOOR
+from .divergence import FLOOR
 from .limits import conformal, out_of_range, quiet
 from .statics import static_run, static_warnings
 from .trust import several, trusted, turned, verdict

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vfife.laws import ContactLaw
-from vfife.report.contents import Chart, Item, Line, Panel, Table, Verdict
+from vfife.report.contents import Chart, Item, Line, Panel, Verdict
+from vfife.report.document import Table
 
 from .context import described
 from .influence import MOST_TURNS, STEP, Case, Influence
@@ -129,7 +130,7 @@ def group_table(name: str, members: Mapping[str, Sequence[Influence]]) -> Table:
         rows.append([label, *(_triple([one.lips[j] for one in chosen]) for chosen in (runs[:3], speeds) for j in (0, 1)), f"{settled}/{len(runs)}",
                      *("yes" if h else "no" for h in held)])  # fmt: skip
     headings = [name, "LIP(F) at c", "LIP(a) at c", "LIP(F) at n", "LIP(a) at n", "settled", *CONCLUSIONS]
-    return Table(f"{name.capitalize()}: at c = 0.1, 0.2, 0.5 mm (50π rad/s), and at n = 10π, 20π, 50π rad/s (0.2 mm); per cent", headings, rows)
+    return Table(headings, rows, f"{name.capitalize()}: at c = 0.1, 0.2, 0.5 mm (50π rad/s), and at n = 10π, 20π, 50π rad/s (0.2 mm); per cent")
 
 
 def _triple(values: Sequence[float]) -> str:
@@ -171,7 +172,7 @@ def step_table(steps: Mapping[float, Sequence[Influence]]) -> Table:
     """LIPs of the best set over the step."""
     rows = [[f"{1e6 * step:g}", *(_triple([one.lips[j] for one in runs]) for j in (0, 1))] for step, runs in steps.items()]
     caption = "Step: the best set at c = 0.1, 0.2, 0.5 mm with 50π rad/s, then 0.2 mm with 10π rad/s; per cent"
-    return Table(caption, ["step (µs)", "LIP(F)", "LIP(a)"], rows)
+    return Table(["step (µs)", "LIP(F)", "LIP(a)"], rows, caption)
 
 
 def step_verdicts(steps: Mapping[float, Sequence[Influence]]) -> list[Verdict]:

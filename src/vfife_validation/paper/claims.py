@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vfife.report.contents import Chart, Item, Line, Panel, Table, Verdict
+from vfife.report.contents import Chart, Item, Line, Panel, Verdict
+from vfife.report.document import Table
 from vfife.solvers.ensemble import placed
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
@@ -34,7 +35,7 @@ def claims(context: Context) -> Item:
     found += [("Sect. 5.1", verdict) for verdict in run_up(context)]
     rows = [[verdict.word, where, verdict.statement, verdict.numbers] for where, verdict in found]
     held = sum(verdict.holds is True for _, verdict in found)
-    table = Table(f"{held} of {len(found)} hold", ["", "where", "claim, in our words", "numbers"], rows)
+    table = Table(["", "where", "claim, in our words", "numbers"], rows, f"{held} of {len(found)} hold")
     data = {"claims": [{"holds": v.holds, "where": where, "claim": v.statement, "numbers": v.numbers} for where, v in found]}
     text = [
         "Claims about one loose joint depend on parameters that are chosen, not known; those about three, on the set that was fitted to Table 3."

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from vfife.laws import ContactLaw, LankaraniNikravesh, Pereira
 from vfife.laws.contact.damping import delivered
-from vfife.report.contents import Band, Chart, Item, Line, Panel, Parameter, Style, Table, Verdict
+from vfife.report.contents import Band, Chart, Item, Line, Panel, Parameter, Style, Verdict
+from vfife.report.document import Table
 
 from .mechanisms import BEARING_RADIUS, JOURNAL_RADIUS, STIFFNESS, journal
 
@@ -84,8 +85,8 @@ def fig8(context: Context) -> Item:
          Panel("(b)", "penetration (µm)", "contact force (kN)", lines["depth"])], 2,
     )  # fmt: skip
     table = Table(
-        "What each impact does; the last two columns: restitution the law promises to deliver (closed form), energy inside the loop",
         ["c_e", "peak (N)", "depth (µm)", "contact (µs)", "rebound (m/s)", "closed form", "loss (J)"], rows,
+        "What each impact does; the last two columns: restitution the law promises to deliver (closed form), energy inside the loop",
     )  # fmt: skip
     verdicts = [
         Verdict(

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vfife.report.contents import Chart, Item, Line, Panel, Style, Table, Verdict
+from vfife.report.contents import Chart, Item, Line, Panel, Style, Verdict
+from vfife.report.document import Table
 
 from . import search
 from .context import described
@@ -187,7 +188,7 @@ def structures_table(fit: dict[str, Any]) -> Table:
         for s in sorted(fit["structures"], key=lambda s: float(s["misfit"]))
     ]
     caption = f"Structures: the paper has {', '.join(f'{v:g}' for v in TARGET)}"
-    return Table(caption, ["structure", "sets tried", f"within {GOAL:g}", "best misfit (points)", "LIP(F), LIP(a) at 0.1, 0.2, 0.5 mm"], rows)
+    return Table(["structure", "sets tried", f"within {GOAL:g}", "best misfit (points)", "LIP(F), LIP(a) at 0.1, 0.2, 0.5 mm"], rows, caption)
 
 
 def ranges_table(fit: dict[str, Any]) -> Table:
@@ -199,4 +200,4 @@ def ranges_table(fit: dict[str, Any]) -> Table:
         own = factor * fit["best"]["parameters"][name]
         rows.append([label, f"{own:.4g}", f"{min(values):.4g} to {max(values):.4g}" if values else "none"])
     caption = f"Unknowns over the {len(sets)} stored sets within {GOAL:g} points"
-    return Table(caption, ["unknown", "best set", "range"], rows)
+    return Table(["unknown", "best set", "range"], rows, caption)

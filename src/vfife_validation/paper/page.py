@@ -8,7 +8,9 @@ from pathlib import Path
 from string import Template
 
 from vfife.files import replacement, write_text
-from vfife.report.contents import Chart, Item, Parameter, Table, Verdict
+from vfife.report.contents import Chart, Item
+from vfife.report.document import Element
+from vfife.report.html import table
 
 PAGE = Template("""<!DOCTYPE html>
 <html lang="en">
@@ -38,6 +40,7 @@ $body
 </body>
 </html>
 """)
+MARKED = ("true", "false", "open", "stated", "inferred", "chosen")
 TITLE = "The paper beside our numbers"
 INTRODUCTION = (
     "Every figure and table of numbers in <em>Vector form intrinsic finite element method for planar multibody systems with multiple "
@@ -58,42 +61,22 @@ def section(item: Item, pictures: Callable[[Chart], str]) -> str:
     """An item: text, verdicts, pictures, tables, parameters."""
     parts = [f'<section id="{item.name}">', f"<h2>{escape(item.title)}</h2>"]
     parts += [f"<p>{escape(paragraph)}</p>" for paragraph in item.text]
-    parts += [verdict_table(item.verdicts)] if item.verdicts else []
+    if item.verdicts:
+        rows = [(marked(v.word), v.statement, v.numbers) for v in item.verdicts]
+        parts.append(table(rows, headings=("holds", "claim", "numbers")))
     for chart in item.charts:
         alternative = f"{item.title}. {chart.caption}"
         parts.append(f'<figure><img src="{pictures(chart)}" alt="{escape(alternative)}"><figcaption>{escape(chart.caption)}.</figcaption></figure>')
-    parts += [html_table(table) for table in item.tables]
-    parts += [parameter_table(item.parameters)] if item.parameters else []
+    parts += [table([[marked(cell) for cell in row] for row in one.rows], one.title, one.headings) for one in item.tables]
+    if item.parameters:
+        origins = [(p.name, p.value, marked(p.origin), p.where) for p in item.parameters]
+        parts.append(table(origins, "Parameters", ("parameter", "value", "origin", "where")))
     return "\n".join([*parts, "</section>"])
 
 
-def verdict_table(verdicts: Sequence[Verdict]) -> str:
-    """Claims with true or false and their numbers."""
-    rows = "".join(f'<tr><td class="{v.word}">{v.word}</td><td>{escape(v.statement)}</td><td>{escape(v.numbers)}</td></tr>' for v in verdicts)
-    return f'<div class="wide"><table><thead><tr><th>holds</th><th>claim</th><th>numbers</th></tr></thead><tbody>{rows}</tbody></table></div>'
-
-
-def parameter_table(parameters: Sequence[Parameter]) -> str:
-    """Parameters and where each comes from."""
-    rows = "".join(
-        f'<tr><td>{escape(p.name)}</td><td>{escape(p.value)}</td><td class="{p.origin}">{p.origin}</td><td>{escape(p.where)}</td></tr>'
-        for p in parameters
-    )
-    head = "<thead><tr><th>parameter</th><th>value</th><th>origin</th><th>where</th></tr></thead>"
-    return f'<div class="wide"><table><caption>Parameters</caption>{head}<tbody>{rows}</tbody></table></div>'
-
-
-def html_table(table: Table) -> str:
-    """A table; a cell that is true, false or open is coloured as a verdict."""
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in table.headings)
-    rows = "".join("<tr>" + "".join(_cell(cell) for cell in row) + "</tr>" for row in table.rows)
-    caption = f"<caption>{escape(table.caption)}</caption>"
-    return f'<div class="wide"><table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
-
-
-def _cell(text: str) -> str:
-    marked = f' class="{text}"' if text in ("true", "false", "open") else ""
-    return f"<td{marked}>{escape(text)}</td>"
+def marked(text: str) -> Element | str:
+    """A verdict or an origin in its colour; other texts as they are."""
+    return Element(f'<span class="{text}">{text}</span>') if text in MARKED else text
 
 
 class Folder:

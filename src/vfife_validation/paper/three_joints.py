@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vfife.report.contents import Chart, Item, Panel, Table, Verdict
+from vfife.report.contents import Chart, Item, Panel, Verdict
+from vfife.report.document import Table
 
 from . import curves
 from .context import described, settling
@@ -135,8 +136,8 @@ def table3(context: Context) -> Item:
         for k, one in enumerate(runs)
     ]  # fmt: skip
     table = Table(
-        f"Joint 2 at 50π rad/s; ideal joints: {runs[0].ideal_force:.1f} N, {runs[0].ideal_acceleration:.2f} rad/s²",
         ["c (mm)", "LIP(F) paper (%)", "ours (%)", "LIP(a) paper (%)", "ours (%)", "force (N)", "acceleration (rad/s²)", "settled"], rows,
+        f"Joint 2 at 50π rad/s; ideal joints: {runs[0].ideal_force:.1f} N, {runs[0].ideal_acceleration:.2f} rad/s²",
     )  # fmt: skip
     verdicts = [
         Verdict(
@@ -164,8 +165,8 @@ def table4(context: Context) -> Item:
     ]  # fmt: skip
     count = len(spread[0])
     table = Table(
-        f"Joint 2 at c = 0.2 mm; the paper's numbers are lost; ranges over the {count} stored sets that fit Table 3",
         ["crank (rad/s)", "LIP(F) (%)", "over all fits", "LIP(a) (%)", "over all fits", "force (N)", "acceleration (rad/s²)", "settled"], rows,
+        f"Joint 2 at c = 0.2 mm; the paper's numbers are lost; ranges over the {count} stored sets that fit Table 3",
     )  # fmt: skip
     data = {"table4": entries(runs), "spread": [[[float(np.min(s[:, j])), float(np.max(s[:, j]))] for j in (0, 1)] for s in spread]}
     return Item(
