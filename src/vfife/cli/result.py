@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..job.progress import ProgressLine
-from ..results.folder import FIGURES, find_run
+from ..results.folder import FIGURES
 from ..results.lock import holder
 from ..solvers.status import Status
 from .options import JsonOption, RunArgument
@@ -28,7 +28,7 @@ CheckOption = Annotated[bool, typer.Option("--check", help="Read every output of
 def info(run: RunArgument, check: CheckOption = False, as_json: JsonOption = False) -> None:
     """What a run file holds, also that of a run that was interrupted or killed."""
     with sentences(str(run)):
-        found = contents(find_run(run), check)
+        found = contents(run, check)
     from ..report import runfile
 
     answer(runfile.info(found), as_json)
@@ -41,7 +41,7 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
     with RunFile.open(path) as file:
         alone = None if check else file.steps_alone()
         meta, steps, events, last = file.meta, file.steps if alone is None else alone, file.events, file.last_checkpoint()
-        reference, lost = file.has_reference, file.lost
+        path, reference, lost = file.path, file.has_reference, file.lost
     choice, model = meta.get("choice", {}), tomllib.loads(meta.get("model", ""))
     status = meta.get("status", "unknown")
     return {
@@ -123,8 +123,10 @@ def loaded(run: Path) -> tuple[Result, Path]:
     """The result of a run and its file; says so where the run did not come to its end."""
     with sentences(str(run)):
         from ..result import Result
+        from ..results.connections import located
+        from ..results.schemas import RUN
 
-        file = find_run(run)
+        file = located(RUN, run)
         result = Result.load(file)
     if result.record.status != Status.COMPLETE:
         errors().print(f"note: this run ended as {result.record.status}; what it wrote until then is used", markup=False)

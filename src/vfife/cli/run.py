@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..results.folder import find_run
 from ..solvers.status import Status
 from .job import CommandJob
 from .options import JsonOption, LawsOption, ModelArgument, RunArgument, SetOption, positive, read_model, take_laws, with_options
@@ -145,7 +144,10 @@ def resume(
     with sentences(str(run)):
         take_laws(laws)
         end = None if until is None else positive("--until", until, "s")
-        resumed(find_run(run).parent, end, figures, as_json, quiet)
+        from ..results.connections import located
+        from ..results.schemas import RUN
+
+        resumed(located(RUN, run).parent, end, figures, as_json, quiet)
 
 
 def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, Checkpoint | None]:

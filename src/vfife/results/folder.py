@@ -113,16 +113,6 @@ def empty(stage: Path) -> None:
         stage.rmdir()
 
 
-def find_run(given: Path) -> Path:
-    """The run file that a folder or a file stands for; raises ValueError where there is none."""
-    path = given / RUN_FILE if given.is_dir() else given
-    if path.is_file():
-        return path
-    if given.is_dir():
-        raise ValueError(f"{given}: there is no {RUN_FILE} in this folder; name the folder that `vfife run` told")
-    raise ValueError(f"{given}: there is no such file or folder; name the folder that `vfife run` told")
-
-
 OPEN_MOVES = os.name != "nt"  # whether a folder can be renamed in which a file is open: its lock
 
 

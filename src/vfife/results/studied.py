@@ -90,11 +90,15 @@ class Study:
     def open(cls, path: str | Path) -> Study:
         """A study file as it is now, also while it grows. Raises RunFileError."""
         with StudyFile.open(path) as file:
-            file.examine()
-            members = file.members()
-            found = cls(Path(path), file.meta, members, file.outcomes(), file.repeats())
-            found.lost, found.damage = file.lost, file.damage
-        warn_of_damage(found.path, "study", found.damage, "The same study run again computes what is gone.")
+            found = cls.of(file)
+        warn_of_damage(file.path, "study", found.damage, "The same study run again computes what is gone.")
+        return found
+
+    @classmethod
+    def of(cls, file: StudyFile) -> Study:
+        """The study of an open file."""
+        found = cls(file.path, file.meta, file.members(), file.outcomes(), file.repeats())
+        found.lost, found.damage = file.lost, file.damage
         return found
 
     def __repr__(self) -> str:
