@@ -9,8 +9,7 @@ from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 
 from vfife import load_model
 from vfife.assembly.assemble import assemble, refitted
-from vfife.assembly.assembled import Assembly
-from vfife.assembly.bounds import bounds, limited_rows
+from vfife.assembly.assembled import Assembly, bounds, limited_rows
 from vfife.codegen.cuda import card
 from vfife.codegen.ondevice import DeviceStream
 from vfife.codegen.streams import Begun, Starter, Stream

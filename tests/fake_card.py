@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from vfife.assembly.assembled import Assembly
-from vfife.assembly.bounds import bounds, limited_rows
+from vfife.assembly.assembled import Assembly, bounds, limited_rows
 from vfife.codegen import cuda, gpu
 from vfife.codegen.cuda import Card
 from vfife.codegen.native import Code, object_code

@@ -11,8 +11,8 @@ import pytest
 
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
+from vfife.assembly.checks import idle, redundant
 from vfife.assembly.linearised import pulled_at
-from vfife.assembly.redundancy import idle, redundant
 from vfife.assembly.stability import (
     CLOSED,
     _bent,

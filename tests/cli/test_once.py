@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from vfife import modelfile, simulation
+from vfife import modelfile, start
 from vfife.assembly import assemble as assembling
 from vfife.model import lumping
 from vfife.modelfile import read
@@ -35,7 +35,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     for module in {modelfile, read, provenance}:
         if hasattr(module, "dump"):
             watch(module, "dump", "dump")
-    for module in (simulation, provenance, assembling):
+    for module in (start, assembling):
         watch(module, "assemble", "assemble")
     for name in ("_link", "_frame"):
         watch(lumping, name, "mesh")

@@ -11,8 +11,7 @@ import pytest
 import lane_models
 from support import bits
 from vfife.assembly.assemble import assemble
-from vfife.assembly.assembled import Assembly
-from vfife.assembly.bounds import bounds, limited_rows
+from vfife.assembly.assembled import Assembly, bounds, limited_rows
 from vfife.codegen.runner import Runner
 from vfife.codegen.streams import LOOK, Starter, Stream
 from vfife.solvers.record import recorded_rows

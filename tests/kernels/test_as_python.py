@@ -13,7 +13,7 @@ from lane_models import worn_bars
 from mechanisms import beads, every_drive, every_law, everything, geared_ring
 from support import bits, journal_in_bearing, with_settings
 from vfife.assembly.assemble import assemble
-from vfife.assembly.bounds import bounds, limited_rows
+from vfife.assembly.assembled import bounds, limited_rows
 from vfife.codegen.graph import tables
 from vfife.codegen.runner import Runner
 from vfife.codegen.source import Gathered, dispatch, films, regimes

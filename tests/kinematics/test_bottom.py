@@ -5,12 +5,11 @@ import pytest
 
 from vfife import gallery
 from vfife.errors import AssemblyError
-from vfife.kinematics import descent
-from vfife.kinematics.bottom import bottom
+from vfife.kinematics import solve as descent
 from vfife.kinematics.drives import rigid_system
-from vfife.kinematics.nearest import sized
+from vfife.kinematics.passage import sized
 from vfife.kinematics.pins import first_guess
-from vfife.kinematics.solve import close
+from vfife.kinematics.solve import bottom, close
 
 
 def of(function, slopes):

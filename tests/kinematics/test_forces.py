@@ -71,7 +71,7 @@ def stepped(m: Mechanism) -> np.ndarray:
     S, I = np.zeros(rows), [int(value) for value in integers]
     S[: len(a.state)] = a.state
     S[layout["c"]] = 1.0
-    loop.functions(S, a.tables, I, 0, 0)
+    loop.functions(S, a.tables, I, 0)
     loop.move(S, I, 0.0, 0.0)
     loop.loads(S, I)
     loop.springs(S, I, 0.0, 1.0, 0.0)

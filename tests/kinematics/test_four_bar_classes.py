@@ -5,8 +5,8 @@ import random
 
 import pytest
 
-from vfife.kinematics.grashof import classified, grashof
 from vfife.kinematics.initial import ideal_motion
+from vfife.kinematics.mobility import classified, grashof
 from vfife.model.mechanism import Mechanism
 from vfife.report.check import freedom_words
 

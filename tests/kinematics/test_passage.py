@@ -11,12 +11,12 @@ from support import often
 from vfife import gallery, simulate
 from vfife.assembly.possible import outlook
 from vfife.errors import AssemblyError
+from vfife.kinematics.follower import Follower
 from vfife.kinematics.full_turn import full_turn
 from vfife.kinematics.gathered import Gathered
-from vfife.kinematics.grashof import classified
 from vfife.kinematics.initial import ideal_motion
+from vfife.kinematics.mobility import classified
 from vfife.kinematics.passage import passage
-from vfife.kinematics.sweep import Follower
 from vfife.kinematics.system import equations
 from vfife.model.bodies import Section
 from vfife.model.drivers import Harmonic

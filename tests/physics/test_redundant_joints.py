@@ -14,7 +14,7 @@ from support import go, joint_gap
 from vfife.analysis.forces import joint_force, joint_rows
 from vfife.analysis.ranges import ranged
 from vfife.assembly.assemble import assemble
-from vfife.assembly.redundancy import shared
+from vfife.assembly.checks import shared
 from vfife.kinematics.initial import ideal_motion
 from vfife.model.mechanism import Mechanism
 from vfife.report import check as described

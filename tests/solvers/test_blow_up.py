@@ -9,7 +9,7 @@ import pytest
 from support import SQUARE, bits, four_bar, lanes
 from vfife import simulate
 from vfife.assembly.assemble import assemble
-from vfife.assembly.bounds import watched
+from vfife.assembly.assembled import watched
 from vfife.codegen.python import straight_line
 from vfife.codegen.runner import LOOK, Runner
 from vfife.model.mechanism import Mechanism

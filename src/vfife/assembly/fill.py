@@ -24,7 +24,7 @@ from ..model.springs import AnySpring
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
 from .assembled import BodyMap
-from .numbering import Numbering, Place
+from .entities import Numbering, Place
 from .prestress import PrestressedState
 
 if TYPE_CHECKING:

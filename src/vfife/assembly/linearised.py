@@ -26,8 +26,7 @@ from ..model.springs import AnySpring
 from ..numerics import dense
 from ..numerics.elementwise import atan2, hypot, sincos
 from ..numerics.products import norm, product, times
-from .entities import ideal_joints, spring_places
-from .numbering import Numbering, Place
+from .entities import Numbering, Place, ideal_joints, spring_places
 
 Array = NDArray[np.float64]
 CHANGE = 2e-4  # m or rad: of differences of fourth order of springs and of directions of constraints

@@ -12,8 +12,7 @@ from ..kinematics.forces import driven_body
 from ..kinematics.full_turn import FullTurn, full_turn
 from ..kinematics.initial import Motion, ideal_motion
 from ..kinematics.linalg import DENSE
-from ..kinematics.nearest import unclosed
-from ..kinematics.passage import Jam, Singular, passage
+from ..kinematics.passage import Jam, Singular, passage, unclosed
 from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings

@@ -22,8 +22,8 @@ from .drives import constraint_drivers, kinematic_drivers, pivot_of, rigid_syste
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .mobility import Mobility, mobility
 from .pins import centred, first_guess, local_point
-from .solve import RigidSystem, accelerations, close, velocities
-from .system import mirrored
+from .solve import accelerations, close, velocities
+from .system import RigidSystem, mirrored
 
 Array = NDArray[np.float64]
 

@@ -1,22 +1,194 @@
-"""The ideal mechanism through the motion that its drivers ask for: where it jams or splits, which joint opens, and which length would do."""
+"""The ideal mechanism through the motion that its drivers ask for: where it jams or splits, which joint opens, which single length would do."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import AssemblyError
+from ..model.bodies import Link
 from ..model.mechanism import Mechanism
+from ..model.rows import Apart, place_row
+from ..numerics.products import dot
+from ..numerics.scalar import log10, whole_power
+from .drives import rigid_system
+from .follower import TURN, Follower, Passage, Way, followed, ways_of
+from .forces import Datum
+from .gathered import FELT, Gathered, Parted, closing_joint, parted
 from .initial import Motion, ideal_motion
-from .nearest import nearest, sensitive, widest
-from .opened import FELT, Parted, closing_joint
-from .sweep import Follower, Passage
-from .ways import TURN, Way, followed, ways_of
+from .linalg import DENSE
+from .pins import first_guess
+from .system import mirrored
 
 Array = NDArray[np.float64]
+
+FIRST = 5e-3  # of a stride: the first step in which the widest gap is looked for
+NARROWINGS = 8
+NARROW = 1e-4  # of what is left: the top has been found
+TRIES, HALVINGS = 6, 8
+NUDGE = 1e-4  # of a length, to see what it does to a gap
+ASIDE = 1e-3  # of a length, from one with which a mechanism would start in a singular position
+DIGITS = 4  # of a length that would do
+
+
+def unclosed(mechanism: Mechanism, error: AssemblyError, duration: float) -> tuple[tuple[str, float, float], ...]:
+    """Lengths (name, now, then; m), each of which alone would close a start in which one joint stays open, and let it through what is asked for."""
+    datum = Datum(angle={name: body.angle for name, body in mechanism.bodies.items()})
+    system, guess = rigid_system(mechanism, datum=datum, travels=False), first_guess(mechanism)
+    joint = next((k for k, one in enumerate(system.joints) if one.name in error.joints), None)
+    if joint is None or len(error.gaps) != 1 or 3 * len(guess) > DENSE:
+        return ()
+    aims = np.array([drive.aim for drive in system.drives])
+    opened = parted(Gathered(system), joint, aims, guess)
+    lengths = list(sensitive(mechanism, datum, 1.0, joint, aims, opened, tuple(mechanism.bodies), tuple(mechanism.joints)))
+    size = min((length for _, length, _ in lengths), default=0.0)
+    return nearest(mechanism, lengths, opened.gap + ASIDE * size, duration)  # a little more, or the start is a singular position
+
+
+def nearest(mechanism: Mechanism, lengths: Iterable[tuple[str, float, float]], gap: float, duration: float) -> tuple[tuple[str, float, float], ...]:
+    """Of lengths (name, m, change of the gap with it) those that would do: name, now and then (m), the smallest change first."""
+    found = [(name, now, then) for name, now, slope in lengths if (then := would_do(mechanism, name, now, gap / -slope, duration)) is not None]
+    return tuple(sorted(found, key=lambda one: abs(one[2] / one[1] - 1.0)))
+
+
+def widest(follower: Follower, joint: int, way: Way, found: Passage) -> tuple[float, float, Parted]:
+    """The widest gap (m) of a joint on the rest of a way, as far as it opens at once; its place, and the position there, opened."""
+    end = min(way.length, found.reached + TURN) if way.turning else way.length
+    stride, seen = FIRST * way.pace, [(0.0, found.reached, Parted(found.position, 0.0, np.zeros(follower.gathered.rows)))]
+
+    def at(place: float) -> tuple[float, float, Parted]:
+        opened = parted(follower.gathered, joint, way.aims(place), seen[-1][2].position)
+        return opened.gap, place, opened
+
+    while seen[-1][1] < end and (len(seen) < 3 or seen[-1][0] >= seen[-2][0]):
+        seen.append(at(min(seen[-1][1] + stride, end)))
+        stride = min(2.0 * stride, 2.0 * way.pace)
+    top = max(range(len(seen)), key=lambda k: seen[k][0])
+    if top in (0, len(seen) - 1):
+        return seen[top]
+    three = seen[top - 1 : top + 2]
+    for _ in range(NARROWINGS):  # the top of the parabola through three takes the place of the lowest
+        (g, x, _), (g_1, x_1, _), (g_2, x_2, _) = sorted(three, key=lambda one: one[1])
+        if not x < x_1 < x_2:
+            break
+        one, two = (g_1 - g) / (x_1 - x), (g_2 - g_1) / (x_2 - x_1)
+        if one <= two:
+            break
+        place = 0.5 * (x + x_1) + one * 0.5 * (x_2 - x) / (one - two)
+        if min(abs(place - known) for known in (x, x_1, x_2)) < NARROW * (x_2 - x):
+            break
+        three = sorted([*three, at(min(max(place, x), x_2))], key=lambda one: one[0])[1:]
+    return max(three, key=lambda one: one[0])
+
+
+def sized(mechanism: Mechanism, name: str, length: float) -> Mechanism:
+    """The mechanism with another length of a link, or of a joint that has one."""
+    if name in mechanism.bodies:
+        return dataclasses.replace(mechanism, bodies={**mechanism.bodies, name: dataclasses.replace(mechanism.bodies[name], length=length)})  # type: ignore[call-arg]
+    return dataclasses.replace(mechanism, joints={**mechanism.joints, name: dataclasses.replace(mechanism.joints[name], length=length)})  # type: ignore[call-arg]
+
+
+def sensitive(
+    mechanism: Mechanism,
+    datum: Datum,
+    hand: float,
+    joint: int,
+    aims: Array,
+    opened: Parted,
+    bodies: tuple[str, ...],
+    joints: tuple[str, ...],
+) -> Iterator[tuple[str, float, float]]:
+    """Links and massless links that take part, their lengths (m), and by how much the widest gap changes with each."""
+    lengths = {name: body.length for name in bodies if isinstance(body := mechanism.bodies[name], Link)}
+    for name in joints:
+        place = place_row(mechanism.joints[name].rows()) if name in mechanism.joints else None
+        lengths |= {name: place.length} if isinstance(place, Apart) else {}
+    for name, length in lengths.items():
+        systems = [rigid_system(sized(mechanism, name, length * (1.0 + part)), datum=datum) for part in (0.0, NUDGE)]
+        before, after = (Gathered(mirrored(system) if hand < 0.0 else system) for system in systems)
+        phi = before.at(opened.position, before.aimed(aims))[0]
+        moved = after.at(opened.position, after.aimed(aims))[0] - phi
+        slope = dot(opened.pulls, moved) / (opened.gap * NUDGE * length)  # the least gap does not feel that the position would move too
+        if abs(slope) > 0.1:
+            yield name, length, slope
+
+
+def would_do(mechanism: Mechanism, name: str, now: float, change: float, duration: float) -> float | None:
+    """The length (m) next to ``now`` with which the mechanism goes through, first tried at ``now + change``; None where none is found."""
+    length, short = now + change, now
+    for _ in range(TRIES):
+        length = rounded(length, change)
+        if not 0.2 < length / now < 5.0:
+            return None
+        missing = still_open(sized(mechanism, name, length), duration)
+        if missing is None:
+            return None
+        if missing == 0.0:
+            return _closer(mechanism, name, short, length, duration)
+        short = length
+        length += math.copysign(1.05 * missing + 0.1 * ASIDE * now, change)
+    return None
+
+
+def _closer(mechanism: Mechanism, name: str, short: float, enough: float, duration: float) -> float:
+    """The length between one that does not do and one that does, as near to the first as four digits and a few halvings tell."""
+    tried, first = short + 0.98 * (enough - short), True
+    for _ in range(HALVINGS):
+        tried = rounded(tried, enough - short)
+        if tried in (short, enough):
+            break
+        if gets_through(sized(mechanism, name, tried), duration):
+            enough = tried
+        elif first:  # it goes in a straight line, as in a four-bar
+            break
+        else:
+            short = tried
+        tried, first = 0.5 * (short + enough), False
+    return enough
+
+
+def gets_through(mechanism: Mechanism, duration: float) -> bool:
+    """Whether the mechanism closes at the start and all the way: by how much it would stay open takes longer to tell."""
+    return _first_jam(mechanism, duration) == (True, None)
+
+
+def still_open(mechanism: Mechanism, duration: float) -> float | None:
+    """The widest gap (m) on the way, 0 where the mechanism gets through; None where it does not close at the start, or only just."""
+    closes, jam = _first_jam(mechanism, duration)
+    if jam is None:
+        return 0.0 if closes else None
+    follower, way, found = jam
+    joint = closing_joint(follower.gathered.system, found.stressed)
+    return None if joint is None else widest(follower, joint, way, found)[0]
+
+
+def _first_jam(mechanism: Mechanism, duration: float) -> tuple[bool, tuple[Follower, Way, Passage] | None]:
+    """Whether it closes at the start, by more than just; and where it jams first, if it does."""
+    try:
+        motion = ideal_motion(mechanism, named=False)
+        start = motion.position * (1.0, motion.hand, motion.hand)
+        follower = Follower.of(motion.system, start)
+    except AssemblyError:
+        follower = None
+    if follower is None:
+        return False, None
+    for way in ways_of(mechanism, motion, duration):
+        found = followed(follower, start, way)
+        if found.jammed and found.stressed is not None:
+            return True, (follower, way, found)
+    return True, None
+
+
+def rounded(length: float, change: float) -> float:
+    """The length to four digits, away from where it came from, unless it is as good as those already."""
+    unit = whole_power(10.0, math.floor(log10(abs(length))) - DIGITS + 1) if length > 0.0 else 1.0
+    parts = length / unit
+    return (math.ceil(parts - 1e-3) if change > 0.0 else math.floor(parts + 1e-3)) * unit
 
 
 NEGLIGIBLE = 1e-6  # of the extent of the bodies: a gap that no workshop tells from a change point

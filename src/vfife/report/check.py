@@ -172,7 +172,7 @@ def step(assembly: Assembly) -> dict[str, Any]:
 
 def freedom(assembly: Assembly) -> dict[str, Any]:
     """Degrees of freedom of the ideal mechanism, redundant and singular joints, and the class of a four-bar."""
-    from ..kinematics.grashof import grashof
+    from ..kinematics.mobility import grashof
 
     mobility = assembly.mobility
     return {

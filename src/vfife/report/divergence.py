@@ -47,7 +47,7 @@ def first_infinite(record: Record) -> tuple[int, str]:
     if record.burst is not None:
         gone = "left all bounds" if record.burst.finite else "became infinite"
         return record.burst.step, f"{named(record.assembly, record.burst.rows)} {gone}"
-    from ..assembly.bounds import Bounds
+    from ..assembly.assembled import Bounds
     from ..codegen.runner import Runner
 
     assembly, last = record.assembly, int(record.steps[-1])

@@ -11,8 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly, StepChoice
-from ..assembly.bounds import bounds, limited_rows, watched
+from ..assembly.assembled import Assembly, StepChoice, bounds, limited_rows, watched
 from ..assembly.timestep import SAFETY
 from ..codegen.loops import NEVER
 from ..codegen.runner import LOOK, Runner

@@ -19,8 +19,7 @@ from typing import Any, Protocol, TypeAlias, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly
-from ..assembly.bounds import Bounds, bounds, limited_rows
+from ..assembly.assembled import Assembly, Bounds, bounds, limited_rows
 from ..codegen.native import stream_lanes
 from ..codegen.ondevice import MEMBERS, DeviceStream
 from ..codegen.streams import Starter, Stream

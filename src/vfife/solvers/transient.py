@@ -9,8 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly
-from ..assembly.bounds import Bounds, watched
+from ..assembly.assembled import Assembly, Bounds, watched
 from ..codegen.runner import Runner
 from ..codegen.straight_line import about
 from ..errors import VfifeError

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly
-from ..assembly.bounds import Bounds
+from ..assembly.assembled import Assembly, Bounds
 from ..codegen.graph import tables
 from ..codegen.runner import Runner
 from ..errors import VfifeError

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..analysis.motion import half_damping, is_free
-from ..assembly.assembled import Assembly
-from ..assembly.bounds import watched
+from ..assembly.assembled import Assembly, watched
 from ..codegen.runner import Runner
 from ..errors import Fault, ModelError, VfifeError, kind_of, shown, suggestion
 from ..kernels.polynomial import polynomial

@@ -14,7 +14,7 @@ from ..analysis.measures import BY_TURN, INFLUENCE, MOMENT, OVER_TURN, PEAKS, Me
 from ..analysis.ranges import over_tries, ranged
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..assembly.numbering import Numbering
+from ..assembly.entities import Numbering
 from ..assembly.timestep import size_of
 from ..codegen.native import CONTACT_LANES
 from ..errors import Fault, ModelError, VfifeError, suggestion

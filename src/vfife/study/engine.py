@@ -22,11 +22,9 @@ from ..analysis.energy import ledger
 from ..analysis.measures import PEAKS, WantedMeasures, last_turn, over_turn
 from ..analysis.ranges import DEEP_HALVINGS
 from ..analysis.turns import each_turn
-from ..assembly.assemble import assemble
-from ..assembly.assembled import Assembly
-from ..assembly.bounds import limited_rows
+from ..assembly.assemble import Refit, assemble
+from ..assembly.assembled import Assembly, limited_rows
 from ..assembly.possible import Outlook, outlook
-from ..assembly.refit import Refit
 from ..codegen.cuda import WITHOUT, card
 from ..errors import DeviceError, VfifeError
 from ..model.joints import Contact

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from ...analysis.guides import point_motion
 from ...analysis.motion import times
-from ...assembly.assemble import assemble
+from ...assembly.assemble import Refit, assemble
 from ...assembly.assembled import Assembly
-from ...assembly.refit import Refit
 from ...errors import VfifeError
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
