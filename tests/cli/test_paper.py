@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from vfife.cli.paper import NAMES, chosen
-from vfife.report.contents import Chart, Item, Line, Panel, Parameter, Verdict
 from vfife.report.document import Table
+from vfife_validation.paper.contents import Chart, Item, Line, Panel, Parameter, Verdict
 from vfife_validation.paper.page import Folder, page
 
 

@@ -122,7 +122,7 @@ def test_every_other_file_is_whole_or_as_it_was(command: Callable, monkeypatch: 
 
 
 def test_a_page_of_the_paper_is_whole_or_as_it_was(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    from vfife.report.contents import Item
+    from vfife_validation.paper.contents import Item
     from vfife_validation.paper.page import Folder
 
     place, item = Folder(tmp_path, ""), Item("table3", "Table 3", data={})

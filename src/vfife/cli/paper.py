@@ -17,7 +17,8 @@ from .terminal import answer, errors, fail, json_text, print_json, sentences, sp
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from ..report.contents import Item
+    from vfife_validation.paper.contents import Item
+
     from ..report.document import Document
 
 NAMES = (

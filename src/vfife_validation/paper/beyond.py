@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vfife.laws import ContactLaw
-from vfife.report.contents import Chart, Item, Line, Panel, Verdict
 from vfife.report.document import Table
 
+from .contents import Chart, Item, Line, Panel, Verdict
 from .context import described
 from .influence import MOST_TURNS, STEP, Case, Influence
 from .mechanisms import CLEARANCE, CLEARANCES, FASTEST, LINKS, SPEEDS, Parameters

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vfife.report.contents import Chart, Item, Line, Panel, Verdict
 from vfife.report.document import Table
 from vfife.solvers.ensemble import placed
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
 
+from .contents import Chart, Item, Line, Panel, Verdict
 from .context import described, settling
 from .impact import fig9, fig10
 from .influence import BODY, Influence

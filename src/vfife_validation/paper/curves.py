@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vfife.analysis import forces, motion
-from vfife.report.contents import Line, Panel, Style
 from vfife.solvers.ensemble import Member
 from vfife.solvers.record import Record
 
+from .contents import Line, Panel, Style
 from .influence import BODY, JOINT
 
 Array = NDArray[np.float64]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from vfife.laws import ContactLaw, LankaraniNikravesh, Pereira
 from vfife.laws.contact.damping import delivered
-from vfife.report.contents import Band, Chart, Item, Line, Panel, Parameter, Style, Verdict
 from vfife.report.document import Table
 
+from .contents import Band, Chart, Item, Line, Panel, Parameter, Style, Verdict
 from .mechanisms import BEARING_RADIUS, JOURNAL_RADIUS, STIFFNESS, journal
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vfife.report.contents import Chart, Item, Line, Panel, Style, Verdict
 from vfife.report.document import Table
 
 from . import search
+from .contents import Chart, Item, Line, Panel, Style, Verdict
 from .context import described
 from .influence import STEP
 from .mechanisms import Parameters

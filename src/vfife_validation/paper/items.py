@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from vfife.report.contents import Item
-
 from .beyond import beyond
 from .claims import claims
+from .contents import Item
 from .context import Context
 from .impact import fig8, fig9, fig10
 from .infer import infer

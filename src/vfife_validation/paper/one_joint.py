@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vfife.laws import LankaraniNikravesh, Pereira
-from vfife.report.contents import Chart, Item, Line, Panel, Parameter, Verdict
 
 from . import curves
+from .contents import Chart, Item, Line, Panel, Parameter, Verdict
 from .context import settling
 from .influence import JOINT, Case, Influence, ideal
 from .mechanisms import BEARING_RADIUS, FASTEST, JOURNAL_RADIUS, LINK_WORDS, STIFFNESS, Parameters

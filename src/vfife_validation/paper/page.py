@@ -8,9 +8,10 @@ from pathlib import Path
 from string import Template
 
 from vfife.files import replacement, write_text
-from vfife.report.contents import Chart, Item
 from vfife.report.document import Element
 from vfife.report.html import table
+
+from .contents import Chart, Item
 
 PAGE = Template("""<!DOCTYPE html>
 <html lang="en">
@@ -95,7 +96,7 @@ class Folder:
 
     def add(self, item: Item, as_text: Callable[[object], str]) -> None:
         """Draws an item and writes the page with all items so far; ``as_text`` turns their data into JSON."""
-        from vfife.plots.charts import embedded, picture
+        from .charts import embedded, picture
 
         for chart in item.charts:
             data = picture(chart)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vfife.report.contents import Chart, Item, Panel, Verdict
 from vfife.report.document import Table
 
 from . import curves
+from .contents import Chart, Item, Panel, Verdict
 from .context import described, settling
 from .influence import Case, Influence, ideal
 from .mechanisms import CLEARANCE, JOINTS, SPEEDS

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from .document import Table
+from vfife.report.document import Table
 
 Origin = Literal["stated", "inferred", "chosen"]
 Style = str  # "main", "second" ... "fifth", "ideal", "paper", "circle", "faint", or a number: that of a colour in a long row

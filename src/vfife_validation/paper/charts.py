@@ -11,13 +11,13 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.ticker import MaxNLocator
 
-from .style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, STYLE, VERMILION, one_legend, panels
+from vfife.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, STYLE, VERMILION, one_legend, panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..report.contents import Chart, Panel
+    from .contents import Chart, Panel
 
 LOOKS: dict[str, dict[str, Any]] = {
     "main": {"color": BLUE, "lw": 1.3, "zorder": 4},
