@@ -9,7 +9,7 @@ import pytest
 
 import vfife
 from vfife.analysis.wear import PLACES, Rubbed, areas, around, depths, half_arc, rubbed
-from vfife.laws.wear import PAIRS, coefficient
+from vfife.laws.materials import PAIRS, coefficient
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
 

@@ -15,7 +15,7 @@ from vfife import Pair
 from vfife.assembly.assemble import assemble
 from vfife.codegen.lawloops import Loops, Single
 from vfife.errors import LawError
-from vfife.laws import ContactLaw, FrictionLaw, agreement, check, time_limit
+from vfife.laws import ContactLaw, FrictionLaw, agreement, check, user
 from vfife.laws.agreement import agreement_of, compared
 from vfife.laws.check import faults, faults_of_functions, faults_of_loops, try_out
 from vfife.laws.language import codes
@@ -294,7 +294,7 @@ def test_parameters_that_do_not_end_are_stopped(monkeypatch):
     monkeypatch.setattr(law, "parameters", ending)
     monkeypatch.setattr(law, "elastic_energy", endless)
     assert "elastic_energy() has run for" in faults(law)[0]
-    assert time_limit.SECONDS == 10.0
+    assert user.SECONDS == 10.0
 
 
 def test_a_law_is_compared_once_and_anew_when_a_number_of_its_file_changes(monkeypatch):

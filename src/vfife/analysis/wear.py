@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.topology import BEARING
-from ..laws.wear import coefficient
+from ..laws.materials import coefficient
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import atan2, hypot, interpolate, sin
 from ..solvers.record import Record

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..codegen.lawloops import PARTS, Loops, Single, plain_function
 from ..codegen.trace import COMPARISONS, Trace
 from ..errors import LawError, SourceError
-from .remedies import REMEDY
+from .grammar import REMEDY
 
 Rows = NDArray[np.float64]
 

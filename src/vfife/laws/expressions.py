@@ -9,8 +9,24 @@ from collections.abc import Callable
 from types import FunctionType, ModuleType
 from typing import Any
 
-from .kinds import LARGEST, NUMBER, TRUTH, UNKNOWN, Kind, Several, Whole, category, known, numeric, size, words
-from .remedies import FUNCTIONS, INSTEAD, REMEDY, RESERVED
+from .grammar import (
+    FUNCTIONS,
+    INSTEAD,
+    LARGEST,
+    NUMBER,
+    REMEDY,
+    RESERVED,
+    TRUTH,
+    UNKNOWN,
+    Kind,
+    Several,
+    Whole,
+    category,
+    known,
+    numeric,
+    size,
+    words,
+)
 
 DEEPEST = 80  # expressions in one another: those who write code walk them by recursion
 LARGEST_TUPLE = 32  # numbers: the arguments of a step are fewer

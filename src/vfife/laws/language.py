@@ -8,7 +8,7 @@ construct and replacement. The language:
   which leads back to itself, and those of ``vfife.kernels.elementary``;
 - statements give values to names (`a = ...`, `a += ...`, `a, b = ...`) or repeat with a fixed number of rounds (`for k in range(4):`,
   `for x in p:`);
-- an expression is a number, a truth value, a whole number or a tuple (:mod:`~vfife.laws.kinds`), and a name keeps the kind of its first value;
+- an expression is a number, a truth value, a whole number or a tuple (:mod:`~vfife.laws.grammar`), and a name keeps the kind of its first value;
 - `+ - * /`, `abs`, `math.sqrt` and comparisons take numbers; `and`, `or` and the condition of `a if condition else b` take truth values, and
   nothing else does;
 - a whole number is known when the law is compiled and is below 2^53, so that converting it to a double changes nothing.
@@ -28,8 +28,7 @@ from typing import Any
 from ..codegen.functiontext import function_text, parsed
 from ..codegen.lock import WRITING
 from .expressions import Expressions, shown
-from .kinds import NUMBER, TRUTH, UNKNOWN, Kind, Several, Whole, category, known, numeric, words
-from .remedies import INSTEAD, REMEDY, RESERVED
+from .grammar import INSTEAD, NUMBER, REMEDY, RESERVED, TRUTH, UNKNOWN, Kind, Several, Whole, category, known, numeric, words
 
 LONGEST = 5_000  # operations of a law in a step: the largest of ours has some 400, and 5,000 take a second to compile in all loops
 DEEPEST_LOOP = 4  # loops in one another: each is looked at twice

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import Fault
 from ..fields import LENGTH, Many, Measure, described
-from ..laws.wear import PAIRS
+from ..laws.materials import PAIRS
 from ..numerics.elementwise import sincos
 from ..numerics.scalar import hypot
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..job.amounts import amount_of_bytes, span
-from ..laws.wear import PAIRS, coefficient
+from ..laws.materials import PAIRS, coefficient
 from ..model.wear import deepest
 from .document import Document, Paragraph, Part, Table, named, sentences
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ..job.amounts import counted
-from ..laws.wear import OILED, PAIRS, SCATTER
+from ..laws.materials import OILED, PAIRS, SCATTER
 from .document import Document, Table, sentences
 
 if TYPE_CHECKING:

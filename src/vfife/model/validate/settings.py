@@ -7,7 +7,7 @@ from typing import Any
 
 from ...errors import Fault, Path, place, shown
 from ...laws import ContactLaw, FrictionLaw, Law, Pair
-from ...laws.wear import coefficient
+from ...laws.materials import coefficient
 from ..mechanism import Mechanism
 from ..surfaces import surfaces
 from ..wear import Wear

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...analysis.wear import PLACES, SIDES, areas, around, rubbed
 from ...assembly.assembled import Assembly
 from ...files import write_rows
-from ...laws.wear import coefficient
+from ...laws.materials import coefficient
 from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
 from ...model.wear import depth_at
