@@ -13,8 +13,7 @@ from matplotlib.collections import LineCollection, QuadMesh
 import vfife
 from study.studies import ASKED, Closed
 from vfife.errors import VfifeError
-from vfife.plots.studyaxes import broken, edges, logarithmic, shortened
-from vfife.plots.studycurves import front, quantiles
+from vfife.plots.study import broken, edges, front, logarithmic, quantiles, shortened
 from vfife.plots.style import readable
 from vfife.study import run_missing
 

@@ -71,7 +71,7 @@ def compare(
             write_text(place / SUMMARY, json_text(comparison_data(found)) + "\n")
             found.write_csv(place / TABLE)
             if figures:
-                from ..plots.comparison import drawn
+                from ..plots.answers import drawn
 
                 drawn(found, place)
             if len(found.rows) == found.planned:

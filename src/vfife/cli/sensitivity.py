@@ -71,8 +71,8 @@ def sensitivity(
             found.write_csv(csv)
     if figure is not None:
         with writing(str(figure)):
+            from ..plots.answers import tornado
             from ..plots.style import saved
-            from ..plots.tornado import tornado
 
             saved(tornado(found), figure)
     if as_json or not quiet:

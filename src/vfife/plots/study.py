@@ -1,23 +1,316 @@
-"""Figures of a study: heat maps, curves with bands, parallel coordinates, Pareto fronts."""
+"""Figures of a study by name: heat maps, curves with bands, parallel coordinates, Pareto fronts, and what their axes show."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+import re
+import warnings
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from matplotlib import rc_context
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.ticker import NullLocator
+from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
 from .notebook import sharp
-from .studycurves import curves, fronts, heat_maps, parallel
-from .style import STYLE, saved
+from .style import BLUE, BODIES, FAINT, GREY, INK, STYLE, VERMILION, heading, one_legend, panels, readable, saved
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..results.studied import Study
+    from ..results.studied import Study, Varied
+
+Array = NDArray[np.float64]
+MOST_TICKS = 7  # of a logarithmic axis
+
+
+def broken(name: str, width: int = 15) -> str:
+    """A long name in lines, broken at its dots and underscores."""
+    lines = [""]
+    for part in re.split(r"(?<=[._ ])", name):
+        if lines[-1] and len(lines[-1]) + len(part) > width:
+            lines.append("")
+        lines[-1] += part
+    return "\n".join(lines)
+
+
+def titled(name: str, unit: str) -> str:
+    """A name with its unit."""
+    return f"{name} ({unit})" if unit else name
+
+
+def places(values: Sequence[Any], unit: str) -> tuple[Array, str]:
+    """Where values of a parameter lie along an axis, and their unit; words one after another."""
+    if any(isinstance(value, str) for value in values):
+        return np.arange(len(values), dtype=float), ""
+    factor, unit = readable(values, unit)
+    return factor * np.asarray(values, dtype=float), unit
+
+
+def edges(middles: Array) -> Array:
+    """Borders of cells around their middles; the outer ones as far away as the inner ones."""
+    if len(middles) == 1:
+        half = 0.5 * (abs(middles[0]) or 1.0)
+        return np.array([middles[0] - half, middles[0] + half])
+    inner = 0.5 * (middles[1:] + middles[:-1])
+    return np.concatenate([[2.0 * middles[0] - inner[0]], inner, [2.0 * middles[-1] - inner[-1]]])
+
+
+def logarithmic(middles: Array) -> bool:
+    """Whether values lie evenly on a logarithmic scale, and not on a plain one."""
+    if len(middles) < 3 or middles.min() <= 0.0:
+        return False
+    ratios, steps = middles[1:] / middles[:-1], np.diff(middles)
+    return bool(np.ptp(ratios) < 1e-3 * ratios.mean() and np.ptp(steps) > 1e-2 * steps.mean())
+
+
+def ticked(ax: Axes, one: Varied, values: Sequence[Any], middles: Array, unit: str, along: str = "x") -> None:
+    """Labels an axis of a parameter."""
+    axis, label = (ax.xaxis, ax.set_xlabel) if along == "x" else (ax.yaxis, ax.set_ylabel)
+    label(titled(one.name, unit))
+    if any(isinstance(value, str) for value in values):
+        axis.set_ticks(list(middles), [str(value) for value in values])
+    elif logarithmic(middles):
+        (ax.set_xscale if along == "x" else ax.set_yscale)("log")
+        at = [middles[k] for k in shortened(len(middles), MOST_TICKS)]
+        axis.set_ticks(at, [f"{value:.3g}" for value in at])
+        axis.set_minor_locator(NullLocator())
+
+
+def lines(study: Study) -> list[Varied]:
+    """Parameters along the axes, those of most values first, words last."""
+    own = [one for one in study.parameters if one.name in study.axes]
+    return sorted(own, key=lambda one: (any(isinstance(value, str) for value in study.axes[one.name]), -len(study.axes[one.name])))
+
+
+def said_of(study: Study, dims: list[str]) -> str:
+    """Dimensions in words."""
+    return ", ".join(f"{len(study.axes[name]):,} samples" if name == "sample" else name for name in dims)
+
+
+def shortened(count: int, most: int) -> list[int]:
+    """So many of a number of things, evenly."""
+    return sorted({round(k * (count - 1) / max(most - 1, 1)) for k in range(most)}) if count > most else list(range(count))
+
+
+MOST_CURVES, MOST_PANELS = 6, 6
+BAND = (0.05, 0.95)
+
+
+def curves(study: Study, measures: list[str]) -> Figure | None:
+    """A curve_panel a measure; None where no parameter has values of its own."""
+    own = [one for one in lines(study) if len(study.axes[one.name]) > 1]
+    shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
+    if not own or not shown:
+        return None
+    figure, boxes = panels(len(shown), 2 if len(shown) < 5 else 3, 4.8, 3.5)
+    for ax, name in zip(boxes, shown, strict=True):
+        curve_panel(ax, study, name, own)
+    one_legend(figure, boxes)
+    others = [name for name in study.axes if name not in {one.name for one in own[:2]}]
+    band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {said_of(study, others)})"
+    heading(figure, study.model + (band if others else ""))
+    return figure
+
+
+def curve_panel(ax: Axes, study: Study, name: str, own: list[Any]) -> None:
+    """The curves of a measure."""
+    dims, along = list(study.axes), own[0]
+    other = own[1] if len(own) > 1 else None
+    keep = [dims.index(along.name)] + ([dims.index(other.name)] if other is not None else [])
+    values = np.moveaxis(study.laid_out(name), keep, list(range(len(keep))))
+    values = values.reshape(values.shape[0], values.shape[1] if other is not None else 1, -1)
+    factor, unit = readable(values, study.measures[name])
+    x, x_unit = places(study.axes[along.name], along.unit)
+    labels, label_unit = ([None], "") if other is None else labelled(study.axes[other.name], other.unit)
+    for colour, k in enumerate(shortened(values.shape[1], MOST_CURVES)):
+        middle, low, high = (factor * one for one in quantiles(values[:, k, :]))
+        label = None if other is None else f"{other.name} {labels[k]} {label_unit}".rstrip()
+        look = BODIES[colour % len(BODIES)]
+        ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=label)
+        if values.shape[2] > 1:
+            ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
+    ticked(ax, along, study.axes[along.name], x, x_unit)
+    ax.set_title(titled(name, unit))
+
+
+def labelled(values: list[Any], unit: str) -> tuple[list[str], str]:
+    """Values of a parameter as a legend says them."""
+    if any(isinstance(value, str) for value in values):
+        return [str(value) for value in values], ""
+    numbers, unit = places(values, unit)
+    return [f"{value:.4g}" for value in numbers], unit
+
+
+def quantiles(values: Array) -> tuple[Array, Array, Array]:
+    """Median and band along the last axis, of what is known."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a place of which nothing is known stays so
+        low, middle, high = np.nanquantile(values, (BAND[0], 0.5, BAND[1]), axis=1)
+    return middle, low, high
+
+
+LEAST = 3  # values of each of two parameters that make a map
+
+
+def heat_maps(study: Study, measures: list[str]) -> Figure | None:
+    """A map_panel a measure; None where no two parameters have a grid of values. Members that gave nothing are grey."""
+    axes = [one for one in lines(study) if len(study.axes[one.name]) >= LEAST][:2]
+    if len(axes) < 2:
+        return None
+    shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
+    if not shown:
+        return None
+    figure, boxes = panels(len(shown), 2 if len(shown) < 5 else 3, 4.8, 3.7)
+    for ax, name in zip(boxes, shown, strict=True):
+        map_panel(figure, ax, study, name, axes)
+    others = [name for name in study.axes if name not in {one.name for one in axes}]
+    heading(figure, study.model + (f" (median over {said_of(study, others)})" if others else ""))
+    return figure
+
+
+def map_panel(figure: Figure, ax: Axes, study: Study, name: str, axes: list[Any]) -> None:
+    """One map."""
+    across, up = axes
+    dims = list(study.axes)
+    values = median(study.laid_out(name), [dims.index(up.name), dims.index(across.name)])
+    (x, x_unit), (y, y_unit) = (places(study.axes[one.name], one.unit) for one in axes)
+    factor, unit = readable(values, study.measures[name])
+    ax.set_facecolor(FAINT)
+    drawn = ax.pcolormesh(edges(x), edges(y), np.ma.masked_invalid(factor * values), cmap="viridis", rasterized=True)
+    ticked(ax, across, study.axes[across.name], x, x_unit)
+    ticked(ax, up, study.axes[up.name], y, y_unit, "y")
+    ax.grid(visible=False)
+    ax.set_title(titled(name, unit))
+    bar = figure.colorbar(drawn, ax=ax)
+    bar.outline.set_visible(False)
+
+
+def median(values: Array, keep: list[int]) -> Array:
+    """The median over all axes but two, which come in this order."""
+    rest = tuple(k for k in range(values.ndim) if k not in keep)
+    moved = np.moveaxis(values, keep, [0, 1])
+    if not rest:
+        return moved
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # a cell of which nothing is known stays so
+        found: Array = np.nanmedian(moved.reshape(*moved.shape[:2], -1), axis=2)
+    return found
+
+
+END: dict[str, Any] = {"fontsize": 8.5, "color": INK, "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 1.0}}
+MOST_LINES, MOST_AXES = 2000, 12
+
+
+def parallel(study: Study, measures: list[str]) -> Figure | None:
+    """Members with all their measures, coloured by the first of them; None where there are fewer than three."""
+    columns, names = numbers(study, measures)
+    whole = np.isfinite(columns).all(axis=1)
+    if whole.sum() < 3 or len(names) < 2:
+        return None
+    columns = columns[whole][shortened(int(whole.sum()), MOST_LINES)]
+    low, high = columns.min(axis=0), columns.max(axis=0)
+    scaled = np.where(high > low, (columns - low) / np.where(high > low, high - low, 1.0), 0.5)
+    figure, (ax,) = panels(1, 1, max(5.5, 1.45 * len(names)), 4.2)
+    key = columns[:, len(study.parameters)] if len(names) > len(study.parameters) else columns[:, 0]
+    order = np.argsort(key, kind="stable")  # the largest on top
+    least, most = float(key.min()), float(key.max()) if key.max() > key.min() else float(key.min()) + 1.0
+    segments = [np.column_stack([np.arange(len(names)), row]) for row in scaled[order]]
+    ax.add_collection(
+        LineCollection(
+            segments, array=key[order], cmap="viridis", norm=Normalize(least, most), lw=0.9, alpha=min(1.0, max(0.15, 60.0 / len(order)))
+        )
+    )
+    furnish(ax, study, names, low, high)
+    colour = names[min(len(study.parameters), len(names) - 1)]
+    factor, unit = readable(key, unit_of(study, colour))
+    bar = figure.colorbar(ScalarMappable(Normalize(factor * least, factor * most), "viridis"), ax=ax, pad=0.02)
+    bar.outline.set_visible(False)
+    bar.set_label(titled(colour, unit))
+    heading(figure, f"{study.model}: {len(order):,} members")
+    return figure
+
+
+def unit_of(study: Study, name: str) -> str:
+    """Unit of a parameter or a measure."""
+    return study.measures[name] if name in study.measures else study.parameter(name).unit
+
+
+def numbers(study: Study, measures: list[str]) -> tuple[Array, list[str]]:
+    """Parameters and measures of the members that ended, shape (members, axes), and their names."""
+    chosen = measures[: max(1, MOST_AXES - len(study.parameters))]
+    columns = [study.points(), *(study.values(name)[:, None] for name in chosen)]
+    return np.concatenate(columns, axis=1), [*(one.name for one in study.parameters), *chosen]
+
+
+def furnish(ax: Axes, study: Study, names: list[str], low: Array, high: Array) -> None:
+    """Axes with their limits, and words in their places."""
+    ax.set(xlim=(-0.35, len(names) - 0.65), ylim=(-0.09, 1.09))
+    ax.set_yticks([])
+    ax.grid(visible=False)
+    for side in ("left", "bottom"):
+        ax.spines[side].set_visible(False)
+    heads = []
+    for k, name in enumerate(names):
+        ax.axvline(k, color=GREY, lw=0.8, zorder=0)
+        words = sorted({value for one in study.done if isinstance(value := study.at(one)[k], str)}) if k < len(study.parameters) else []
+        factor, unit = readable([low[k], high[k]], unit_of(study, name))
+        heads.append(broken(name) + (f"\n({unit})" if unit else ""))
+        ends = ("", "") if words else (f"{factor * low[k]:.4g}", f"{factor * high[k]:.4g}")
+        ax.text(k, -0.04, ends[0], ha="center", va="center", **END)
+        ax.text(k, 1.04, ends[1], ha="center", va="center", **END)
+        for n, word in enumerate(dict.fromkeys(study.at(one)[k] for one in study.done) if words else ()):
+            ax.text(k + 0.04, n / max(len(words) - 1, 1), str(word), ha="left", va="center", fontsize=8.5, color=INK)
+    ax.set_xticks(range(len(names)), heads, fontsize=9.0)
+    ax.tick_params(axis="x", length=0.0, pad=8.0)
+
+
+MOST_PAIRS = 3  # pairs of measures
+
+
+def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> Figure | None:
+    """The first measure against each of the next, smaller being better but for those of which ``larger`` is; None with fewer than two."""
+    pairs = [(measures[0], other) for other in measures[1 : MOST_PAIRS + 1]]
+    known = [pair for pair in pairs if np.isfinite(study.values(pair[0]) + study.values(pair[1])).sum() > 1]
+    if not known:
+        return None
+    figure, axes = panels(len(known), len(known), 4.8, 4.2)
+    for ax, pair in zip(axes, known, strict=True):
+        both = np.stack([study.values(name) for name in pair], axis=1)
+        both = both[np.isfinite(both).all(axis=1)]
+        scales = [readable(both[:, k], study.measures[pair[k]]) for k in (0, 1)]
+        x, y = (both[:, k] * scales[k][0] for k in (0, 1))
+        signs = np.array([-1.0 if name in larger else 1.0 for name in pair])
+        best = front(both * signs)
+        ax.scatter(x[~best], y[~best], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="members")
+        order = np.flatnonzero(best)[np.argsort(signs[0] * x[best], kind="stable")]
+        ax.step(x[order], y[order], where="post", color=GREY, lw=0.9, zorder=1)
+        ax.scatter(x[order], y[order], s=22.0, color=VERMILION, edgecolor=FAINT, lw=0.4, zorder=3, label="front: none is better in both")
+        names = [titled(name, scale[1]) + (", large" if name in larger else "") for name, scale in zip(pair, scales, strict=True)]
+        ax.set(xlabel=names[0], ylabel=names[1])
+    one_legend(figure, axes)
+    heading(figure, study.model)
+    return figure
+
+
+def front(values: Array) -> NDArray[np.bool_]:
+    """Which of some points, shape (points, measures), no other is at most equal to in all measures and less in one."""
+    order = np.lexsort(values.T[::-1])
+    best = np.zeros(len(values), dtype=bool)
+    kept = np.empty((0, values.shape[1]))
+    for k in order:
+        if not ((kept <= values[k]).all(axis=1) & (kept < values[k]).any(axis=1)).any():
+            best[k] = True
+            kept = np.vstack([kept, values[k]])
+    return best
+
 
 FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {"maps": heat_maps, "curves": curves, "parallel": parallel, "fronts": fronts}
 TITLES = {

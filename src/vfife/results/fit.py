@@ -206,7 +206,7 @@ class Fit:
 
     def plot(self) -> Figure:
         """Measured curves with the model's, what is left of each, and how the parameters hang together."""
-        figure: Figure = upper("plots.fit", "fit_figure", self)
+        figure: Figure = upper("plots.answers", "fit_figure", self)
         return figure
 
 
