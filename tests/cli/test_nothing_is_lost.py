@@ -50,7 +50,7 @@ REFUSED = {
     "no --force": ([], "add --force to replace it"),
     "start from itself": (["--force", "--start-from", "kept"], "which would be lost"),
     "start from its file": (["--force", "--start-from", "kept/run.sqlite"], "which would be lost"),
-    "too many outputs": (["--force", "--outputs", "1000000000"], "[run] outputs"),
+    "too many outputs": (["--force", "--outputs", "1000000000"], "--outputs"),
     "turns without a crank": (["--force", "--turns", "2"], "duration"),
     "a start that is none": (["--force", "--start-from", "nowhere"], "nowhere"),
     "no such loop": (["--force", "--loop", "fast"], "--loop"),
