@@ -8,7 +8,7 @@ import numpy as np
 from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 
 from vfife import load_model
-from vfife.assembly.assemble import assemble, refitted
+from vfife.assembly.assemble import assemble, reassembled
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
 from vfife.codegen.cuda import card
 from vfife.codegen.ondevice import DeviceStream
@@ -47,7 +47,7 @@ def measure(options: Options) -> Part:
 
 def of_play(base: Assembly, clearance: float) -> Assembly:
     """The base with another clearance in all joints."""
-    return refitted(base, {name: dataclasses.replace(joint, clearance=clearance) for name, joint in base.mechanism.clearances.items()})
+    return reassembled(base, {name: dataclasses.replace(joint, clearance=clearance) for name, joint in base.mechanism.clearances.items()})
 
 
 def filled(kind: type[Stream | DeviceStream], base: Assembly, made: list[Assembly], members: int) -> Stream | DeviceStream:

@@ -9,7 +9,7 @@ import pytest
 from fake_card import FakeDriver, in_this_machine, rows_on_card
 from lane_models import one_clearance, swing
 from support import bits, four_bar, lanes
-from vfife.assembly.assemble import assemble, refitted
+from vfife.assembly.assemble import assemble, reassembled
 from vfife.codegen import ondevice
 from vfife.codegen.cuda import Card
 from vfife.codegen.gpu import TILE
@@ -38,7 +38,7 @@ def same(ours, theirs) -> bool:
 def of_play(members: int, turns: int = 2):
     """The four-bar with as many clearances, every other one with half the step."""
     bases = [placed(four_bar("BCD", speed=2000.0), step, turns, 4) for step in (8e-6, 4e-6)]
-    return [refitted(bases[k % 2], four_bar("BCD", clearance=1e-4 * (1 + 0.1 * k)).clearances) for k in range(members)]
+    return [reassembled(bases[k % 2], four_bar("BCD", clearance=1e-4 * (1 + 0.1 * k)).clearances) for k in range(members)]
 
 
 def test_members_on_a_card_are_those_in_lanes(driver):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from support import SQUARE, bits, four_bar, journal_in_bearing
-from vfife.assembly.assemble import assemble, refitted
+from vfife.assembly.assemble import assemble, reassembled
 from vfife.codegen import loops
 from vfife.laws import Ambrosio, LankaraniNikravesh, Pereira
 from vfife.solvers.ensemble import advance, ensemble, placed
@@ -111,7 +111,7 @@ def test_progress_and_interruption():
 
 def test_refitted_is_assembled_to_the_bit():
     changed = bars(4e-4, axial_length=7e-3, friction_moment="surface", impact_speed_floor=2e-3)
-    ours = refitted(placed(bars(), 1e-6, 2, OUTPUTS), changed.clearances)
+    ours = reassembled(placed(bars(), 1e-6, 2, OUTPUTS), changed.clearances)
     theirs = placed(changed, 1e-6, 2, OUTPUTS)
     assert (bits(ours.state) == bits(theirs.state)).all() and ours.topology == theirs.topology
     assert ours.mechanism.clearances == changed.clearances
@@ -121,12 +121,12 @@ def test_refitting_refuses_what_it_cannot_do():
     base = assemble(bars(), 1e-6, force_step=True)
     other = {name: dataclasses.replace(joint, contact=LankaraniNikravesh()) for name, joint in bars().clearances.items()}
     with pytest.raises(ValueError, match="joint 'B' has laws or sides of another kind"):
-        refitted(base, other)
+        reassembled(base, other)
     with pytest.raises(ValueError, match="all of them at once"):
-        refitted(base, {"B": bars().clearances["B"]})
+        reassembled(base, {"B": bars().clearances["B"]})
     seated = dataclasses.replace(bars(), start=dataclasses.replace(bars().start, journals="seated"))
     with pytest.raises(ValueError, match="journals start centred"):
-        refitted(assemble(seated, 1e-6, force_step=True), seated.clearances)
+        reassembled(assemble(seated, 1e-6, force_step=True), seated.clearances)
 
 
 def test_distance_of_two_turns():

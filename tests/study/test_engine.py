@@ -138,9 +138,9 @@ def test_numbers_of_play_reach_what_assembly_says(key: str) -> None:
     assert made is not None and again is not None
     sooner = cases.reassembled(made, numbers)
     assert sooner is not None
-    late = again.refit.assembly
+    late = again.reassembler.assembly
     assert (sooner.state.view(np.uint64) == late.state.view(np.uint64)).all()
-    assert (sooner.state != made.refit.assembly.state).any() or key == "axial_length"
+    assert (sooner.state != made.reassembler.assembly.state).any() or key == "axial_length"
     assert (sooner.tables == late.tables).all()
     assert sooner.topology == late.topology
     assert sooner.choice == late.choice

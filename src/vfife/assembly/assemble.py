@@ -191,7 +191,7 @@ def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np
     return tuple(starts), np.concatenate(parts)
 
 
-def refitted(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
+def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
     """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble`` gives with the same step, sooner.
 
     ``joints``: all of the mechanism's clearance joints. Raises VfifeError where something else would change too: the kinds of the laws, or
@@ -200,7 +200,7 @@ def refitted(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
     mechanism = assembly.mechanism
     if tuple(joints) != assembly.contacts or mechanism.start.journals == "seated" or assembly.topology.contact_knots:
         raise VfifeError(
-            "only clearance joints of a mechanism whose journals start centred and whose laws are no tables can be refitted, all of them at once"
+            "only clearance joints of a mechanism whose journals start centred and whose laws are no tables can be reassembled, all of them at once"
         )
     state, topology = assembly.state.copy(), assembly.topology
     for index, (name, joint) in enumerate(joints.items()):
@@ -218,14 +218,19 @@ NOWHERE = (0, (0.0, 0.0))
 MOST_CHOICES = 4096  # steps that are remembered
 
 
-class Refit:
-    """Makes such assemblies from one, which ``assemble`` made with the same ``step``, ``expected`` and ``run``."""
+class Reassembler:
+    """Makes assemblies with other numbers of clearance joints from one that ``assemble`` made with the same ``step``, ``expected`` and ``run``.
 
-    def __init__(self, assembly: Assembly, step: float | str | None, expected: Mapping[str, float], **run: Any) -> None:
+    A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the step; nothing else of an assembly whose
+    journals start centred. ``usable``: False where something else is known to follow from them.
+    """
+
+    def __init__(self, assembly: Assembly, step: float | str | None, expected: Mapping[str, float], usable: bool = True, **run: Any) -> None:
         self.assembly, self.expected, self.request = assembly, expected, StepRequest(step, **run)
         mechanism, layout = assembly.mechanism, assembly.layout
         self.places = {name: k for k, name in enumerate(assembly.contact_joints) if mechanism.contacts[name].refits}
-        self.usable = mechanism.start.journals == "centred" and len(self.places) == len(assembly.contacts) and not assembly.topology.contact_knots
+        whole = len(self.places) == len(assembly.contacts) and not assembly.topology.contact_knots
+        self.usable = usable and whole and mechanism.start.journals == "centred"
         self.masses = {name: surfaces(mechanism, mechanism.contacts[name]).effective_mass for name in self.places}
         self.materials = {
             name: [mechanism.bodies[body].material if body != "ground" else Material() for body, _ in mechanism.contacts[name].sides]
@@ -275,10 +280,7 @@ class Refit:
         mechanism.joints = {**old.mechanism.joints, **joints}
         choice, topology = self.choices.get(slots.tobytes()) or self._stepped(mechanism, state, slots.tobytes())
         state[self.row] = choice.step
-        found = copy(old)  # a third of the time of replacing fields, and there may be thousands
-        for name, value in (("mechanism", mechanism), ("state", state), ("choice", choice), ("topology", topology)):
-            object.__setattr__(found, name, value)
-        return found
+        return dataclasses.replace(old, mechanism=mechanism, state=state, choice=choice, topology=topology)
 
     def _stepped(self, mechanism: Mechanism, state: NDArray[np.float64], key: bytes) -> tuple[StepChoice, Topology]:
         """The step, and the topology that it makes, which hang on the laws of contact alone."""

@@ -50,7 +50,7 @@ def solve(matrix: Any, right: Any) -> Any:
     if not (signs != 0.0).all():
         raise np.linalg.LinAlgError("Singular matrix")
     found = found[..., 0] if vector else found
-    return found.view(type(matrix)) if isinstance(matrix, np.ndarray) else found
+    return found
 
 
 class Solved(NamedTuple):

@@ -1,4 +1,4 @@
-"""Elementary functions of a number, of each number of an array, or of each member's, with the same bits whatever stands beside a number.
+"""Elementary functions of a number, or of each number of an array, with the same bits whatever stands beside a number.
 
 Where a function has no value, one number raises the error of :mod:`math`; in an array stands an infinity or NaN.
 """
@@ -19,21 +19,13 @@ from .products import flat
 Array = NDArray[np.float64]
 
 
-def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...], type]:
-    """Values as flat arrays of one length, their common shape, and the class that a result has."""
-    kind = next(
-        (type(one) for one in values if isinstance(one, np.ndarray) and type(one) is not np.ndarray),
-        np.ndarray,
-    )
+def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...]]:
+    """Values as flat arrays of one length, and their common shape."""
     if len(values) == 1 or all(isinstance(one, np.ndarray) and one.shape == np.shape(values[0]) for one in values):
-        return [flat(one) for one in values], np.shape(values[0]), kind
+        return [flat(one) for one in values], np.shape(values[0])
     arrays = [np.asarray(one, dtype=np.float64) for one in values]
     shape = np.broadcast_shapes(*(one.shape for one in arrays))
-    return (
-        [np.ascontiguousarray(np.broadcast_to(one, shape)).reshape(-1).view(np.ndarray) for one in arrays],
-        shape,
-        kind,
-    )
+    return [np.ascontiguousarray(np.broadcast_to(one, shape)).reshape(-1) for one in arrays], shape
 
 
 def _plain(values: tuple[Any, ...]) -> bool:
@@ -45,7 +37,7 @@ def _each(function: Callable[..., float], name: str, values: tuple[Any, ...], ea
     """A function of numbers, or of arrays: by the compiled routine where that is ``easy``, elsewhere number by number."""
     if _plain(values):
         return function(*(float(one) for one in values))
-    parts, shape, kind = _parts(values)
+    parts, shape = _parts(values)
     sound = easy(*parts)
     found = np.empty(parts[0].shape)
     if sound.all():
@@ -55,7 +47,7 @@ def _each(function: Callable[..., float], name: str, values: tuple[Any, ...], ea
         call(name, *some, found)
         for k in np.flatnonzero(~sound).tolist():
             found[k] = _quiet(function, [float(one[k]) for one in parts])
-    return found.reshape(shape).view(kind)
+    return found.reshape(shape)
 
 
 def _quiet(function: Callable[..., float], values: list[float]) -> float:
@@ -72,7 +64,7 @@ def sincos(angle: Any) -> tuple[Any, Any]:
     """Sine and cosine of angles (rad)."""
     if isinstance(angle, float) or _plain((angle,)):
         return scalar.sincos(float(angle))
-    (own,), shape, kind = _parts((angle,))
+    (own,), shape = _parts((angle,))
     sine, cosine = np.empty(own.shape), np.empty(own.shape)
     sound = np.abs(own) < scalar.LARGE_ANGLE
     if sound.all():
@@ -81,7 +73,7 @@ def sincos(angle: Any) -> tuple[Any, Any]:
         call("turn_all", np.where(sound, own, 0.0), sine, cosine)
         for k in np.flatnonzero(~sound).tolist():
             sine[k], cosine[k] = scalar.sincos(float(own[k]))
-    return sine.reshape(shape).view(kind), cosine.reshape(shape).view(kind)
+    return sine.reshape(shape), cosine.reshape(shape)
 
 
 def sin(angle: Any) -> Any:
@@ -144,7 +136,7 @@ def hypot(*sides: Any) -> Any:
     """Length of vectors, their coordinates one by one."""
     if all(isinstance(one, float) for one in sides) or _plain(sides):
         return scalar.hypot(*sides)
-    parts, shape, kind = _parts(sides)
+    parts, shape = _parts(sides)
     with np.errstate(over="ignore", under="ignore"):
         squares = parts[0] * parts[0]
         for side in parts[1:]:
@@ -155,7 +147,7 @@ def hypot(*sides: Any) -> Any:
         unusual &= sum(np.abs(side) for side in parts) != 0.0  # zeros are what they are: a joint that does not touch has many
     for k in np.flatnonzero(unusual).tolist() if unusual.any() else ():
         found[k] = scalar.hypot(*(float(one[k]) for one in parts))
-    return found.reshape(shape).view(kind)
+    return found.reshape(shape)
 
 
 def interpolate(x: Any, places: Any, values: Any) -> Any:

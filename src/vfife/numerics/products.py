@@ -17,16 +17,7 @@ SMALL = 1500
 
 def flat(values: Any) -> Array:
     """Numbers one after the other in memory, without a copy where they lie so."""
-    return np.ascontiguousarray(values, dtype=np.float64).reshape(-1).view(np.ndarray)
-
-
-def alike(first: Any, second: Any) -> type:
-    """The class of arrays that a result of both has."""
-    return (
-        type(first)
-        if type(first) is not np.ndarray and isinstance(first, np.ndarray)
-        else (type(second) if isinstance(second, np.ndarray) else np.ndarray)
-    )
+    return np.ascontiguousarray(values, dtype=np.float64).reshape(-1)
 
 
 def product(first: Any, second: Any) -> Any:
@@ -45,7 +36,7 @@ def product(first: Any, second: Any) -> Any:
         apart.append(size if one.ndim > 2 else 0)
     found = np.empty((*lead, rows, columns))
     call("multiply", *parts, found.reshape(-1), math.prod(lead), *apart, rows * columns, rows, inner, columns)
-    return found.view(alike(first, second))
+    return found
 
 
 def times(matrix: Any, vector: Any) -> Any:
@@ -55,7 +46,7 @@ def times(matrix: Any, vector: Any) -> Any:
     if x.shape[-1] != columns:
         raise ValueError(f"a matrix of shape {a.shape} and a vector of shape {x.shape} have no product")
     if a.size <= SMALL:
-        return _sums(a * x[..., None, :]).view(alike(matrix, vector))
+        return _sums(a * x[..., None, :])
     lead = a.shape[:-2] if a.shape[:-2] == x.shape[:-1] else np.broadcast_shapes(a.shape[:-2], x.shape[:-1])
     if a.ndim > 2 and a.shape[:-2] != lead:
         a = np.broadcast_to(a, (*lead, rows, columns))
@@ -64,7 +55,7 @@ def times(matrix: Any, vector: Any) -> Any:
     apart = [rows * columns if a.ndim > 2 else 0, columns if x.ndim > 1 else 0]
     found = np.empty((*lead, rows))
     call("multiply_vectors", flat(a), flat(x), found.reshape(-1), math.prod(lead), *apart, rows, columns)
-    return found.view(alike(matrix, vector))
+    return found
 
 
 def _sums(terms: Array) -> Array:
@@ -78,7 +69,7 @@ def dot(first: Any, second: Any) -> Any:
     if a.shape[-1] != b.shape[-1]:
         raise ValueError(f"vectors of shapes {a.shape} and {b.shape} have no product")
     found = _sums(a * b)
-    return found.view(alike(first, second)) if found.ndim else float(found)
+    return found if found.ndim else float(found)
 
 
 def norm(vector: Any, axis: int | None = None) -> Any:

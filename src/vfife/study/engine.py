@@ -22,7 +22,7 @@ from ..analysis.energy import ledger
 from ..analysis.measures import PEAKS, WantedMeasures, last_turn, over_turn
 from ..analysis.ranges import DEEP_HALVINGS
 from ..analysis.turns import each_turn
-from ..assembly.assemble import Refit, assemble
+from ..assembly.assemble import Reassembler, assemble
 from ..assembly.assembled import Assembly, limited_rows
 from ..assembly.possible import Outlook, outlook
 from ..codegen.cuda import WITHOUT, card
@@ -198,7 +198,7 @@ class CaseModel:
     ``reference``: largest values of the ideal mechanism; ``again`` assembles one of the cases with another step (s).
     """
 
-    refit: Refit
+    reassembler: Reassembler
     plan: Plan
     reference: Mapping[str, float] | None
     again: Callable[[Mechanism, float], Assembly]
@@ -206,7 +206,7 @@ class CaseModel:
     @property
     def assembly(self) -> Assembly:
         """That of the model's own clearance joints."""
-        return self.refit.assembly
+        return self.reassembler.assembly
 
 
 @dataclass
@@ -294,7 +294,7 @@ class Cases:
                 joints[name] = dataclasses.replace(found, **parts.get("", {}), **laws)
             except ValueError:
                 return None
-        return model.refit.with_joints(joints)
+        return model.reassembler.with_joints(joints)
 
     def model(self, numbers: Numbers) -> CaseModel | None:
         """The model with such numbers, none of them of clearance joints. Raises VfifeError where there can be none."""
@@ -328,9 +328,9 @@ class Cases:
         assembly = assemble(mechanism, self.wanted.step, expected=expected, motion=seen.motion, turns=turns)
         if not streams(assembly):
             return None
-        refit = Refit(assembly, self.wanted.step, expected, turns=turns)
-        refit.usable = refit.usable and seen.through  # where clearance has to bridge what opens, it decides whether it can
-        return CaseModel(refit, Plan(assembly, self.wanted, self.measures), reference, partial(assemble, expected=expected, turns=turns))
+        # Where clearance has to bridge what opens, it decides whether it can, so other clearances are assembled anew.
+        reassembler = Reassembler(assembly, self.wanted.step, expected, usable=seen.through, turns=turns)
+        return CaseModel(reassembler, Plan(assembly, self.wanted, self.measures), reference, partial(assemble, expected=expected, turns=turns))
 
     def mechanism(self, numbers: Numbers) -> Mechanism:
         """The mechanism with other numbers. Raises VfifeError, as its text does that is read with them, which is needed for some of them."""

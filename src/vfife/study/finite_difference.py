@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assemble import assemble, refitted
+from ..assembly.assemble import assemble, reassembled
 from ..assembly.assembled import Assembly
 from ..errors import VfifeError
 from ..model.functions import turn_of
@@ -78,7 +78,7 @@ def placed(text: str, path: str, was: float, value: float, assembly: Assembly, *
     if path.startswith("joint.") and path.split(".")[1] in assembly.contacts:
         with suppress(ValueError):  # numbers of play reach the rows of their contact alone, in most mechanisms
             if all(name in mechanism.contacts for name in assembly.contacts):  # a block in a guide has four contacts with names of their own
-                return refitted(assembly, {name: mechanism.contacts[name] for name in assembly.contacts})
+                return reassembled(assembly, {name: mechanism.contacts[name] for name in assembly.contacts})
     return alike(mechanism, assembly)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vfife.analysis.measures import lip
-from vfife.assembly.assemble import refitted
+from vfife.assembly.assemble import reassembled
 from vfife.assembly.assembled import Assembly
 from vfife.laws import ContactLaw, Pereira
 from vfife.solvers.ensemble import advance, placed
@@ -106,7 +106,7 @@ def table_3(points: Sequence[Parameters], step: float = STEP, workers: int | Non
     assemblies = []
     for p in points:
         base = _base(p.link, p.below, p.friction_moment, p.crank_angle, step)
-        assemblies += [refitted(base, loosened(p, base.mechanism, c)) for c in CLEARANCES]
+        assemblies += [reassembled(base, loosened(p, base.mechanism, c)) for c in CLEARANCES]
     members = advance(assemblies, tolerance=TOLERANCE, workers=workers)
     numbers, sound = [], []
     for member, p in zip(members, [p for p in points for _ in CLEARANCES], strict=True):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...analysis.guides import point_motion
 from ...analysis.motion import times
-from ...assembly.assemble import Refit, assemble
+from ...assembly.assemble import Reassembler, assemble
 from ...assembly.assembled import Assembly
 from ...errors import VfifeError
 from ...model.functions import turn_of
@@ -121,7 +121,7 @@ class FitCases(Cases):
         else:
             step, run["duration"] = timing.step, timing.duration
         assembly = assemble(mechanism, step, **run)
-        return CaseModel(Refit(assembly, step, {}, **run), None, None, lambda *_: assembly)  # type: ignore[arg-type]
+        return CaseModel(Reassembler(assembly, step, {}, **run), None, None, lambda *_: assembly)  # type: ignore[arg-type]
 
     def assembled(self, numbers: Numbers) -> Assembly:
         """The assembly of a case. Raises VfifeError."""
