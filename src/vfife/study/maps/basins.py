@@ -21,8 +21,7 @@ from ...job.job import job_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.mapfile import MapFile
-from ...solvers.record import recorded_rows
-from ...solvers.turn_runner import Orbits, Start
+from ...solvers.turn_runner import Start
 from .section_series import (
     START,
     TURNED_START,
@@ -31,7 +30,6 @@ from .section_series import (
     kept_in,
     law_words,
     left_out,
-    looked,
     models_along,
     refuse_idle,
     refuse_large_frame,
@@ -40,7 +38,7 @@ from .section_series import (
     tupled,
 )
 from .starts import Starts, refuse_contradiction, unit_of_start
-from .step_check import SAMPLE, Companion, alike, packed, sampled, started_companions, told, unpacked
+from .step_check import SAMPLE, Companion, alike, observed, packed, sampled, started_companions, told, unpacked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -211,18 +209,15 @@ def basins(
             starts = finer.setdefault(steps, Starts(mechanism, steps))
             return Start(member, partial(starts.at, asked.numbers(member)), starts.ahead(asked.numbers(member), phase))
 
-        length = asked.steps, turns, dropped, near
         try:
-            for one in Orbits(*length).each([made(member, asked.steps) for member in range(asked.count)], tuple(known)):
-                rows = one.rows if one.assembly is not None else np.zeros((0, len(asked.series)))
-                points = rows if one.assembly is None else looked(one.assembly, recorded_rows(one.assembly), rows, asked.series, asked.steps)
+            for one, points in observed(asked, near, [made(member, asked.steps) for member in range(asked.count)], known=tuple(known)):
                 known[one.number] = points, one.growth
                 if kept is not None:
                     kept.write_row("legs", one.number, points, one.growth, np.zeros(0))
                 job.count(len(known), asked.count, "starts")
             if not beside and companions:
                 some = [member for member, (points, _) in sorted(known.items()) if len(points)]
-                beside = list(started_companions([some[k] for k in sampled(len(some), companions)], made, *length, asked.series))
+                beside = list(started_companions(asked, [some[k] for k in sampled(len(some), companions)], made, near))
                 if kept is not None:
                     kept.write_row("arrays", BESIDE, packed(beside))
         except KeyboardInterrupt:

@@ -21,9 +21,8 @@ from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter
 from ...results.mapfile import MapFile
-from ...solvers.record import recorded_rows
 from ...solvers.tangents import Neighbours
-from ...solvers.turn_runner import Orbits, Start, Sweep, carried_on, side_by_side
+from ...solvers.turn_runner import Start, Sweep, carried_on, side_by_side
 from .section_series import (
     MapWork,
     chosen_series,
@@ -41,7 +40,7 @@ from .section_series import (
     unit_at,
 )
 from .starts import Starts, refuse_contradiction, spoken
-from .step_check import SAMPLE, Companion, alike, carried_companions, packed, sampled, started_companions, told, unpacked
+from .step_check import SAMPLE, Companion, alike, carried_companions, observed, packed, sampled, started_companions, told, unpacked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -332,7 +331,7 @@ def carried(asked: SweepSpec, every: list[Assembly], known: Legs, kept: MapFile 
         if number not in sample or number < there:
             return []
         numbers, here = (number, len(every) - 1 - number), [chain[number] for chain in chains]
-        return carried_companions(numbers, here, near, state, done, asked.turns, asked.dropped, asked.series, look)
+        return carried_companions(asked, numbers, here, near, state, done, look)
 
     sweep = Sweep(chains, near, asked.phase, again)
     last = sweep.whole(there) - 1
@@ -356,12 +355,10 @@ def anew(asked: SweepSpec, every: list[Assembly], known: Legs, kept: MapFile | N
         own = not numbers and steps == asked.steps
         return Start(number, (lambda: model) if own else partial(starts.at, numbers), starts.ahead(numbers, asked.phase))
 
-    length = asked.turns, asked.dropped
     beside: dict[int, list[Companion]] = {number: [] for number in sampled(known.count, asked.companions) if number not in known.legs}
-    for own in started_companions(tuple(beside), made, asked.steps, *length, near, asked.series):
+    for own in started_companions(asked, tuple(beside), made, near):
         beside[own.number].append(Companion(own.number % count, own.number // count, own.ratio, own.kind))
-    for one in Orbits(asked.steps, *length, near).each([made(number, asked.steps) for number in range(known.count)], tuple(known.legs)):
+    for one, points in observed(asked, near, [made(number, asked.steps) for number in range(known.count)], known=tuple(known.legs)):
         if one.assembly is None:
             raise ModelError([Fault("starts", one.why)], every[0].mechanism.name)
-        points = looked(one.assembly, recorded_rows(one.assembly), one.rows, asked.series, asked.steps)
         yield one.number, points, one.growth, np.zeros(0), beside.get(one.number, [])

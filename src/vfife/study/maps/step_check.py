@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,14 @@ from ...errors import VfifeError
 from ...solvers.lyapunov import steps_of_turn
 from ...solvers.record import recorded_rows
 from ...solvers.tangents import Neighbours
-from ...solvers.turn_runner import Orbits, Start, TurnRunner, restepped
+from ...solvers.turn_runner import Orbit, Orbits, Start, TurnRunner, restepped
 from .section_series import looked, stepped
+
+if TYPE_CHECKING:
+    from .basins import BasinSpec
+    from .bifurcation import SweepSpec
+
+    MapSpec: TypeAlias = BasinSpec | SweepSpec
 
 Array = NDArray[np.float64]
 RATIOS = (0.8, 2.0)  # steps in a turn for each of the map
@@ -70,9 +77,20 @@ def restepped_models(models: Sequence[Assembly]) -> Iterator[tuple[float, list[A
             yield ratio, [stepped(one.mechanism, round(ratio * steps)) for one in models]
 
 
+def observed(
+    asked: MapSpec, near: Neighbours | None, starts: Sequence[Start], steps: int | None = None, known: Collection[int] = ()
+) -> Iterator[tuple[Orbit, Array]]:
+    """Motions from starts that are not ``known``, as they end, with their series once a turn, shape (turns, series); no turns without a start."""
+    steps = steps or asked.steps
+    for one in Orbits(steps, asked.turns, asked.dropped, near).each(starts, known):
+        nothing = np.zeros((0, len(asked.series)))
+        model = one.assembly
+        yield one, nothing if model is None else looked(model, recorded_rows(model), one.rows, asked.series, steps)
+
+
 def carried_companions(
-    numbers: Sequence[int], models: Sequence[Assembly], near: Sequence[Neighbours], state: Array, done: int, turns: int, dropped: int,
-    series: Sequence[str], look: Callable[[], None] | None,
+    asked: MapSpec, numbers: Sequence[int], models: Sequence[Assembly], near: Sequence[Neighbours], state: Array, done: int,
+    look: Callable[[], None] | None,
 ) -> list[Companion]:  # fmt: skip
     """The chains again at their values, of such ``numbers``, from the state before these, shape (rows, chains), after so many steps."""
     found = []
@@ -80,22 +98,19 @@ def carried_companions(
         both = [restepped(state[:, k], done, one) for k, one in enumerate(again)]
         runner = TurnRunner(again, look=look)
         runner.restore(np.stack([one for one, _ in both], axis=1), both[0][1])
-        rows, growth = runner.growing(turns, dropped, near)
+        rows, growth = runner.growing(asked.turns, asked.dropped, near)
         for k, one in enumerate(again):
-            points = looked(one, runner.kept, rows[:, :, k], series, runner.turn)
+            points = looked(one, runner.kept, rows[:, :, k], asked.series, runner.turn)
             found.append(Companion(numbers[k], k, ratio, verdict(points, exponent(growth[:, k])).kind))
     return found
 
 
-def started_companions(
-    sample: Sequence[int], make: Callable[[int, int], Start], steps: int, turns: int, dropped: int, near: Neighbours | None, series: Sequence[str]
-) -> Iterator[Companion]:
+def started_companions(asked: MapSpec, sample: Sequence[int], make: Callable[[int, int], Start], near: Neighbours | None) -> Iterator[Companion]:
     """Members again from their starts, which are made by their number and the steps in a turn; those that are not stable with them are left out."""
     for ratio in RATIOS:
-        own = round(ratio * steps)
-        for one in Orbits(own, turns, dropped, near).each([make(number, own) for number in sample]):
+        own = round(ratio * asked.steps)
+        for one, points in observed(asked, near, [make(number, own) for number in sample], own):
             if one.assembly is not None:
-                points = looked(one.assembly, recorded_rows(one.assembly), one.rows, series, own)
                 yield Companion(one.number, 0, ratio, verdict(points, exponent(one.growth) if len(one.growth) else None).kind)
 
 
