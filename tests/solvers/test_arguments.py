@@ -1,5 +1,6 @@
 """What a run is asked for is checked before anything is done, all faults at once."""
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 import vfife
 from support import four_bar, journal_in_bearing
 from vfife.errors import ModelError
+from vfife.solvers.arguments import RunArguments
 
 NONSENSE = [
     ("turns", -1, "negative"),
@@ -123,3 +125,11 @@ def test_a_static_analysis_has_no_use_for_them() -> None:
         vfife.simulate(vfife.load_model(model), turns=2)
     with pytest.raises(ModelError, match="there is no such loop"):
         vfife.simulate(vfife.load_model(model), loop="numba")
+
+
+def test_a_length_in_turns_takes_the_place_of_one_in_time() -> None:
+    model = journal_in_bearing()
+    model.settings = dataclasses.replace(model.settings, duration=1e-3, outputs=7)
+    found = RunArguments(turns=2.0, companions=0).in_settings(model).settings
+    assert (found.turns, found.duration, found.outputs, found.companions) == (2.0, None, 7, 0)
+    assert RunArguments().in_settings(model) == model
