@@ -129,6 +129,7 @@ def forecast(job: Job, assembly: Assembly, reference: Assembly | None = None, re
     """
     static = assembly.mechanism.settings.analysis == "static"
     less = "ask for less: " + ("load_factors, elements or iterations" if static else "turns, duration, outputs")
+    less += ", or give a file for the outputs" if job.place is None else ""
     cost = run_cost(assembly, reference, companions=companions, refined=refined, measured=True)
     job.begin(cost.forecast(assembly.choice.steps, less))
 

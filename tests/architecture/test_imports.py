@@ -70,6 +70,28 @@ def test_no_function_hides_an_import_of_a_room_above() -> None:
     report("An import inside a function defers a cost, it does not turn the house upside down:", offenders)
 
 
+# Packages that load numpy, or a compiler, or what draws: a command imports them where it needs them, so that every command starts at once and hears
+# signals from its first line on. Everything else it imports at the top.
+DEFERRED = (
+    "analysis", "assembly", "fields", "job.cost", "laws", "live", "model", "modelfile", "plots", "report", "result", "results.connections",
+    "results.fit", "results.runfile", "results.studied", "simulation", "solvers.arguments", "solvers.companions", "solvers.transient", "start", "study", "units",
+)  # fmt: skip
+CIRCULAR = {("vfife/cli/result.py", "vfife.cli.studied")}  # a page of a study, told apart when it is there
+
+
+def test_a_command_defers_only_what_takes_time_to_load() -> None:
+    offenders = []
+    for name, tree, _ in files():
+        for one in imports(name, tree):
+            ours = one.module.startswith("vfife.") and name.startswith("vfife/cli/")
+            if not ours or not one.inside or one.for_types or (name, one.module) in CIRCULAR or name == "vfife/cli/app.py":
+                continue
+            module = one.module.removeprefix("vfife.")
+            if not any(module == other or module.startswith(f"{other}.") for other in (*DEFERRED, "__version__")):
+                offenders.append(f"{name}:{one.line} imports {one.module}")
+    report("Imports inside functions of the command line are there for its start; these load at once, and belong at the top:", offenders)
+
+
 # -------------------------------------------------------------------------------------------------------- what is installed
 
 

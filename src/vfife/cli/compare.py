@@ -11,6 +11,7 @@ import typer
 
 from ..files import read_bytes, write_text
 from ..results.folder import numbered, refuse_foreign
+from ..results.lock import Lock
 from ..solvers.status import Status
 from .job import CommandJob
 from .options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
@@ -95,7 +96,6 @@ class ComparisonJob(CommandJob):
 
     def start(self) -> None:
         """Make the folder, in which nobody else writes from now on."""
-        from ..results.lock import Lock
 
         self.target.mkdir(parents=True, exist_ok=True)
         self.lock = Lock(self.target)

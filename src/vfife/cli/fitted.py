@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..files import write_text
 from ..results.schemas import FIT
 from .job import FIGURES, RUNS, CommandJob, refuse_endings
 from .options import JsonOption, LawsOption, SetOption, overrides, read_model, refuse_inputs, take_laws
@@ -179,7 +180,6 @@ def save_fitted(place: Path | None, text: str, found: Fit) -> None:
     if place is None:
         return
     with sentences(str(place)), writing(str(place)):
-        from ..files import write_text
         from ..modelfile import dump, loads
 
         write_text(place, dump(loads(text, set=found.set)))

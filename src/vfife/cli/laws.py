@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..errors import suggestion
 from .options import JsonOption, LawsOption, overrides, positive, take_laws
 from .terminal import answer, fail, sentences, writing
 
@@ -77,7 +78,6 @@ def chosen(name: str | None, own: list[str]) -> list[dict[str, Any]]:
     found = list(described())
     if name is None:
         return found
-    from ..errors import suggestion
 
     these = [law for law in found if law["name"] == name.lower()]
     if not these:
@@ -111,7 +111,6 @@ SPEEDS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)  # of the table
 
 def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str]) -> Pair:
     """The pair of surfaces that the options tell. Raises ValueError for what is none."""
-    from ..errors import suggestion
     from ..laws import MATERIALS, Pair
 
     options = (("--bearing-radius", radius), ("--clearance", clearance), ("--axial-length", length))

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from ..files import write_text as kept
+from ..results.schemas import is_run_file
 from .options import LawsOption, SetOption, overrides, take_laws
 from .signals import NOW, end_at_once
 from .terminal import amount_of_bytes, fail, sentences, tell, writing
@@ -48,7 +50,6 @@ def write(source: Path, out: Path, slide: list[str] | None, no_sliders: bool, se
     if not out.absolute().parent.is_dir():
         fail(f"-o {out}: there is no folder {out.absolute().parent}; make it first")
     with sentences(str(source)):
-        from ..files import write_text as kept
         from ..live.page import LARGEST
 
         take_laws(laws)
@@ -72,7 +73,6 @@ def written(source: Path, slide: list[str] | None, no_sliders: bool, set_: list[
     mechanism, step = model_of(source, overrides(set_))
     if mechanism.settings.analysis == "static":
         from ..result import Result
-        from ..results.schemas import is_run_file
 
         if slide:
             raise ValueError(
@@ -96,7 +96,6 @@ def serve(
                 raise
             fail(f"vfife live: {EXTRA}")
         from ..live.served.session import Session
-        from ..results.schemas import is_run_file
 
         take_laws(laws)
         settings = overrides(set_)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..errors import suggestion
 from ..files import GALLERY, write_text
 from .terminal import answer, fail, sentences, writing
 
@@ -48,8 +49,6 @@ def started(name: str) -> str:
     known = templates()
     name = name if name in known else next((one for one in known if one.replace("_", "-") == name.replace("_", "-")), name)
     if name not in known:
-        from ..errors import suggestion
-
         fail(f"there is no model {name!r} to start from; {suggestion(name, known, 'name one of those there are')}")
     return f"#:schema {SCHEMA.as_uri()}\n{known[name].read_text(encoding='utf-8')}"
 

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..errors import Fault, LawError
 from ..files import read_bytes
+from ..results.schemas import STUDY
 from .job import RUNS, CommandJob
 
 if TYPE_CHECKING:
@@ -51,7 +53,6 @@ def take_laws(files: Iterable[Path] | None) -> list[str]:
     """Runs the files of ``--laws``; names of the laws that they define."""
     found: list[str] = []
     for file in dict.fromkeys(files or ()):
-        from ..errors import LawError
         from ..laws.user import load_laws
 
         try:
@@ -71,7 +72,6 @@ def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | N
 
 def option(name: str, held: Value, text: Any) -> Any:
     """The value of an option by a field, a bare number being in SI units. Raises ValueError where the field does not take it."""
-    from ..errors import Fault
 
     try:
         return held.take(text, written=True)
@@ -168,7 +168,6 @@ class StudyCommand(CommandJob):
     """The job of a command that computes members. Raises ValueError where something else has the name of the study file."""
 
     def __init__(self, file: Path, target: Path | None, yes: bool, quiet: bool, what: str = "study") -> None:
-        from ..results.schemas import STUDY
 
         place = target if target is not None else RUNS / f"{file.stem}.study"
         if place.exists() and not STUDY.owns(place):

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..files import write_text
 from ..job.progress import ProgressLine
 from ..results.folder import FIGURES
 from ..results.lock import holder
-from ..solvers.status import Status
+from ..results.schemas import RUN, STUDY
+from ..solvers.status import Progress, Status
 from .options import JsonOption, RunArgument
 from .signals import NOW
 from .terminal import amount_of_bytes, answer, command, errors, fail, sentences, span, tell, writing
@@ -124,7 +126,6 @@ def loaded(run: Path) -> tuple[Result, Path]:
     with sentences(str(run)):
         from ..result import Result
         from ..results.connections import located
-        from ..results.schemas import RUN
 
         file = located(RUN, run)
         result = Result.load(file)
@@ -258,7 +259,6 @@ def animate(
     NOW.saved = f"No film was written. {AS_BEFORE}"
     with sentences(str(target)), writing(str(target), AS_BEFORE):
         from ..plots.filmfiles import animate as written
-        from ..solvers.status import Progress
 
         with ProgressLine(quiet) as line:
             made, lasting = written(
@@ -279,7 +279,6 @@ def report(run: RunArgument, out: PageOut = None, no_live: NoLive = False, force
 
     One file that asks for nothing else, to be read in a browser or printed.
     """
-    from ..results.schemas import STUDY
 
     study = STUDY.owns(run)
     target = out if out is not None else Path(f"{(run.resolve() if run.is_dir() else run).stem}-report.html")
@@ -291,7 +290,6 @@ def report(run: RunArgument, out: PageOut = None, no_live: NoLive = False, force
         from .studied import read
     found: Any = read(run) if study else loaded(run)[0]
     with sentences(str(run)):
-        from ..files import write_text
         from ..live.reports import run_report, study_report
 
         page, notes = (study_report if study else run_report)(found, not no_live)

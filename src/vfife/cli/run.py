@@ -10,6 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..codegen.cache import trouble
+from ..errors import HeldError, RunFileError, StorageError
+from ..files import write_text
+from ..job.progress import ProgressLine
+from ..results.folder import MODEL, SUMMARY, kept_run, model_of, placed
+from ..results.schemas import RUN, is_run_file
 from ..solvers.status import Status
 from .job import CommandJob
 from .options import JsonOption, LawsOption, ModelArgument, RunArgument, SetOption, positive, read_model, take_laws, with_options
@@ -106,7 +112,6 @@ def run(
     unless --force is given. Exit codes: 2 for input that cannot be used, 3 where the numbers became infinite or no equilibrium was found, 5 where
     something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP, which keep what was computed.
     """
-    from ..results.folder import placed
 
     with sentences(str(model)):
         mechanism = with_options(
@@ -145,14 +150,12 @@ def resume(
         take_laws(laws)
         end = None if until is None else positive("--until", until, "s")
         from ..results.connections import located
-        from ..results.schemas import RUN
 
         resumed(located(RUN, run).parent, end, figures, as_json, quiet)
 
 
 def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, Checkpoint | None]:
     """A new run file in its place."""
-    from ..results.folder import MODEL
     from ..results.runfile import RunFile
 
     meta = prepared.kept
@@ -165,7 +168,6 @@ def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, C
 
 def to_go_on(folder: Path | None, model: Path) -> Path | None:
     """The folder of a run to go on with; None where there is none yet."""
-    from ..results.schemas import is_run_file
 
     path = folder if folder is not None else Path("runs") / model.stem
     return path if is_run_file(path / "run.sqlite") else None
@@ -174,7 +176,6 @@ def to_go_on(folder: Path | None, model: Path) -> Path | None:
 def goes_on(path: Path, mechanism: Mechanism, figures: bool, as_json: bool, quiet: bool) -> None:
     """Goes on with the run in a folder, if it is that of the model."""
     from ..modelfile import dump
-    from ..results.folder import model_of
 
     if model_of(path) != dump(mechanism):
         raise ValueError(f"--resume: the run in {path} is that of another model, or of other options; name another folder, or leave --resume out")
@@ -183,7 +184,6 @@ def goes_on(path: Path, mechanism: Mechanism, figures: bool, as_json: bool, quie
 
 def resumed(path: Path, until: float | None, figures: bool, as_json: bool, quiet: bool) -> None:
     """Goes on with the run in a folder. Raises HeldError where another process does, ResumeError where there is nothing to go on with."""
-    from ..results.folder import kept_run
     from ..results.runfile import RunFile
     from ..simulation import taken_up
 
@@ -203,9 +203,7 @@ def resumed(path: Path, until: float | None, figures: bool, as_json: bool, quiet
 
     def ending(result: Result) -> None:
         if until is not None:
-            from ..files import write_text
             from ..modelfile import dump
-            from ..results.folder import MODEL
 
             write_text(place.path / MODEL, dump(result.record.assembly.mechanism))
 
@@ -234,8 +232,6 @@ def carried(
 
 def stepped(opened: Callable[[], tuple[RunFile, Prepared, Checkpoint | None]], place: RunFolder, quiet: bool) -> Result:
     """Runs into a place until the run ends, however it does; ends with a sentence and an exit code where it cannot be finished."""
-    from ..errors import HeldError, StorageError
-    from ..job.progress import ProgressLine
     from ..simulation import carry_out
 
     NOW.saved = NOTHING if not place.settled else kept_in(place)
@@ -269,7 +265,6 @@ def stepped(opened: Callable[[], tuple[RunFile, Prepared, Checkpoint | None]], p
 
 def closed(file: RunFile | None) -> None:
     """Closes a run file, whatever state it is in: what was not committed is gone."""
-    from ..errors import RunFileError
 
     if file is not None:
         try:
@@ -287,9 +282,6 @@ def kept_in(place: RunFolder) -> str:
 
 def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, quiet: bool) -> None:
     """Summary, figures, the one object or the tables, and the exit code."""
-    from ..codegen.cache import trouble
-    from ..files import write_text
-    from ..results.folder import SUMMARY
 
     cached = trouble()
     notes = [*place.notes, *([cached] if cached else []), *result.summary["run"]["notes"], *result.summary["warnings"]]

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 
 import typer
 
+from ..job.job import Interrupted
 from ..solvers.status import Status
 from .options import ClusterOption, Device, Force, JsonOption, LawsOption, Quiet, StudyArgument, StudyCommand, Target, Workers, Yes, take_laws
 from .signals import NOW
@@ -111,7 +112,6 @@ def allocate(
 @contextmanager
 def searching(job: StudyCommand) -> Iterator[None]:
     """While a search goes on; one that is interrupted ends with the code of the signal, and says how to go on."""
-    from ..job.job import Interrupted
 
     with job.at_work(str(job.target), job.kept):
         try:

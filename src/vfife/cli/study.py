@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from ..results.schemas import STUDY
 from ..solvers.status import Status
 from .commands import Command, Plainly
 from .options import (
@@ -90,7 +91,6 @@ def run(
     member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP.
     """
     with sentences(str(file)):
-        from ..results.schemas import STUDY
         from ..study.cluster import Resources
         from ..study.plan import SEARCH
         from ..study.studies import StudyWork

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 
+from ..errors import StorageError
+from ..files import free_bytes
 from ..job.amounts import amount_of_bytes, counted, span
 from .signals import ASKED
 
@@ -97,8 +99,6 @@ def sentences(name: str) -> Iterator[None]:
     except OSError as error:
         fail(of_the_system(name, error), STORAGE if error.errno in STORAGE_ERRORS else BAD_INPUT)
     except (ValueError, ArithmeticError) as error:
-        from ..errors import StorageError
-
         message = str(error) or type(error).__name__
         message = message if message.startswith((name, "-")) else f"{name}: {message}"
         fail(message, STORAGE if isinstance(error, StorageError) else BAD_INPUT, getattr(error, "faults", ()))
@@ -119,16 +119,12 @@ def writing(name: str, kept: str = "") -> Iterator[None]:
         remedy = f"Make the folder {at.parent} first, or name another place" if not at.parent.is_dir() else "Name another place"
         fail(f"{name}: {error.strerror or error}. {remedy}. {kept}".rstrip())
     except (OSError, MemoryError) as error:
-        from ..files import free_bytes
-
         free = free_bytes(Path(getattr(error, "filename", None) or name))
         forbidden = isinstance(error, PermissionError) or getattr(error, "errno", None) == errno.EROFS
         room = "" if free is None or forbidden else f"; {free:,} bytes are free there"
         said = of_the_system(name, error) if isinstance(error, OSError) else f"{name}: there is not enough memory"
         fail(f"{said}{room}. {kept}".rstrip(), STORAGE)
     except ValueError as error:
-        from ..errors import StorageError
-
         if not isinstance(error, StorageError):
             raise
         fail(f"{error} {kept}".rstrip(), STORAGE)

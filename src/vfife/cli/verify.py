@@ -11,7 +11,7 @@ import typer
 from ..report.document import Document, Paragraph, Table
 from .options import JsonOption
 from .signals import NOW
-from .terminal import answer, fail, tell
+from .terminal import answer, errors, fail, tell
 
 if TYPE_CHECKING:
     from vfife_validation.verification import Case, Row
@@ -64,8 +64,6 @@ def show_list(cases: Sequence[Case], as_json: bool) -> None:
 def checked(cases: Sequence[Case], quiet: bool) -> Iterator[Told]:
     """Runs the cases; on a terminal a line says which one is under way, and each one is shown when it is done."""
     from rich.status import Status
-
-    from .terminal import errors
 
     console = errors()
     with Status("", console=console) as status:

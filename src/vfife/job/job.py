@@ -47,7 +47,6 @@ class Job:
             forecast = dataclasses.replace(forecast, memory=0.0)
         if excess := forecast.excess(self.place or Path()):
             remedy = f"add confirm=True if that is meant, or {forecast.less}"
-            remedy += "" if self.place is not None or forecast.noun != "run" else ", or give a file for the outputs"
             raise ModelError([Fault("run", f"it takes {excess}", forecast.amount, "", remedy)], f"{self.caller}()")
 
     def hold(self, lock: Lock) -> None:

@@ -1,0 +1,148 @@
+"""Forecasts count the work that is then done; too much of it has to be confirmed; what Ctrl-C leaves is handed over."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vfife
+from study.identification.test_identification import BOUNDS, QUICK, oscillator, swing, written
+from study.studies import BASE, Closed
+from study.tribology.test_wear import GIVEN, loose_pin
+from vfife.assembly.assemble import assemble
+from vfife.errors import ModelError
+from vfife.job import cost
+from vfife.job.cost import CHUNK_STEPS, Forecast, Stream, cores, timed_step
+from vfife.job.job import Interrupted, Job, job_of
+from vfife.solvers import transient
+from vfife.solvers.status import Progress
+from vfife.study import forecast, run_missing
+
+PLAY = {"play": {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}}
+FITS: dict[str, Any] = {"cost": {"play": {"IT6": 9, "IT7": 5, "IT8": 3, "IT9": 2}}, "limit": {"C.force.max": "0.34 N"}}
+BY = 3.0  # factor between a forecast and the work that is done
+
+
+class Recorder(Job):
+    """Keeps the forecast of a job, and its last progress."""
+
+    forecast: Forecast
+    last: Progress
+
+    def __init__(self) -> None:
+        super().__init__("test", None, True, lambda progress: setattr(self, "last", progress))
+
+    def begin(self, forecast: Forecast) -> None:
+        self.forecast = forecast
+
+
+@pytest.fixture
+def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
+    found = Closed()
+    monkeypatch.setattr(run_missing, "run_members", found)
+    monkeypatch.setattr(forecast, "WORTH", math.inf)  # no member is run for a forecast
+    return found
+
+
+def test_members_of_a_study_and_of_what_was_added_to_it(closed: Closed, tmp_path: Path) -> None:
+    model, job = vfife.load_model(BASE), Recorder()
+    vary: dict[str, Any] = {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}
+    vfife.study(model, vary, "C.force.max", turns=2, file=tmp_path / "s.study", progress=job)
+    assert job.forecast.count == len(closed.computed) == 2 and job.last.done == job.last.steps == 2
+    vary["joint.C.clearance"].append("0.3 mm")
+    vfife.study(model, vary, "C.force.max", turns=2, file=tmp_path / "s.study", progress=job, force=True)
+    assert job.forecast.count == 3 and job.forecast.known == 0
+    vfife.study(model, vary, "C.force.max", turns=2, file=tmp_path / "s.study", progress=job)
+    assert (job.forecast.count, job.forecast.known) == (0, 3) and "nothing is left" in job.forecast.remarks[0]
+
+
+def test_machines_of_an_allocation(closed: Closed) -> None:
+    job = Recorder()
+    vfife.allocate(vfife.load_model(BASE), PLAY, "C.force.max", turns=2, allocation={"measure": "C.force.max", "share": 0.9}, progress=job, **FITS)
+    assert 1.0 / BY < job.forecast.count / len(closed.computed) < BY, (job.forecast.count, len(closed.computed))
+
+
+def test_runs_of_a_fit(tmp_path: Path) -> None:
+    t, job = np.linspace(0.0, 1.0, 120), Recorder()
+    vfife.fit(oscillator(), written(tmp_path / "s.csv", t, swing(t)), BOUNDS, progress=job, **QUICK)  # type: ignore[arg-type]
+    made = int(job.last.text.split()[0])
+    assert 1.0 / BY < job.forecast.count / made < BY, (job.forecast.count, made)
+
+
+def test_blocks_of_wear() -> None:
+    job = Recorder()
+    found = vfife.wear(loose_pin(), 4e6, progress=job, **GIVEN)
+    blocks = found.simulated / (GIVEN["block"] + GIVEN["settle"])
+    assert 1.0 / BY < job.forecast.count / blocks < BY, (job.forecast.count, blocks)
+    assert job.last.done == job.last.steps == 4e6
+
+
+def test_runs_of_a_comparison() -> None:
+    job = Recorder()
+    found = vfife.compare(vfife.load_model(BASE), ["pereira", "liu"], turns=0.05, progress=job)
+    assert job.forecast.count == len(found.rows) == 2
+    assert job.forecast.steps == sum(one.record.assembly.choice.steps for one in found.results) / 2
+
+
+def test_a_step_is_timed_by_few_steps_however_far_apart_outputs_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, advance = list[int](), transient.run
+
+    def counted(assembly: Any, **more: Any) -> Any:
+        made.append(assembly.choice.steps)
+        return advance(assembly, **more)
+
+    monkeypatch.setattr(cost, "run", counted)
+    long = assemble(vfife.load_model(BASE), turns=1e6, outputs=1)
+    assert 1e-9 < timed_step(long) < 1e-4 and max(made) <= 2 * CHUNK_STEPS < long.choice.steps
+    assert Stream(0.03, 0.1).seconds(100) == pytest.approx(100 * max(0.03, 0.13 / cores()))
+
+
+LONG: dict[str, Callable[..., Any]] = {
+    "simulate": lambda model, **more: vfife.simulate(model, turns=1e7, reference=False, **more),
+    "study": lambda model, **more: vfife.study(model, {"joint.C.clearance": ["0.1 mm"]}, "C.force.max", turns=10**6, **more),
+    "compare": lambda model, **more: vfife.compare(model, ["pereira"], turns=1e6, **more),
+    "poincare_section": lambda model, **more: vfife.poincare_section(model, turns=10**7, step=1e-5, **more),
+    "waterfall": lambda model, **more: vfife.waterfall(model, "driver.crank.speed", 100.0, 200.0, turns=10**6, step=1e-5, **more),
+}
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_hours_of_work_are_confirmed_in_python(name: str) -> None:
+    with pytest.raises(ModelError, match=r"it takes some \d+ h .*Add confirm=True if that is meant") as refused:
+        LONG[name](vfife.load_model(BASE))
+    assert str(refused.value).startswith(f"{name}()")
+
+
+def test_a_job_hands_progress_to_the_call_of_a_script() -> None:
+    heard = list[tuple[int, int]]()
+    with job_of("study", None, False, print, lambda one: heard.append((one.done, one.steps))) as job:
+        job.begin(Forecast("member", 3, 1000, 2.0))
+        job.count(2, 3, "members")
+    assert heard == [(2, 3)] and job_of("study", None, False, job) is job
+    with pytest.raises(ModelError, match="this cannot be called"):
+        job_of("study", None, False, 5)
+    with pytest.raises(ModelError, match="this is no truth value"):
+        job_of("study", None, 1, None)  # type: ignore[arg-type]
+    much = dataclasses.replace(Forecast("member", 10**6, 1e6, 1e5), less="ask for fewer")
+    with pytest.raises(ModelError, match="27 h 46 min"):
+        Job("study", None, False, None).begin(much)
+    Job("study", None, True, None).begin(much)
+
+
+def test_a_search_that_is_interrupted_leaves_its_study(closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*args: Any, **named: Any) -> Any:
+        for k, one in enumerate(closed(*args, **named)):
+            if k == 5:
+                raise KeyboardInterrupt
+            yield one
+
+    monkeypatch.setattr(run_missing, "run_members", broken)
+    with pytest.raises(Interrupted) as interrupted:
+        vfife.allocate(vfife.load_model(BASE), PLAY, "C.force.max", turns=2, allocation={"measure": "C.force.max", "share": 0.9}, **FITS)
+    assert isinstance(interrupted.value, KeyboardInterrupt) and len(interrupted.value.result.outcomes) == 5
