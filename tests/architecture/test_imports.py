@@ -73,8 +73,9 @@ def test_no_function_hides_an_import_of_a_room_above() -> None:
 # Packages that load numpy, or a compiler, or what draws: a command imports them where it needs them, so that every command starts at once and hears
 # signals from its first line on. Everything else it imports at the top.
 DEFERRED = (
-    "analysis", "assembly", "fields", "job.cost", "laws", "live", "model", "modelfile", "plots", "report", "result", "results.connections",
-    "results.fit", "results.runfile", "results.studied", "simulation", "solvers.arguments", "solvers.companions", "solvers.transient", "start", "study", "units",
+    "analysis", "assembly", "fields", "job.cost", "laws", "live", "model", "modelfile", "plots",
+    "report", "result", "results.connections", "results.fit", "results.runfile", "results.studied", "simulation", "solvers.arguments",
+    "solvers.companions", "solvers.transient", "start", "study", "units",
 )  # fmt: skip
 CIRCULAR = {("vfife/cli/result.py", "vfife.cli.studied")}  # a page of a study, told apart when it is there
 
