@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from importlib import import_module
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -12,6 +13,10 @@ from .. import __version__
 from .document import Bullets, Caution, Document, Element, Facts, Figure, Paragraph, Part, Section, Table
 
 PAGE = Template(Path(__file__).with_name("page.html").read_text("utf-8"))
+DOCUMENTS = {  # of maps by their own: the module and function that makes the document of a class
+    "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
+    "Comparison": ("sensitivity", "comparison"), "Sensitivity": ("sensitivity", "sensitivity"),
+}  # fmt: skip
 STYLED = {"strong": "b", "aside": "i", "caution": "em", "alarm": "strong", "code": "code", "faint": "small", "good": "b", "bad": "strong"}
 IN_NOTEBOOK = """<style>
 .vfife table td, .vfife table th { text-align: left; padding: .15em .9em .15em 0 } .vfife table .number { text-align: right }
@@ -23,6 +28,12 @@ def fragment(document: Document) -> str:
     """A document in a notebook."""
     title = f"<h4>{escape(document.title)}</h4>" if document.title else ""
     return f'<div class="vfife">{IN_NOTEBOOK}{title}{elements(document.parts)}</div>'
+
+
+def notebook(answer: Any) -> str:
+    """A study, map, wear, fit, comparison or sensitivity as a notebook shows it."""
+    module, function = DOCUMENTS.get(type(answer).__name__, ("maps", "document"))
+    return fragment(getattr(import_module(f".{module}", __package__), function)(answer))
 
 
 def page(document: Document, introduction: Iterable[str], script: str = "") -> str:

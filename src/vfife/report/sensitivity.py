@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from .document import Caution, Document, Paragraph, Part, Table, sentences
@@ -22,7 +23,7 @@ NOTES = {
 }
 
 
-def sensitivity(found: Sensitivity, top: int) -> Document:
+def sensitivity(found: Sensitivity, top: int = 8) -> Document:
     """Of each measure the ``top`` numbers of the model that matter most."""
     rows: list[tuple[str, ...]] = []
     kinds: set[str] = set()
@@ -64,8 +65,8 @@ def effect_cells(one: Effect) -> tuple[str, str]:
     return f"{one.value:+.3g}{' *' if one.kind == 'change' else ''}", span
 
 
-def comparison(found: Comparison, folder: str, files: list[str]) -> Document:
-    """One model under several laws; ``files`` are those in the ``folder`` that keeps it."""
+def comparison(found: Comparison, folder: str = "", files: Sequence[str] = ()) -> Document:
+    """One model under several laws; ``files`` are those in the ``folder`` that keeps it, if one does."""
     rows = []
     for one in found.rows:
         lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
@@ -76,7 +77,7 @@ def comparison(found: Comparison, folder: str, files: list[str]) -> Document:
     parts: list[Part] = [
         Table(("contact", "friction", *heads), rows, numbers=range(2, 10), names=(0, 1)),
         Paragraph(said),
-        Paragraph(f"{folder} ({', '.join(files)})", lead="Folder: "),
+        *([Paragraph(f"{folder} ({', '.join(files)})", lead="Folder: ")] if folder else []),
     ]
     title = f"{found.mechanism}: joint{'s' * (len(found.joints) > 1)} {', '.join(found.joints)}"
     return Document(parts, title, comparison_data(found) | {"folder": folder})

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from ..files import write_named
+from ..model.above import NotebookDocument
 from .view import View
 
 
 @dataclass
-class Comparison:
+class Comparison(NotebookDocument):
     """What the runs came to. ``rows`` holds one flat map a run, ``results`` the runs themselves, both in the order of the laws.
 
     A row has ``contact`` and ``friction`` (names), ``status``, ``force`` (N, the largest of the joints whose laws were changed), ``lip_force``

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 from ..files import write_named
+from ..model.above import NotebookDocument
 
 # "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known. "unknown": neither is.
 Kind = Literal["derivative", "change", "unknown"]
@@ -56,7 +57,7 @@ class Effect(NamedTuple):
 
 
 @dataclass
-class Sensitivity:
+class Sensitivity(NotebookDocument):
     """Derivatives of ``measures`` (SI) by numbers of a model.
 
     ``refused`` are numbers without derivatives, and why; ``doubtful`` measures that the run's companions do not agree on: what they depend on the

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import RunFileError
 from ..files import write_rows, write_text
-from ..model.above import upper
+from ..model.above import NotebookDocument, upper
 from ..numerics.scalar import log
 from .schemas import FIT, Schema
 from .store import Store, warn_of_damage
@@ -93,7 +93,7 @@ class Laid:
 
 
 @dataclass
-class Fit:
+class Fit(NotebookDocument):
     """``values`` and their ``correlation``; the ``offset`` (s or rad) of the first sample with its standard error; ``curves``.
 
     ``directions`` are combinations of parameters in units of their ranges, the least determined first, with the standard deviation of each.

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
-from ..model.above import upper
+from ..model.above import NotebookDocument, upper
 from ..solvers.status import Status
 from .member_errors import NOT_ESTIMATED, MemberError, member_errors
 from .store import warn_of_damage
@@ -63,7 +63,7 @@ class Varied:
         return self.kind in ("values", "range")
 
 
-class Study:
+class Study(NotebookDocument):
     """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads xarray.
 
     ``meta`` says what is asked, ``members`` are all that are planned, ``outcomes`` those that ended, by their places; ``repeats`` are outcomes of

@@ -18,6 +18,7 @@ from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError
 from ...files import write_rows
 from ...job.job import job_of
+from ...model.above import NotebookDocument
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.mapfile import MapFile
@@ -85,7 +86,7 @@ class BasinSpec:
 
 
 @dataclass(frozen=True)
-class Basins:
+class Basins(NotebookDocument):
     """What is known of each member by number: ``points`` once a turn, shape (turns, series), and ``growth``; no points where it has no start."""
 
     name: str

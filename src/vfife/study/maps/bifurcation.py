@@ -17,6 +17,7 @@ from ...assembly.assembled import Assembly
 from ...errors import Fault, ModelError
 from ...files import write_rows
 from ...job.job import job_of
+from ...model.above import NotebookDocument
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter
@@ -89,7 +90,7 @@ class Spell:
 
 
 @dataclass(frozen=True)
-class Bifurcation:
+class Bifurcation(NotebookDocument):
     """A diagram, its values in the order of the way up and NaN where it is not known yet; chains are the way up and the way down, or the starts.
 
     Of each of ``asked.series`` its ``points`` in SI units, shape (chains, values, turns); ``growth`` of a small difference in each of these turns,

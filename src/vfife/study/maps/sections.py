@@ -14,6 +14,7 @@ from ...analysis.chaos import Exponent, Verdict, exponent, verdict
 from ...assembly.assembled import Assembly
 from ...files import write_rows
 from ...job.job import job_of
+from ...model.above import NotebookDocument
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...results.mapfile import MapFile
@@ -58,7 +59,7 @@ class SectionSpec:
 
 
 @dataclass(frozen=True)
-class PoincareSection:
+class PoincareSection(NotebookDocument):
     """A section, as far as it is ``done``, so many turns of those that are looked at.
 
     ``points``: of each series in SI units, shape (turns,). ``growth``: logarithm of the growth of a small difference in each turn. ``struck``: of

@@ -19,6 +19,7 @@ from ...errors import Fault, ModelError
 from ...files import write_rows
 from ...job.cost import ASSEMBLY
 from ...job.job import job_of
+from ...model.above import NotebookDocument
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
@@ -99,7 +100,7 @@ class WaterfallSpec:
 
 
 @dataclass(frozen=True)
-class Waterfall:
+class Waterfall(NotebookDocument):
     """Amplitudes of waves over a number, NaN where it is not known yet, or where the motion diverged.
 
     ``orders`` (1), shape (places,); ``turn`` (s) at each value, shape (values,); of each of ``asked.series`` the ``amplitudes`` in SI units, shape

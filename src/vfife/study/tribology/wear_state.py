@@ -16,6 +16,7 @@ from ...analysis.wear import PLACES, SIDES, areas, around, rubbed
 from ...assembly.assembled import Assembly
 from ...files import write_rows
 from ...laws.materials import coefficient
+from ...model.above import NotebookDocument
 from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
 from ...model.wear import depth_at
@@ -60,7 +61,7 @@ class WearSpec:
 
 
 @dataclass(frozen=True)
-class Worn:
+class Worn(NotebookDocument):
     """Wear, as far as it is known: after so many ``turns``, shape (points,), the ``depth`` (m) of each surface around it at ``angles`` (rad, in the
     frame of its body), what the model had before included, shape (points, surfaces, places).
 
