@@ -10,9 +10,8 @@ from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 from vfife import load_model
 from vfife.assembly.assemble import assemble, reassembled
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
-from vfife.codegen.cuda import card
-from vfife.codegen.ondevice import DeviceStream
-from vfife.codegen.streams import Begun, Starter, Stream
+from vfife.codegen.cuda import DeviceStream, card
+from vfife.codegen.runner import Begun, Starter, Stream
 from vfife.errors import DeviceError
 from vfife.solvers.record import recorded_rows
 

@@ -17,7 +17,7 @@ from limit import COMPILER
 from measure import HERE, Options, Part, interleaved, table
 
 from vfife.assembly.assemble import assemble
-from vfife.codegen.compile import compiled
+from vfife.codegen.native import compiled
 from vfife.codegen.runner import Runner
 from vfife.codegen.source import Gathered
 from vfife.kernels.elementary import log, power

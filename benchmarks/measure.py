@@ -17,7 +17,7 @@ from rich.table import Table
 
 from vfife import load_model
 from vfife.assembly.assemble import assemble
-from vfife.codegen.pieces import written
+from vfife.codegen.modules import written
 from vfife.codegen.source import data_driven
 
 HERE = Path(__file__).resolve().parent

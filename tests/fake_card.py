@@ -17,10 +17,9 @@ import numpy as np
 
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
 from vfife.codegen import cuda, gpu
-from vfife.codegen.cuda import Card
+from vfife.codegen.cuda import Card, DeviceStream
 from vfife.codegen.native import Code, object_code
-from vfife.codegen.ondevice import DeviceStream
-from vfife.codegen.streams import Starter
+from vfife.codegen.runner import Starter
 from vfife.kernels.topology import Topology
 from vfife.solvers.record import recorded_rows
 

@@ -7,7 +7,7 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.codegen.dissection import elimination_order
+from vfife.codegen.graph import elimination_order
 from vfife.solvers.transient import run
 
 

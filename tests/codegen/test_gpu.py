@@ -10,7 +10,7 @@ from fake_card import FakeDriver, in_this_machine, rows_on_card
 from lane_models import one_clearance, swing
 from support import bits, four_bar, lanes
 from vfife.assembly.assemble import assemble, reassembled
-from vfife.codegen import ondevice
+from vfife.codegen import cuda
 from vfife.codegen.cuda import Card
 from vfife.codegen.gpu import TILE
 from vfife.errors import DeviceError
@@ -59,7 +59,7 @@ def test_a_card_with_little_memory_takes_fewer_at_once(driver, monkeypatch):
     assert same(advance(a, device="cuda"), here)
     assert set(there.threads) == {TILE}
     there = driver(a[0].topology)
-    monkeypatch.setattr(ondevice, "MOST", 300_000)
+    monkeypatch.setattr(cuda, "MOST", 300_000)
     assert same(advance(a, device="cuda"), here)
     assert set(there.threads) == {TILE}
 

@@ -9,8 +9,8 @@ import pytest
 
 from support import SQUARE, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
-from vfife.codegen import driver, native
-from vfife.codegen.pieces import pieces, written
+from vfife.codegen import modules, native
+from vfife.codegen.modules import pieces, written
 
 ARITHMETIC = re.compile(r"^v?(add|sub|mul|div|sqrt|min|max)(sd|pd)$")
 FUSED = re.compile(r"\bv?fn?m(add|sub|la|ls)|\bfma\b", re.M)
@@ -69,7 +69,7 @@ def test_derivatives_are_not_fused_where_the_processor_could():
 @pytest.mark.parametrize("width", [1, 2, 4])
 def test_a_step_is_compiled_in_two_pieces(width, hurried, monkeypatch):
     """The second, where long, has the same operations with least effort, and none is fused for that. The driver is that of all steps."""
-    monkeypatch.setattr("vfife.codegen.pieces.SHORT", 0 if hurried else 4000)
+    monkeypatch.setattr("vfife.codegen.modules.SHORT", 0 if hurried else 4000)
     topologies = [assemble(mechanism, 1e-6, duration=1e-3).topology for mechanism in (journal_in_bearing(), four_bar("BC"))]
     one, other = (pieces(topology, width) for topology in topologies)
     assert one.often != other.often
@@ -77,7 +77,7 @@ def test_a_step_is_compiled_in_two_pieces(width, hurried, monkeypatch):
     made = native.machine(native.SELDOM if hurried else native.EFFORT).emit_assembly(llvm.parse_assembly(one.seldom))
     assert sum(instructions(made, "whole")[name] for name in ("vmulsd", "mulsd", "vmulpd", "mulpd")) > 20
     assert not FUSED.search(made)
-    defined = [set(re.findall(r"^define (?!internal)[^@]*@(\w+)\(", piece, re.M)) for piece in (*one[:2], driver.text())]
+    defined = [set(re.findall(r"^define (?!internal)[^@]*@(\w+)\(", piece, re.M)) for piece in (*one[:2], modules.text())]
     assert defined == [{"lean", "functions"}, {"whole", "resize"}, {"advance", "stream", "polynomial"}]
     assert defined[0] | defined[1] == set(re.findall(r"^define [^@]*@(\w+)\(", written(topologies[0], width), re.M))
 

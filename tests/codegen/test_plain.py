@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from support import bits, often
 from vfife.codegen import native, plain
-from vfife.codegen.compile import compiled, interpreted
+from vfife.codegen.native import compiled, interpreted
 from vfife.errors import SourceError
 
 TEXTS = {

@@ -16,7 +16,7 @@ import pytest
 from support import four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.codegen import gpu
-from vfife.codegen.ptx import ptx
+from vfife.codegen.gpu import ptx
 
 ARITHMETIC = re.compile(r"^\s+((?:fma|mad|mul|add|sub|div|sqrt|rcp|ex2|neg|abs)\.\S*f64)", re.M)
 

@@ -10,8 +10,8 @@ import pytest
 import vfife
 from support import SQUARE
 from vfife.assembly.assemble import assemble
-from vfife.codegen import driver, rereading, schedule
-from vfife.codegen.pieces import pieces, written
+from vfife.codegen import modules, schedule
+from vfife.codegen.modules import pieces, written
 from vfife.codegen.straight_line import trace
 from vfife.codegen.trace import Operation, Trace, is_row
 from vfife.model.mechanism import Mechanism
@@ -49,7 +49,7 @@ def done(lines, rows: list[float], twice: bool, known: dict[str, float]) -> list
             known[line.name] = MEANING[line.operator](*map(value, line.operands))
         elif isinstance(line, schedule.Load):
             known[f"v{line.row}"] = before[line.row]
-        elif isinstance(line, rereading.Again):
+        elif isinstance(line, schedule.Again):
             known[line.name] = (after if line.written else before)[line.row]
         elif isinstance(line, schedule.Store):
             after[line.row] = value(line.value)
@@ -67,21 +67,21 @@ def start(step: Trace) -> list[float]:
 @pytest.mark.parametrize("step", STEPS.values(), ids=STEPS)
 def test_rows_that_are_read_again_are_what_was_kept(step: Trace, twice: bool):
     lines = schedule.apart(step, schedule.ordered(step, False)) if twice else schedule.woven(step, schedule.ordered(step))
-    again = rereading.reread(lines)
-    assert sum(isinstance(line, rereading.Again) for line in again) > 20
+    again = schedule.reread(lines)
+    assert sum(isinstance(line, schedule.Again) for line in again) > 20
     rows = start(step)
     assert done(again, rows, twice, {}) == done(lines, rows, twice, {})
 
 
 @pytest.mark.parametrize("step", STEPS.values(), ids=STEPS)
 def test_what_is_computed_before_the_first_step_is_the_same_in_each(step: Trace):
-    first, rest = rereading.steady(step, ())
-    same, short = rereading.settled(rest, ())
+    first, rest = schedule.steady(step, ())
+    same, short = schedule.settled(rest, ())
     assert first
     assert same
     rows, known = start(step), {}
     for line in first:
-        known[line.name] = rows[line.row] if isinstance(line, rereading.Again) else None
+        known[line.name] = rows[line.row] if isinstance(line, schedule.Again) else None
     for line in first:
         if isinstance(line, Operation):
             known[line.name] = MEANING[line.operator](*(known[o] if isinstance(o, str) else o for o in line.operands))
@@ -94,9 +94,9 @@ def test_what_is_computed_before_the_first_step_is_the_same_in_each(step: Trace)
 
 def test_rows_that_functions_make_anew_are_not_the_same_in_each_step():
     step = Trace((Operation("t0", "*", ("v1", "v2")), Operation("t1", "+", ("v0", "t0"))), {0: "t1"})
-    assert len(rereading.steady(step, ())[1].operations) == 1
-    assert len(rereading.steady(step, {2})[1].operations) == 2
-    assert rereading.settled(Trace((), {4: 0.0, 5: 0.0}), {5})[0] == {4: 0.0}
+    assert len(schedule.steady(step, ())[1].operations) == 1
+    assert len(schedule.steady(step, {2})[1].operations) == 2
+    assert schedule.settled(Trace((), {4: 0.0, 5: 0.0}), {5})[0] == {4: 0.0}
 
 
 def test_vectors_that_are_put_aside_keep_to_cache_lines():
@@ -104,9 +104,9 @@ def test_vectors_that_are_put_aside_keep_to_cache_lines():
     for width in (1, 2, 4, 8):
         for text in (written(CASE_C, width), *pieces(CASE_C, width)[:2]):
             assert (f'"override-stack-alignment", i32 {8 * width}}}' in text) == (width > 2)
-    entered = re.findall(r"@(?:advance|stream|polynomial)\(.*$", driver.text(), re.M)
+    entered = re.findall(r"@(?:advance|stream|polynomial)\(.*$", modules.text(), re.M)
     assert len(entered) == 3 and all('"stackrealign"' in head for head in entered)
-    assert '"override-stack-alignment", i32 64}' in driver.text()
+    assert '"override-stack-alignment", i32 64}' in modules.text()
 
 
 def test_what_is_put_aside_has_short_addresses():

@@ -9,8 +9,8 @@ import pytest
 import vfife
 from support import SQUARE, four_bar, with_settings
 from vfife.assembly.assemble import assemble
-from vfife.codegen import llvm, rereading, schedule
-from vfife.codegen.pieces import written
+from vfife.codegen import llvm, schedule
+from vfife.codegen.modules import written
 from vfife.codegen.straight_line import about, trace
 from vfife.codegen.trace import OPERATORS, Trace, is_row
 from vfife.model.mechanism import Mechanism
@@ -68,7 +68,7 @@ def waiting(operations) -> int:
 
 def test_elements_are_made_one_after_the_other():
     """However many there are: begun all at once, 25 elements had 200 numbers that waited for their use, and ten 80."""
-    few, many = (rereading.steady(trace(assembled(bar(elements)).topology), ())[1] for elements in (10, 25))
+    few, many = (schedule.steady(trace(assembled(bar(elements)).topology), ())[1] for elements in (10, 25))
     for tested_first in (True, False):
         assert waiting(schedule.ordered(many, tested_first)) <= waiting(schedule.ordered(few, tested_first)) < 90
 

@@ -12,8 +12,7 @@ import lane_models
 from support import bits
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
-from vfife.codegen.runner import Runner
-from vfife.codegen.streams import LOOK, Starter, Stream
+from vfife.codegen.runner import STREAM_LOOK, Runner, Starter, Stream
 from vfife.solvers.record import recorded_rows
 
 # Contacts with their events; drivers and loads over time.
@@ -92,7 +91,7 @@ def test_the_other_loops_know_streams_of_one_lane(loop: str) -> None:
 
 
 def test_a_lane_that_breaks_ends_the_call_and_no_other_lane() -> None:
-    """Seen where LOOK divides the steps; it is not looked at again when it is left."""
+    """Seen where STREAM_LOOK divides the steps; it is not looked at again when it is left."""
     model, step = MODELS[0]
     assemblies = [assembled(model, step, which) for which in (0, 3)]
     filled = Filled(assemblies, 2)
@@ -102,12 +101,12 @@ def test_a_lane_that_breaks_ends_the_call_and_no_other_lane() -> None:
         limits = np.stack(bounds(one)) if lane == 0 else wild
         filled.stream.put(lane, filled.starter.begun(one.state, one.tables, limits), 10**6, 1)
     filled.stream.advance(10_000)
-    assert filled.stream.done == LOOK
-    assert filled.stream.broken.tolist() == [0.0, LOOK]
+    assert filled.stream.done == STREAM_LOOK
+    assert filled.stream.broken.tolist() == [0.0, STREAM_LOOK]
     filled.stream.leave(1)
     filled.stream.advance(10_000)
-    assert filled.stream.done == LOOK + 10_000
-    expected = alone(assemblies[0], LOOK + 10_000 - 1, 1)[0]
+    assert filled.stream.done == STREAM_LOOK + 10_000
+    expected = alone(assemblies[0], STREAM_LOOK + 10_000 - 1, 1)[0]
     assert (bits(filled.stream.states[recorded_rows(filled.first), 0]) == bits(expected)).all()
 
 
@@ -119,9 +118,9 @@ def test_a_lane_is_looked_at_after_as_many_steps_of_its_own_whenever_it_came() -
     wild = np.array([[1.0], [2.0]]) * np.ones(len(limited_rows(filled.first)))
     for lane, one in enumerate(assemblies):
         filled.stream.put(lane, filled.starter.begun(one.state, one.tables, np.stack(bounds(one))), 10**6, 1)
-    filled.stream.advance(3 * LOOK + 7)
+    filled.stream.advance(3 * STREAM_LOOK + 7)
     filled.stream.advance(filled.stream.beat)
     one = assemblies[1]
     begun = filled.stream.put(1, filled.starter.begun(one.state, one.tables, wild), 10**6, 1)
     filled.stream.advance(10_000)
-    assert filled.stream.broken[1] - begun == LOOK
+    assert filled.stream.broken[1] - begun == STREAM_LOOK

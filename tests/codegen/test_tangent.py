@@ -9,10 +9,9 @@ import mechanisms
 import vfife
 from support import bits
 from vfife.assembly.assemble import assemble
-from vfife.codegen.elimination import shared_tangent
 from vfife.codegen.runner import Runner
 from vfife.codegen.straight_line import trace
-from vfife.codegen.tangent import tangent
+from vfife.codegen.tangent import shared_tangent, tangent
 from vfife.codegen.trace import Mathematics, Rows, Symbol, Tape, Trace, select
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.tangents import Neighbours, changes, rates

@@ -10,7 +10,7 @@ import pytest
 
 from support import bits, four_bar, lanes
 from vfife.assembly.assemble import assemble
-from vfife.codegen.compile import compiled
+from vfife.codegen.native import compiled
 from vfife.codegen.python import straight_line
 from vfife.codegen.source import Gathered, data_driven, dispatch
 from vfife.codegen.straight_line import trace

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from vfife.codegen import loops
-from vfife.codegen.compile import Called
+from vfife.codegen.native import Called
 
 PAGE, STACK = 4096, 1 << 20  # bytes
 WIDEST, SMALL = 512 << 20, 16 << 20  # bytes of mappings: the widest that is taken in, and those that are so though nobody asks

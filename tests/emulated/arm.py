@@ -12,7 +12,6 @@ from emulated import PAGE, STACK, Room, numbers, wanted
 from vfife.codegen import native
 
 TRIPLE, NAME = "aarch64-unknown-linux-gnu", "neoverse-n1"
-OPTIMISED_CODE = native.optimised_code
 VECTORS = 0b11 << 20  # of the register that allows them
 REGISTERS = 8  # of the first arguments
 
@@ -37,11 +36,6 @@ def object_code(text: str, effort: int = native.EFFORT) -> bytes:
     """Object code of a text."""
     code: bytes = machine(effort).emit_object(module(text))
     return code
-
-
-def optimised_code(text: str, wide: bool = False) -> bytes:
-    """The same of a text with loops and calls."""
-    return OPTIMISED_CODE(f'target triple = "{TRIPLE}"\ntarget datalayout = "{machine().target_data}"\n{text}', wide)
 
 
 class Arm:

@@ -14,9 +14,9 @@ from mechanisms import beads, every_drive, every_law, everything, geared_ring
 from support import bits, journal_in_bearing, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import bounds, limited_rows
-from vfife.codegen.graph import tables
 from vfife.codegen.runner import Runner
 from vfife.codegen.source import Gathered, dispatch, films, regimes
+from vfife.codegen.tables import tables
 from vfife.kernels import advance, contact
 from vfife.solvers.record import recorded_rows
 

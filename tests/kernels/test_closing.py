@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from vfife.codegen.graph import tables
+from vfife.codegen.tables import tables
 from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, HEADER, JOINT_INDEX, PARTICLE
-from vfife.kernels.closing import GAIN, lost, residual
+from vfife.kernels.closing import GAIN, linearisation_error, residual
 from vfife.kernels.constraint import levers
 from vfife.kernels.elementary import turned
 from vfife.kernels.topology import ACROSS, ALONG, APART, FREE, GEARED, KEPT, NOWHERE, ON_PATH, PINNED, Topology
@@ -135,4 +135,4 @@ def test_what_a_correction_leaves_open(model):
             q = model.first[joint] + row * CONSTRAINT.SIZE
             x, y, b, j = (S[q + getattr(CONSTRAINT, f"turn_{name}")] for name in "xybk")
             total += (np.dot([x, y, j], moved[1]) - np.dot([x, y, b], moved[0])) ** 2
-    assert lost(S, I, dt, k) == pytest.approx(total, rel=1e-12)
+    assert linearisation_error(S, I, dt, k) == pytest.approx(total, rel=1e-12)

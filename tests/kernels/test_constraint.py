@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from vfife.codegen.graph import tables
+from vfife.codegen.tables import tables
 from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, CONTACT_INDEX, HEADER, PARTICLE
 from vfife.kernels.constraint import apply_response, joint_compliance, levers
+from vfife.kernels.contact import apply_contact_force
 from vfife.kernels.factors import factor, fill
-from vfife.kernels.together import press
 from vfife.kernels.topology import KEPT, PINNED, Topology
 from vfife.laws import Frictionless, LankaraniNikravesh
 
@@ -42,7 +42,7 @@ def test_velocities_and_forces_change_as_one():
     for name, value in {"nx": 0.6, "ny": 0.8, "jn": 0.11, "jt": -0.07, "bn": 0.05, "bt": 0.13}.items():
         S[j + getattr(CONTACT, name)] = value
     gn, gt, gm = joint_compliance(S, I, j, b, k)
-    press(S, j, b, k, NORMAL, FRICTION)
+    apply_contact_force(S, j, b, k, NORMAL, FRICTION)
     apply_response(S, I, H, NORMAL, FRICTION)
     bodies = [layout.record("particle", i) for i in (1, 2, 3)]
     for i in bodies:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from support import go, onsets, particle, pin, with_settings
-from vfife.codegen.graph import tables
+from vfife.codegen.tables import tables
 from vfife.kernels import contact
 from vfife.kernels.arrays import CONTACT, HEADER, PARTICLE
 from vfife.kernels.topology import Topology

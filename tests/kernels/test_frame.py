@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from support import EPS
-from vfife.codegen.graph import tables
+from vfife.codegen.tables import tables
 from vfife.kernels import step as loop
 from vfife.kernels.topology import Topology
 

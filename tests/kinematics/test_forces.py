@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vfife.assembly.assemble import assemble
-from vfife.codegen.graph import tables
+from vfife.codegen.tables import tables
 from vfife.kernels import spring as springs_of_a_step
 from vfife.kernels import step as loop
 from vfife.kinematics import forces

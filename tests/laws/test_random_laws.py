@@ -12,8 +12,8 @@ import pytest
 from choice import default_cases
 from emulated import card
 from laws.random_laws import laws, source
-from vfife.codegen import compile as compiling
 from vfife.codegen import expressions, javascript, llvm, python
+from vfife.codegen import native as compiling
 from vfife.codegen.lawloops import WIDTHS, Loops, Single, traced
 from vfife.codegen.traceable import Traceable
 from vfife.laws.agreement import STATES, by_python, compared, first_difference, same, states_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from vfife.codegen.compile import compiled
+from vfife.codegen.native import compiled
 from vfife.codegen.source import Gathered
 from vfife.kernels.polynomial import polynomial
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque

@@ -49,11 +49,10 @@ OWN = {
     "frame": ["tests/kernels/test_frame.py", "tests/assembly/test_stiffness.py"],
     "closing": ["tests/kernels/test_closing.py"],
     "constraint": ["tests/kernels/test_closing.py", "tests/kernels/test_constraint.py"],
-    "path": ["tests/physics/test_curved_slot.py"],
     "polynomial": ["tests/model/test_functions.py"],
     "spring": ["tests/physics/test_loads_and_drivers.py"],
     "central_difference": ["tests/kernels/test_central_difference.py"],
-    "geometry": ["tests/kernels/test_central_difference.py"],
+    "geometry": ["tests/kernels/test_central_difference.py", "tests/physics/test_curved_slot.py"],
     "step": ["tests/kernels/test_central_difference.py", "tests/physics/test_loads_and_drivers.py"],
 }  # fmt: skip
 # Files of tests that a fault in a kernel should be seen by, where the first did not.
@@ -61,7 +60,6 @@ CLOSE = {
     "elementary": ["tests/kernels/test_elementary.py", "tests/laws/test_forms.py", "tests/laws/test_contact_laws.py"],
     "polynomial": ["tests/model/test_functions.py", "tests/physics/test_loads_and_drivers.py"],
     "frame": ["tests/kernels/test_frame.py", "tests/physics/test_beams.py"],
-    "path": ["tests/physics/test_curved_slot.py"],
     "spring": ["tests/physics/test_machinery.py", "tests/physics/test_accounts.py"],
     "contact": ["tests/kernels/test_contact_step.py", "tests/physics/test_journal_in_bearing.py", "tests/physics/test_accounts.py",
                 "tests/physics/test_sticking.py", "tests/physics/test_lubricated_journal.py"],
@@ -70,7 +68,7 @@ CLOSE = {
                 "tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
     "factors": ["tests/physics/test_ideal_joints.py", "tests/physics/test_rigid_joints.py"],
     "central_difference": ["tests/kernels/test_central_difference.py"],
-    "geometry": ["tests/kernels"],
+    "geometry": ["tests/kernels", "tests/physics/test_curved_slot.py"],
     "step": ["tests/kernels", "tests/physics/test_accounts.py", "tests/physics/test_machinery.py"],
     "advance": ["tests/kernels", "tests/physics/test_accounts.py", "tests/solvers/test_companions.py"],
 }  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 
 from vfife.numerics import dense, library
 from vfife.numerics.products import dot, norm, product, times
-from vfife.numerics.routines import rotations
+from vfife.numerics.routines import singular
 
 SHAPES = [
     (1, 1),
@@ -238,6 +238,6 @@ def test_rows_of_one_length_are_rotated_alike_when_one_is_turned_round() -> None
     found = []
     for sign in (1.0, -1.0):
         room = [3.0, 1.0, sign * 1.0, sign * 3.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]
-        rotations.orthogonalise(room, 0, 4, 8, 2, 0.0)
+        singular.orthogonalise(room, 0, 4, 8, 2, 0.0)
         found.append([abs(one) for one in room])
     assert found[0] == found[1] and sorted(round(one, 12) for one in found[0][8:]) == [4.0, 16.0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vfife.numerics.routines import skyline
+from vfife.numerics.routines import linear
 from vfife.numerics.sparse import Sparse
 
 
@@ -71,5 +71,5 @@ def test_parts_that_share_nothing() -> None:
 
 def test_a_pivot_of_rounding_is_taken_as_the_least() -> None:
     factors = [1.0, 1.0, 1.0 - 2.0**-53]  # the triangle of two rows that are one
-    skyline.factorise(factors, [0.0, 2.0], [0.0, 0.0], 2, 0.25)
+    linear.factorise(factors, [0.0, 2.0], [0.0, 0.0], 2, 0.25)
     assert factors == [1.0, 1.0, 0.25]

@@ -13,7 +13,7 @@ import pytest
 
 from support import four_bar
 from vfife.codegen import native
-from vfife.codegen.streams import Stream
+from vfife.codegen.runner import Stream
 from vfife.solvers import streaming
 from vfife.solvers.ensemble import advance, placed
 from vfife.solvers.streaming import Waiting

@@ -18,8 +18,8 @@ import pytest
 import vfife
 from emulated import arm, x86
 from vfife.assembly.assemble import assemble
-from vfife.codegen import compile as compiling
 from vfife.codegen import native
+from vfife.codegen import native as compiling
 from vfife.numerics import dense, elementwise, library, products
 
 pytestmark = pytest.mark.verify

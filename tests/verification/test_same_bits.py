@@ -21,7 +21,7 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.codegen import loops, native
 from vfife.codegen.cuda import Card
-from vfife.codegen.pieces import written
+from vfife.codegen.modules import written
 from vfife.errors import DeviceError
 from vfife.numerics import library
 from vfife.solvers.ensemble import ensemble
@@ -139,7 +139,6 @@ def aarch64(monkeypatch):
         "processor": lambda: (arm.NAME, ""),
         "machine": arm.machine,
         "object_code": arm.object_code,
-        "optimised_code": arm.optimised_code,
     }.items():
         monkeypatch.setattr(native, name, value)
     monkeypatch.setattr(loops, "Straight", loading(arm.processor))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..codegen.graph import derive, tables
+from ..codegen.graph import derive
+from ..codegen.tables import tables
 from ..errors import VfifeError
 from ..kernels.arrays import CONSTRAINT_INDEX, HEADER, Layout
 from ..kernels.constraint import levers

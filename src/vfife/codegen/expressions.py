@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import ast
 
-from .blocks import Blocks
+from .blocks import TYPES, Array, Blocks, External, Kind, Value, answered, joined, members, named, types_of
 from .llvm import BINARY, ORDER, literal
-from .values import TYPES, Array, External, Kind, Value, answered, joined, members, named, types_of
 
 INTEGER = {"+": "add nsw", "-": "sub nsw", "*": "mul nsw"}
 SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}

@@ -1,4 +1,7 @@
-"""The text of a function, found in the syntax tree of its file: a file is parsed once, where ``inspect.getsource`` reads it word by word."""
+"""The text of a function, found in the syntax tree of its file: a file is parsed once, where ``inspect.getsource`` reads it word by word.
+
+One thread at a time reads, writes and compiles code: Python 3.11 loses count when two parse or compile syntax trees at once.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,11 @@ import ast
 import inspect
 import linecache
 import textwrap
+import threading
 from typing import Any
 
-from .lock import WRITING
+WRITING = threading.RLock()
+
 
 _files: dict[str, tuple[list[str], dict[int, int]]] = {}
 

@@ -5,6 +5,8 @@ neighbours then, and where a row begins is a constant of the text. The lean step
 another step: what a processor's nearest cache holds for eight lanes does not fit there for thousands of threads.
 
 The same text, but for the two lines that ask a card which thread this is, runs on a processor, member by member: that is how its bits are known.
+
+The text of a thread as PTX, the language that the drivers of NVIDIA's cards compile.
 """
 
 from __future__ import annotations
@@ -14,15 +16,17 @@ from functools import lru_cache
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from .driver import STEPS, llvm_text
+from . import cache
+from .functiontext import WRITING
 from .llvm import Lane, Writer, operators, resize, searched, whole
-from .lock import WRITING
-from .native import _target, machine
-from .pieces import brief
+from .loops import origin
+from .modules import STEPS, brief, llvm_text
+from .native import llvmlite_version, simplified
 from .schedule import streamed
 from .straight_line import Function, functions, resizing, trace
 from .trace import STEP_NUMBER, Operand, Trace, is_row, rows_used
 
+LEAST = 70  # compute capability (7.0) for which programs are written; later cards run them
 TILE = 32
 # What a kernel is given, and how many numbers of those that are addresses a member has: whole rows where members lie side by side, else one after
 # the other; None where all members share them. N has the numbers of a run, as the driver takes them.
@@ -158,18 +162,7 @@ done:
 @lru_cache(maxsize=1)
 def stream() -> str:
     """The driver's ``stream`` with what it calls but the steps, without variables in memory: on a card these would lie elsewhere than the rows."""
-    with WRITING:
-        llvm = _target()
-        module = llvm.parse_assembly(llvm_text("stream"))
-        builder = llvm.create_pass_builder(machine(), llvm.create_pipeline_tuning_options())
-        passes = llvm.create_new_module_pass_manager()
-        passes.add_always_inliner_pass()
-        passes.add_sroa_pass()
-        passes.add_simplify_cfg_pass()
-        passes.add_strip_dead_prototype_pass()
-        passes.run(module, builder)
-        module.verify()
-        text = str(module)
+    text = str(simplified(llvm_text("stream")))
     steps = "|".join(STEPS)
     text = re.sub(rf"^declare [^@]*@({steps})\(.*\n", "", text, flags=re.M)
     return re.sub(r"^(; ModuleID|source_filename|target ).*\n", "", text, flags=re.M)
@@ -194,3 +187,58 @@ def written(topology: Topology) -> str:
             member(layout),
         ]
     )
+
+
+TRIPLE = "nvptx64-nvidia-cuda"
+
+
+def kernel() -> str:
+    """``simulate(...)``: ``member`` for each thread."""
+    given = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
+    return f"""declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
+declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+define ptx_kernel void @simulate({given}) {{
+  %block = call i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
+  %thread = call i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+  %block.long = zext i32 %block to i64
+  %thread.long = zext i32 %thread to i64
+  %before = mul i64 %block.long, {TILE}
+  %m = add i64 %before, %thread.long
+  call void @member({given}, i64 %m)
+  ret void
+}}
+"""
+
+
+def ptx(text: str, capability: int = LEAST) -> str:
+    """A text with ``member`` as PTX for cards of a compute capability (70: 7.0) and all later ones."""
+    return assembly(text, kernel(), capability)
+
+
+def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
+    """A text as PTX, with the kernels that call its functions."""
+    import llvmlite.binding as llvm
+
+    with WRITING:
+        llvm.initialize_all_targets()
+        llvm.initialize_all_asmprinters()
+        # Whatever is read or written lies in the card's own memory, which is quicker than an address that may be of any kind.
+        text = re.sub(r"^define (?!internal)", "define internal ", text, flags=re.M) + kernels
+        module = llvm.parse_assembly(re.sub(r"\bptr\b", "ptr addrspace(1)", text))
+        machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=f"sm_{capability}", opt=3)
+        module.triple, module.data_layout = TRIPLE, str(machine.target_data)
+        module.verify()
+        return str(machine.emit_assembly(module))
+
+
+@lru_cache(maxsize=16)
+def program(topology: Topology) -> str:
+    """PTX of a topology for all cards, from the cache or written."""
+    name = f"step-{cache.digest([*origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
+    found = cache.read(name)
+    if found is not None:
+        return found.decode()
+    cache.missed()
+    text = ptx(written(topology))
+    cache.keep(name, text.encode())
+    return text

@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import javascript, python
-from .cachelines import aligned
-from .compile import compiled, interpreted
-from .gpu import TILE
+from .functiontext import WRITING
+from .gpu import TILE, assembly
 from .llvm import operators, whole
-from .lock import WRITING
-from .native import Code, object_code
-from .ptx import assembly
+from .loops import aligned
+from .native import Code, compiled, interpreted, object_code
 from .schedule import ordered, streamed, woven
 from .source import Gathered, choices
 from .straight_line import give_laws_of

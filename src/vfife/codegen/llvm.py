@@ -10,8 +10,7 @@ import struct
 from collections.abc import Collection, Iterable
 
 from ..kernels.arrays import Layout
-from .rereading import Again, reread, settled, steady
-from .schedule import Line, Load, Store, Test, apart, ordered, streamed, woven
+from .schedule import Again, Line, Load, Store, Test, apart, ordered, reread, settled, steady, streamed, woven
 from .straight_line import Function
 from .tangent import Tangents, named, of_time
 from .trace import STEP_NUMBER, Operand, Operation, Trace, is_row, rows_used

@@ -2,6 +2,8 @@
 
 The driver is the text of :mod:`vfife.kernels.advance`. For straight-line code it is compiled once for all mechanisms and widths, and calls the
 steps of a mechanism through their names; the data-driven loop is compiled with it, once for all mechanisms with the same laws.
+
+Lines of a processor's cache: copies of a state are taken in whole ones, and vectors that straddle two cost a quarter of the speed.
 """
 
 from __future__ import annotations
@@ -19,14 +21,29 @@ from numpy.typing import NDArray
 
 from ..kernels.topology import Topology
 from . import cache, native
-from .cachelines import aligned, padded
-from .compile import Called, interpreted, library, stored_code
-from .graph import tables
-from .lock import WRITING
+from .functiontext import WRITING
+from .native import Called, interpreted, library, stored_code
 from .source import data_driven
+from .tables import tables
 
 if TYPE_CHECKING:
-    from .pieces import Pieces
+    from .modules import Pieces
+
+
+LINE = 8  # numbers in a line
+
+
+def padded(count: int) -> int:
+    """So many numbers in whole lines."""
+    return -(-count // LINE) * LINE
+
+
+def aligned(count: int) -> NDArray[np.float64]:
+    """Zeros that begin a line, with room to the end of the last one's."""
+    space = np.zeros(padded(count) + LINE)
+    skip = (-space.ctypes.data // 8) % LINE
+    return space[skip : skip + count]
+
 
 Rows = NDArray[np.float64]
 Integers = NDArray[np.uint32]
@@ -208,9 +225,13 @@ def data_driven_loop(contact: tuple[type, ...], friction: tuple[type, ...], inte
 
 def driver_code() -> bytes:
     """Object code of the driver for straight-line code, from the cache or compiled."""
-    from . import driver
 
-    return stored_code(("driver",), driver.text, wide=True)
+    def text() -> str:
+        from . import modules  # what writes code is loaded where some is written
+
+        return str(native.simplified(modules.text()))
+
+    return stored_code(("driver",), text, native.object_code)
 
 
 @contextmanager
@@ -265,7 +286,7 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Straig
         code = cache.read(name)
         if code is not None:
             return Straight(code, width)
-        from .pieces import pieces
+        from .modules import pieces
 
         cache.missed()
         with all_kept():
@@ -284,8 +305,8 @@ def loop_of(topology: Topology, loop: str, lanes: int, directions: int = 0) -> S
 
 def forget_steps() -> None:
     """Drops all steps that this process has traced, compiled or loaded: the text of a law is another one."""
-    from .pieces import _traced  # what writes steps is loaded where one is written
-    from .ptx import program
+    from .gpu import program
+    from .modules import _traced  # what writes steps is loaded where one is written
 
     for cached in (data_driven_loop, straight_line, _traced, program):
         cached.cache_clear()

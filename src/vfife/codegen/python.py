@@ -8,7 +8,7 @@ from typing import Any
 
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from . import driver
+from . import modules
 from .loops import ENTRIES, Interpreted, Memory, Stepped, Take
 from .schedule import Line, Load, Store, Test, ordered, streamed, woven
 from .straight_line import Function, functions, resizing, trace
@@ -61,8 +61,8 @@ def written(topology: Topology) -> str:
     lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
     change = ["size, shift, repeated = C[0], C[1], C[2]", *map(line, woven(resize, streamed(resize)))]
     parts = [
-        driver.gathered(*ENTRIES),
-        driver.ONE_LANE,
+        modules.gathered(*ENTRIES),
+        modules.ONE_LANE,
         definition("functions(S, T, I, n)", searched(functions(topology), layout)),
         definition("resize(S, I, C)", change),
         definition("clean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),

@@ -17,8 +17,7 @@ from ..errors import SourceError
 from ..kernels import advance as loop
 from ..kernels.arrays import Fields
 from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
-from .functiontext import function_text, function_tree
-from .lock import WRITING
+from .functiontext import WRITING, function_text, function_tree
 
 _DEFINITIONS: dict[tuple[object, ...], str] = {}  # known ones: to write them takes most of the time of a text
 

@@ -14,9 +14,10 @@ from ..kernels import step as loop
 from ..kernels.arrays import PARTICLE, Layout
 from ..kernels.data_driven import change_step
 from ..kernels.topology import AIMED, FREE, TIME, Topology
-from .graph import derive, tables
-from .lock import WRITING
+from .functiontext import WRITING
+from .graph import derive
 from .source import choices
+from .tables import tables
 from .trace import STEP_NUMBER, Operand, Operation, Rows, Seldom, Symbol, Tape, Trace, either
 from .traceable import Traceable
 

@@ -16,8 +16,7 @@ from types import CodeType, FunctionType
 from typing import Any
 
 from ..kernels.elementary import nearest
-from .functiontext import function_text, function_tree, parsed
-from .lock import WRITING
+from .functiontext import WRITING, function_text, function_tree, parsed
 from .trace import Mathematics, Seldom, Symbol, Tape, both, either, select
 
 TEXTS = re.compile(r'"""(.|\n)*?"""|#.*')  # docstrings and comments

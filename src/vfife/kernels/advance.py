@@ -56,19 +56,11 @@ def advance(S, Q, R, C, T, I, N, shares, kept, extremes, limited, limits, broken
                     return
         if len(out) > 0:
             first = m * len(kept)
-            if lanes == 4:
-                record(out, S, kept, first, 4, 4)
-            elif lanes == 8:
-                record(out, S, kept, first, 8, 8)
-            else:
-                record(out, S, kept, first, lanes, stride)
-
-
-def record(out, S, kept, first, lanes, stride):
-    """Copy the rows ``kept`` to rows of ``out`` from ``first`` on. Compiled for a written number of lanes, a row is copied as one vector."""
-    for q in range(len(kept)):
-        for w in range(lanes):
-            out[(first + q) * lanes + w] = S[kept[q] * stride + w]
+            for q in range(len(kept)):
+                if lanes == 4:
+                    copy_four(out, (first + q) * 4, S, kept[q] * stride)
+                else:
+                    copy_numbers(out, (first + q) * lanes, S, kept[q] * stride, lanes)
 
 
 def stream(S, Q, R, C, T, I, N, kept, extremes, sound, limited, limits, broken, due, every, at, stop, out, room, until, n0, count):
@@ -212,8 +204,28 @@ def displace(S, Q, C, T, I, N, shares):
 def copy(to, source, rows, lanes, stride):
     """Copy a state."""
     if lanes == stride:
-        for q in range(rows * lanes):
-            to[q] = source[q]
+        copy_numbers(to, 0, source, 0, rows * lanes)
     else:
         for w in range(lanes):
             copy_lane(to, source, rows, stride, w)
+
+
+def copy_numbers(to, at, source, place, count):
+    """Copy ``count`` numbers that lie one behind the other."""
+    fours = 4 * (count // 4)
+    for q in range(0, fours, 4):
+        copy_four(to, at + q, source, place + q)
+    for q in range(fours, count):
+        to[at + q] = source[place + q]
+
+
+def copy_four(to, at, source, place):
+    """Copy four numbers: all are read before one is written, so that they become one vector."""
+    a = source[place]
+    b = source[place + 1]
+    c = source[place + 2]
+    d = source[place + 3]
+    to[at] = a
+    to[at + 1] = b
+    to[at + 2] = c
+    to[at + 3] = d

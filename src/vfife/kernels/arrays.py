@@ -1,7 +1,7 @@
 """Where every number of a step lies, and the records that its loops walk through; what the numbers are is said in :mod:`~vfife.kernels.blocks`.
 
 All of it lies in one array ``S`` of shape ``(rows, lanes)``, entity by entity. One array is what lets the
-compiler see that two rows never overlap, so that four simulations share a vector register; records keep what belongs together in one cache
+compiler see that two rows never overlap, so that several simulations share a vector register; records keep what belongs together in one cache
 line. A particle that no joint, load or driver touches is *plain* and has a shorter record. A checkpoint is this array and the step number, a
 run's record is its state and extremes at each output step.
 
@@ -26,8 +26,10 @@ class Fields:
 
     def __init__(self, widths: Iterable[tuple[str, int]]) -> None:
         self.SIZE = 0
+        self.names: list[str] = []
         for name, width in widths:
             setattr(self, name, self.SIZE)
+            self.names.append(name)
             self.SIZE += width
 
     def __getattr__(self, name: str) -> int:
@@ -56,7 +58,7 @@ FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release",
 CONTACT_INDEX = Fields(
     (name, 1)
     for name in (
-        *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "together"),
+        *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "simultaneous"),
         *("kind", "piece", "pieces", "knot", "knots", "wear", "bearing_first", "bearing_count", "journal_first", "journal_count"),
     )
 )
@@ -97,7 +99,22 @@ HEADER = Fields(
         *LISTS,
         *(f"{name}_count" for name in LISTS),
         *("plain", "plain_count", "profile", "profile_count", "inverse", "y", "gn", "gt"),
-        *("path_unit", "damped", "worked", "close_again", "watched", "closing", "redundant", "coarse", "turned", "together", "rows"),
+        *(
+            "path_unit",
+            "damped",
+            "worked",
+            "close_again",
+            "watched",
+            "closing",
+            "redundant",
+            "coarse",
+            "turned",
+            "simultaneous",
+            "rows",
+            "corrections",
+            "velocity_corrections",
+            "newton",
+        ),
     )
 )
 

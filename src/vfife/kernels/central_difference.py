@@ -4,17 +4,17 @@
 def coefficients(start, dt, damping):
     """Coefficients of one central difference step with mass-proportional damping z = damping dt / 2.
 
-    Returned: h, b, k, p with v_n = p (v + h a), v_(n+1/2) = b v_(n-1/2) + k a. With c1 = 1/(1 + z), c2 = c1 (1 - z)
+    Returned: h, decay, gain, p with v_n = p (v + h a), v_(n+1/2) = decay v_(n-1/2) + gain a. With c1 = 1/(1 + z), c2 = c1 (1 - z)
     this is d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1), which is Eq. 5 for z = 0. The first step starts from v_0 itself:
     d_(-1) = d_0 - dt v_0 + dt^2 a_0 / 2.
     """
     z = 0.5 * dt * damping
     c1 = 1.0 / (1.0 + z)
     h = 0.0 if start else 0.5 * dt
-    b = 1.0 - z if start else c1 * (1.0 - z)
-    k = 0.5 * dt if start else dt * c1
+    decay = 1.0 - z if start else c1 * (1.0 - z)
+    gain = 0.5 * dt if start else dt * c1
     p = 1.0 if start else c1
-    return h, b, k, p
+    return h, decay, gain, p
 
 
 def resized(u, a, old, size, damping):

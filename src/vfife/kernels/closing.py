@@ -12,19 +12,17 @@ method follows with the turned rows, and where that does not close either, the s
 """
 
 from .arrays import CONSTRAINT, CONSTRAINT_INDEX, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE, SYSTEM
-from .constraint import carry, lever, levers, placed, pull, relative_turn
+from .constraint import gear_reaction, lever, levers, placed, pull, relative_turn
 from .elementary import sincos, turned
-from .factors import FLOOR, equations, factor, fill, idle, solve
+from .factors import FLOOR, REDUNDANT, equations, factor, fill, fill_turned, halves, idle, solve, solve_turned
 from .frame import chord
 from .geometry import arm, seldom
 from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
-from .turned import REDUNDANT, fill_turned, halves, solve_turned
 
 GAIN = 0.0625  # of what is open at t_n, of which all is closed in coarse steps, where rounding over dt^2 is small
 LEFT = 5e-11  # sizes of a mechanism that the corrections along the rows of t_n may leave open in a step
 LEFT_COARSE = 5e-10  # the same in coarse steps, in which it does not add up
 LEFT_BY_CONTACTS = 1e-8  # the same where impacts change the reactions from step to step: next to nothing beside a penetration
-STEEP = 3  # of the kinds of coarse steps, that in which the turned rows are always used
 MUCH = 1e-6  # sizes that a third step of Newton's method may have to close; what it leaves is of the order of the square
 
 
@@ -42,8 +40,9 @@ def ahead(S, I, dt):
         S[i + PARTICLE.step_sine], S[i + PARTICLE.step_versine] = turned(angle)
 
 
-def guess(S, q):
+def extrapolate(S, q):
     """Reaction that goes on as it did: with it the first correction closes the joints to third order in the step."""
+    # Linear extrapolation through the last two steps. The force is set to zero because apply_reaction adds to it.
     force = S[q + CONSTRAINT.force]
     before = S[q + CONSTRAINT.before]
     S[q + CONSTRAINT.before] = force
@@ -58,11 +57,11 @@ def begin(S, I):
         S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force]
 
 
-def bear(S, I, r, q, force):
+def apply_reaction(S, I, r, q, force):
     """Adds a reaction along constraint q of joint r to the forces on its bodies."""
     pull(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
     if I[r + JOINT_INDEX.carrier] != 0:
-        carry(S, q, I[r + JOINT_INDEX.carrier], force)
+        gear_reaction(S, q, I[r + JOINT_INDEX.carrier], force)
 
 
 def warm_start(S, I):
@@ -71,28 +70,28 @@ def warm_start(S, I):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for c in range(I[r + JOINT_INDEX.rows]):
             q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            bear(S, I, r, q, guess(S, q))
+            apply_reaction(S, I, r, q, extrapolate(S, q))
 
 
-def share_out(S, I):
+def minimum_norm(S, I):
     """Takes off what moves nothing."""
     idle(S, I, I[HEADER.y])
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for c in range(I[r + JOINT_INDEX.rows]):
             q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            bear(S, I, r, q, -S[I[r + JOINT_INDEX.y] + c])
+            apply_reaction(S, I, r, q, -S[I[r + JOINT_INDEX.y] + c])
 
 
-def predict(S, I, dt, b, k):
+def predict(S, I, dt, decay, gain):
     """Displacements from t_n to t_(n+1) of the pinned bodies under the forces so far."""
     for q in range(I[HEADER.pinned_count]):
         i = I[I[HEADER.pinned] + q]
-        im = dt * (k * S[i + PARTICLE.inverse_mass])
-        ii = dt * (k * S[i + PARTICLE.inverse_inertia])
-        S[i + PARTICLE.step_x] = dt * b * S[i + PARTICLE.u] + im * S[i + PARTICLE.fx]
-        S[i + PARTICLE.step_y] = dt * b * S[i + PARTICLE.v] + im * S[i + PARTICLE.fy]
-        angle = dt * b * S[i + PARTICLE.w] + ii * S[i + PARTICLE.mz]
+        im = dt * (gain * S[i + PARTICLE.inverse_mass])
+        ii = dt * (gain * S[i + PARTICLE.inverse_inertia])
+        S[i + PARTICLE.step_x] = dt * decay * S[i + PARTICLE.u] + im * S[i + PARTICLE.fx]
+        S[i + PARTICLE.step_y] = dt * decay * S[i + PARTICLE.v] + im * S[i + PARTICLE.fy]
+        angle = dt * decay * S[i + PARTICLE.w] + ii * S[i + PARTICLE.mz]
         S[i + PARTICLE.step_turn] = angle
         S[i + PARTICLE.step_sine], S[i + PARTICLE.step_versine] = turned(angle)
 
@@ -115,6 +114,8 @@ def turning(S, q, nx, ny, jb, jk):
 
 def residual(S, I):
     """What opens in each constraint from t_n to t_(n+1), with a share of what is open; and how its row turns."""
+    # Opening = what the step moves the two pins apart + a share of what is open at t_n (Baumgarte's feedback, but of positions alone). Differences
+    # of increments come first and positions are multiplied by the small gain, so that rounding of positions hardly enters.
     gain = 1.0 if I[HEADER.coarse] != 0 else GAIN
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
@@ -200,7 +201,7 @@ def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
     turning(S, q, dnx, dny, jb, jk)
 
 
-def lost(S, I, dt, k):
+def linearisation_error(S, I, dt, gain):
     """Square (m^2) of what the last correction along the rows of t_n leaves open, because they turn to t_(n+1) while its forces do not."""
     total = 0.0
     for m in range(I[HEADER.joint_count]):
@@ -208,8 +209,8 @@ def lost(S, I, dt, k):
         p = I[r + JOINT_INDEX.bearing]
         j = I[r + JOINT_INDEX.journal]
         if I[r + JOINT_INDEX.place] != NOWHERE:
-            px, py, pw = gone(S, p, dt, k)
-            jx, jy, jw = gone(S, j, dt, k)
+            px, py, pw = correction_displacement(S, p, dt, gain)
+            jx, jy, jw = correction_displacement(S, j, dt, gain)
             for c in range(2 if I[r + JOINT_INDEX.place] == PINNED else 1):
                 q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
                 along = S[q + CONSTRAINT.turn_x] * (jx - px) + S[q + CONSTRAINT.turn_y] * (jy - py)
@@ -218,24 +219,24 @@ def lost(S, I, dt, k):
     return total
 
 
-def gone(S, i, dt, k):
+def correction_displacement(S, i, dt, gain):
     """By how much a correction displaces a body at t_(n+1)."""
-    im = dt * (k * S[i + PARTICLE.inverse_mass])
-    ii = dt * (k * S[i + PARTICLE.inverse_inertia])
+    im = dt * (gain * S[i + PARTICLE.inverse_mass])
+    ii = dt * (gain * S[i + PARTICLE.inverse_inertia])
     return im * S[i + PARTICLE.change_x], im * S[i + PARTICLE.change_y], ii * S[i + PARTICLE.change_m]
 
 
-def correct(S, I, dt, k):
+def correct(S, I, dt, gain):
     """Adds corrections to the reactions, and to the bodies' forces, that are solved for."""
-    bring(S, I, dt, k)
-    scale = -1.0 / (dt * k)
+    apply_corrections(S, I, dt, gain)
+    scale = -1.0 / (dt * gain)
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for c in range(I[r + JOINT_INDEX.rows]):
             S[I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE + CONSTRAINT.force] += scale * S[I[r + JOINT_INDEX.y] + c]
 
 
-def bring(S, I, dt, k):
+def apply_corrections(S, I, dt, gain):
     """Adds to the bodies' forces the corrections that are solved for."""
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
@@ -247,22 +248,22 @@ def bring(S, I, dt, k):
             S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_x] = 0.0
             S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_y] = 0.0
             S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_m] = 0.0
-    scale = -1.0 / (dt * k)
+    scale = -1.0 / (dt * gain)
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for c in range(I[r + JOINT_INDEX.rows]):
             q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
             force = scale * S[I[r + JOINT_INDEX.y] + c]
-            tug(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
+            accumulate(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
             if I[r + JOINT_INDEX.carrier] != 0:
                 S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_m] -= force * S[q + CONSTRAINT.jc]
     for q in range(I[HEADER.pinned_count]):
-        take_in(S, I[I[HEADER.pinned] + q])
+        add_forces(S, I[I[HEADER.pinned] + q])
     for m in range(I[HEADER.driven_count]):
-        take_in(S, I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m + DRIVEN_INDEX.body])
+        add_forces(S, I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m + DRIVEN_INDEX.body])
 
 
-def tug(S, q, b, k, force):
+def accumulate(S, q, b, k, force):
     """Adds a reaction to what has been added to the forces of its bodies."""
     px = force * S[q + CONSTRAINT.nx]
     py = force * S[q + CONSTRAINT.ny]
@@ -274,16 +275,16 @@ def tug(S, q, b, k, force):
     S[b + PARTICLE.change_m] -= force * S[q + CONSTRAINT.jb]
 
 
-def take_in(S, i):
+def add_forces(S, i):
     """Forces of a body with what corrections add."""
     S[i + PARTICLE.fx] += S[i + PARTICLE.change_x]
     S[i + PARTICLE.fy] += S[i + PARTICLE.change_y]
     S[i + PARTICLE.mz] += S[i + PARTICLE.change_m]
 
 
-def opened(S, I, dt, b, k):
+def closure_error(S, I, dt, decay, gain):
     """What is to be closed under the forces so far; returned: its square (m^2 and rad^2)."""
-    predict(S, I, dt, b, k)
+    predict(S, I, dt, decay, gain)
     residual(S, I)
     total = 0.0
     for q in range(I[HEADER.constraint_count]):
@@ -291,55 +292,63 @@ def opened(S, I, dt, b, k):
     return total
 
 
-def newton(S, I, dt, b, k):
-    """Corrects the reactions with the rows turned to t_(n+1); returned: as :func:`opened` has it, of before."""
-    total = opened(S, I, dt, b, k)
+def newton(S, I, dt, decay, gain):
+    """Corrects the reactions with the rows turned to t_(n+1); returned: as :func:`closure_error` has it, of before."""
+    total = closure_error(S, I, dt, decay, gain)
     fill_turned(S, I)
     halves(S, I, S[SYSTEM.share] + (REDUNDANT if I[HEADER.redundant] != 0 else 0.0))
     solve_turned(S, I, I[HEADER.y])
-    correct(S, I, dt, k)
+    correct(S, I, dt, gain)
     return total
 
 
-def once_more(S, I, dt, b, k):
+def once_more(S, I, dt, decay, gain):
     """Corrects once more with the turned rows of the correction before; returned: as :func:`newton` has it."""
-    total = opened(S, I, dt, b, k)
+    total = closure_error(S, I, dt, decay, gain)
     solve_turned(S, I, I[HEADER.y])
-    correct(S, I, dt, k)
+    correct(S, I, dt, gain)
     return total
 
 
-def repeat(S, I, dt, b, k, much):
+def repeat(S, I, dt, decay, gain, much):
     """Newton's method where the corrections so far do not do; a coarse step that it does not close is one with an event."""
-    newton(S, I, dt, b, k)
-    left = newton(S, I, dt, b, k)
+    # Two corrections with fresh factors each; their error is of second order, so the second tells what the first has left.
+    newton(S, I, dt, decay, gain)
+    left = newton(S, I, dt, decay, gain)
     if I[HEADER.coarse] != 0:
         S[SYSTEM.event] = 1.0 if left > much else S[SYSTEM.event]
 
 
-def close(S, I, dt, b, k):
+def close(S, I, dt, decay, gain):
     """Corrects the reactions so that the joints are closed at t_(n+1)."""
+    # 1. Corrections with the factors of t_n, which are there already: one in fine steps, more in coarse ones.
+    # 2. What these leave open follows from how the rows turn (linearisation_error), without looking at positions again. Only where it is not next
+    #    to nothing does Newton's method follow, with its own factors: an unlikely branch, which the lean step leaves out.
+    # 3. In the coarsest steps Newton's method is the rule; its second correction has the factors of the first (once_more).
+    # All tests are of squares, in (m and rad)^2: a root would be waited for.
     much = MUCH * S[SYSTEM.size] * (MUCH * S[SYSTEM.size])
-    for _ in range(1 + I[HEADER.coarse] if I[HEADER.coarse] < STEEP else 1):
-        predict(S, I, dt, b, k)
+    for _ in range(I[HEADER.corrections]):
+        predict(S, I, dt, decay, gain)
         residual(S, I)
         solve(S, I, I[HEADER.y])
-        correct(S, I, dt, k)
-    if I[HEADER.coarse] < STEEP:
+        correct(S, I, dt, gain)
+    if I[HEADER.newton] == 0:
         left = LEFT_BY_CONTACTS if I[HEADER.contact_count] != 0 else LEFT_COARSE if I[HEADER.coarse] != 0 else LEFT
         most = left * S[SYSTEM.size]
-        if seldom(lost(S, I, dt, k) > most * most):
-            repeat(S, I, dt, b, k, much)
+        if seldom(linearisation_error(S, I, dt, gain) > most * most):
+            repeat(S, I, dt, decay, gain, much)
     else:
-        newton(S, I, dt, b, k)
-        if seldom(once_more(S, I, dt, b, k) > much):
-            repeat(S, I, dt, b, k, much)
+        newton(S, I, dt, decay, gain)
+        if seldom(once_more(S, I, dt, decay, gain) > much):
+            repeat(S, I, dt, decay, gain, much)
     if I[HEADER.redundant] != 0:
-        share_out(S, I)
+        minimum_norm(S, I)
 
 
 def close_velocities(S, I, dt):
     """Corrects the half-step velocities so that the joints are closed after a step of another size; the reactions are told as they were."""
+    # The change of a step's size keeps positions; half-step velocities shift by dt^2 and open the joints by a third order of the step. With the
+    # forces set to zero, what correct() would add as reactions are impulses that close them; they are no reactions and are not recorded.
     for q in range(I[HEADER.trig_count]):
         i = I[I[HEADER.trig] + q]
         S[i + PARTICLE.s], S[i + PARTICLE.c] = sincos(S[i + PARTICLE.theta])
@@ -352,11 +361,11 @@ def close_velocities(S, I, dt):
     ahead(S, I, dt)
     fill(S, I)
     factor(S, I, FLOOR if I[HEADER.redundant] != 0 else 0.0)
-    for _ in range(1 + 2 * I[HEADER.coarse]):
+    for _ in range(I[HEADER.velocity_corrections]):
         predict(S, I, dt, 1.0, 1.0)
         residual(S, I)
         solve(S, I, I[HEADER.y])
-        bring(S, I, dt, 1.0)
+        apply_corrections(S, I, dt, 1.0)
     for q in range(I[HEADER.pinned_count]):
         i = I[I[HEADER.pinned] + q]
         S[i + PARTICLE.u] += S[i + PARTICLE.inverse_mass] * S[i + PARTICLE.fx]
@@ -364,14 +373,14 @@ def close_velocities(S, I, dt):
         S[i + PARTICLE.w] += S[i + PARTICLE.inverse_inertia] * S[i + PARTICLE.mz]
 
 
-def hold(S, I, dt, b, k, start):
+def hold(S, I, dt, decay, gain, start):
     """Reactions of all ideal joints at t_n under the other forces."""
     levers(S, I)
     ahead(S, I, dt)
     equations(S, I, dt, start)
     warm_start(S, I)
-    close(S, I, dt, b, k)
+    close(S, I, dt, decay, gain)
     if seldom(start):
-        newton(S, I, dt, b, k)
-        newton(S, I, dt, b, k)
-        newton(S, I, dt, b, k)
+        newton(S, I, dt, decay, gain)
+        newton(S, I, dt, decay, gain)
+        newton(S, I, dt, decay, gain)

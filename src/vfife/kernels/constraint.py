@@ -13,8 +13,7 @@ from .arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, HEADER, JOINT, JOINT_
 from .central_difference import larger
 from .factors import solve
 from .frame import chord
-from .geometry import arm
-from .path import from_path
+from .geometry import arm, from_path
 from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
 
 
@@ -98,7 +97,7 @@ def pull(S, q, b, k, force):
     S[b + PARTICLE.mz] -= force * S[q + CONSTRAINT.jb]
 
 
-def carry(S, q, c, force):
+def gear_reaction(S, q, c, force):
     """The moment of a reaction along constraint q on the body c that carries its gears."""
     S[c + PARTICLE.mz] -= force * S[q + CONSTRAINT.jc]
 
@@ -189,7 +188,7 @@ def joint_compliance(S, I, j, b, k):
 
 
 def apply_response(S, I, h, normal, friction):
-    """Velocities at t_n and reactions after a change of the force in the clearance joint that ``respond`` was last asked about."""
+    """Velocities at t_n and reactions after a change of the force in the clearance joint of the last :func:`joint_compliance`."""
     for q in range(I[HEADER.jointed_count]):
         i = I[I[HEADER.jointed] + q]
         S[i + PARTICLE.vu] += h * (friction * S[i + PARTICLE.rt] - normal * S[i + PARTICLE.rn])
@@ -200,4 +199,4 @@ def apply_response(S, I, h, normal, friction):
         force = normal * S[I[HEADER.gn] + m] - friction * S[I[HEADER.gt] + m]
         pull(S, I[r + CONSTRAINT_INDEX.row], I[r + CONSTRAINT_INDEX.bearing], I[r + CONSTRAINT_INDEX.journal], force)
         if I[r + CONSTRAINT_INDEX.carrier] != 0:
-            carry(S, I[r + CONSTRAINT_INDEX.row], I[r + CONSTRAINT_INDEX.carrier], force)
+            gear_reaction(S, I[r + CONSTRAINT_INDEX.row], I[r + CONSTRAINT_INDEX.carrier], force)

@@ -5,21 +5,105 @@ slot along a path, the one on its side.
 
 Damping and friction are stiff: both act on the velocity at t_n, which a central difference does not know yet, so each joint solves for its
 force in closed form. Joints that share a body are visited in turn, from the last step's forces.
+
+**Simultaneous contacts.** Contacts from outside that share a body and may begin in the same step get their normal forces together, whatever
+their order. Solved in turn, the first of two corners that meet a wall feels the last step's force of the second, the second the new one of
+the first, and a block that should stay upright turns. Here every contact answers to the same velocities, several times over (Jacobi's
+sweeps). With the force of a pair of bodies counted as often as contacts press on each of them, no such sweep overshoots: sum_ij x_i g_i g_j
+x_j <= c sum_i (g_i x_i)^2 for c contacts on a body (Cauchy and Schwarz), so the sweeps approach the common solution from any start. Joints
+whose bodies hang in ideal joints, and bearings around journals, are solved in turn.
+
+b and k are the bearing's and the journal's body in all functions of joints; decay and gain make the velocity of t_(n+1/2).
 """
 
 from .arrays import CONTACT, CONTACT_INDEX, GUIDE, GUIDE_INDEX, HEADER, PARTICLE, SYSTEM, WEAR
 from .central_difference import larger
 from .constraint import apply_response, joint_compliance
-from .geometry import arm, eccentricity, normal_force, onset_speed, seldom
-from .path import in_slot
+from .geometry import arm, eccentricity, in_slot, normal_force, onset_speed, seldom
 from .tabled import tabled_law, turned_slowness
-from .together import approach_rate, press, press_together, shove
 from .topology import LINE, ROUND, SLOT
 from .wear import rub, worn
 
 STICKS = 1e-9  # share of a free velocity that a set-valued law leaves to rounding
 
+SWEEPS = 6  # over contacts that are solved simultaneously
+
 contact_law = friction_law = friction_regime = film_law = None  # written by source.py for the laws at hand
+
+
+def apply_contact_force(S, j, b, k, normal, friction):
+    """Adds a normal and a friction force of joint j to the forces on its two particles."""
+    nx = S[j + CONTACT.nx]
+    ny = S[j + CONTACT.ny]
+    px = normal * nx + friction * ny
+    py = friction * nx - normal * ny
+    S[k + PARTICLE.fx] -= px
+    S[k + PARTICLE.fy] += py
+    S[k + PARTICLE.mz] += friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn]
+    S[b + PARTICLE.fx] += px
+    S[b + PARTICLE.fy] -= py
+    S[b + PARTICLE.mz] -= friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn]
+
+
+def update_velocities(S, j, b, k, h, normal, friction):
+    """Velocities at t_n of the two bodies of joint j under a change of its force."""
+    nx = S[j + CONTACT.nx]
+    ny = S[j + CONTACT.ny]
+    px = normal * nx + friction * ny
+    py = friction * nx - normal * ny
+    hk = h * S[k + PARTICLE.inverse_mass]
+    hb = h * S[b + PARTICLE.inverse_mass]
+    S[k + PARTICLE.vu] -= hk * px
+    S[k + PARTICLE.vv] += hk * py
+    S[k + PARTICLE.vw] += h * S[k + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn])
+    S[b + PARTICLE.vu] += hb * px
+    S[b + PARTICLE.vv] -= hb * py
+    S[b + PARTICLE.vw] -= h * S[b + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn])
+
+
+def approach_rate(S, j, b, k):
+    """Rate of the penetration at the velocities of t_n."""
+    ru = S[k + PARTICLE.vu] - S[b + PARTICLE.vu]
+    rv = S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
+    return S[j + CONTACT.nx] * ru + S[j + CONTACT.ny] * rv + S[j + CONTACT.jn] * S[k + PARTICLE.vw] - S[j + CONTACT.bn] * S[b + PARTICLE.vw]
+
+
+def solve_simultaneous(S, I, h):
+    """Normal forces of contacts that are solved together."""
+    # First count the contacts that press on each body: its mobility is multiplied by that in force_change.
+    for q in range(I[HEADER.jointed_count]):
+        S[I[I[HEADER.jointed] + q] + PARTICLE.touches] = 0.0
+    for m in range(I[HEADER.contact_count]):
+        r = I[HEADER.contact] + CONTACT_INDEX.SIZE * m
+        if I[r + CONTACT_INDEX.simultaneous] != 0:
+            touching = 1.0 if S[I[r + CONTACT_INDEX.row] + CONTACT.penetration] > 0.0 else 0.0
+            S[I[r + CONTACT_INDEX.bearing] + PARTICLE.touches] += touching
+            S[I[r + CONTACT_INDEX.journal] + PARTICLE.touches] += touching
+    # All changes of a sweep follow from the velocities before it; only then are they applied.
+    for _ in range(SWEEPS):
+        for m in range(I[HEADER.contact_count]):
+            r = I[HEADER.contact] + CONTACT_INDEX.SIZE * m
+            if I[r + CONTACT_INDEX.simultaneous] != 0:
+                force_change(S, I[r + CONTACT_INDEX.row], I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], h)
+        for m in range(I[HEADER.contact_count]):
+            r = I[HEADER.contact] + CONTACT_INDEX.SIZE * m
+            if I[r + CONTACT_INDEX.simultaneous] != 0:
+                j = I[r + CONTACT_INDEX.row]
+                apply_contact_force(S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], S[j + CONTACT.more], 0.0)
+                update_velocities(S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], h, S[j + CONTACT.more], 0.0)
+                S[j + CONTACT.normal] += S[j + CONTACT.more]
+
+
+def force_change(S, j, b, k, h):
+    """By how much the normal force of a contact changes at the present velocities, its mobility counted for all contacts on its bodies."""
+    jn = S[j + CONTACT.jn]
+    bn = S[j + CONTACT.bn]
+    on_journal = S[k + PARTICLE.touches] * (S[k + PARTICLE.inverse_mass] + jn * jn * S[k + PARTICLE.inverse_inertia])
+    on_bearing = S[b + PARTICLE.touches] * (S[b + PARTICLE.inverse_mass] + bn * bn * S[b + PARTICLE.inverse_inertia])
+    g = h * (on_journal + on_bearing)
+    old = S[j + CONTACT.normal]
+    normal, _ = normal_force(S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient], approach_rate(S, j, b, k) + g * old, g)
+    S[j + CONTACT.more] = normal - old
 
 
 def velocities(S, I, p, h):
@@ -118,6 +202,7 @@ def contact_geometry(S, I, start, p, h):
         if w != 0:
             S[w + WEAR.nx] = nx
             S[w + WEAR.ny] = ny
+        # A worn surface shifts the place of contact, and the law sees the penetration stretched along the normal.
         stretch = 1.0
         turns = 0.0
         lost = 0.0
@@ -126,6 +211,8 @@ def contact_geometry(S, I, start, p, h):
             depth, nx, ny, along, turns, stretch = worn(S, I, r, depth, nx, ny)
             lost = S[w + WEAR.journal] if I[r + CONTACT_INDEX.journal_count] != 0 else 0.0
             beyond = (nx * ex + ny * ey) - (depth + S[j + CONTACT.size]) - lost
+        # Levers of the normal (jn, bn) and of friction (jt, bt) about the bodies' particles. Friction acts at the surface, a radius from the pin's
+        # centre, which the penetration shifts.
         overlap = S[j + CONTACT.arm_overlap] * depth
         S[j + CONTACT.nx] = nx
         S[j + CONTACT.ny] = ny
@@ -133,6 +220,7 @@ def contact_geometry(S, I, start, p, h):
         S[j + CONTACT.bn] = bx * ny - by * nx - along
         S[j + CONTACT.jt] = kx * nx + ky * ny + (S[j + CONTACT.arm_journal] - overlap) - lost
         S[j + CONTACT.bt] = bx * nx + by * ny + (S[j + CONTACT.arm_bearing] + overlap) + beyond
+        # Onset and end of a contact are events: the step is taken again in parts, so that the impact speed is located within an eighth of it.
         touching = depth > 0.0
         if seldom(touching and S[j + CONTACT.slowness] <= 0.0):
             onset(S, j, b, k, depth, start, p, h, stretch)
@@ -146,6 +234,7 @@ def contact_geometry(S, I, start, p, h):
         if shaped:
             S[j + CONTACT.elastic] *= stretch
             S[j + CONTACT.damping_coefficient] *= stretch * stretch
+        # Joints that share a body start from the last step's forces, which solve_contacts then corrects one by one (Gauss and Seidel).
         S[j + CONTACT.normal] = 0.0
         S[j + CONTACT.friction] = 0.0
         if I[r + CONTACT_INDEX.film] != 0:
@@ -153,11 +242,11 @@ def contact_geometry(S, I, start, p, h):
             if I[r + CONTACT_INDEX.shared] != 0:
                 S[j + CONTACT.normal] = S[j + CONTACT.normal_force]
                 S[j + CONTACT.friction] = S[j + CONTACT.friction_force]
-                press(S, j, b, k, S[j + CONTACT.normal], S[j + CONTACT.friction])
+                apply_contact_force(S, j, b, k, S[j + CONTACT.normal], S[j + CONTACT.friction])
         elif I[r + CONTACT_INDEX.shared] != 0:
             S[j + CONTACT.normal] = S[j + CONTACT.normal_force] if touching else 0.0
             S[j + CONTACT.friction] = S[j + CONTACT.friction_force] if touching else 0.0
-            press(S, j, b, k, S[j + CONTACT.normal], S[j + CONTACT.friction])
+            apply_contact_force(S, j, b, k, S[j + CONTACT.normal], S[j + CONTACT.friction])
 
 
 def film_coefficients(S, contact, j, b, k, h):
@@ -196,7 +285,7 @@ def eliminate_film(S, j, slip, gt):
     return push, S[j + CONTACT.damping_coefficient] - cross * cross * gt * share
 
 
-def carried(S, j, rate, slip, gt):
+def film_force(S, j, rate, slip, gt):
     """Force of the film along t (N) for the rate along n that was solved."""
     return (S[j + CONTACT.film_across] + S[j + CONTACT.film_cross] * rate - S[j + CONTACT.film_damping] * slip) / (
         1.0 + gt * S[j + CONTACT.film_damping]
@@ -221,18 +310,18 @@ def mobilities(S, I, j, b, k, constrained):
     return gn, gt, gm
 
 
-def onward(S, i, b, k):
+def onward(S, i, decay, gain):
     """Velocity at t_(n+1/2) of a particle under the forces so far, as ``kick`` will make it; a driven one turns as prescribed."""
     im = S[i + PARTICLE.inverse_mass]
     ii = S[i + PARTICLE.inverse_inertia]
-    w = b * S[i + PARTICLE.w] + k * (ii * S[i + PARTICLE.mz]) if ii > 0.0 else S[i + PARTICLE.w] + 0.5 * S[SYSTEM.step] * S[i + PARTICLE.aw]
-    return b * S[i + PARTICLE.u] + k * (im * S[i + PARTICLE.fx]), b * S[i + PARTICLE.v] + k * (im * S[i + PARTICLE.fy]), w
+    w = decay * S[i + PARTICLE.w] + gain * (ii * S[i + PARTICLE.mz]) if ii > 0.0 else S[i + PARTICLE.w] + 0.5 * S[SYSTEM.step] * S[i + PARTICLE.aw]
+    return decay * S[i + PARTICLE.u] + gain * (im * S[i + PARTICLE.fx]), decay * S[i + PARTICLE.v] + gain * (im * S[i + PARTICLE.fy]), w
 
 
-def slip_after(S, j, bearing, journal, b, k):
+def slip_after(S, j, bearing, journal, decay, gain):
     """Sliding velocity of joint j at t_(n+1/2) under the forces so far."""
-    bu, bv, bw = onward(S, bearing, b, k)
-    ku, kv, kw = onward(S, journal, b, k)
+    bu, bv, bw = onward(S, bearing, decay, gain)
+    ku, kv, kw = onward(S, journal, decay, gain)
     return S[j + CONTACT.nx] * (kv - bv) - S[j + CONTACT.ny] * (ku - bu) + S[j + CONTACT.jt] * kw - S[j + CONTACT.bt] * bw
 
 
@@ -241,11 +330,15 @@ def solve_contacts(S, I, span, central):
 
     Most friction laws are solved with the velocity at t_n. A set-valued one must make the half-step velocity zero to stick: at t_n it would
     only turn that round, and the body would tremble. ``ahead`` marks such a joint.
+
+    Of each joint the normal force is solved first, from the rate under all forces so far, this joint's former ones among them. Its change moves the
+    surfaces along t as well, by the coupling gm; friction is solved after it, from the sliding velocity that would be there without friction. The
+    changes of both are then applied to bodies and velocities, so that the next joint sees them.
     """
     half, decay, gain, p = central
     h = p * half
-    if I[HEADER.together] != 0:
-        press_together(S, I, h)
+    if I[HEADER.simultaneous] != 0:
+        solve_simultaneous(S, I, h)
     for m in range(I[HEADER.contact_count]):
         r = I[HEADER.contact] + CONTACT_INDEX.SIZE * m
         j = I[r + CONTACT_INDEX.row]
@@ -267,7 +360,7 @@ def solve_contacts(S, I, span, central):
         resisting = S[j + CONTACT.damping_coefficient]
         if I[r + CONTACT_INDEX.film] != 0:
             push, resisting = eliminate_film(S, j, slip - gt * S[j + CONTACT.friction], gt)
-        if I[r + CONTACT_INDEX.together] != 0:
+        if I[r + CONTACT_INDEX.simultaneous] != 0:
             normal = S[j + CONTACT.normal]
         else:
             normal, rate = normal_force(push, resisting, rate + gn * S[j + CONTACT.normal], gn)
@@ -276,7 +369,7 @@ def solve_contacts(S, I, span, central):
         dry = normal
         across = 0.0
         if I[r + CONTACT_INDEX.film] != 0:
-            across = carried(S, j, rate, loose, gt)
+            across = film_force(S, j, rate, loose, gt)
             loose += gt * across
             dry = S[j + CONTACT.elastic] if S[j + CONTACT.elastic] < normal else normal
         free = loose
@@ -291,11 +384,11 @@ def solve_contacts(S, I, span, central):
             change_regime(S, I, r, free, free + mobility * friction, normal)
         slip = loose + gt * friction
         tangential = friction + across
-        press(S, j, b, k, more, tangential - S[j + CONTACT.friction])
+        apply_contact_force(S, j, b, k, more, tangential - S[j + CONTACT.friction])
         if I[r + CONTACT_INDEX.constrained] != 0:
             apply_response(S, I, h, more, tangential - S[j + CONTACT.friction])
         elif I[r + CONTACT_INDEX.shared] != 0:
-            shove(S, j, b, k, h, more, tangential - S[j + CONTACT.friction])
+            update_velocities(S, j, b, k, h, more, tangential - S[j + CONTACT.friction])
         S[j + CONTACT.normal_force] = normal
         S[j + CONTACT.friction_force] = tangential
         account(S, j, span, (normal - S[j + CONTACT.elastic]) * rate - across * slip, -friction * slip)

@@ -119,6 +119,11 @@ def log(x):
     x = m 2**e, s = (m - 1)/(m + 1), log m = f - f^2/2 + s (f^2/2 + R(s^2)), f = m - 1: the polynomial of FreeBSD's msun (e_log.c).
     """
     m, e = reduced(x)
+    return log_of(m, e)
+
+
+def log_of(m, e):
+    """Natural logarithm of m 2**e for m in [sqrt(1/2), sqrt(2)) and integer-valued e."""
     f = m - 1.0
     s = f / (2.0 + f)
     z = s * s

@@ -2,9 +2,20 @@
 
 Both bodies of a joint are particles with mass and inertia; on a rigid body the centre sits on an arm, on an elastic link the arm is zero.
 n points from the bearing centre to the journal centre, t is n turned anticlockwise. Forces are those on the journal: -F_N n + F_T t.
+
+Paths of pieces of constant curvature, straight or round, and how far a point is from one.
+
+A piece begins at (x, y) along a unit vector t, with its normal n on its left, and bends to the left with a curvature k. Of a point at a = t . r and
+b = n . r from there, f = 2 b - k (a^2 + b^2) gives the signed distance f/(1 + sqrt(1 - k f)), positive on the left: one formula for lines and
+arcs. A piece counts where the foot of the point lies on it: past its begin and short of its end, where the path turns no corner. An arc turns by
+180 degrees at most, so that both are half planes. Where several pieces count, the nearest is taken.
 """
 
 import math
+
+from .arrays import PIECE
+
+FAR = 1e300  # m
 
 
 def arm(c, s, px, py):
@@ -32,7 +43,7 @@ def onset_speed(penetration, before, rate, dt):
 
 
 def seldom(condition):
-    """Marks a branch that is taken in few steps: straight-line code leaves it out and hands such a step to the data-driven loop."""
+    """Marks a branch that is taken in few steps: the lean step leaves it out and tells where the whole step is needed."""
     return condition
 
 
@@ -47,6 +58,43 @@ def normal_force(elastic, damping, rate, mobility):
     return force if pushes else 0.0, solved if pushes else rate
 
 
-def coupling(im, ii, rix, riy, rkx, rky):
-    """Velocity at arm i for a unit force at arm k of the same body: entries xx, xy, yx, yy of its 2 x 2 block (1/kg)."""
-    return im + ii * riy * rky, -ii * riy * rkx, -ii * rix * rky, im + ii * rix * rkx
+def from_piece(S, i, x, y):
+    """Signed distance (m) of a point from the line or circle of a piece, the normal there, and whether the foot is on the piece."""
+    c = S[i + PIECE.cosine]
+    s = S[i + PIECE.sine]
+    k = S[i + PIECE.curvature]
+    rx = x - S[i + PIECE.x]
+    ry = y - S[i + PIECE.y]
+    a = c * rx + s * ry
+    b = c * ry - s * rx
+    f = 2.0 * b - k * (a * a + b * b)
+    inside = 1.0 - k * f
+    root = math.sqrt(inside if inside > 0.0 else 0.0)
+    inverse = 1.0 / (root + 1e-300)
+    nx, ny = arm(c, s, -k * a * inverse, (1.0 - k * b) * inverse)
+    past = S[i + PIECE.opens] * a
+    left = S[i + PIECE.end_cosine] * (x - S[i + PIECE.end_x]) + S[i + PIECE.end_sine] * (y - S[i + PIECE.end_y])
+    return f / (1.0 + root), nx, ny, past >= 0.0 and left <= 0.0
+
+
+def from_path(S, first, count, x, y):
+    """Signed distance (m) of a point from a path of ``count`` pieces, positive on its left, and the path's normal to the left at the foot."""
+    distance, nx, ny, on = from_piece(S, first, x, y)
+    if count > 1:
+        nearest = abs(distance) if on else FAR
+        for q in range(1, count):
+            d, px, py, on = from_piece(S, first + PIECE.SIZE * q, x, y)
+            near = on and abs(d) < nearest
+            distance = d if near else distance
+            nx = px if near else nx
+            ny = py if near else ny
+            nearest = abs(d) if near else nearest
+    return distance, nx, ny
+
+
+def in_slot(S, first, count, c, s, ex, ey):
+    """Distance (m) of a pin from the middle of a slot and the direction of the nearer wall, in space; (c, s) is that of the slot's body."""
+    away, px, py = from_path(S, first, count, c * ex + s * ey, c * ey - s * ex)
+    side = 1.0 if away >= 0.0 else -1.0
+    nx, ny = arm(c, s, side * px, side * py)
+    return side * away, nx, ny

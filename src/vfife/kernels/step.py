@@ -219,7 +219,7 @@ def elements(S, I, first, last, renew):
                 S[a + UNIT.reference_moment_2] = m2
 
 
-def kick(S, i, h, b, k, p):
+def kick(S, i, h, decay, gain, p):
     """Acceleration of a free particle at t_n and its velocity at t_(n+1/2); returned: its velocity at t_n."""
     im = S[i + PARTICLE.inverse_mass]
     ii = S[i + PARTICLE.inverse_inertia]
@@ -235,9 +235,9 @@ def kick(S, i, h, b, k, p):
     S[i + PARTICLE.ax] = ax
     S[i + PARTICLE.ay] = ay
     S[i + PARTICLE.aw] = aw
-    S[i + PARTICLE.u] = b * u + k * ax
-    S[i + PARTICLE.v] = b * v + k * ay
-    S[i + PARTICLE.w] = b * w + k * aw
+    S[i + PARTICLE.u] = decay * u + gain * ax
+    S[i + PARTICLE.v] = decay * v + gain * ay
+    S[i + PARTICLE.w] = decay * w + gain * aw
     return un, vn, wn
 
 
@@ -247,7 +247,7 @@ def lost_power(S, i, zeta, u, v, w):
     return zeta * ((u * u + v * v) / S[i + PARTICLE.inverse_mass] + (w * w / ii if ii > 0.0 else 0.0))
 
 
-def tiles(S, I, renew, d, h, b, k, p):
+def tiles(S, I, renew, d, h, decay, gain, p):
     """Elements, with the plain particles around them drifting just before and kicked just after, while they are in the cache."""
     lost = 0.0
     zeta = S[SYSTEM.damping]
@@ -259,14 +259,14 @@ def tiles(S, I, renew, d, h, b, k, p):
         elements(S, I, I[r + TILE_INDEX.frame], I[r + TILE_INDEX.frame_end], renew)
         for q in range(I[r + TILE_INDEX.kick], I[r + TILE_INDEX.kick_end]):
             i = I[HEADER.plain] + PLAIN * q
-            un, vn, wn = kick(S, i, h, b, k, p)
+            un, vn, wn = kick(S, i, h, decay, gain, p)
             if damped:
                 lost += lost_power(S, i, zeta, un, vn, wn)
     if damped:
         S[SYSTEM.damping_power] = lost
 
 
-def settle(S, I, span, h, b, k, p):
+def settle(S, I, span, h, decay, gain, p):
     """Kick of the bound particles; power of damping, of time-dependent loads and of prescribed travels at t_n."""
     lost = 0.0
     zeta = S[SYSTEM.damping]
@@ -274,7 +274,7 @@ def settle(S, I, span, h, b, k, p):
     worked = I[HEADER.worked] != 0
     for q in range(I[HEADER.bound_count]):
         i = I[I[HEADER.bound] + q]
-        un, vn, wn = kick(S, i, h, b, k, p)
+        un, vn, wn = kick(S, i, h, decay, gain, p)
         if worked:
             S[i + PARTICLE.vu] = un
             S[i + PARTICLE.vv] = vn
@@ -357,17 +357,17 @@ def observe(S, I, span):
 def joints(S, I, start, span, central):
     """All joints at t_n: clearances met, ideal reactions, then both again with what each does to the other."""
     dt = S[SYSTEM.step]
-    h, b, k, p = central
+    h, decay, gain, p = central
     if I[HEADER.contact_count] > 0:
         contact_geometry(S, I, start, p, h)
     if I[HEADER.joint_count] > 0:
-        hold(S, I, dt, b, k, start)
+        hold(S, I, dt, decay, gain, start)
     if I[HEADER.contact_count] > 0:
         velocities(S, I, p, h)
         solve_contacts(S, I, span, central)
         guides(S, I)
     if I[HEADER.close_again] != 0:
-        close(S, I, dt, b, k)
+        close(S, I, dt, decay, gain)
     if seldom(start):
         begin(S, I)
 
@@ -376,17 +376,17 @@ def step(S, I, n, start):
     """One step: everything it needs and leaves is in S; functions of time are there already."""
     dt = S[SYSTEM.step]
     if I[HEADER.damped] != 0:
-        h, b, k, p = coefficients(start, dt, S[SYSTEM.damping])
+        h, decay, gain, p = coefficients(start, dt, S[SYSTEM.damping])
     else:
-        h, b, k, p = 0.0 if start else 0.5 * dt, 1.0, 0.5 * dt if start else dt, 1.0
+        h, decay, gain, p = 0.0 if start else 0.5 * dt, 1.0, 0.5 * dt if start else dt, 1.0
     span = 0.5 * dt if start else dt
     d = 0.0 if start else dt
     S[SYSTEM.event] = 0.0
     pass_kinks(S, I)
     move(S, I, (n + S[SYSTEM.shift]) * dt, d)
-    tiles(S, I, n % max(I[HEADER.path_unit], 1) == 0, d, h, b, k, p)
+    tiles(S, I, n % max(I[HEADER.path_unit], 1) == 0, d, h, decay, gain, p)
     loads(S, I)
     springs(S, I, span, p, h)
-    joints(S, I, start, span, (h, b, k, p))
-    settle(S, I, span, h, b, k, p)
+    joints(S, I, start, span, (h, decay, gain, p))
+    settle(S, I, span, h, decay, gain, p)
     observe(S, I, span)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import VfifeError
-from ..kernels import constraint, geometry, path
+from ..kernels import constraint, geometry
 from ..kernels.topology import ACROSS, ALONG, APART, ON_PATH
 from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Place, Row, Turn, place_row, turn_row
 from ..numerics.elementwise import sincos
@@ -114,7 +114,7 @@ def lifted(*modules: ModuleType) -> Any:
 
 
 SOMEWHERE = 1e-9  # of the length of a massless link whose pins a first guess puts in one place
-KERNEL = lifted(geometry, path, constraint)  # arm, lever, placed and relative_turn, as the step has them
+KERNEL = lifted(geometry, constraint)  # arm, lever, placed and relative_turn, as the step has them
 
 
 STILL, AT_REST = [(0.0, 0.0, 0.0)] * 2, [0.0] * 2  # what two pins in one place have of a third body, and at rest

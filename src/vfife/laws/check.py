@@ -15,7 +15,7 @@ from types import FunctionType
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
-from ..codegen.lock import WRITING
+from ..codegen.functiontext import WRITING
 from ..codegen.source import data_driven
 from ..errors import LawError, SourceError
 from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS

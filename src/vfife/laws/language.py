@@ -25,8 +25,7 @@ from functools import lru_cache
 from types import CodeType, FunctionType
 from typing import Any
 
-from ..codegen.functiontext import function_text, parsed
-from ..codegen.lock import WRITING
+from ..codegen.functiontext import WRITING, function_text, parsed
 from .expressions import Expressions, shown
 from .grammar import INSTEAD, NUMBER, REMEDY, RESERVED, TRUTH, UNKNOWN, Kind, Several, Whole, category, known, numeric, words
 

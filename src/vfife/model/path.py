@@ -75,7 +75,7 @@ class Path:
 
     def seen(self, x: float, y: float) -> tuple[float, float, float]:
         """Distance (m) of a point from the path, positive on its left, and the path's normal to the left at the foot."""
-        from ..kernels.path import from_path  # with the arrays of the kernels, which `import vfife` does without
+        from ..kernels.geometry import from_path  # with the arrays of the kernels, which `import vfife` does without
 
         distance, nx, ny = from_path([number for piece in self.numbers() for number in piece], 0, len(self.pieces), x, y)
         return float(distance), float(nx), float(ny)

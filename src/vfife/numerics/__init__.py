@@ -2,7 +2,7 @@
 
 Every result follows from + - * / sqrt, comparisons and our own polynomials in a fixed order: no fused products, no sum whose order depends on the
 width of a register, no call of the C library's functions, of BLAS or of LAPACK. The routines for arrays are compiled like the loops of a run
-(:mod:`vfife.codegen.compile`) and run to the same bits as plain Python. Each matrix of a batch has the bits that it has alone.
+(:mod:`vfife.codegen.native`) and run to the same bits as plain Python. Each matrix of a batch has the bits that it has alone.
 
 - :mod:`~vfife.numerics.scalar`: functions of one number, ``sin``, ``cos``, ``sincos``, ``tan``, ``atan``, ``atan2``, ``asin``, ``acos``, ``exp``,
   ``expm1``, ``log``, ``log1p``, ``log10``, ``power``, ``hypot``, ``distance``, ``whole_power``; error about 1 ulp. Imports no NumPy.

@@ -8,27 +8,27 @@ from pathlib import Path
 from typing import Any
 
 from ..codegen.cache import digest
-from ..codegen.compile import Called, interpreted, library
-from ..codegen.lock import WRITING
+from ..codegen.functiontext import WRITING
+from ..codegen.native import Called, interpreted, library
 from ..codegen.source import Gathered
-from .routines import elimination, general, products, reflections, rotations, series, skyline, symmetric
+from .routines import eigenvalues, functions, linear, singular
 
-# Routines and the kinds of their arguments: f1 a flat array of numbers, d a number, i an integer (codegen.compile).
+# Routines and the kinds of their arguments: f1 a flat array of numbers, d a number, i an integer (codegen.native).
 ROUTINES: dict[Callable[..., None], str] = {
-    products.multiply: "f1 f1 f1 i i i i i i i",
-    products.multiply_vectors: "f1 f1 f1 i i i i i",
-    elimination.eliminate: "f1 f1 f1 i i i",
-    reflections.factors: "f1 f1 f1 f1 i i i i",
-    rotations.decompose: "f1 f1 f1 f1 f1 i i i i",
-    symmetric.diagonalise: "f1 f1 f1 f1 i i",
-    general.eigenvalues: "f1 f1 f1 f1 i i",
-    skyline.factorise: "f1 f1 f1 i d",
-    skyline.substitute_back: "f1 f1 f1 f1 i",
-    series.turn_all: "f1 f1 f1",
-    series.raise_all: "f1 f1 f1",
-    series.exponentials: "f1 f1",
-    series.logarithms: "f1 f1",
-    series.directions_of: "f1 f1 f1",
+    linear.multiply: "f1 f1 f1 i i i i i i i",
+    linear.multiply_vectors: "f1 f1 f1 i i i i i",
+    linear.eliminate: "f1 f1 f1 i i i",
+    singular.factors: "f1 f1 f1 f1 i i i i",
+    singular.decompose: "f1 f1 f1 f1 f1 i i i i",
+    eigenvalues.diagonalise: "f1 f1 f1 f1 i i",
+    eigenvalues.eigenvalues: "f1 f1 f1 f1 i i",
+    linear.factorise: "f1 f1 f1 i d",
+    linear.substitute_back: "f1 f1 f1 f1 i",
+    functions.turn_all: "f1 f1 f1",
+    functions.raise_all: "f1 f1 f1",
+    functions.exponentials: "f1 f1",
+    functions.logarithms: "f1 f1",
+    functions.directions_of: "f1 f1 f1",
 }
 
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly, StepChoice, bounds, limited_rows, watched
 from ..assembly.timestep import SAFETY
 from ..codegen.loops import NEVER
-from ..codegen.runner import LOOK, Runner
-from ..codegen.streams import Stream
+from ..codegen.runner import LOOK, Runner, Stream
 from .record import places
 from .repeating import outputs_of_a_turn
 

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, Bounds, bounds, limited_rows
+from ..codegen.cuda import MEMBERS, DeviceStream
 from ..codegen.native import stream_lanes
-from ..codegen.ondevice import MEMBERS, DeviceStream
-from ..codegen.streams import Starter, Stream
+from ..codegen.runner import Starter, Stream
 from .record import Record, recorded_rows
 from .transient import choose_loop
 

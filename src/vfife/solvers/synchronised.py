@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, bounds, limited_rows, watched
 from ..codegen.loops import NEVER
-from ..codegen.runner import LOOK, Runner
-from ..codegen.streams import Stream
+from ..codegen.runner import LOOK, Runner, Stream
 from .record import places
 
 Array = NDArray[np.float64]

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, Bounds
-from ..codegen.graph import tables
 from ..codegen.runner import Runner
+from ..codegen.tables import tables
 from ..errors import VfifeError
 from ..kernels.data_driven import change_step
 from .interrupts import ChunkSize, Interrupts, Workers

@@ -1,11 +1,13 @@
 """Elementary functions from + - * / sqrt alone, over the whole range of a double.
 
 Polynomials are those of FreeBSD's msun, where not said otherwise.
+
+Behind them, the same of arrays, number by number.
 """
 
 import math
 
-from ...kernels.elementary import nearest, small_exp, two_to
+from ...kernels.elementary import log_of, nearest, sincos, small_exp, two_to
 
 
 def exponential(x):
@@ -59,16 +61,9 @@ def parts(x):
 
 
 def logarithm(x):
-    """Natural logarithm of a positive finite number (e_log.c)."""
+    """Natural logarithm of a positive finite number."""
     m, e = parts(x)
-    f = m - 1.0
-    s = f / (2.0 + f)
-    z = s * s
-    w = z * z
-    odd = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01))
-    even = z * (6.666666666666735130e-01 + w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01)))
-    half = 0.5 * f * f
-    return e * 6.93147180369123816490e-01 - ((half - (s * (half + (odd + even)) + e * 1.90821492927058770002e-10)) - f)
+    return log_of(m, e)
 
 
 def product_error(a, b, ab):
@@ -171,3 +166,34 @@ def length(x, y):
         q = y * 1.3407807929942597e154
         return math.sqrt(p * p + q * q) * 7.458340731200207e-155
     return math.sqrt(x * x + y * y)
+
+
+def turn_all(angle, sine, cosine):
+    """Sines and cosines of angles below 1e6 rad."""
+    for k in range(len(angle)):
+        sine[k], cosine[k] = sincos(angle[k])
+
+
+def raise_all(x, exponent, found):
+    """Powers of positive numbers."""
+    for k in range(len(x)):
+        found[k] = raised(x[k], exponent[k])
+
+
+def exponentials(x, found):
+    """e**x."""
+    for k in range(len(x)):
+        found[k] = exponential(x[k])
+
+
+def logarithms(x, found):
+    """Natural logarithms of positive numbers."""
+    for k in range(len(x)):
+        found[k] = logarithm(x[k])
+
+
+def directions_of(y, x, found):
+    """Angles of directions (x, y), y other than zero."""
+    for k in range(len(x)):
+        angle = half_turn(abs(y[k]), x[k])
+        found[k] = -angle if y[k] < 0.0 else angle

@@ -1,7 +1,9 @@
-"""The text of a step in two modules that call one another and the driver: what every step needs, and what few do.
+"""The loop driver of :mod:`vfife.kernels.advance` beside straight-line code, and the modules of a step.
 
-The last is compiled with the least effort, which takes a quarter of the time, where it is long or no event is to come. A short whole step is made
-as fast as the rest: impacts, of eight parts each, are a sixth of a run with one loose joint.
+The driver is written in LLVM's language, in Python and in JavaScript. A step is two modules that call one another and
+the driver: what every step needs, and what few do. The last is compiled with the least effort, which takes a quarter of
+the time, where it is long or no event is to come. A short whole step is made as fast as the rest: impacts, of eight
+parts each, are a sixth of a run with one loose joint.
 """
 
 from __future__ import annotations
@@ -9,13 +11,65 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import NamedTuple
 
+from ..kernels import advance as kernel
 from ..kernels.arrays import Layout
+from ..kernels.polynomial import polynomial
 from ..kernels.topology import Topology
-from .elimination import shared_tangent
+from .blocks import Array, External, Kind
+from .functiontext import WRITING
 from .llvm import ANSWER, aligned, lean, operators, resize, searched, whole
+from .loops import ENTRIES
+from .native import kind_of, listed
+from .plain import library_text
+from .source import Gathered
 from .straight_line import Function, functions, resizing, trace
-from .tangent import of_size, tangent
+from .tangent import of_size, shared_tangent, tangent
 from .trace import Trace
+
+ARRAY, INTEGERS = Array("d", 1), Array("u", 1)
+# What straight-line code has in the place of the data-driven loop's functions: of arrays their addresses are passed, and the numbers of all tables.
+STEPS = {
+    "lean": External((ARRAY, ARRAY, ARRAY, INTEGERS, "i", "i", "b"), (0, 2, 4, 5, 8, 9), "i"),
+    "whole": External((ARRAY, ARRAY, INTEGERS, "i"), (0, 2, 3, 6)),
+    "functions": External((ARRAY, ARRAY, INTEGERS, "i"), (0, 0, 2, 3, 6)),
+    "resize": External((ARRAY, INTEGERS, ARRAY), (0, 4)),
+}
+# The same of one lane in the languages that have no vectors: ``clean`` takes a step, or tells that the whole one is needed and changes nothing.
+ONE_LANE = """
+def lean(S, R, T, I, n, count, watching):
+    for k in range(count):
+        functions(S, T, I, n + k)
+        if not clean(S, n + k):
+            return k
+    return count
+"""
+WIDEST = 8
+# Loops that copy stay loops, where LLVM would call the C library.
+OWN = '"no-builtins"'
+
+
+def gathered(*names: str) -> str:
+    """Text of functions of the driver and all that they call, but for the steps."""
+    with WRITING:
+        texts = Gathered()
+        texts.given = dict.fromkeys(STEPS, "")
+        for name in names:
+            texts.add(getattr(kernel, name))
+        texts.add(polynomial)
+        return texts.text()
+
+
+def llvm_text(*names: str) -> str:
+    """The driver in LLVM's language: functions of it, and ``polynomial``, which functions of time call."""
+    entries: dict[str, tuple[str, list[Kind]]] = {name: (name, [kind_of(one) for one in listed(ENTRIES[name])]) for name in names}
+    entries["polynomial"] = "polynomial", [ARRAY, "i", "d"]
+    return library_text(gathered(*names), entries, STEPS, OWN)
+
+
+def text() -> str:
+    """The driver for processors; what it calls may put aside the widest vectors, which do not straddle two lines of the cache."""
+    return llvm_text(*ENTRIES) + aligned(WIDEST)
+
 
 SHORT = 4000  # lines of a whole step that is worth being made fast
 # Functions of other modules. A step's own ones are called by the driver.
