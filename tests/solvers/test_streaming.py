@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from support import four_bar
@@ -127,3 +128,28 @@ def test_members_with_contact_have_four_lanes_where_there_are_eight(joints, want
     seen.clear()
     advance(members[:2], workers=1)
     assert seen == [2], "no more than there are members"
+
+
+def test_a_lane_keeps_its_outputs_and_ends_where_numbers_leave_all_bounds() -> None:
+    """Sound outputs are kept to the last; a number beyond its bounds, one that is none, or a step that the loop found broken ends it at once."""
+    assembly = placed(four_bar("C"), 1e-5, 1, 4)
+    sound = np.tile(assembly.state[streaming.recorded_rows(assembly)], (2, 1))
+
+    def lane() -> streaming.Lane:
+        found = streaming.Lane(0, assembly)
+        found.start(assembly.state)
+        return found
+
+    whole = lane()
+    for _ in range(2):
+        assert not whole.ended and whole.outputs == 4
+        whole.take(sound, -1, assembly.state)
+    assert whole.ended and not whole.doubtful and whole.done == 4
+    assert whole.record.rows.shape == (5, len(whole.handed)) and whole.record.steps.tolist() == [k * whole.every for k in range(5)]
+    column = int(whole.bounds.columns[0])
+    for value, broken in ((float("nan"), -1), (1e9, -1), (None, 7)):
+        rows, other = sound.copy(), lane()
+        if value is not None:
+            rows[1, column] = value
+        other.take(rows, broken, assembly.state)
+        assert other.doubtful and other.ended
