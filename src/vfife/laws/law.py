@@ -55,6 +55,10 @@ class Pair:
     opposite_radius: float | None = None
     effective_mass: float | None = None
 
+    def between(self, effective_mass: float | None) -> Pair:
+        """The same surfaces between bodies of an effective mass (kg)."""
+        return Pair(self.bearing_radius, self.clearance, self.axial_length, self.bearing, self.journal, self.opposite_radius, effective_mass)
+
     @property
     def external(self) -> bool:
         """Whether the two rounds touch from outside."""

@@ -15,7 +15,7 @@ def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
     """The pair of surfaces of a joint, with the materials and the effective mass of its bodies; the ground does not move."""
     materials = [mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides]
     inverse = sum(1.0 / rigid_properties(mechanism.bodies[side[0]])[0] for side in joint.sides if side[0] != "ground")
-    return dataclasses.replace(joint.pair(*materials), effective_mass=1.0 / inverse if inverse else None)
+    return joint.pair(*materials).between(1.0 / inverse if inverse else None)
 
 
 def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | None = None) -> tuple[str, ...]:

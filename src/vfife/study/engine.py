@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -191,6 +191,15 @@ LAWS = ("contact", "friction")
 MOST_MODELS = 64  # that differ in other numbers than those of clearance joints
 
 
+class ClearanceNumber(NamedTuple):
+    """A number of a clearance joint, or of one of its laws ("contact", "friction", else "")."""
+
+    joint: str
+    law: str
+    field: str
+    parameter: Parameter
+
+
 @dataclass(frozen=True)
 class CaseModel:
     """A mechanism assembled for cases that differ from it in numbers of its clearance joints alone.
@@ -228,6 +237,7 @@ class Cases:
         reduced = Reductions(wanted.measures)
         self.measures = WantedMeasures(wanted.measures, reduced.over if reduced.asked else None)
         self.parameters: dict[str, Parameter | None] = {}
+        self.clearances: dict[str, ClearanceNumber | None] = {}
         self.models: dict[tuple[tuple[str, float | str], ...], CaseModel | VfifeError | None] = {}
         self.neighbour = Outlook()
 
@@ -266,24 +276,26 @@ class Cases:
                 self.parameters[path] = found if found.steps else None
         return self.parameters[path]
 
-    def of_clearance(self, path: str) -> bool:
-        """Whether it is a number of a revolute joint with clearance, or of its laws, and of nothing else."""
-        found = self.parameter(path)
-        if found is None or found.steps is None or found.steps[0] != "joints" or found.quantity is None or found.quantity.words:
-            return False
-        joint = self.base.joints[str(found.steps[1])]
-        return joint.refits and (len(found.steps) == 3 or (len(found.steps) == 4 and found.steps[2] in LAWS))
+    def of_clearance(self, path: str) -> ClearanceNumber | None:
+        """A number of a revolute joint with clearance, or of its laws, and of nothing else; None of any other."""
+        if path not in self.clearances:
+            self.clearances[path] = None
+            found = self.parameter(path)
+            steps = () if found is None or found.quantity is None or found.quantity.words else tuple(map(str, found.steps or ()))
+            of_law = len(steps) == 4 and steps[2] in LAWS
+            if found is not None and steps[:1] == ("joints",) and self.base.joints[steps[1]].refits and (len(steps) == 3 or of_law):
+                self.clearances[path] = ClearanceNumber(steps[1], steps[2] if of_law else "", steps[-1], found)
+        return self.clearances[path]
 
     def reassembled(self, model: CaseModel, clearance: Numbers) -> Assembly | None:
         """The assembly with other numbers of its clearance joints; None where a value is none that can be taken as it is."""
         changes: dict[str, dict[str, dict[str, float]]] = {}
         for path, value in clearance.items():
-            parameter = self.parameter(path)
-            if parameter is None or parameter.steps is None:
+            number = self.of_clearance(path)
+            if number is None:
                 return None
-            _, joint, *inner = map(str, parameter.steps)
             try:
-                changes.setdefault(joint, {}).setdefault(inner[0] if len(inner) == 2 else "", {})[inner[-1]] = parameter.read(value)
+                changes.setdefault(number.joint, {}).setdefault(number.law, {})[number.field] = number.parameter.read(value)
             except ValueError:
                 return None
         joints: dict[str, Contact] = {}
