@@ -18,7 +18,8 @@ from vfife.analysis.spectral import short_time
 from vfife.errors import VfifeError
 from vfife.plots import chosen, figures, style
 from vfife.plots.clearances import bearing_force, seen_from_bearing, tilt_and_offset
-from vfife.plots.curves import accelerations, joint_forces, moments, swept
+from vfife.plots.curves import Quantity, accelerations, joint_forces, moments, swept
+from vfife.plots.spectra import found, pieces
 from vfife.plots.table import FIGURES, available, usual
 from vfife.plots.turn import Span, output_at, span
 from vfife.result import Result
@@ -188,6 +189,14 @@ def test_a_spectrum_shows_the_amplitude_of_a_wave() -> None:
     found = short_time(3.0 + 2.0 * np.cos(7.0 * turn + 0.4) + 0.5 * np.sin(30.0 * turn), first, "rectangular", 400)[0]
     assert found[[0, 7, 30]] == pytest.approx([3.0, 2.0, 0.5]) and found.sum() == pytest.approx(5.5)
     assert short_time(2.0 * np.cos(7.0 * turn), first, "hann", 400)[0, 7] == pytest.approx(2.0)  # Hann's window keeps it
+
+
+def test_turns_are_taken_as_they_are_and_parts_of_a_run_through_hanns_window() -> None:
+    result = run("four_bar_case_c")
+    starts, count, turning = pieces(result)
+    wave = Quantity("", "", "N", lambda record: np.cos(6.0 * np.pi * np.arange(len(record.steps)) / count))
+    assert turning and found(result, wave, starts, count, True).each[-1, 2:5] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
+    assert found(result, wave, starts, count, False).each[-1, 2:5] == pytest.approx([0.5, 1.0, 0.5])
 
 
 def test_orders_of_the_crank_and_frequencies() -> None:
