@@ -6,7 +6,9 @@ import pytest
 
 import vfife
 from vfife import simulation
+from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
+from vfife.job.cost import run_cost
 
 CASE = Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml"
 
@@ -27,7 +29,7 @@ def test_a_run_of_hours_is_refused_unless_it_is_meant(monkeypatch):
 
 def test_memory_counts_only_where_outputs_stay_in_it(monkeypatch, tmp_path):
     monkeypatch.setattr(simulation, "run", never)
-    monkeypatch.setattr("vfife.results.cost.physical_memory", lambda: 10**9)
+    monkeypatch.setattr("vfife.job.cost.physical_memory", lambda: 10**9)
     model, given = vfife.load_model(CASE), {"turns": 2, "outputs": 1_000_000, "step": "20 ns", "reference": False}
     with pytest.raises(ModelError, match="of memory, of which there are 1 GB.*give a file for the outputs"):
         vfife.simulate(model, **given)
@@ -37,7 +39,7 @@ def test_memory_counts_only_where_outputs_stay_in_it(monkeypatch, tmp_path):
 
 def test_an_ideal_reference_that_takes_hours_is_refused_before_it_is_run(monkeypatch):
     monkeypatch.setattr(simulation, "run", never)
-    monkeypatch.setattr("vfife.results.cost.LONG", 1e-9)
+    monkeypatch.setattr("vfife.job.cost.LONG", 1e-9)
     monkeypatch.setattr(simulation, "BRIEF", 0.0)
     with pytest.raises(ModelError, match="confirm=True"):
         vfife.simulate(vfife.load_model(CASE), turns=1)
@@ -47,8 +49,8 @@ def test_a_smooth_run_counts_what_repeats_it(monkeypatch):
     """Its estimate takes four times as long as the run itself."""
     monkeypatch.setattr(simulation, "run", never)
     model = vfife.load_model(CASE.with_name("four_bar_ideal.toml"))
-    seconds = simulation.estimate_cost(simulation.assembled_at(model, turns=1.0))["seconds"]
-    monkeypatch.setattr("vfife.results.cost.LONG", 2.0 * seconds)
+    seconds = run_cost(assemble(model, turns=1.0)).seconds
+    monkeypatch.setattr("vfife.job.cost.LONG", 2.0 * seconds)
     with pytest.raises(ModelError, match="confirm=True"):
         vfife.simulate(model, turns=1, reference=False)
     with pytest.raises(AssertionError, match="it was stepped"):
