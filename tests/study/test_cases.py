@@ -148,3 +148,14 @@ def test_cases_of_all_sorts_are_assembled_as_they_are_alone(name: str, path: str
     for k in (1, 3):
         own = alone(base, numbers[k])
         assert own is None if not isinstance(found[k], Stepped) else own is not None and same(found[k].assembly, own.assembly)
+
+
+def test_a_start_that_is_handed_on_is_taken_only_where_it_is_the_own_one() -> None:
+    base = load_model(CASE_C)
+    other = Parameter(base, "body.follower.length").set(0.47)
+    known = initial.ideal_motion(base)
+    assert initial.ideal_motion(base.ideal(), known=known) is known
+    for mechanism in (base, other, Parameter(base, "driver.crank.speed").set(100.0), Parameter(base, "body.coupler.mass").set(2.0)):
+        found, own = (initial.ideal_motion(mechanism, known=one) for one in (known, None))
+        for name in ("position", "velocity", "acceleration"):
+            assert getattr(found, name).tobytes() == getattr(own, name).tobytes()
