@@ -58,6 +58,7 @@ def test_every_room_has_its_level() -> None:
     report("These rooms are in no layer of pyproject.toml:", sorted(rooms - levels().keys() - {"vfife.__init__", "vfife_validation.__init__"}))
 
 
+@pytest.mark.system("parses every file, as make lint does")
 def test_no_function_hides_an_import_of_a_room_above() -> None:
     level = levels()
     offenders = []

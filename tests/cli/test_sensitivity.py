@@ -24,6 +24,7 @@ def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
     assert {"measure": "pin.force.max", "number": "driver.crank.speed"}.items() <= rows[0].items()
 
 
+@pytest.mark.system("displaced runs of a chaotic motion")
 def test_measures_that_companions_part_in_are_marked(command, tmp_path):
     """In the table, the figure, JSON and a sentence."""
     asked = ("--of", "coupler.angular_acceleration.max", "--to", "body.*.mass", "--step", "8 us", "--turns", 1)
@@ -109,6 +110,7 @@ def test_faults_are_sentences(command, tmp_path):
     assert done.exit_code == 2 and "static" in done.stderr
 
 
+@pytest.mark.system("displaced runs of a free motion")
 def test_a_model_without_a_driver_has_the_largest_that_there_are(command):
     done = command("sensitivity", EXAMPLES / "block_on_incline.toml", "--duration", "10 ms", "--companions", 0, "--json")
     assert done.exit_code == 0, done.stderr

@@ -77,6 +77,7 @@ def kept(folder: Path) -> Path:
     return path
 
 
+@pytest.mark.system("starts processes")
 def test_a_second_process_compiles_nothing_and_needs_no_numba(folder):
     first = process()
     before = {p.name: p.stat().st_mtime_ns for p in folder.iterdir()}

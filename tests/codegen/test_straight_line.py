@@ -118,6 +118,7 @@ def test_lines_and_blocks_are_linear_in_the_elements():
     assert max(len(block.splitlines()) for block in re.split(r"^\w+:$", lean, flags=re.M)) < 4 * llvm.BLOCK
 
 
+@pytest.mark.system("traces every example")
 @pytest.mark.parametrize("name", ["four_bar_case_b", "jansen_leg", "scissor_lift", "lee_frame", "squeezer", "slider_crank_loose_guide"])
 def test_lines_are_known_beforehand_within_a_half(name):
     topology = assemble(vfife.load_model(EXAMPLES / f"{name}.toml"), "auto", duration=1e-3).topology

@@ -45,6 +45,7 @@ def test_code_of_the_designers_page_runs() -> None:
         exec(compile(block, "designer.md", "exec"), {"__name__": "__main__"})
 
 
+@pytest.mark.system("runs the demo")
 def test_demo_json_is_one_object(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "vfife", "run", str(ROOT / "examples/four_bar_case_c.toml"), "-o", str(tmp_path / "run"), "--json"]
     done = subprocess.run([*command, "--step", "1e-6"], capture_output=True, text=True)

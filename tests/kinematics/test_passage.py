@@ -254,6 +254,7 @@ def test_a_hair_beside_a_change_point_is_no_jam(excess):
         assert passage(m, TURN)[0] is None
 
 
+@pytest.mark.system("follows a thousand mechanisms round")
 def test_what_surely_makes_a_turn_is_of_grashof_s_crank_rockers():
     """Seen as a whole, walked or from that of a neighbour: only what Grashof's condition lets through, and all that is far from its limit."""
     rng = np.random.default_rng(5)

@@ -128,6 +128,7 @@ print(float(vfife.simulate(m, duration=1e-3, loop="interpreted").measures["J.imp
 """
 
 
+@pytest.mark.system("starts a process that compiles its loops")
 def test_a_law_in_a_script(tmp_path):
     """As __main__, and as a notebook hands its cells over: text in linecache, no file."""
     path = tmp_path / "script.py"

@@ -45,6 +45,7 @@ def test_all_examples_answer_as_kept(base):
     assert [str(one) for one in differences(kept, compacted(base))] == []
 
 
+@pytest.mark.system("imports what the commands use")
 def test_commands_cover_every_example():
     names = set(commands.commands(Path("x")))
     assert {f"run {name}" for name in commands.examples()} | {f"check {name}" for name in commands.examples()} <= names

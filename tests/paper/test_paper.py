@@ -254,6 +254,7 @@ HOLDS = [
 ]
 
 
+@pytest.mark.system("runs the mechanisms of the paper")
 def test_claims_of_the_text(context):
     """Each conclusion of Sect. 5 holds for the set that fits Table 3, wherever it is judged."""
     found = {}

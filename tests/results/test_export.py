@@ -126,6 +126,7 @@ def test_parquet_without_pyarrow_gets_a_sentence(monkeypatch: pytest.MonkeyPatch
 HEADS = {".svg": b"<?xml", ".pdf": b"%PDF", ".png": b"\x89PNG"}
 
 
+@pytest.mark.system("draws every figure of a run")
 @pytest.mark.parametrize("ending", PICTURES)
 def test_figures_go_by_name(ending: str) -> None:
     result().export(f"mechanism{ending}")

@@ -142,6 +142,7 @@ def test_advance_keeps_the_order_of_its_members():
     assert [member.assembly.mechanism for member in members] == mixed
 
 
+@pytest.mark.system("compiles several loops")
 def test_several_topologies_may_be_prepared_at_once():
     """The steps of four topologies are written out by four threads that have nothing to go by; Python 3.11 cannot parse in two at once."""
     mixed = [bars(), four_bar("BCD"), four_bar("C"), four_bar("BC")] * 2

@@ -151,6 +151,7 @@ def test_no_other_machine_can_reach_a_local_cluster(runner: Any) -> None:
     assert len(listening) >= 4 and set(listening) == {"127.0.0.1"}
 
 
+@pytest.mark.system("starts processes")
 def test_the_tracker_of_semaphores_says_nothing() -> None:
     """The option is given while a cluster of this machine runs, and only then."""
     before = list(sys.warnoptions)

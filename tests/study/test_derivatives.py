@@ -47,6 +47,7 @@ def case_b():
     return sensitivity(vfife.load(f"{EXAMPLES}/four_bar_case_b.toml"), of, turns=0.4, step=4e-6, companions=0)
 
 
+@pytest.mark.system("compiles tangents of scaled models")
 def test_derivatives_obey_dimensional_analysis(case_b):
     """Whatever the unit of mass, length or time, physics are the same: through contacts, hysteresis and friction (Buckingham's theorem)."""
     found = case_b

@@ -10,7 +10,8 @@ import pytest
 
 from vfife_validation.verification import CASES, Case, Row
 
-QUICK = [pytest.param(one, id=name, marks=() if one.quick else pytest.mark.verify) for name, one in CASES.items()]
+SYSTEM = pytest.mark.system("compares whole runs with references")
+QUICK = [pytest.param(one, id=name, marks=SYSTEM if one.quick else pytest.mark.verify) for name, one in CASES.items()]
 
 
 def failed(rows: Iterable[Row]) -> set[str]:

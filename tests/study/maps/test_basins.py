@@ -37,6 +37,7 @@ def wells(tmp_path_factory):
     return basins(snapping(), x, y, **given, progress=lambda *at: calls.append(at)), calls, path
 
 
+@pytest.mark.system("steps a grid of starts")
 def test_a_double_well_has_two_basins_that_are_each_others_mirror(wells) -> None:
     """Places and velocities of the opposite sign come to the other side; from rest each side is its own. Both rest where the spring is free."""
     found, _, _ = wells
