@@ -1,4 +1,4 @@
-"""The contract between the rooms: every number a step reads or writes, with its entity, unit, role and meaning.
+"""Blocks of the state: every number a step reads or writes, with its entity, unit, role and meaning.
 
 Each entity (a particle, an element, a joint ...) has a record of rows, one for each of its blocks: state, memory (what only the next step
 needs), extremes since the last output, parameters, scratch. Where they lie in the one array ``S`` is said in :mod:`~vfife.kernels.arrays`.

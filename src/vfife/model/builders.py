@@ -1,6 +1,7 @@
 """What adds bodies, joints, gears, springs, drivers and loads to a mechanism: :meth:`Builders.add`, and a method for each kind.
 
-The methods are made from the fields of the kinds; ``builders.pyi`` writes their signatures out for editors and type checkers (``make stubs``).
+The methods are made from the fields of the kinds; ``builders.pyi`` writes their signatures out for editors and type checkers
+(``python tests/model/stubs.py``).
 Quantities are numbers in SI units or texts with a unit, "100 mm". Laws and materials are objects or go by their names, laws and sections also
 as tables of a model file: ``contact={"law": "hertz-...", ...}``, ``section={"round": "20 mm"}``.
 """

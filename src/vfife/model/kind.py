@@ -1,4 +1,4 @@
-"""What makes a class of nouns a kind: a word in a model file, by which its room finds it."""
+"""What makes a class of nouns a kind: a word in a model file, by which its package finds it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 
 class Kind:
-    """Base of joints, springs, drivers and loads. A room's own base has a ``registry``, which each class below it with a ``kind`` enters."""
+    """Base of joints, springs, drivers and loads. The base in each package has a ``registry``, which each class below it with a ``kind`` enters."""
 
     kind: ClassVar[str] = ""  # the word in a model file
     sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops

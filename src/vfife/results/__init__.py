@@ -1,1 +1,1 @@
-"""What survives a process: channels with units, run files and folders, where a run came from, how it goes on."""
+"""Results and their files: channels with units, one sealed store for runs, studies, maps, wear and fits, locks, run folders, restart."""

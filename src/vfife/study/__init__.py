@@ -1,6 +1,6 @@
 """Many runs of one question, and one run that a script steps.
 
-The room is also the function: ``vfife.study(...)`` is :func:`~vfife.study.studies.study`.
+The package is also the function: ``vfife.study(...)`` is :func:`~vfife.study.studies.study`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 
 class _Room(ModuleType):
-    """The room, which can be called."""
+    """The package, which can be called."""
 
     def __call__(self, *given: Any, **named: Any) -> Any:
         from .studies import study

@@ -1,5 +1,6 @@
-"""Pattern search: the least of a function from its values alone, where it has no derivatives that can be
-trusted.
+"""Local search from the best case of a study: by derivatives of the measures, or by pattern search where these cannot be trusted.
+
+Pattern search finds the least of a function from its values alone.
 
 All points at one distance along each axis are evaluated, both ways; the best of them is the next centre, and
 where none is better the distance is halved (compass search: Kolda, Lewis and Torczon, SIAM Review 45, 2003,

@@ -1,4 +1,4 @@
-"""Values between two bounds, by the share of the way from one to the other: an even way, or one by the logarithm."""
+"""Search of the best values of parameters, with optuna: axes and their scales, limits, and the Pareto front of several measures."""
 
 from __future__ import annotations
 

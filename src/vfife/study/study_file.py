@@ -1,4 +1,4 @@
-"""What is wanted of each member, checked against the model before anything is run: measures by name, reductions of channels."""
+"""Study files: the tables of a study read and checked against the model before anything is run, the values of all cases, the JSON Schema."""
 
 from __future__ import annotations
 

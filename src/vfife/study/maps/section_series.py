@@ -1,4 +1,4 @@
-"""Short runs before a map: the step that a run of the model finds, and series that vary in its motion."""
+"""Preparation common to all maps: step and series from short runs, limits of the model, the locked map file, and the count of its work."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A member of a waterfall while it is stepped: of it no more is kept than its series over the last turns."""
+"""Waterfalls: spectra of series over a number of the model, of which each case keeps its series over the last turns only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A companion of wear: the block of turns after the last jump again with half the step, whose rates say what the step does to them."""
+"""Simulate the wear of joints over many turns: blocks of turns, jumps between them, the wear file, and the error of the step in the rates."""
 
 from __future__ import annotations
 
