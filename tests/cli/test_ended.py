@@ -49,6 +49,7 @@ def test_export(command: Callable, case_c_run: Path) -> None:
     assert Path("out.nc").stat().st_mtime_ns > before
 
 
+@pytest.mark.system("loads libraries of other formats")
 def test_export_in_other_formats(command: Callable, case_c_run: Path) -> None:
     for target, more in (("out.csv", ()), ("out.mat", ()), ("forces.svg", ()), ("mine.png", ("--figure", "orbits"))):
         done = command("export", case_c_run, target, *more)

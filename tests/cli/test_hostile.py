@@ -157,6 +157,7 @@ def test_equilibrium_of_what_nothing_holds(command: Callable, analysis: str, wor
         assert word in done.stderr
 
 
+@pytest.mark.system("bisects lengths of a mechanism that jams")
 def test_crank_that_cannot_turn_round_is_told_why(command: Callable) -> None:
     """Its rod is shorter than the crank: at the start all is well, and nothing is run."""
     Path("model.toml").write_text(CRANK.replace("length = 0.12", "length = 0.04").replace("0.17", "0.09"))

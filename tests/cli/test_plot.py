@@ -87,6 +87,7 @@ def test_a_disk_that_is_full_keeps_what_is_drawn(command: Callable, case_c_run: 
     assert not os.listdir("drawn")
 
 
+@pytest.mark.system("draws figures more slowly")
 def test_while_figures_are_drawn(held: Callable, case_c_run: Path, tmp_path: Path) -> None:
     process = held("matplotlib", "plot", case_c_run, "-o", "drawn")
     process.send_signal(signal.SIGINT)

@@ -257,6 +257,7 @@ def test_companions_are_asked_for_and_turned_off(command: Callable) -> None:
     assert wrong.exit_code == 2 and 'from 0 to 7, or "auto"' in wrong.stderr
 
 
+@pytest.mark.system("starts processes")
 @pytest.mark.parametrize(
     "way",
     default_cases(["python -m", "a script that is not on the path", "a script on the path"], lambda way: way == "python -m", "starts processes"),

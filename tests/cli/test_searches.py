@@ -179,6 +179,7 @@ def test_a_search_goes_on_where_it_was_broken_off(command: Command, closed: Clos
     assert command("study", "show", "runs/s.study").exit_code == 0
 
 
+@pytest.mark.system("a search of many runs")
 def test_derivatives_lead_a_search_on_and_it_says_how_far(command: Command, tmp_path: Path) -> None:
     """A slider-crank's pin: m w² r (1 + r/l) is least with the longest rod and the shortest crank, where the two bounds are."""
     lengths = '[vary.rod]\npath = "body.rod.length"\nfrom = 0.1\nto = 0.2\n[vary.crank]\npath = "body.crank.length"\nfrom = 0.03\nto = 0.05\n'

@@ -74,6 +74,7 @@ def test_a_change_stands_where_the_derivative_does_not_describe_it(command):
     assert all(row["change_from"] <= row["change"] <= row["change_to"] for row in rows)
 
 
+@pytest.mark.system("displaced runs of a chaotic motion")
 def test_wide_ranges_have_a_note(command):
     """A step at which reversals of friction are over before they are seen: also one displaced run alone has a range from other step sizes."""
     words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", "--of", "C.force.max", "--to", "body.*.mass", "--turns", 1)

@@ -87,6 +87,7 @@ def behind_others() -> tuple[list[set[str]], str]:
     return loaded(["map", "--nonsense"], ["rum"], ["schema"])
 
 
+@pytest.mark.system("starts processes")
 @pytest.mark.parametrize(("k", "own"), [(0, "map"), (1, "rum"), (2, "new")], ids=["map --nonsense", "rum", "schema"])
 def test_only_the_command_that_is_named_is_loaded(behind_others: tuple[list[set[str]], str], k: int, own: str) -> None:
     """The others are known by their names alone, also to what suggests one for a word that is none."""

@@ -79,6 +79,7 @@ def test_four_lanes_are_data_driven_each():
     assert same(computed("generated", LANES)[0], computed("data-driven", LANES)[0])
 
 
+@pytest.mark.system("steps in the interpreter")
 def test_interpreted_is_data_driven():
     plain = computed("interpreted", 1)[0]
     assert same(plain, computed("data-driven", LANES)[0][: len(plain), :, :1])

@@ -118,6 +118,7 @@ def test_javascript_is_data_driven(model, tmp_path):
     assert differing(there, rows[:, :, :1], names) == set()
 
 
+@pytest.mark.system("steps in the interpreter")
 @pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
 def test_interpreted_is_data_driven(model):
     rows, names = computed(model, "data-driven", LANES)

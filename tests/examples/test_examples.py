@@ -18,6 +18,7 @@ SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
 TURNS = 1.0  # of the compressor, which makes six so that noise can be told from turn to turn; its number is that of any of them
 
 
+@pytest.mark.system("runs whole studies")
 @pytest.mark.parametrize(
     "script", default_cases(SCRIPTS, lambda script: script.stem == SCRIPTS[0].stem, "runs and draws whole studies"), ids=lambda p: p.stem
 )

@@ -89,6 +89,7 @@ def test_a_crank_turns_fully_where_grashof_says_so(ground, crank, coupler, rocke
         assert jam.time == pytest.approx(after / SPEED, abs=1e-4 / SPEED)
 
 
+@pytest.mark.system("bisects hundreds of mechanisms")
 @pytest.mark.parametrize(("coupler", "rocker"), [(0.13, 0.22), (0.55, 0.22), (0.15, 0.24)])
 def test_the_nearest_length_is_grashofs(coupler, rocker):
     """A crank of 0.1 m and pivots 0.3 m apart: |coupler - rocker| <= 0.2 m and coupler + rocker >= 0.4 m let it turn."""
@@ -102,6 +103,7 @@ def test_the_nearest_length_is_grashofs(coupler, rocker):
     assert math.cos(jam.widest[0]) == pytest.approx(-1.0 if short else 1.0, abs=1e-6)
 
 
+@pytest.mark.system("bisects lengths")
 @settings(max_examples=often(16), deadline=None)
 @given(crank=st.floats(0.03, 0.1), rod=st.floats(0.05, 0.3), offset=st.floats(-0.05, 0.05))
 def test_a_slider_crank_turns_where_the_rod_is_longer_than_crank_and_offset(crank, rod, offset):
@@ -162,6 +164,7 @@ def test_a_part_of_a_turn_that_stays_clear_is_let_through():
     assert 2.5 * math.sin(2.0 * math.pi * 2.0 * jam.time) == pytest.approx(end + 0.4, abs=2e-2)
 
 
+@pytest.mark.system("bisects lengths of mechanisms that jam")
 def test_the_mirror_image_jams_alike():
     one, two = four_bar(0.3, 0.1, 0.13, 0.22, 0.4, 1.0), four_bar(0.3, 0.1, 0.13, 0.22, -0.4, -1.0)
     two.drivers.clear()
@@ -199,6 +202,7 @@ def test_two_drivers_are_followed_through_time():
     assert apart(jam.time) == pytest.approx(0.46, rel=1e-4)
 
 
+@pytest.mark.system("bisects lengths")
 def test_play_may_bridge_what_is_open_and_elastic_links_give_way():
     m = four_bar(0.3, 0.1, 0.1799, 0.22, 0.4, play=0.2e-3)
     m.settings = Settings(turns=1.0)

@@ -309,6 +309,7 @@ def test_a_law_is_compared_once_and_anew_when_a_number_of_its_file_changes(monke
     assert counted == [1, 1]
 
 
+@pytest.mark.system("compiles two loops")
 def test_a_step_is_made_anew_when_a_number_of_the_file_changes():
     """As at a prompt, where one line is entered again."""
     law = law_of("return elastic * SHARE, 0.3 * elastic * slowness * SHARE")

@@ -265,6 +265,7 @@ def test_a_law_that_changed_since_does_not_stand_for_the_recorded_one(tmp_path):
     assert ContactLaw.registry["mine"] is other
 
 
+@pytest.mark.system("compiles a film in every loop")
 def test_a_film_of_ones_own_is_tried_out_too(tmp_path):
     film = "    film: ClassVar[bool] = True\n\n    @staticmethod\n    def film_force(penetration, turning, sense, p):\n        return {answer}\n"
     text = COPY + "\n" + film

@@ -89,16 +89,19 @@ def none_differs(seeds: range, foreign: float) -> int:
 
 
 @pytest.mark.parametrize(
-    ("seeds", "foreign"),
+    ("seeds", "foreign", "least"),
     [
-        (range(10, 11), 0.0),
-        pytest.param(range(11, 14), 0.0, marks=pytest.mark.system("compiles 150 laws")),
-        pytest.param(range(20, 21), 0.2, marks=pytest.mark.system("compiles 50 laws")),
+        (range(10, 11), 0.0, 45),
+        pytest.param(range(11, 14), 0.0, 135, marks=pytest.mark.system("compiles 150 laws")),
+        pytest.param(range(20, 21), 0.2, 35, marks=pytest.mark.system("compiles 50 laws")),
     ],
 )
-def test_random_laws_are_computed_as_python_computes_them(seeds, foreign):
-    """240 laws, 50 of them by default, in every loop of this machine, in JavaScript where node is there, and as PTX in an interpreter."""
-    assert none_differs(seeds, foreign) >= 45 * len(seeds)
+def test_random_laws_are_computed_as_python_computes_them(seeds, foreign, least):
+    """250 laws, 50 of them by default, in every loop, in JavaScript where node is there, and as PTX in an interpreter.
+
+    Of the last 50 some have what is not in the language.
+    """
+    assert none_differs(seeds, foreign) >= least
 
 
 def test_what_is_not_in_the_language_is_refused():

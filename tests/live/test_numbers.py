@@ -86,6 +86,7 @@ return { turns: turns.shown, start, end, forces, turned, ideally };
 COMPARED = [("four_bar_case_c", 1.0), ("slider_crank_loose_guide", 0.5), ("elastic_pendulum", None), ("beads", None)]
 
 
+@pytest.mark.system("runs the page's numbers beside Python's")
 @pytest.mark.parametrize(("name", "turns"), COMPARED)
 def test_peaks_and_energies_are_those_of_a_run(name, turns, tmp_path):
     """Peaks from the extremes of every step: the same numbers; the ledger and forces at the end of the run to round-off."""

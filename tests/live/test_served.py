@@ -279,6 +279,7 @@ def test_a_model_that_cannot_run_in_a_page_gets_a_sentence(client):
     assert status == 422 and "there are 600 here" in said and "<script" not in said
 
 
+@pytest.mark.system("runs a model in a server")
 def test_a_saved_model_is_run_beside_its_file(client, folder):
     found = client.opened()
     small = {"changes": [{"path": ["run", "turns"], "value": "0.02"}, {"path": ["run", "companions"], "value": "0"}], "version": found["version"]}
@@ -306,6 +307,7 @@ def test_sliders_come_when_the_mechanism_already_runs(folder):
         assert [len(scripts_of(page)["slides"]) for page in pages] == [0, 1]
 
 
+@pytest.mark.system("starts a process and sends it a signal")
 def test_ctrl_c_ends_it_with_browsers_connected(folder):
     command = [sys.executable, "-m", "vfife", "live", str(folder / "bar.toml"), "--no-browser"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder, env=os.environ, preexec_fn=hear)

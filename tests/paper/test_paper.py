@@ -64,6 +64,7 @@ def test_best_set_gives_them_with_other_steps(context):
         assert sound.all() and np.abs(numbers - PAPER).max() < GOAL
 
 
+@pytest.mark.system("runs with several steps")
 def test_the_slowest_crank_does_not_feel_the_step(context):
     """10 pi, where contact comes about in twenty onsets: a quarter of the step moves neither number by a twentieth of a point."""
     runs = influences([Case(context.parameters, 2e-4, 10 * math.pi, step) for step in (1e-6, 2.5e-7)], outputs=20)
@@ -80,6 +81,7 @@ def test_stored_sets_are_what_they_are_said_to_be(fit):
     assert np.abs(numbers - PAPER).max() <= GOAL
 
 
+@pytest.mark.system("runs the mechanisms of the paper")
 def test_best_of_every_structure_is_what_it_is_said_to_be(fit):
     """Those that cannot give Table 3 as well: uniform rods and the upper branch stay far off."""
     numbers, sound = table_3([from_numbers(entry["parameters"]) for entry in fit["structures"]])

@@ -247,6 +247,7 @@ PLAY = {
 }
 
 
+@pytest.mark.system("compiles every kind of slot")
 @pytest.mark.parametrize("kind", [CurvedSlot, ClearanceCurvedSlot])
 @pytest.mark.parametrize("path", [GROOVE, {"radius": 0.35, "centre": (-0.05, 0.02)}], ids=["polyline", "circle"])
 def test_all_loops_agree_to_the_bit(kind, path):

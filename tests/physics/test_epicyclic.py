@@ -125,6 +125,7 @@ def test_a_driven_arm_feels_the_wheels():
     assert torque["arm"] == pytest.approx(3.0 * (1.0 + SUN / RING), rel=1e-6)
 
 
+@pytest.mark.system("compiles a train of gears in every loop")
 def test_loops_agree_to_the_bit_where_a_planet_strikes():
     """A pin of the planet meets a wall: what the blow does to sun, arm and ring goes through the gears and their carrier."""
     records = []

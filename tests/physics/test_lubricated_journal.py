@@ -111,6 +111,7 @@ def driven() -> vfife.Mechanism:
     return m
 
 
+@pytest.mark.system("compiles a film in every loop")
 def test_every_loop_gives_the_same_bits():
     model = assemble(driven(), 2e-6, duration=1e-2, force_step=True)
     rows = {loop: bits(lanes([model], loop).advance(200, 5)) for loop in ("interpreted", "data-driven", "generated")}

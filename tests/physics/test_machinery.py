@@ -130,6 +130,7 @@ def differing(ours: np.ndarray, theirs: np.ndarray, names: tuple[str, ...]) -> s
     return {names[k] for k in np.flatnonzero((bits(ours) != bits(theirs)).any(axis=(0, 2)))}
 
 
+@pytest.mark.system("steps in the interpreter")
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_interpreted_is_data_driven(model):
     rows, names = computed(model, "data-driven", 4)

@@ -81,6 +81,7 @@ def test_frames_are_no_more_than_outputs_and_end_with_the_run() -> None:
     assert list(places_between(9, 0, 3)) == [0.0, 4.0, 8.0]
 
 
+@pytest.mark.system("draws a film")
 def test_a_gif_has_its_frames_for_as_long(tmp_path: Path) -> None:
     told: list[tuple[int, int]] = []
     assert animate(run(), tmp_path / "a.gif", 6, 20.0, told=lambda k, n: told.append((k, n))) == (6, 0.3)

@@ -82,6 +82,7 @@ def test_axes_say_quantities_as_people_do() -> None:
     assert all(len(shortened(n, most)) == min(n, most) for n, most in itertools.product((1, 5, 37), (2, 6)) if n)
 
 
+@pytest.mark.system("draws every figure of studies")
 def test_words_stand_in_their_order_and_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from vfife.plots.study import drawn
 

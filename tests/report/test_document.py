@@ -119,6 +119,7 @@ def test_equilibria_have_a_report() -> None:
     assert "load factor" in " ".join(said.texts["th"]) and "Trust" not in said.texts["h2"]
 
 
+@pytest.mark.system("draws a report")
 def test_the_command_writes_one_file_and_replaces_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run().save(tmp_path / "run.sqlite")
     line = ["report", str(tmp_path), "-o", str(tmp_path / "r.html")]

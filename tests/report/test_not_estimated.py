@@ -80,6 +80,7 @@ def test_ranges_of_elastic_bodies_are_those_of_the_step() -> None:
     assert "error of the mesh" not in text(vfife.simulate(gallery.scotch_yoke()))
 
 
+@pytest.mark.system("runs with companions of several widths")
 def test_a_small_range_is_no_range_of_nothing() -> None:
     said = text(vfife.simulate(gallery.six_bar_press()))
     assert "within 0.01 %" in said and "± 0.00 %" not in said

@@ -43,6 +43,7 @@ def driven_on(mechanism: Mechanism, step: float, duration: float) -> Record:
     return run(assemble(mechanism, step, duration=duration, outputs=50, force_step=True), loop="data-driven")
 
 
+@pytest.mark.system("bisects a travel")
 @pytest.mark.parametrize("play", [False, True])
 def test_a_travel_past_a_dead_centre_names_the_position(play):
     """Crank and rod in line: the pin is at CRANK + ROD from the pivot."""
@@ -56,6 +57,7 @@ def test_a_travel_past_a_dead_centre_names_the_position(play):
     assert "step helps" in said and "half the step" not in said
 
 
+@pytest.mark.system("bisects a travel")
 def test_an_angle_past_its_limit_is_named():
     """A four-bar whose crank cannot turn fully: coupler and follower in line at acos of the law of cosines."""
     m = Mechanism("rocker")

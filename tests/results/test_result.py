@@ -158,6 +158,7 @@ def test_repr_says_what_there_is(result: Result) -> None:
     assert repr(result).startswith("<Result of 'four-bar': complete, 2 turns, 40000 steps of 2e-06 s")
 
 
+@pytest.mark.system("draws every figure of a run")
 def test_figures(result: Result, elastic: Result, tmp_path: Path) -> None:
     from vfife.plots import save
 

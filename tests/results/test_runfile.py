@@ -81,6 +81,7 @@ def test_a_second_try_takes_the_place_of_the_first(tmp_path: Path) -> None:
         assert np.array_equal(file.rows, np.full((2, 2), 3.0))
 
 
+@pytest.mark.system("kills processes")
 @pytest.mark.parametrize("trial", range(6))
 def test_killed_while_writing(tmp_path: Path, trial: int) -> None:
     path = tmp_path / "run.sqlite"

@@ -20,6 +20,7 @@ def registries() -> list[dict[str, type]]:
     return [dict(kind.registry) for kind in (ContactLaw, FrictionLaw)]
 
 
+@pytest.mark.system("runs four threads")
 def test_four_threads_simulate_and_read_at_once(tmp_path: Path) -> None:
     before, begin = registries(), threading.Barrier(4)
     own = ContactLaw.registry.copy()

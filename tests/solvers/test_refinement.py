@@ -101,6 +101,7 @@ def test_every_measure_has_an_error() -> None:
         assert any(name == "ground.shaking_force.max" and one.low < one < one.high for name, one in measures.items())
 
 
+@pytest.mark.system("runs with a quarter of the step")
 def test_means_of_turns_have_the_error_of_the_same_turns() -> None:
     """A follower with a damper to the ground, over four turns: the mean power is told with its error, and the truth lies within it."""
     mechanism = with_settings(gallery.four_bar_ideal(), turns=4.0)

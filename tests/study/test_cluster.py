@@ -140,6 +140,7 @@ def test_what_is_no_cluster_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         room.imported()
 
 
+@pytest.mark.system("starts a cluster")
 def test_no_other_machine_can_reach_a_local_cluster(runner: Any) -> None:
     """Scheduler, dashboard and workers listen on this machine alone."""
     psutil = pytest.importorskip("psutil")

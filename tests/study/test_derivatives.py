@@ -88,6 +88,7 @@ def test_where_differences_are_known_derivatives_are_these(name, to, length):
     assert (found.apart[sure] <= 1e-4 + 2.0 * found.unknown[sure]).all()
 
 
+@pytest.mark.system("compiles two tangents")
 def test_what_play_adds_to_the_ideal_mechanism_takes_the_derivatives_of_both():
     """(max - ideal) / ideal: the ideal force has none by the clearance, and goes with the mass as that of the ideal mechanism by itself."""
     mechanism, to = vfife.load(f"{EXAMPLES}/four_bar_case_b.toml"), ["joint.C.clearance", "body.coupler.mass"]
@@ -149,6 +150,7 @@ def test_an_ideal_slider_crank_scales_as_its_laws_say():
     assert not any(one.displaced for one in found.derivatives)
 
 
+@pytest.mark.system("compiles tangents of scaled models")
 def test_elastic_links_obey_dimensional_analysis():
     """A pendulum that bends: its material, section and weight, from a start at which it is straight."""
     mechanism = vfife.load_model(f"{EXAMPLES}/elastic_pendulum.toml", set=[("body.rod.elements", 4)])

@@ -149,6 +149,7 @@ def test_a_step_near_its_limit_is_compared_with_finer_ones():
     assert min(steps) == pytest.approx(0.5 * steps[0], rel=0.05)
 
 
+@pytest.mark.system("runs variants alone and in lanes")
 @pytest.mark.parametrize("turns", default_cases([2.5, 3.0], lambda turns: turns == 2.5, "the same with whole turns"))
 def test_variants_in_lanes_have_the_measures_of_runs_alone(turns):
     """The last turn begins within a part that a lane hands over, or with one, and has as many outputs."""

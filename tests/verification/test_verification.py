@@ -46,6 +46,7 @@ def test_says_where_it_comes_from(case: Case) -> None:
     assert case.name == case.name.lower()
 
 
+@pytest.mark.system("runs nudged models")
 def test_tolerances_are_tight() -> None:
     """Statics 0.1 %, the rest at most 1 %, as a run of the tight cases tells; scales are never larger than what is measured can be."""
     for name in ("elastica", "closed-circle", "williams-toggle", "follower-frame", "welded-arm", "elastic-guide"):

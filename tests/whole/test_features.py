@@ -95,7 +95,7 @@ def test_the_python_front_end_does_its_work(tmp_path, monkeypatch):
     m.revolute("D", "ground.D", "follower.start")
     m.drive("crank", speed="1500 rpm")
     m.check()
-    assert "coupler" in m.to_toml() and "<svg" in m._repr_svg_()
+    assert "coupler" in m.to_toml() and m._repr_html_()
     result = vfife.simulate(m, turns=3)
     force = result.measures["C.force.max"]
     assert force.low <= force.value <= force.high

@@ -1,4 +1,4 @@
-"""A value of a model by its path: unit, limits, default, value, and the model with another value.
+"""A value of a model by its path: unit, limits, value, and the model with another value.
 
 A path such as ``joint.C.clearance`` names a key of the model file. The value is read and changed in the objects of the mechanism where one of them
 holds that very number, and else through the tables of its model file, which know shapes of sections, shared materials and kinds.

@@ -97,7 +97,7 @@ class Store:
                     connection.close()
         except (OSError, sqlite3.Error) as error:
             why = f"no {cls.schema.kind} file can be made here ({error})"
-            raise StorageError(f"{unwritten(path, why)} Name a folder you can write to") from error
+            raise StorageError(f"{unwritten(path, why)} Name a folder you can write to.") from error
         return cls.write(path)
 
     @classmethod

@@ -96,6 +96,7 @@ def test_it_is_written_drawn_and_set(found, tmp_path):
         found["body.b.mass"]
 
 
+@pytest.mark.system("a fit of two numbers")
 def test_what_acts_as_one_cannot_be_told_apart(tmp_path):
     """Two springs side by side: their sum is known, and what one has more the other has less."""
     m = oscillator(stiffness=300.0, damping=DAMPING)

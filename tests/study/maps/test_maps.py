@@ -71,6 +71,7 @@ def test_a_phase_is_so_much_of_a_turn_later() -> None:
     assert np.array_equal(found.points["rod.angular_velocity"][0, 0], own[[4 * 4 + 1, 5 * 4 + 1]])
 
 
+@pytest.mark.system("breaks a map off")
 def test_a_map_goes_on_where_it_was_broken_off(tmp_path) -> None:
     """To the bit; what asks something else is not touched."""
     given = {**GIVEN, "companions": 1}

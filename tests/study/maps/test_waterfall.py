@@ -59,6 +59,7 @@ def test_a_member_is_a_run_of_its_own():
     assert np.array_equal(found.amplitudes["block.x"][-1], expected)
 
 
+@pytest.mark.system("breaks a waterfall off")
 def test_a_waterfall_goes_on_with_what_is_missing(tmp_path):
     """To the bit; a file that asks something else is not touched."""
 
