@@ -52,7 +52,7 @@ golden: $(VENV)/.test  ## take the answers and hashes anew that every machine is
 	@$(PYTHON) tests/matrix/matrix.py --take
 
 oldest: $(OLDEST)/.test  ## the tests that show it where every dependency is the oldest that is allowed
-	@$(OLDEST)/bin/python -m pytest --disable-warnings $(XDIST) $(OLDEST_TESTS) $(PYTEST)
+	@$(OLDEST)/bin/python -m pytest --disable-warnings $(XDIST) -m "not verify and not soak and not bench" $(OLDEST_TESTS) $(PYTEST)
 
 coverage: $(VENV)/.test  ## the kernels as plain Python: which of their lines the tests run
 	@$(PYTHON) -m pytest $(COVERAGE_TESTS) --cov=src/vfife/kernels --cov-report=term-missing:skip-covered --cov-fail-under=95 $(PYTEST)

@@ -43,7 +43,7 @@ class Compared:
 
 
 def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length: Any) -> Compared:
-    """Largest values of the last turn by the numbers ``to``; ``length`` and ``step`` as :func:`assemble` takes them."""
+    """Largest values of the last turn by the numbers ``to``; ``length`` and ``step`` as ``assemble`` takes them."""
     text = dump(mechanism)
     assembly = assemble(mechanism, force_step=True, **length)
     chosen = {path: value for path, value in numbers(mechanism).items() if any(fnmatchcase(path, one) for one in to)}

@@ -35,7 +35,7 @@ from mutations import faults
 from mutations.faults import PACKAGES
 from mutations.judge import Copy
 from mutations.mutants import Mutant, drawn
-from mutations.reach import Reach, record
+from mutations.reach import SUITES, Reach, record
 
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = ROOT / "tests"
@@ -151,7 +151,7 @@ def in_a_child(work: Callable[[], str]) -> str:
 def by_pytest(source: Path, files: Sequence[str], but: Collection[str] = (), *, all_of_them: bool = False) -> list[str]:
     """Tests of some files that fail with a copy of the package: the first one, or all; ``but`` are not run."""
     variables = {**os.environ, "PYTHONPATH": str(source.parent), "VFIFE_CACHE": str(source.parent / "cache")}
-    line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "0", *([] if all_of_them else ["-x"]), *files]
+    line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "0", "-m", SUITES, *([] if all_of_them else ["-x"]), *files]
     line += [word for test in but for word in ("--deselect", test)]
     done = subprocess.run(line, cwd=ROOT, env=variables, capture_output=True, text=True, check=False)
     failed = [text.split(" ", 1)[1].split(" - ")[0] for text in done.stdout.splitlines() if text.startswith(("FAILED", "ERROR"))]

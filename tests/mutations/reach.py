@@ -17,6 +17,7 @@ from mutations.mutants import Mutant
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / ".mutations"  # ignored by git
+SUITES = "not verify and not soak and not bench"  # tests that judge
 PARTS = ("analysis", "assembly", "kinematics", "physics", "results", "solvers", "study")  # of the suite
 # They start processes of their own, whose lines nobody sees, or write gigabytes.
 LEFT_OUT = ("results/test_killed_processes.py", "results/test_large_files.py", "results/test_threads.py", "study/test_cluster.py")
@@ -32,7 +33,7 @@ def record(tests: Sequence[str] = ()) -> None:
     FOLDER.mkdir(exist_ok=True)
     source = ",".join(f"src/vfife/{package}" for package in PACKAGES)
     (FOLDER / "coveragerc").write_text(f"[run]\nsource = {source}\ndata_file = {FOLDER}/coverage\n")
-    line = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "--durations=0", "-vv"]
+    line = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-m", SUITES, "-p", "no:cacheprovider", "--durations=0", "-vv"]
     line += ["--cov", f"--cov-config={FOLDER}/coveragerc", "--cov-context=test", "--cov-report="]
     line += tests or [*(f"tests/{part}" for part in PARTS), *(f"--ignore=tests/{file}" for file in LEFT_OUT)]
     done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
