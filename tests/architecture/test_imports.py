@@ -81,6 +81,7 @@ DEFERRED = (
 CIRCULAR = {("vfife/cli/result.py", "vfife.cli.studied")}  # a page of a study, told apart when it is there
 
 
+@pytest.mark.system("starts a process for each command")
 def test_a_command_defers_only_what_takes_time_to_load() -> None:
     offenders = []
     for name, tree, _ in files():

@@ -116,6 +116,7 @@ def calls(node: ast.Call) -> Iterator[tuple[int, str]]:
         yield node.lineno, "pow()"
 
 
+@pytest.mark.slow("parses every file")
 def test_what_decides_a_run_has_the_same_bits_everywhere() -> None:
     wrong, needed = [], set()
     for name in files():

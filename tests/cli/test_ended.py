@@ -27,6 +27,7 @@ def test_info_as_an_object(command: Callable, case_c_run: Path) -> None:
     assert said["summary"]["measures"]["C.force.max"] > 0.0
 
 
+@pytest.mark.slow("draws a run in several formats")
 def test_plot(command: Callable, case_c_run: Path) -> None:
     done = command("plot", case_c_run, "-o", "drawn")
     assert done.exit_code == 0, done.stderr

@@ -28,6 +28,7 @@ def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     assert again.exit_code == 0 and "of 2 values" not in again.stderr
 
 
+@pytest.mark.slow("a command for each fault")
 def test_faults_are_sentences(command):
     for words, said in (
         (("--over", "joint.pin.clearance"), "PATH=LOW..HIGH"),

@@ -210,6 +210,7 @@ def long_run(process: Callable, folder: Path, *words: Any) -> "subprocess.Popen[
     return began
 
 
+@pytest.mark.slow("starts a process and sends it a signal")
 def test_ctrl_c(process: Callable, pendulum: Path, tmp_path: Path) -> None:
     began = long_run(process, tmp_path / "long", pendulum, "--duration", "10000", "--step", "1e-6", "--outputs", "100000")
     began.send_signal(signal.SIGINT)

@@ -12,6 +12,7 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 CRANK = EXAMPLES / "slider_crank.toml"
 
 
+@pytest.mark.slow("displaced runs")
 def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
     done = command("sensitivity", CRANK, "--of", "pin.force.max", "-n", 2, "--turns", 1, "--figure", "t.svg", "--csv", "all.csv", "--quiet")
     assert done.exit_code == 0, done.stderr

@@ -23,6 +23,7 @@ def worn_pin(folder: Path) -> Path:
     return model
 
 
+@pytest.mark.slow("runs and draws wear twice")
 def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     model = worn_pin(tmp_path)
     words = ("wear", model, *BRIEF, "-o", "a.wear", "--csv", "a.csv", "--worn", "worn.toml")

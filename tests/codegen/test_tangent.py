@@ -87,6 +87,7 @@ def test_what_is_not_chosen_may_be_infinite():
     assert carried_out(shared_tangent(step, 3, 1), [0.0, 2.0, 0.0, 1.0, 1.0, 0.0])[2:6:3] == [6.0, 3.0]
 
 
+@pytest.mark.slow("traces the derivative of a whole step")
 @pytest.mark.parametrize("name", ["four_bar_case_c", "slider_crank_loose_guide"])
 def test_what_directions_share_is_done_once(name):
     """A whole step in eight directions: its numbers are the same, their slopes to rounding, in two thirds of the operations at the most."""

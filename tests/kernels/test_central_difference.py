@@ -42,6 +42,7 @@ def half_steps(count, dt, damping, acceleration, d0, v0):
     return np.array(path)
 
 
+@pytest.mark.slow("steps in the interpreter")
 @settings(deadline=None)
 @given(
     st.floats(0.01, 1.5), st.floats(0.0, 1.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0),

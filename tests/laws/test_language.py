@@ -221,6 +221,7 @@ def test_the_run_of_the_issue_is_refused_and_its_replacement_computes_what_pytho
 # ------------------------------------------------------------------------------------------------------------- whole laws
 
 
+@pytest.mark.slow("compiles every law")
 def test_every_law_of_vfife_is_in_the_language_and_is_python_in_every_loop():
     """But for signs of zeros, and for what terms that drop out make of infinity. A table is not: the kernels' own text computes it."""
     values = {"exponent": 1.5, "full_damping_depth": 1e-5}

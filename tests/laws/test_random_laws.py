@@ -88,6 +88,7 @@ def none_differs(seeds: range, foreign: float) -> int:
     return total
 
 
+@pytest.mark.slow("compiles fifty laws")
 @pytest.mark.parametrize(
     ("seeds", "foreign", "least"),
     [

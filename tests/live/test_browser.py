@@ -92,6 +92,7 @@ def same(page, both, until: int) -> bool:
     return bool((outputs_of(page, until)[:, : wanted.shape[1]] == wanted).all())
 
 
+@pytest.mark.slow("a browser")
 def test_it_runs_from_disk_with_the_bits_of_python_and_so_does_a_slider(opened):
     mechanism = gallery.four_bar_case_b()
     slides = with_ends(asked_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"]))

@@ -35,6 +35,7 @@ def steps_of(assembly, outputs: int) -> np.ndarray:
 RUNS = {"four_bar_case_c": 721, "slider_crank_loose_guide": 61, "gear_train": 60, "elastic_pendulum": 30, "quick_return": 721}
 
 
+@pytest.mark.system("runs the page's text beside Python's")
 @pytest.mark.parametrize("name", RUNS)
 def test_the_page_steps_with_the_bits_of_python(name, tmp_path):
     mechanism = getattr(gallery, name)()

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mutations.mutants import Mutant
-from mutations.reach import ROOT, Reach
+from mutations.reach import ROOT, SUITES, Reach
 
 SOURCE = ROOT / "src" / "vfife"
 FEW, MORE = 16, 400  # tests of the first look at a fault and of the second: what so many that run the line do not see wants a test of its own
@@ -115,4 +115,4 @@ def in_child(base: Path, tests: Collection[str], out: Path) -> int:
     with out.open("w") as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
-    return int(pytest.main(["-x", "-q", "-n", "0", "-p", "no:cacheprovider", "--tb=no", *tests]))
+    return int(pytest.main(["-x", "-q", "-n", "0", "-m", SUITES, "-p", "no:cacheprovider", "--tb=no", *tests]))

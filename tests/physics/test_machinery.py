@@ -149,7 +149,7 @@ def test_the_generated_text_is_data_driven(model):
     assert differing(plain, rows[: len(plain), :, :1], names) == set()
 
 
-@pytest.mark.slow
+@pytest.mark.slow("compiles every kind of joint")
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_four_lanes_are_data_driven_each(model):
     rows, names = computed(model, "data-driven", 4)

@@ -84,6 +84,7 @@ def test_joints_in_one_place_share_their_name():
     assert {"A5, A7", "E2, E4, E6", "O"} <= said
 
 
+@pytest.mark.slow("draws two mechanisms")
 def test_forces_of_a_loose_guide_and_moments_of_gears_have_panels():
     assert [ax.get_title(loc="left") for ax in drawn("slider_crank_loose_guide")["forces"].axes][-1] == "joint guide"
     assert {ax.get_title(loc="left") for ax in drawn("gear_train")["moments"].axes} == {"gear first-stage", "gear second-stage"}

@@ -51,6 +51,7 @@ def deadly(mark: str) -> Callable[..., Answer]:
     return work
 
 
+@pytest.mark.slow("starts a cluster")
 def test_a_killed_worker_loses_nothing_and_changes_no_bit(runner: Any, tmp_path: Path) -> None:
     base = load_model(BASE)
     found = list(runner(base, NUMBERS, WANTED, work=deadly(str(tmp_path / "mark"))))
