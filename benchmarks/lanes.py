@@ -13,7 +13,7 @@ from vfife.codegen.native import stream_lanes, widest
 from vfife.model.functions import turn_of
 from vfife.model.mechanism import Mechanism
 from vfife.simulation import prepare
-from vfife.solvers.arguments import Asked
+from vfife.solvers.arguments import RunArguments
 from vfife.solvers.ensemble import advance, placed
 
 MODELS = (
@@ -25,7 +25,7 @@ STEPS, MEMBERS = 40_000, 32  # of a member, about; of a stream
 
 def members(mechanism: Mechanism, steps: int) -> list[Any]:
     """Equal members of so many steps at the automatic step."""
-    size = prepare(mechanism, Asked(turns=1.0, companions=0)).assembly.choice.step
+    size = prepare(mechanism, RunArguments(turns=1.0, companions=0)).assembly.choice.step
     turns = max(1, round(steps * size / (turn_of(mechanism) or 1.0)))
     return [placed(mechanism, size, turns, 20) for _ in range(MEMBERS)]
 

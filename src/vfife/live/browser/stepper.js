@@ -12,7 +12,8 @@ class Stepper {
     const { kept, extremes, again } = given;
     const copy = () => new Float64Array(state.length);
     const scratch = [copy(), copy(), new Float64Array(3)];
-    const shares = new Float64Array(1), broken = new Float64Array(1);
+    const shares = new Float64Array(1),
+      broken = new Float64Array(1);
     const numbers = [1, 1, state.length, again, LOOK];
     this.advance = (...last) => advance(state, ...scratch, tables, [], numbers, shares, kept, extremes, [], [], broken, ...last);
     this.next = 0; // step
