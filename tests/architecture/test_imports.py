@@ -22,6 +22,7 @@ NOT_IMPORTED = {
     "nvidia-cuda-nvcc-cu12": "ptxas, a program",
     "nvidia-cuda-nvdisasm": "a program",
     "pytest-cov": "a plugin of pytest: make coverage",
+    "pytest-xdist": "what `make test` runs its processes with, by an option",
     "tornado": "of distributed, held above a vulnerability",
     "urllib3": "of distributed, held above a vulnerability",
 }

@@ -28,7 +28,7 @@ def base(tmp_path_factory):
     return answers(carried_out(settings()[0], folder), folder)
 
 
-@pytest.mark.system("runs the commands of a user under other libraries")
+@pytest.mark.verify  # .ci/run has all examples under all settings: make matrix
 @pytest.mark.parametrize("setting", [one for one in settings() if one.name in UNLIKE], ids=lambda one: one.name)
 def test_a_few_examples_answer_the_same_elsewhere(setting: Setting, base, tmp_path):
     """Another kernel of BLAS, NumPy and the C library without their wide instructions; and libraries that round everything otherwise."""
