@@ -1,5 +1,8 @@
 """The benchmarks tell the truth: of candidates that diverge, and of numbers that were taken with another step."""
 
+import ast
+import importlib
+import importlib.util
 import json
 import sys
 from pathlib import Path
@@ -101,3 +104,14 @@ def test_members_on_a_card_are_counted_and_a_card_that_is_missing_is_told(monkey
         found = card.measure(Options(quick=True))
     assert set(found.ratios) == {"card.members_64"} and found.ratios["card.members_64"] > 0.0
     assert driver.threads == [64, 64]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "benchmarks").glob("*.py")), ids=lambda path: path.stem)
+def test_what_a_part_imports_of_the_package_is_there(path):
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] == "vfife":
+            module = importlib.import_module(node.module)
+            missing = [
+                one.name for one in node.names if not hasattr(module, one.name) and not importlib.util.find_spec(f"{node.module}.{one.name}")
+            ]
+            assert not missing, f"{path.name}, line {node.lineno}: {node.module} has no {', '.join(missing)}"
