@@ -16,9 +16,9 @@ OLDEST := .venv-oldest
 OLDEST_PYTHON ?= python3.11 python3.12 python3
 OLDEST_TESTS := tests/units tests/golden tests/matrix tests/modelfile/test_modelfile.py tests/modelfile/test_modelfile_set_by_path.py tests/modelfile/test_modelfile_nouns.py \
     tests/results/test_result.py tests/results/test_runfile.py tests/results/test_export.py \
-    tests/plots/test_figures_of_all_kinds.py tests/analysis tests/cli/test_run.py \
-    tests/study/test_cluster.py tests/study/test_indices.py tests/study/test_optimise.py tests/study/test_searching.py \
-    tests/codegen/test_cuda_bindings.py tests/live/test_served.py tests/plots/test_film.py::test_an_mp4_has_its_frames
+    tests/plots/test_figures_of_all_kinds.py tests/measures tests/cli/test_run.py \
+    tests/studies/test_cluster.py tests/studies/test_indices.py tests/studies/test_optimise.py tests/studies/test_searching.py \
+    tests/compiler/test_cuda_bindings.py tests/live/test_served.py tests/plots/test_film.py::test_an_mp4_has_its_frames
 # The tests that call the kernels themselves; of what is compiled no tool sees a line.
 COVERAGE_TESTS := tests/kernels
 
@@ -86,7 +86,7 @@ soak: $(VENV)/.test  ## long runs, killed and restarted; thousands of mechanisms
 	@$(PYTHON) -m pytest -s -m soak $(PYTEST)
 	@VFIFE_EXAMPLES=all $(PYTHON) -m pytest $(XDIST) -m "(hypothesis or rounds) and not verify" $(PYTEST)
 
-mutations: $(VENV)/.test  ## small faults, 100 in kernels and 40 in each of five packages: does the suite see them? (MUTATE="--package analysis --count 9")
+mutations: $(VENV)/.test  ## small faults, 100 in kernels and 40 in each of five packages: does the suite see them? (MUTATE="--package measures --count 9")
 	@$(PYTHON) tests/mutations/mutate.py $(MUTATE)
 
 clean:  ## remove what was built, except .venv and runs/

@@ -1,4 +1,6 @@
-"""Prints the oldest versions that pyproject.toml allows of what the package runs on and of its extras, as constraints for pip."""
+"""Prints the oldest versions that pyproject.toml allows of what the package runs on and of its extras, as
+constraints for pip.
+"""
 
 import tomllib
 from pathlib import Path

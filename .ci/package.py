@@ -1,4 +1,6 @@
-"""Builds the wheel and the sdist into dist/, and tries the wheel where nothing of this checkout is: installed, new, check, run, plot, export."""
+"""Builds the wheel and the sdist into dist/, and tries the wheel where nothing of this checkout is:
+installed, new, check, run, plot, export.
+"""
 
 import os
 import re
@@ -94,7 +96,9 @@ def try_out(wheel: Path, folder: Path, version: str, began: float) -> None:
 
 
 def run(words: list[str], where: Path) -> str:
-    """Runs a command in a folder, with nothing of ours in its environment; its output. Ends with what it said where it fails."""
+    """Runs a command in a folder, with nothing of ours in its environment; its output. Ends with what it said
+    where it fails.
+    """
     clean = {name: value for name, value in os.environ.items() if not name.startswith(OURS)}
     clean |= {"VFIFE_CACHE": str(Path(tempfile.gettempdir()) / "vfife-package-cache"), "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     done = subprocess.run(words, cwd=where, env=clean, capture_output=True, text=True)

@@ -1,4 +1,5 @@
-"""Makes what lies here a release: version in the package and in CITATION.cff, today's date over what the changelog has under Unreleased.
+"""Makes what lies here a release: version in the package and in CITATION.cff, today's date over what the
+changelog has under Unreleased.
 
 `make release VERSION=0.2.0`; then look at the difference, commit, and tag it.
 """

@@ -1,11 +1,13 @@
-"""Which script of which other program runs at which step, and what right means: found by a scan, November 2026.
+"""Which script of which other program runs at which step, and what right means: found by a scan, November
+2026.
 
-MuJoCo's semi-implicit Euler is cheaper at equal accuracy than its RK4, Exudyn's velocity Verlet than its RK44 and its
-midpoint rule. Case c has a near-grazing impact, and whether a step takes it to the right branch is partly chance: on
-GRID a program may be right at every step and on a finer one not. Exudyn's Verlet is wrong at 5e-7 and 4e-7 s (4.1, 4.0
-%) and is credited with one right step all the same. FINE of case c has 116 steps up to 5 us, and 48 up to 12.5 us; STRICT is MuJoCo's
-largest from which on all of them are right. So it is wrong at 2.78 us in case b (1.1 %), though right at 3.2 us; case a is smooth, and its 280
-steps a turn are right with all finer ones. Exudyn's quickest there take 4.1 ms and more.
+MuJoCo's semi-implicit Euler is cheaper at equal accuracy than its RK4, Exudyn's velocity Verlet than its RK44
+and its midpoint rule. Case c has a near-grazing impact, and whether a step takes it to the right branch is
+partly chance: on GRID a program may be right at every step and on a finer one not. Exudyn's Verlet is wrong
+at 5e-7 and 4e-7 s (4.1, 4.0 %) and is credited with one right step all the same. FINE of case c has 116 steps
+up to 5 us, and 48 up to 12.5 us; STRICT is MuJoCo's largest from which on all of them are right. So it is
+wrong at 2.78 us in case b (1.1 %), though right at 3.2 us; case a is smooth, and its 280 steps a turn are
+right with all finer ones. Exudyn's quickest there take 4.1 ms and more.
 """
 
 from __future__ import annotations
@@ -13,11 +15,29 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 TOLERANCE = {"a": 0.01, "b": 0.01, "c": 0.02}
-# Largest follower acceleration (rad/s^2) and force of joint 2 (N) in the second turn. b, c: peers/reference.py (RK4,
-# located onsets, 3.2 million steps; an independent event-located integration agrees to 5e-7 in the force of c);
+# Largest follower acceleration (rad/s^2) and force of joint 2 (N) in the second turn. b, c:
+# peers/reference.py (RK4,
+# located onsets, 3.2 million steps; an independent event-located integration agrees to 5e-7 in the force of
+# c);
 # impacts at joints 1, 2, 3: 0, 5, 0 and 4, 7, 5. a: the closed form of peers/common.py.
 REFERENCE = {"a": (22816.05, 65338.09), "b": (29201.05, 65794.78), "c": (38153.31, 68842.16)}
-CONTACT = (1.6e-5, 1.25e-5, 1e-5, 8e-6, 5e-6, 4e-6, 3.2e-6, 2.5e-6, 2e-6, 1.6e-6, 1.25e-6, 1e-6, 8e-7, 5e-7, 4e-7)
+CONTACT = (
+    1.6e-5,
+    1.25e-5,
+    1e-5,
+    8e-6,
+    5e-6,
+    4e-6,
+    3.2e-6,
+    2.5e-6,
+    2e-6,
+    1.6e-6,
+    1.25e-6,
+    1e-6,
+    8e-7,
+    5e-7,
+    4e-7,
+)
 GRID = {
     "a": (8e-4, 5e-4, 4e-4, 3.2e-4, 2.5e-4, 2e-4, 1.6e-4, 1.25e-4, 1e-4, 5e-5, 2e-5, 1e-5),
     "b": CONTACT,

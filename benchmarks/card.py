@@ -1,4 +1,6 @@
-"""Members on a graphics card: how many steps a second all of them make, beside one lane of a core of the same machine."""
+"""Members on a graphics card: how many steps a second all of them make, beside one lane of a core of the same
+machine.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,8 @@ from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 from vfife import load_model
 from vfife.assembly.assemble import assemble, reassembled
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
-from vfife.codegen.cuda import DeviceStream, card
-from vfife.codegen.runner import Begun, Starter, Stream
+from vfife.compiler.runtime.cuda import DeviceStream, card
+from vfife.compiler.runtime.runner import Begun, Starter, Stream
 from vfife.errors import DeviceError
 from vfife.solvers.record import recorded_rows
 
@@ -36,7 +38,9 @@ def measure(options: Options) -> Part:
     for members in MEMBERS[: 1 if options.quick else None]:
         stream = filled(DeviceStream, base, made, members)
         begun = stream.lanes  # fewer where its memory is small
-        spent = interleaved(rounds, {"all": lambda stream=stream: seconds(lambda: stream.advance(STEPS))})["all"]
+        spent = interleaved(rounds, {"all": lambda stream=stream: seconds(lambda: stream.advance(STEPS))})[
+            "all"
+        ]
         rates[begun] = begun * STEPS / spent
         rows.append((f"{begun:,}", f"{rates[begun]:.3g}", f"{alone * rates[begun]:.0f}"))
     ratios = {f"card.members_{members}": alone * rate for members, rate in rates.items()}
@@ -46,13 +50,23 @@ def measure(options: Options) -> Part:
 
 def of_play(base: Assembly, clearance: float) -> Assembly:
     """The base with another clearance in all joints."""
-    return reassembled(base, {name: dataclasses.replace(joint, clearance=clearance) for name, joint in base.mechanism.clearances.items()})
+    return reassembled(
+        base,
+        {
+            name: dataclasses.replace(joint, clearance=clearance)
+            for name, joint in base.mechanism.clearances.items()
+        },
+    )
 
 
-def filled(kind: type[Stream | DeviceStream], base: Assembly, made: list[Assembly], members: int) -> Stream | DeviceStream:
+def filled(
+    kind: type[Stream | DeviceStream], base: Assembly, made: list[Assembly], members: int
+) -> Stream | DeviceStream:
     """A stream with members in all its lanes, past their first steps, that nothing stops before the end."""
     kept, parts = recorded_rows(base), base.mechanism.settings.parts
-    stream = kind(base.topology, members, "generated", kept[:1], 1, kept, limited_rows(base), base.tables.size, parts)
+    stream = kind(
+        base.topology, members, "generated", kept[:1], 1, kept, limited_rows(base), base.tables.size, parts
+    )
     starter = Starter(base.topology, 1, "generated", base.tables.size, parts)
     begun: list[Begun] = [starter.begun(one.state, one.tables, np.stack(bounds(one))) for one in made]
     for lane in range(stream.lanes):

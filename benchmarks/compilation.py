@@ -1,4 +1,6 @@
-"""How long a model waits for its step when nothing is kept: tracing, writing, compiling and loading, in a new process."""
+"""How long a model waits for its step when nothing is kept: tracing, writing, compiling and loading, in a new
+process.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,8 @@ from measure import EXAMPLES, Options, Part, table
 
 from vfife import Mechanism, load_model
 from vfife.assembly.assemble import assemble
-from vfife.codegen import loops, native
-from vfife.codegen.straight_line import trace
+from vfife.compiler.runtime import loops, native
+from vfife.compiler.trace.straight_line import trace
 
 LIMITS = {"case_c": 0.4, "four_bar_22": 1.0, "bar_40": 2.0, "frame_200": 10.0}  # s
 LANES = (1, 4)
@@ -60,9 +62,22 @@ def measure(options: Options) -> Part:
             some = [ask(name, lanes) for _ in range(1 if options.quick else 3)]
             best = min(some, key=lambda found: found["seconds"])
             part.measured[f"{name}, {lanes}"] = best
-            rows.append((name.replace("_", " "), str(lanes), f"{best['lines']:.0f}", best["seconds"], 1e3 * best["seconds"] / best["lines"], limit))
-        part.ratios[f"compilation.{name}"] = max(part.measured[f"{name}, {lanes}"]["seconds"] for lanes in LANES) / limit
-    part.tables.append(table("trace and compilation", "model", "lanes", "lines", "s", "ms a line", "limit", rows=rows))
+            rows.append(
+                (
+                    name.replace("_", " "),
+                    str(lanes),
+                    f"{best['lines']:.0f}",
+                    best["seconds"],
+                    1e3 * best["seconds"] / best["lines"],
+                    limit,
+                )
+            )
+        part.ratios[f"compilation.{name}"] = (
+            max(part.measured[f"{name}, {lanes}"]["seconds"] for lanes in LANES) / limit
+        )
+    part.tables.append(
+        table("trace and compilation", "model", "lanes", "lines", "s", "ms a line", "limit", rows=rows)
+    )
     return part
 
 

@@ -1,8 +1,8 @@
 """Element-steps per second and core with elastic links, beside PyElastica and OpenSees.
 
-Two models: a free straight bar that flies and turns (nothing but elements), and the four-bar of peers/common.py with
-ideal joints, 8 elements in the coupler and 14 in the follower, as the scripts of the others have it. A step of the
-four-bar also does its joints and its driver; its elements alone are counted.
+Two models: a free straight bar that flies and turns (nothing but elements), and the four-bar of
+peers/common.py with ideal joints, 8 elements in the coupler and 14 in the follower, as the scripts of the
+others have it. A step of the four-bar also does its joints and its driver; its elements alone are counted.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from measure import Options, Part, interleaved, seconds, table
 
 from vfife import Mechanism, Section
 from vfife.assembly.assemble import assemble
-from vfife.codegen.native import widest
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.native import widest
+from vfife.compiler.runtime.runner import Runner
 
 TARGET = {"data-driven": 20e6, "generated": 80e6}
 FOUR_BAR = 242e6  # element-steps/s of the four-bar in four lanes that code compiled by numba reached
@@ -64,7 +64,9 @@ def four_bar(elements: int) -> Mechanism:
 
 
 def speed(mechanism: Mechanism, loop: str, lanes: int, wanted: float) -> tuple[int, Callable[[], float]]:
-    """Elements of a model, and a timed run of about ``wanted`` element-steps; it gives seconds per element-step."""
+    """Elements of a model, and a timed run of about ``wanted`` element-steps; it gives seconds per
+    element-step.
+    """
     assembly = assemble(mechanism, "auto", duration=1e-2)
     elements = len(assembly.topology.frame_nodes)
     steps = max(200, round(wanted / elements / lanes))
@@ -85,7 +87,9 @@ def speed(mechanism: Mechanism, loop: str, lanes: int, wanted: float) -> tuple[i
 
 @contextmanager
 def written_by_hand(steps: int) -> Iterator[dict[str, Callable[[], float]]]:
-    """A timed run of the C program of the part ``limit``, as given, in four lanes: seconds per step and simulation. Nothing without a compiler."""
+    """A timed run of the C program of the part ``limit``, as given, in four lanes: seconds per step and
+    simulation. Nothing without a compiler.
+    """
     if shutil.which(COMPILER) is None:
         yield {}
         return
@@ -104,7 +108,9 @@ def others(options: Options, part: Part) -> dict[str, float]:
     }
     for name, (script, *arguments) in chosen.items():
         try:
-            result = run(name, script, "--case", "a", "--dt", "1e-6", "--nel", "8", "--repeat", "7", *arguments)
+            result = run(
+                name, script, "--case", "a", "--dt", "1e-6", "--nel", "8", "--repeat", "7", *arguments
+            )
         except Missing as error:
             part.notes.append(f"elastic: {error}")
             continue
@@ -127,7 +133,9 @@ def measure(options: Options) -> Part:
         models["generated_8_lanes_four_bar"] = four_bar(8), "generated", 8
     prepared = {name: speed(*model, size) for name, model in models.items()}
     with written_by_hand(200_000 if options.quick else 1_000_000) as c:
-        best = interleaved(3 if options.quick else 9, {name: timed for name, (_, timed) in prepared.items()} | c)
+        best = interleaved(
+            3 if options.quick else 9, {name: timed for name, (_, timed) in prepared.items()} | c
+        )
     rows: list[tuple[Any, ...]] = []
     for name, (mechanism, loop, lanes) in models.items():
         rate = 1.0 / best[name]
@@ -139,13 +147,18 @@ def measure(options: Options) -> Part:
             if c:
                 part.ratios["elastic.four_bar_over_c_4_lanes"] = rate * best["c_4_lanes"]
         if name == "generated_8_lanes_four_bar":
-            part.ratios["elastic.generated_8_over_4_lanes_four_bar"] = rate * best["generated_4_lanes_four_bar"]
+            part.ratios["elastic.generated_8_over_4_lanes_four_bar"] = (
+                rate * best["generated_4_lanes_four_bar"]
+            )
         shown = f"{mechanism.name}, {prepared[name][0]} elements, {loop}, lanes: {lanes}"
         rows.append((shown, rate / 1e6, 1e9 * best[name]))
     if c:
         part.measured["c_4_lanes"] = {"ns_per_step_and_simulation": 1e9 * best["c_4_lanes"]}
     else:
-        part.notes.append(f"elastic: no ratio to the C program, no C compiler here ({COMPILER} was looked for; CC names another)")
+        part.notes.append(
+            f"elastic: no ratio to the C program, no C compiler here ({COMPILER} was looked for; CC names"
+            " another)"
+        )
     if options.peers:
         vfife = part.measured["data_driven_four_bar"]["element_steps_per_s"]
         for name, rate in others(options, part).items():

@@ -1,4 +1,6 @@
-"""One virtual environment for each program of others, under .peers, filled from the package index when missing."""
+"""One virtual environment for each program of others, under .peers, filled from the package index when
+missing.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ class Missing(RuntimeError):
 
 
 def environment(name: str) -> Path:
-    """Interpreter that has a peer, installed at the first call; raises Missing with the reason where that fails."""
+    """Interpreter that has a peer, installed at the first call; raises Missing with the reason where that
+    fails.
+    """
     python = FOLDER / name / "bin" / "python"
     stamp = FOLDER / name / ".complete"
     if stamp.exists():

@@ -1,4 +1,6 @@
-"""What impacts cost an ensemble: case c with all its events, in as many lanes as a register holds, over the lean step alone."""
+"""What impacts cost an ensemble: case c with all its events, in as many lanes as a register holds, over the
+lean step alone.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,8 @@ from measure import EXAMPLES, Options, Part, table
 
 from vfife import load_model
 from vfife.assembly.assemble import assemble
-from vfife.codegen.native import widest
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.native import widest
+from vfife.compiler.runtime.runner import Runner
 
 STEP, CHUNK = 1e-6, 100
 TURN = 0.04
@@ -22,12 +24,19 @@ def runner(lanes: int) -> Runner:
     base = load_model(EXAMPLES / "four_bar_case_c.toml")
     assemblies = []
     for lane in range(lanes):
-        joints = {name: dataclasses.replace(joint, clearance=joint.clearance * (1.0 + 0.1 * lane)) for name, joint in base.clearances.items()}
+        joints = {
+            name: dataclasses.replace(joint, clearance=joint.clearance * (1.0 + 0.1 * lane))
+            for name, joint in base.clearances.items()
+        }
         mechanism = dataclasses.replace(base, joints={**base.joints, **joints})
         assemblies.append(assemble(mechanism, STEP, turns=2, force_step=True))
     first = assemblies[0]
-    states, tables = (np.stack([getattr(a, name) for a in assemblies], axis=k) for k, name in ((1, "state"), (0, "tables")))
-    return Runner(first.topology, states, tables, "generated", np.array(first.layout.of("state"), dtype=np.uint32))
+    states, tables = (
+        np.stack([getattr(a, name) for a in assemblies], axis=k) for k, name in ((1, "state"), (0, "tables"))
+    )
+    return Runner(
+        first.topology, states, tables, "generated", np.array(first.layout.of("state"), dtype=np.uint32)
+    )
 
 
 def chunks(lanes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -54,7 +63,12 @@ def measure(options: Options) -> Part:
     whole = float(times.mean())
     part.ratios["events.all_over_lean"] = whole / lean
     each = 1e9 / CHUNK / lanes
-    part.measured = {"lanes": lanes, "contacts_begun": float(begun.sum()), "lean_ns": lean * each, "all_ns": whole * each}
+    part.measured = {
+        "lanes": lanes,
+        "contacts_begun": float(begun.sum()),
+        "lean_ns": lean * each,
+        "all_ns": whole * each,
+    }
     rows = [("chunks in which nothing begins", lean * each), ("all, events included", whole * each)]
     title = f"case c in {lanes} lanes, {begun.sum():.0f} contacts begin: ns per step and simulation"
     part.tables.append(table(title, "steps", "ns", rows=rows))

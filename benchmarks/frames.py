@@ -1,7 +1,9 @@
-"""What the eye gets: frames a second of every mechanism of the gallery in its page, and how soon a changed model moves in the served one.
+"""What the eye gets: frames a second of every mechanism of the gallery in its page, and how soon a changed
+model moves in the served one.
 
-In a headless Chromium that draws without a graphics card, which is the harder case. Frames are those that the browser asks the page for, so that
-whatever holds it up counts; drawing is the part of a frame's time that the page's own script takes.
+In a headless Chromium that draws without a graphics card, which is the harder case. Frames are those that the
+browser asks the page for, so that whatever holds it up counts; drawing is the part of a frame's time that the
+page's own script takes.
 """
 
 from __future__ import annotations
@@ -48,25 +50,48 @@ def measure(options: Options) -> Part:
     except ImportError:
         chromium = None
     if chromium is None:
-        part.notes.append("frames: left out; it takes the package chromium, and playwright in this environment")
+        part.notes.append(
+            "frames: left out; it takes the package chromium, and playwright in this environment"
+        )
         return part
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=list(SWITCHES))
-        found = {name: frames(browser, name, options) for name in gallery.__all__ if getattr(gallery, name)().settings.analysis == "dynamic"}
+        found = {
+            name: frames(browser, name, options)
+            for name in gallery.__all__
+            if getattr(gallery, name)().settings.analysis == "dynamic"
+        }
         times = changes(browser, 4 if options.quick else 10)
         browser.close()
     soon = {name: statistics.median(one[name] for one in times) / 1000.0 for name in times[0]}
-    part.ratios = {"frames.least": min(one["frames"] for one in found.values()) / LEAST, "frames.new_model": soon["all"] / SOON}
+    part.ratios = {
+        "frames.least": min(one["frames"] for one in found.values()) / LEAST,
+        "frames.new_model": soon["all"] / SOON,
+    }
     part.measured = {"frames_per_s": found, "new_model_s": soon, "new_model_ms": times}
-    rows: list[tuple[Any, ...]] = [(name, f"{one['frames']:.0f}", f"{one['drawing']:.1f}", f"{one['slow']:.1f}") for name, one in found.items()]
-    part.tables.append(table("pages of the gallery", "mechanism", "frames/s", "ms of drawing, median", "95 of 100 below", rows=rows))
+    rows: list[tuple[Any, ...]] = [
+        (name, f"{one['frames']:.0f}", f"{one['drawing']:.1f}", f"{one['slow']:.1f}")
+        for name, one in found.items()
+    ]
+    part.tables.append(
+        table(
+            "pages of the gallery",
+            "mechanism",
+            "frames/s",
+            "ms of drawing, median",
+            "95 of 100 below",
+            rows=rows,
+        )
+    )
     rows = [
         ("the value examined, and the text with it", soon["examined"]),
         ("assembled, traced where it is new, sent", soon["assembled"]),
         ("read by the browser, stepped and drawn", soon["all"] - soon["examined"] - soon["assembled"]),
         ("all", soon["all"]),
     ]
-    part.tables.append(table("seconds from a changed clearance of case c to its first frame", "part", "s", rows=rows))
+    part.tables.append(
+        table("seconds from a changed clearance of case c to its first frame", "part", "s", rows=rows)
+    )
     return part
 
 
@@ -85,9 +110,11 @@ def frames(browser: Any, name: str, options: Options) -> dict[str, float]:
 
 
 def changes(browser: Any, count: int) -> list[dict[str, float]]:
-    """Times (ms) of so many changes of case c, the first of which is left out: it waits for what is read once."""
-    from vfife.live.served.serving import served
-    from vfife.live.served.session import Session
+    """Times (ms) of so many changes of case c, the first of which is left out: it waits for what is read
+    once.
+    """
+    from vfife.live.server.serving import served
+    from vfife.live.server.session import Session
 
     session = Session(EXAMPLES)
     document = session.shelf.from_file(MODEL)

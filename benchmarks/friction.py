@@ -1,7 +1,8 @@
 """What a step costs with each friction law, over one with Ambrosio's, in the generated loop.
 
-Two four-bars with three clearance joints and one law in all of them: the paper's links (particles of their own in every joint, so the three
-laws are worked out side by side) and case c (rigid links, so a joint waits for the one before).
+Two four-bars with three clearance joints and one law in all of them: the paper's links (particles of their
+own in every joint, so the three laws are worked out side by side) and case c (rigid links, so a joint waits
+for the one before).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 
 import vfife
 from vfife.assembly.assemble import assemble
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.runner import Runner
 from vfife.laws import FrictionLaw
 
 MODELS = {"links_of_their_own": "four_bar.toml", "shared_bodies": "four_bar_case_c.toml"}
@@ -56,7 +57,16 @@ def measure(options: Options) -> Part:
         for law in laws:
             ratios = [best[f"{law.name}, {count}"] / best[f"{BASE}, {count}"] for count in lanes]
             if law.name != BASE:
-                part.ratios |= {f"friction.{model}_{law.name}_{count}": ratio for count, ratio in zip(lanes, ratios, strict=True)}
-            rows.append((law.name, 1e9 * best[f"{law.name}, 1"], ratios[0], 1e9 * best[f"{law.name}, 4"], ratios[1]))
-        part.tables.append(table(f"{model}: ns per step, over {BASE}", "law", "1 lane", "ratio", "4 lanes", "ratio", rows=rows))
+                part.ratios |= {
+                    f"friction.{model}_{law.name}_{count}": ratio
+                    for count, ratio in zip(lanes, ratios, strict=True)
+                }
+            rows.append(
+                (law.name, 1e9 * best[f"{law.name}, 1"], ratios[0], 1e9 * best[f"{law.name}, 4"], ratios[1])
+            )
+        part.tables.append(
+            table(
+                f"{model}: ns per step, over {BASE}", "law", "1 lane", "ratio", "4 lanes", "ratio", rows=rows
+            )
+        )
     return part

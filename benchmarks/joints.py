@@ -1,4 +1,6 @@
-"""What ideal joints between rigid bodies cost beside clearance joints in the same places: chains of up to ten bodies, open and closed."""
+"""What ideal joints between rigid bodies cost beside clearance joints in the same places: chains of up to ten
+bodies, open and closed.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from measure import Options, Part, interleaved, seconds, table
 
 from vfife import Mechanism
 from vfife.assembly.assemble import assemble
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.runner import Runner
 
 BODIES = (2, 3, 5, 10)
 STEPS = 20_000
@@ -44,7 +46,9 @@ def join(mechanism: Mechanism, name: str, bearing: str, journal: str, clearance:
 
 
 def measure(options: Options) -> Part:
-    """Time of a step with ideal joints over that with clearance joints, the worst of all chains for each loop."""
+    """Time of a step with ideal joints over that with clearance joints, the worst of all chains for each
+    loop.
+    """
     part, rows = Part(), []
     worst = {"data-driven": 0.0, "generated": 0.0}
     for bodies in BODIES[:2] if options.quick else BODIES:
@@ -52,22 +56,36 @@ def measure(options: Options) -> Part:
             for loop in worst:
                 ideal, clear = best(bodies, closed, loop, options)
                 worst[loop] = max(worst[loop], ideal / clear)
-                rows.append((f"{bodies}{', closed' if closed else ''}", loop, f"{1e9 * ideal:.0f}", f"{1e9 * clear:.0f}", f"{ideal / clear:.2f}"))
+                rows.append(
+                    (
+                        f"{bodies}{', closed' if closed else ''}",
+                        loop,
+                        f"{1e9 * ideal:.0f}",
+                        f"{1e9 * clear:.0f}",
+                        f"{ideal / clear:.2f}",
+                    )
+                )
     part.ratios = {f"joints.{loop.replace('-', '_')}": ratio for loop, ratio in worst.items()}
-    part.tables.append(table("joints", "bodies", "loop", "ideal (ns a step)", "clearance (ns a step)", "ratio", rows=rows))
+    part.tables.append(
+        table("joints", "bodies", "loop", "ideal (ns a step)", "clearance (ns a step)", "ratio", rows=rows)
+    )
     return part
 
 
 def best(bodies: int, closed: bool, loop: str, options: Options) -> tuple[float, float]:
     """Best seconds per step with ideal and with clearance joints, in turn."""
     runs = {kind: stepping(chain(bodies, closed, kind), loop) for kind in (False, True)}
-    found = interleaved(3 if options.quick else 9, {str(kind): lambda run=run: seconds(run) for kind, run in runs.items()})
+    found = interleaved(
+        3 if options.quick else 9, {str(kind): lambda run=run: seconds(run) for kind, run in runs.items()}
+    )
     return found["False"] / STEPS, found["True"] / STEPS
 
 
 def stepping(mechanism: Mechanism, loop: str) -> Callable[[], Any]:
     """So many steps, compiled and begun."""
     assembly = assemble(mechanism, 1e-6, duration=1.0, outputs=1)
-    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], loop, NOTHING)
+    runner = Runner(
+        assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], loop, NOTHING
+    )
     runner.advance(1, 1)
     return lambda: runner.advance(STEPS, 1)

@@ -1,4 +1,6 @@
-"""Members of streams in eight lanes beside four, by topology: what :func:`vfife.codegen.native.stream_lanes` follows from."""
+"""Members of streams in eight lanes beside four, by topology: what
+:func:`vfife.compiler.runtime.native.stream_lanes` follows from.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +11,10 @@ from typing import Any
 from measure import EXAMPLES, Options, Part, table
 
 from vfife import load_model
-from vfife.codegen.native import stream_lanes, widest
+from vfife.compiler.runtime.native import stream_lanes, widest
 from vfife.model.functions import turn_of
 from vfife.model.mechanism import Mechanism
-from vfife.simulation import prepare
+from vfife.simulation.simulate import prepare
 from vfife.solvers.arguments import RunArguments
 from vfife.solvers.ensemble import advance, placed
 
@@ -53,7 +55,12 @@ def measure(options: Options) -> Part:
         found, contacts = times(every, 2 if options.quick else 5), len(every[0].topology.contact_bearing)
         gain = statistics.median(four / eight for four, eight in zip(found[4], found[8], strict=True))
         each = [1e9 * min(found[lanes]) / (MEMBERS * every[0].choice.steps) for lanes in (4, 8)]
-        part.measured[name] = {"contacts": contacts, "elements": len(every[0].topology.frame_nodes), "gain": gain, "ns": each}
+        part.measured[name] = {
+            "contacts": contacts,
+            "elements": len(every[0].topology.frame_nodes),
+            "gain": gain,
+            "ns": each,
+        }
         rows.append((name, contacts, *(f"{one:.1f}" for one in each), f"{gain:.2f}", stream_lanes(contacts)))
     free = [one["gain"] for one in part.measured.values() if not one["contacts"]]
     part.ratios["lanes.least_gain_of_eight_without_contact"] = min(free)

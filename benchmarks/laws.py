@@ -1,4 +1,6 @@
-"""What each normal contact law costs in a step of the generated loop, relative to Lankarani and Nikravesh's; and the polynomial power."""
+"""What each normal contact law costs in a step of the generated loop, relative to Lankarani and Nikravesh's;
+and the polynomial power.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +19,9 @@ from limit import COMPILER
 from measure import HERE, Options, Part, interleaved, table
 
 from vfife.assembly.assemble import assemble
-from vfife.codegen.native import compiled
-from vfife.codegen.runner import Runner
-from vfife.codegen.source import Gathered
+from vfife.compiler.runtime.native import compiled
+from vfife.compiler.runtime.runner import Runner
+from vfife.compiler.trace.source import Gathered
 from vfife.kernels.elementary import log, power
 from vfife.laws import ContactLaw, Frictionless
 from vfife.model.mechanism import Mechanism, StartSettings
@@ -30,7 +32,13 @@ REFERENCE = "lankarani-nikravesh"
 LANES = (1, 4)
 # Parameters without a default, by their names.
 MEASURED = tuple((1e-6 * k, 1e9 * (1e-6 * k) ** 1.5) for k in range(9))  # m, N
-GIVEN = {"stiffness": 1e9, "exponent": 1.5, "damping_coefficient": 1e3, "full_damping_depth": 1e-5, "loading": MEASURED}
+GIVEN = {
+    "stiffness": 1e9,
+    "exponent": 1.5,
+    "damping_coefficient": 1e3,
+    "full_damping_depth": 1e-5,
+    "loading": MEASURED,
+}
 
 
 def law_of(law: type[ContactLaw]) -> ContactLaw:
@@ -44,7 +52,15 @@ def journal(law: ContactLaw) -> Mechanism:
     m = Mechanism("journal in bearing", gravity=(0.0, -9.81), start=StartSettings(journals="seated"))
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=1.0)
-    m.clearance("J", "ground.O", "journal.center", clearance=2e-4, bearing_radius=0.01, contact=law, friction=Frictionless())
+    m.clearance(
+        "J",
+        "ground.O",
+        "journal.center",
+        clearance=2e-4,
+        bearing_radius=0.01,
+        contact=law,
+        friction=Frictionless(),
+    )
     return m
 
 
@@ -52,7 +68,11 @@ def stepping(law: ContactLaw, lanes: int, steps: int) -> Callable[[], float]:
     """Runs so many steps of the generated loop; ns per step and simulation."""
     a = assemble(journal(law), 1e-7, duration=1e-3, force_step=True)
     runner = Runner(
-        a.topology, np.repeat(a.state[:, None], lanes, axis=1), np.repeat(a.tables[None, :], lanes, axis=0), "generated", recorded_rows(a)
+        a.topology,
+        np.repeat(a.state[:, None], lanes, axis=1),
+        np.repeat(a.tables[None, :], lanes, axis=0),
+        "generated",
+        recorded_rows(a),
     )
     runner.advance(10, 1)
 
@@ -69,7 +89,10 @@ def library(folder: Path) -> dict[str, Callable[..., object]]:
     if shutil.which(COMPILER) is None:
         return {}
     path = folder / "library.so"
-    subprocess.run([COMPILER, "-O3", "-march=native", "-shared", "-fPIC", str(LIBRARY), "-o", str(path), "-lm"], check=True)
+    subprocess.run(
+        [COMPILER, "-O3", "-march=native", "-shared", "-fPIC", str(LIBRARY), "-o", str(path), "-lm"],
+        check=True,
+    )
     loaded = ctypes.CDLL(str(path))
     calls: dict[str, Callable[..., object]] = {}
     for name, function in (("power", loaded.many_powers), ("log", loaded.many_logarithms)):
@@ -79,8 +102,12 @@ def library(folder: Path) -> dict[str, Callable[..., object]]:
     return calls
 
 
-def elementary(x: np.ndarray, exponent: float, theirs: dict[str, Callable[..., object]]) -> dict[str, Callable[[], float]]:
-    """ns for one value of x**exponent by our polynomial, the C library and NumPy, and of our logarithm and the C library's."""
+def elementary(
+    x: np.ndarray, exponent: float, theirs: dict[str, Callable[..., object]]
+) -> dict[str, Callable[[], float]]:
+    """ns for one value of x**exponent by our polynomial, the C library and NumPy, and of our logarithm and
+    the C library's.
+    """
     out = np.zeros_like(x)
     gathered = Gathered()
     gathered.add(power)
@@ -97,7 +124,10 @@ def elementary(x: np.ndarray, exponent: float, theirs: dict[str, Callable[..., o
 
     runs: dict[str, Callable[[], float]] = {}
     for name, text in (("power", "power(x[k], n)"), ("log", "log(x[k])")):
-        body = f"@jit\ndef many(x, n, out):\n    for k in range(len(x)):\n        out[k] = {text}\n    return 0\n"
+        body = (
+            f"@jit\ndef many(x, n, out):\n    for k in range(len(x)):\n        out[k] = {text}\n   "
+            " return 0\n"
+        )
         many = compiled(f"{gathered.text()}\n\n{body}", "many", "f1 d f1")
         runs[name] = timed(lambda many=many: many(x, exponent, out))  # type: ignore[misc]
     for name, call in theirs.items():
@@ -109,11 +139,19 @@ def elementary(x: np.ndarray, exponent: float, theirs: dict[str, Callable[..., o
 def measure(options: Options) -> Part:
     """All laws in one run, in turn, so that what slows the machine slows all alike."""
     part = Part()
-    steps, rounds = 4000, 30 if options.quick else 300  # short and many: each meets a quiet moment of the machine
+    steps, rounds = (
+        4000,
+        30 if options.quick else 300,
+    )  # short and many: each meets a quiet moment of the machine
     laws = {name: law_of(law) for name, law in sorted(ContactLaw.registry.items())}  # type: ignore[arg-type]
-    best = interleaved(rounds, {(name, lanes): stepping(law, lanes, steps) for name, law in laws.items() for lanes in LANES})  # type: ignore[misc]
+    best = interleaved(
+        rounds, {(name, lanes): stepping(law, lanes, steps) for name, law in laws.items() for lanes in LANES}
+    )  # type: ignore[misc]
     ratio = {(name, lanes): best[name, lanes] / best[REFERENCE, lanes] for name, lanes in best}  # type: ignore[index,misc,str-unpack]
-    rows = [(name, *(value for n in LANES for value in (best[name, n], ratio[name, n]))) for name in sorted(laws, key=lambda k: ratio[k, 1])]
+    rows = [
+        (name, *(value for n in LANES for value in (best[name, n], ratio[name, n])))
+        for name in sorted(laws, key=lambda k: ratio[k, 1])
+    ]
     heads = [head for n in LANES for head in (f"ns, {n} lane{'s' * (n > 1)}", "ratio")]
     part.tables.append(table("A step with one contact, per simulation", "law", *heads, rows=rows))
     for n in LANES:
@@ -126,8 +164,14 @@ def measure(options: Options) -> Part:
         times = interleaved(rounds, elementary(x, 0.1834, library(Path(folder))))
     error = max(abs(power(float(v), 0.1834) / float(v) ** 0.1834 - 1.0) for v in x[:20_000])
     part.tables.append(table("One value", "function", "ns", rows=sorted(times.items())))
-    part.notes.append(f"largest relative difference between the polynomial power and the C library's: {error:.2g}")
+    part.notes.append(
+        f"largest relative difference between the polynomial power and the C library's: {error:.2g}"
+    )
     if "power, C library" in times:
         part.ratios["laws.power_to_library"] = times["power"] / times["power, C library"]
-    part.measured = {"ns_per_step": {f"{name}, {n}": value for (name, n), value in best.items()}, "ns_per_value": times, "power_error": error}  # type: ignore[misc]
+    part.measured = {
+        "ns_per_step": {f"{name}, {n}": value for (name, n), value in best.items()},
+        "ns_per_value": times,
+        "power_error": error,
+    }  # type: ignore[misc]
     return part

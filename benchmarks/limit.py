@@ -1,4 +1,6 @@
-"""How near vfife's loops are to a program written by hand for one mechanism, limit/four_bar_limit.c: time, motion."""
+"""How near vfife's loops are to a program written by hand for one mechanism, limit/four_bar_limit.c: time,
+motion.
+"""
 
 from __future__ import annotations
 
@@ -15,19 +17,31 @@ from typing import Any
 from limit_model import FOLLOWER_PIN, runner
 from measure import HERE, Options, Part, seconds, table
 
-from vfife.codegen.native import widest
+from vfife.compiler.runtime.native import widest
 
 SOURCE = HERE / "limit" / "four_bar_limit.c"
 FLAGS = ["-O3", "-march=native", "-ffast-math"]
-SAME_BITS = ["-O3", "-march=native", "-ffp-contract=off", "-fno-math-errno"]  # no fused products, no sums in another order: vfife's own terms
+SAME_BITS = [
+    "-O3",
+    "-march=native",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+]  # no fused products, no sums in another order: vfife's own terms
 VARIANTS = {
-    "limit": FLAGS,  # as it was given: damping and friction at half-step velocities, onset speed at the end of a step
+    # as it was given: damping and friction at half-step velocities, onset speed at the end of a step
+    "limit": FLAGS,
     "located": [*FLAGS, "-DLOCATED"],  # vfife's step: onset located, damping and friction in closed form
     "ledger": [*FLAGS, "-DLOCATED", "-DLEDGER"],  # and the works, powers and extremes that vfife keeps
-    "exact": [*SAME_BITS, "-DLOCATED", "-DLEDGER"],  # and with operations as they are written, as for the same bits everywhere
+    "exact": [
+        *SAME_BITS,
+        "-DLOCATED",
+        "-DLEDGER",
+    ],  # and with operations as they are written, as for the same bits everywhere
 }
 WIDE = (1, 4, 8) if widest() >= 8 else (1, 4)
-LOOPS = {f"generated_{lanes}_lane{'s' * (lanes > 1)}": ("generated", lanes) for lanes in WIDE} | {"data_driven": ("data-driven", 1)}
+LOOPS = {f"generated_{lanes}_lane{'s' * (lanes > 1)}": ("generated", lanes) for lanes in WIDE} | {
+    "data_driven": ("data-driven", 1)
+}
 LINE = re.compile(r"simulation (?P<ns>\S+).* N  onsets (?P<onsets>\S+).*pin (?P<x>\S+) (?P<y>\S+)")
 COMPILER = os.environ.get("CC", "gcc")
 
@@ -88,7 +102,9 @@ def position(steps: int) -> tuple[float, float, float]:
     """Follower pin (m) at t = steps * dt and the onsets so far; vfife's step n begins with the drift to t_n."""
     model = runner("generated")
     model.advance(steps + 1, 1)
-    x, y = (float(model.states[model.layout.row(name, FOLLOWER_PIN), 0]) for name in ("particle_x", "particle_y"))
+    x, y = (
+        float(model.states[model.layout.row(name, FOLLOWER_PIN), 0]) for name in ("particle_x", "particle_y")
+    )
     return x, y, float(model.states[model.layout["contact_onsets"], 0].sum())
 
 
@@ -110,7 +126,9 @@ def agreement(programs: dict[str, Path], steps: tuple[int, ...]) -> list[dict[st
 def measure(options: Options) -> Part:
     """Times of all variants in one run, and how far their motions are apart."""
     if shutil.which(COMPILER) is None:
-        return Part(notes=[f"limit: left out, no C compiler here ({COMPILER} was looked for; CC names another)"])
+        return Part(
+            notes=[f"limit: left out, no C compiler here ({COMPILER} was looked for; CC names another)"]
+        )
     part = Part()
     steps = 200_000 if options.quick else 1_000_000
     with tempfile.TemporaryDirectory() as folder:
@@ -127,9 +145,15 @@ def measure(options: Options) -> Part:
     for variant in VARIANTS:
         all_widths = ", ".join(f"{best[f'{variant}_{lanes}']:.1f}" for lanes in WIDE)
         rows.append((f"C, {variant}: {', '.join(map(str, WIDE))} lanes", all_widths, *[None] * len(VARIANTS)))
-    title = "ns per step and simulation; ratio to the C program as given, with vfife's step, with its ledger too, and with operations as written"
+    title = (
+        "ns per step and simulation; ratio to the C program as given, with vfife's step, with its ledger too,"
+        " and with operations as written"
+    )
     part.tables.append(table(title, "loop", "ns", "given", "located", "ledger", "exact", rows=rows))
-    rows = [(str(r["steps"]), r["limit"], r["located"], f"{r['onsets']:.0f}, {r['located_onsets']:.0f}") for r in moved]
+    rows = [
+        (str(r["steps"]), r["limit"], r["located"], f"{r['onsets']:.0f}, {r['located_onsets']:.0f}")
+        for r in moved
+    ]
     columns = ("after steps", "C as given", "C located", "onsets vfife, C")
     part.tables.append(table("distance of the follower pin from vfife's (m)", *columns, rows=rows))
     return part

@@ -1,7 +1,7 @@
 """The mechanism of limit/four_bar_limit.c as the array and the integers that the kernels step.
 
-Built here row by row and not through a mechanism, because it has to be exactly what the C program has: the masses, the
-rotary inertia, the unstressed start and the prescribed crank pin.
+Built here row by row and not through a mechanism, because it has to be exactly what the C program has: the
+masses, the rotary inertia, the unstressed start and the prescribed crank pin.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vfife import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.runner import Runner
 from vfife.kernels.arrays import Layout
 from vfife.kernels.topology import Topology
 

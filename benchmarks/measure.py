@@ -1,4 +1,6 @@
-"""What every part of the benchmark shares: a part's result, the machine, and times that others disturb little."""
+"""What every part of the benchmark shares: a part's result, the machine, and times that others disturb
+little.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,8 @@ from rich.table import Table
 
 from vfife import load_model
 from vfife.assembly.assemble import assemble
-from vfife.codegen.modules import written
-from vfife.codegen.source import data_driven
+from vfife.compiler.runtime.modules import written
+from vfife.compiler.trace.source import data_driven
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -44,7 +46,9 @@ class Part:
 
 
 def interleaved(rounds: int, runs: Mapping[str, Callable[[], float]]) -> dict[str, float]:
-    """The best of several rounds that call every run once: what slows the machine for a while slows all alike."""
+    """The best of several rounds that call every run once: what slows the machine for a while slows all
+    alike.
+    """
     best = dict.fromkeys(runs, float("inf"))
     for _ in range(rounds):
         for name, run in runs.items():
@@ -88,8 +92,12 @@ def versions(*names: str) -> dict[str, str]:
 
 
 def step_text() -> str:
-    """Hash of the text of the step, as it is compiled for case c in either loop: numbers taken with another text are of another program."""
-    topology = assemble(load_model(EXAMPLES / "four_bar_case_c.toml"), 1e-6, turns=1, force_step=True).topology
+    """Hash of the text of the step, as it is compiled for case c in either loop: numbers taken with another
+    text are of another program.
+    """
+    topology = assemble(
+        load_model(EXAMPLES / "four_bar_case_c.toml"), 1e-6, turns=1, force_step=True
+    ).topology
     texts = written(topology, 1), data_driven(topology.contact_laws, topology.friction_laws)
     return hashlib.sha256("".join(texts).encode()).hexdigest()[:16]
 
@@ -109,5 +117,7 @@ def table(title: str, *columns: str, rows: list[tuple[Any, ...]]) -> Table:
     for k, column in enumerate(columns):
         result.add_column(column, justify="right" if k else "left")
     for row in rows:
-        result.add_row(*(cell if isinstance(cell, str) else "" if cell is None else f"{cell:.4g}" for cell in row))
+        result.add_row(
+            *(cell if isinstance(cell, str) else "" if cell is None else f"{cell:.4g}" for cell in row)
+        )
     return result

@@ -1,9 +1,11 @@
-"""A law of the user's own against the built-in one that it is a copy of: the ratio of the time of a step, in one run.
+"""A law of the user's own against the built-in one that it is a copy of: the ratio of the time of a step, in
+one run.
 
     python benchmarks/own_law.py
 
-Both take the same model (case c: a four-bar with three clearance joints) through the generated loop, in turns, so that a machine that is busy is
-busy for both. The numbers of the steps are the same to the bit; the ratio should lie within 10 % of 1.
+Both take the same model (case c: a four-bar with three clearance joints) through the generated loop, in
+turns, so that a machine that is busy is busy for both. The numbers of the steps are the same to the bit; the
+ratio should lie within 10 % of 1.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import numpy as np
 
 import vfife
 from vfife.assembly.assemble import assemble
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.runner import Runner
 from vfife.solvers.record import recorded_rows
 
 MODEL = Path(__file__).resolve().parents[1] / "examples" / "four_bar_case_c.toml"
@@ -52,10 +54,18 @@ def runner(own: bool, lanes: int) -> Runner:
         law = joint.contact
         assert isinstance(law, vfife.LankaraniNikravesh)
         values = {field: value for field, value in vars(joint).items() if field != "contact"}
-        mechanism.joints[name] = vfife.ClearanceRevolute(**values, contact=Copy(law.restitution, law.stiffness) if own else law)
+        mechanism.joints[name] = vfife.ClearanceRevolute(
+            **values, contact=Copy(law.restitution, law.stiffness) if own else law
+        )
     model = assemble(mechanism, 1e-7, turns=100.0, force_step=True)
     state = np.repeat(model.state[:, None], lanes, axis=1)
-    return Runner(model.topology, state, np.repeat(model.tables[None, :], lanes, axis=0), "generated", recorded_rows(model))
+    return Runner(
+        model.topology,
+        state,
+        np.repeat(model.tables[None, :], lanes, axis=0),
+        "generated",
+        recorded_rows(model),
+    )
 
 
 def main() -> None:
@@ -73,7 +83,10 @@ def main() -> None:
             ratios.append(spent[1] / spent[0])
         assert (both[0].states == both[1].states).all(), "the same steps, to the bit"
         ns = ", ".join(f"{1e9 * least / STEPS:.1f} ns" for least in best)
-        print(f"{lanes} lane{'s' * (lanes > 1)}: own/built-in {statistics.median(ratios):.3f} (best {best[1] / best[0]:.3f}; {ns} a step)")
+        print(
+            f"{lanes} lane{'s' * (lanes > 1)}: own/built-in {statistics.median(ratios):.3f} (best"
+            f" {best[1] / best[0]:.3f}; {ns} a step)"
+        )
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""Wall time of a crank revolution beside the programs of others: the four-bar with rigid links at equal accuracy.
+"""Wall time of a crank revolution beside the programs of others: the four-bar with rigid links at equal
+accuracy.
 
-Cases a, b and c of peers/common.py: ideal joints, one clearance joint, three. Everybody runs at the largest step of the
-grid that, with every smaller one, keeps both maxima within 1 % (a, b) or 2 % (c) of the reference. Compilation and the
-building of the model are left out for everybody.
+Cases a, b and c of peers/common.py: ideal joints, one clearance joint, three. Everybody runs at the largest
+step of the grid that, with every smaller one, keeps both maxima within 1 % (a, b) or 2 % (c) of the
+reference. Compilation and the building of the model are left out for everybody.
 """
 
 from __future__ import annotations
@@ -74,11 +75,21 @@ class Case:
 def peer(candidate: Candidate, case: str, repeat: int) -> dict[str, Any]:
     """What a peer's script measured, or why it did not."""
     try:
-        found = run(candidate.name, candidate.script, "--case", case, "--repeat", str(repeat), *candidate.command)
+        found = run(
+            candidate.name, candidate.script, "--case", case, "--repeat", str(repeat), *candidate.command
+        )
     except Missing as error:
         return {"missing": str(error)}
-    if not all(isinstance(found.get(name), float) and isfinite(found[name]) for name in ("err_alpha", "err_force", "wall_per_rev_s")):
-        return {"missing": f"{candidate.name} diverged at a step of {candidate.step:g}, so it has no maximum and no ratio is taken"}
+    if not all(
+        isinstance(found.get(name), float) and isfinite(found[name])
+        for name in ("err_alpha", "err_force", "wall_per_rev_s")
+    ):
+        return {
+            "missing": (
+                f"{candidate.name} diverged at a step of {candidate.step:g}, so it has no maximum and no"
+                " ratio is taken"
+            )
+        }
     return {"step": candidate.step, "ms": 1e3 * found["wall_per_rev_s"], **found}
 
 
@@ -87,8 +98,17 @@ def fine(case: Case, repeat: int, part: Part, compare: bool) -> list[tuple[Any, 
     tolerance = TOLERANCE[case.case]
     step, scan = case.largest_good_step(FINE[case.case])
     found = case.best(step, "generated", 4 * repeat)
-    wrong = [entry["step"] for entry in scan if not max(abs(entry["err_alpha"]), abs(entry["err_force"])) <= tolerance]
-    part.measured[f"case_{case.case}_fine"] = {"vfife_step": step, "vfife": found, "steps": len(scan), "wrong": wrong}
+    wrong = [
+        entry["step"]
+        for entry in scan
+        if not max(abs(entry["err_alpha"]), abs(entry["err_force"])) <= tolerance
+    ]
+    part.measured[f"case_{case.case}_fine"] = {
+        "vfife_step": step,
+        "vfife": found,
+        "steps": len(scan),
+        "wrong": wrong,
+    }
     rows = [row(f"{case.case}, fine grid  vfife, generated", step, found)]
     rival = peer(STRICT[case.case], case.case, repeat) if compare else {"missing": ""}
     if compare and "missing" in rival:
@@ -96,7 +116,9 @@ def fine(case: Case, repeat: int, part: Part, compare: bool) -> list[tuple[Any, 
     if "missing" not in rival:
         part.measured[f"case_{case.case}_fine"]["mujoco"] = rival
         part.ratios[f"peers.case_{case.case}_fine_grid"] = rival["ms"] / found["ms"]
-        rows.append(row(f"{case.case}, fine grid  {rival['peer']}, {rival['route']}", STRICT[case.case].step, rival))
+        rows.append(
+            row(f"{case.case}, fine grid  {rival['peer']}, {rival['route']}", STRICT[case.case].step, rival)
+        )
     return rows
 
 
@@ -117,7 +139,10 @@ def measure(options: Options) -> Part:
         before = {loop: case.best(step, loop, 4 * repeat) for loop in LOOPS}
         chosen = [c for c in CANDIDATES[name] if options.peers and (c.decides or not options.quick)]
         others = {c.name: peer(c, name, repeat) for c in chosen}
-        best = {loop: min(before[loop], case.best(step, loop, 4 * repeat), key=lambda f: f["ms"]) for loop in LOOPS}
+        best = {
+            loop: min(before[loop], case.best(step, loop, 4 * repeat), key=lambda f: f["ms"])
+            for loop in LOOPS
+        }
         part.measured[f"case_{name}"] = {"vfife_step": step, "vfife": best, "vfife_scan": scan, **others}
         rows += [row(f"{name}  vfife, {loop}", step, found) for loop, found in best.items()]
         rivals = []
@@ -133,8 +158,14 @@ def measure(options: Options) -> Part:
             equal = case.best(rival["step"], "generated", 2 * repeat)
             part.measured[f"case_{name}"]["vfife_at_equal_step"] = equal
             compared = {f"peers.case_{name}": best["generated"], f"peers.case_{name}_equal_step": equal}
-            part.ratios |= {key: rival["ms"] / ours["ms"] for key, ours in compared.items() if isfinite(ours["ms"])}
-            part.notes += [f"{key}: vfife diverged, so there is no ratio" for key, ours in compared.items() if not isfinite(ours["ms"])]
+            part.ratios |= {
+                key: rival["ms"] / ours["ms"] for key, ours in compared.items() if isfinite(ours["ms"])
+            }
+            part.notes += [
+                f"{key}: vfife diverged, so there is no ratio"
+                for key, ours in compared.items()
+                if not isfinite(ours["ms"])
+            ]
         if name in FINE:
             rows += fine(case, repeat, part, options.peers)
     if not options.peers:

@@ -1,4 +1,6 @@
-"""Measures vfife's speed in one run, prints ratios and writes latest.json; README.md says what each ratio means."""
+"""Measures vfife's speed in one run, prints ratios and writes latest.json; README.md says what each ratio
+means.
+"""
 
 from __future__ import annotations
 
@@ -80,7 +82,9 @@ def arguments() -> argparse.Namespace:
     named = f"parts to measure, of {', '.join(PARTS)}"
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, metavar="NAME", help=named)
     parser.add_argument("--quick", action="store_true", help="shorter and less exact; for trying out")
-    parser.add_argument("--no-peers", action="store_true", help="without the programs of others (nothing is installed)")
+    parser.add_argument(
+        "--no-peers", action="store_true", help="without the programs of others (nothing is installed)"
+    )
     return parser.parse_args()
 
 
@@ -102,7 +106,9 @@ def perform(name: str, options: Options, console: Console) -> Part:
 
 
 def main() -> int:
-    """Measures, prints, writes; 1 where a part failed. A ratio that is not what it shall be is told, not punished."""
+    """Measures, prints, writes; 1 where a part failed. A ratio that is not what it shall be is told, not
+    punished.
+    """
     chosen, console = arguments(), Console(width=None if sys.stdout.isatty() else 140)
     options = Options(quick=chosen.quick, peers=not chosen.no_peers)
     parts = {name: perform(name, options, console) for name in PARTS if name in chosen.only}
@@ -122,7 +128,9 @@ def main() -> int:
     path.write_text(json.dumps(plain(report), indent=2, allow_nan=False) + "\n")
     console.rule("ratios")
     word = {True: "met", False: "missed", None: ""}
-    rows = [(key, value, report["targets"].get(key, ""), word[met(key, value)]) for key, value in ratios.items()]
+    rows = [
+        (key, value, report["targets"].get(key, ""), word[met(key, value)]) for key, value in ratios.items()
+    ]
     console.print(table("", "ratio", "value", "shall be", "", rows=rows))
     console.print(f"written to {path}")
     failed = any(": failed," in note for note in report["notes"])

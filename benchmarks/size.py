@@ -1,4 +1,6 @@
-"""Cost per element and step, time of assembly and memory from 10 to 100,000 elements: a straight bar, then a lattice frame, data-driven loop."""
+"""Cost per element and step, time of assembly and memory from 10 to 100,000 elements: a straight bar, then a
+lattice frame, data-driven loop.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from measure import Options, Part, table
 
 from vfife import Mechanism, Section
 from vfife.assembly.assemble import assemble
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.runner import Runner
 from vfife.model.bodies import MOST_ELEMENTS, Member
 
 SIZES = (10, 100, 1000, 10_000, 100_000)
@@ -23,7 +25,9 @@ def bar(elements: int) -> Mechanism:
     """A bar on a pin, falling."""
     mechanism = Mechanism("bar", gravity=(0.0, -9.81))
     mechanism.point("A", 0.0, 0.0)
-    mechanism.link("bar", length=0.01 * elements, model="elastic", elements=elements, section=Section.square(1e-4))
+    mechanism.link(
+        "bar", length=0.01 * elements, model="elastic", elements=elements, section=Section.square(1e-4)
+    )
     mechanism.revolute("A", "ground.A", "bar.start")
     return mechanism
 
@@ -60,12 +64,18 @@ def measure(options: Options) -> Part:
         for size in sizes:
             cost, seconds, elements, memory = one(make, size, options)
             costs[elements] = cost
-            rows.append((make.__name__, f"{elements:,}", f"{1e9 * cost:.1f}", f"{seconds:.2f}", f"{memory:.0f}"))
+            rows.append(
+                (make.__name__, f"{elements:,}", f"{1e9 * cost:.1f}", f"{seconds:.2f}", f"{memory:.0f}")
+            )
         part.ratios[f"size.{make.__name__}"] = max(costs.values()) / min(costs.values())
         part.ratios[f"size.assembly_{make.__name__}"] = seconds / 5.0
         part.ratios[f"size.memory_{make.__name__}"] = memory / 2000.0
         part.measured[make.__name__] = {str(size): cost for size, cost in costs.items()}
-    part.tables.append(table("size", "model", "elements", "ns per element-step", "assembly (s)", "bytes per element", rows=rows))
+    part.tables.append(
+        table(
+            "size", "model", "elements", "ns per element-step", "assembly (s)", "bytes per element", rows=rows
+        )
+    )
     return part
 
 
@@ -77,7 +87,9 @@ def one(make: Callable[[int], Mechanism], size: int, options: Options) -> tuple[
     assembly = assemble(mechanism, duration=1.0, outputs=1)
     seconds = time.perf_counter() - began
     elements = len(assembly.topology.frame_nodes)
-    runner = Runner(assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], "data-driven", NOTHING)
+    runner = Runner(
+        assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], "data-driven", NOTHING
+    )
     runner.advance(1, 1)
     steps = max(10, round(STEPS / elements))
     best = min(timed(runner, steps) for _ in range(3 if options.quick else 9))

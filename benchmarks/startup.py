@@ -1,7 +1,9 @@
-"""From process start to result, and memory: what a user waits for before the first step, and after a short run.
+"""From process start to result, and memory: what a user waits for before the first step, and after a short
+run.
 
-Each time is that of a whole new process, the best of several; limits are those of the project's issue on speed. Python keeps the bytecode of
-modules, as it does for whoever installs the package, also where this process was told not to.
+Each time is that of a whole new process, the best of several; limits are those of the project's issue on
+speed. Python keeps the bytecode of modules, as it does for whoever installs the package, also where this
+process was told not to.
 """
 
 from __future__ import annotations
@@ -18,7 +20,8 @@ from measure import EXAMPLES, ROOT, Options, Part, seconds, table
 LIMITS = {"import": 0.3, "help": 0.5, "run_warm": 0.7, "run_cold": 2.5}
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 VFIFE = [sys.executable, "-m", "vfife"]
-# The same number of outputs whatever the length; peak memory in KiB (bytes on macOS, where only the ratio counts).
+# The same number of outputs whatever the length; peak memory in KiB (bytes on macOS, where only the ratio
+# counts).
 MEMORY = """
 import resource, sys, vfife
 turns = int(sys.argv[2])
@@ -33,7 +36,9 @@ def process(*command: str, cache: str | None = None) -> str:
     variables.pop("PYTHONDONTWRITEBYTECODE", None)
     if cache is not None:
         variables["VFIFE_CACHE"] = cache
-    done = subprocess.run(command, env=variables, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(
+        command, env=variables, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
+    )
     if done.returncode:
         said = (done.stderr or done.stdout).strip()[-500:]
         raise RuntimeError(f"{' '.join(command)} ended with {done.returncode}: {said}")
@@ -76,8 +81,15 @@ def measure(options: Options) -> Part:
     peaks = {turns: int(process(sys.executable, "-c", MEMORY, str(MODEL), str(turns))) for turns in (2, 16)}
     part.ratios = {f"startup.{name}": took[name] / limit for name, limit in LIMITS.items()}
     part.ratios["startup.memory_8x"] = peaks[16] / peaks[2]
-    part.measured = {"seconds_taken": took, "cold_runs": cold, "heavy_libraries": heavy, "peak_memory_KiB": peaks}
-    rows: list[tuple[Any, ...]] = [(name.replace("_", " "), took[name], limit) for name, limit in LIMITS.items()]
+    part.measured = {
+        "seconds_taken": took,
+        "cold_runs": cold,
+        "heavy_libraries": heavy,
+        "peak_memory_KiB": peaks,
+    }
+    rows: list[tuple[Any, ...]] = [
+        (name.replace("_", " "), took[name], limit) for name, limit in LIMITS.items()
+    ]
     title = "seconds from process start to end; the run is case c"
     part.tables.append(table(title, "command", "s", "limit", rows=rows))
     rows = [(f"{turns} turns", f"{peak / 1024:.1f}") for turns, peak in peaks.items()]

@@ -1,4 +1,6 @@
-"""Members of a study of case c: steps and members per second, of a core and of all, beside one lane, the C program's lanes and a pool of peers."""
+"""Members of a study of case c: steps and members per second, of a core and of all, beside one lane, the C
+program's lanes and a pool of peers.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +21,10 @@ from limit import COMPILER, ask, build
 from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 
 from vfife import load_model
-from vfife.codegen.native import stream_lanes
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.native import stream_lanes
+from vfife.compiler.runtime.runner import Runner
 from vfife.solvers.record import recorded_rows
-from vfife.study.engine import Cases, Wanted, run_members
+from vfife.studies.engine.cases import Cases, Wanted, run_members
 
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")
@@ -36,13 +38,20 @@ def clearances(count: int) -> list[dict[str, float | str]]:
     """Members whose three clearances are those of a Latin hypercube's strata."""
     draw = np.random.default_rng(1)
     found = [1e-4 + 2e-4 * (draw.permutation(count) + 0.5) / count for _ in "BCD"]
-    return [{f"joint.{name}.clearance": float(column[k]) for name, column in zip("BCD", found, strict=True)} for k in range(count)]
+    return [
+        {f"joint.{name}.clearance": float(column[k]) for name, column in zip("BCD", found, strict=True)}
+        for k in range(count)
+    ]
 
 
 def grid() -> list[dict[str, float | str]]:
     """Twenty clearances by ten speeds."""
     sizes, speeds = np.linspace(5e-5, 5e-4, 20), np.linspace(105.0, 210.0, 10)
-    return [{**{f"joint.{name}.clearance": float(c) for name in "BCD"}, "driver.crank.speed": float(w)} for w in speeds for c in sizes]
+    return [
+        {**{f"joint.{name}.clearance": float(c) for name in "BCD"}, "driver.crank.speed": float(w)}
+        for w in speeds
+        for c in sizes
+    ]
 
 
 class Study:
@@ -54,18 +63,32 @@ class Study:
     def members(self, workers: int) -> float:
         """Wall time (s) of all of them."""
         began = time.perf_counter()
-        found = [one for _, one in run_members(self.base, self.numbers, Wanted(WANTED, self.turns), workers=workers)]
+        found = [
+            one
+            for _, one in run_members(self.base, self.numbers, Wanted(WANTED, self.turns), workers=workers)
+        ]
         self.steps = sum(one.steps for one in found)
         if len(found) != len(self.numbers) or any(one.status != "complete" for one in found):
             raise RuntimeError("a member is not complete")
         return time.perf_counter() - began
 
     def one_lane(self) -> float:
-        """Wall time (s) a step of the loop with one lane and nothing beside it, over the turns of the first member."""
+        """Wall time (s) a step of the loop with one lane and nothing beside it, over the turns of the first
+        member.
+        """
         assembly: Any = Cases(self.base, Wanted(WANTED, self.turns)).case(0, self.numbers[0]).assembly  # type: ignore[union-attr]
-        runner = Runner(assembly.topology, assembly.state[:, None], assembly.tables[None], "generated", recorded_rows(assembly))
+        runner = Runner(
+            assembly.topology,
+            assembly.state[:, None],
+            assembly.tables[None],
+            "generated",
+            recorded_rows(assembly),
+        )
         runner.advance(1, 1)
-        return seconds(lambda: runner.advance(assembly.choice.outputs_every, assembly.choice.outputs)) / assembly.choice.steps
+        return (
+            seconds(lambda: runner.advance(assembly.choice.outputs_every, assembly.choice.outputs))
+            / assembly.choice.steps
+        )
 
 
 def assembly_time(numbers: list[dict[str, float | str]]) -> float:
@@ -78,11 +101,15 @@ def assembly_time(numbers: list[dict[str, float | str]]) -> float:
 
 
 def pool(part: Part) -> float:
-    """Crank revolutions per second of as many processes as there are cores, each the fastest peer's script at the largest step that is right."""
+    """Crank revolutions per second of as many processes as there are cores, each the fastest peer's script at
+    the largest step that is right.
+    """
     rival = STRICT["c"]
 
     def one(_: int) -> float:
-        return float(run(rival.name, rival.script, "--case", "c", "--repeat", "3", *rival.command)["wall_per_rev_s"])
+        return float(
+            run(rival.name, rival.script, "--case", "c", "--repeat", "3", *rival.command)["wall_per_rev_s"]
+        )
 
     try:
         with ThreadPoolExecutor(CORES) as workers:
@@ -93,7 +120,9 @@ def pool(part: Part) -> float:
 
 
 def c_lanes(part: Part, steps: int) -> float:
-    """ns per step and simulation of the C program with vfife's step and ledger, in as many lanes as members; the best of three."""
+    """ns per step and simulation of the C program with vfife's step and ledger, in as many lanes as members;
+    the best of three.
+    """
     if shutil.which(COMPILER) is None:
         part.notes.append(f"study: no C compiler here ({COMPILER})")
         return math.nan
@@ -108,7 +137,12 @@ def measure(options: Options) -> Part:
     study, whole = Study(clearances(16 if options.quick else 96), TURNS), Study(grid(), 10)
     study.members(1)  # compile
     two = min(2, CORES)
-    runs = {"lane": study.one_lane, "core": lambda: study.members(1), "two": lambda: study.members(two), "all": lambda: study.members(CORES)}
+    runs = {
+        "lane": study.one_lane,
+        "core": lambda: study.members(1),
+        "two": lambda: study.members(two),
+        "all": lambda: study.members(CORES),
+    }
     best = interleaved(2 if options.quick else 5, runs)
     best["grid"] = min(whole.members(CORES) for _ in range(1 if options.quick else 3))
     best["assembly"] = min(assembly_time(clearances(ASSEMBLED)) for _ in range(3))
@@ -137,10 +171,24 @@ def measure(options: Options) -> Part:
         ("one lane, one core", None, 1e-6 / best["lane"]),
         (f"study, {LANES} lanes, one core", count / best["core"], 1e-6 * study.steps / best["core"]),
         (f"study, {LANES} lanes, {CORES} cores", count / best["all"], 1e-6 * study.steps / best["all"]),
-        (f"20 clearances by 10 speeds, ten turns, {CORES} cores: {best['grid']:.2f} s", 200 / best["grid"], 1e-6 * whole.steps / best["grid"]),
+        (
+            f"20 clearances by 10 speeds, ten turns, {CORES} cores: {best['grid']:.2f} s",
+            200 / best["grid"],
+            1e-6 * whole.steps / best["grid"],
+        ),
         ("C program's lanes, one core", None, 1e-6 / best["c"]),
         (f"fastest peer, {CORES} processes", peers / TURNS, None),
     ]
-    part.tables.append(table(f"members of {TURNS} turns and million steps a second", "what", "members/s", "M steps/s", rows=rows))
-    part.notes.append(f"study: a member that differs in numbers of play is assembled in {1e3 * best['assembly']:.3f} ms")
+    part.tables.append(
+        table(
+            f"members of {TURNS} turns and million steps a second",
+            "what",
+            "members/s",
+            "M steps/s",
+            rows=rows,
+        )
+    )
+    part.notes.append(
+        f"study: a member that differs in numbers of play is assembled in {1e3 * best['assembly']:.3f} ms"
+    )
     return part

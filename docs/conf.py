@@ -1,4 +1,6 @@
-"""Sphinx configuration. What pages show is made while they are built, by docs/extensions, and nothing is asked for from elsewhere."""
+"""Sphinx configuration. What pages show is made while they are built, by docs/extensions, and nothing is
+asked for from elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -72,7 +74,9 @@ def fill_verification_page(app, docname, source) -> None:
 
 
 def fill_benchmarks_page(app, docname, source) -> None:
-    """Put the numbers of benchmarks/latest.json into benchmarks.md before it is read, and whether they are those of the step as it is."""
+    """Put the numbers of benchmarks/latest.json into benchmarks.md before it is read, and whether they are
+    those of the step as it is.
+    """
     if docname == "benchmarks":
         from measure import step_text
         from page import tables
@@ -86,5 +90,6 @@ def setup(app) -> None:
     app.connect("source-read", fill_benchmarks_page)
 
 
-# Rooms may use the same short word (a Table of a model file and one of a page); annotations name both by it alone.
+# Rooms may use the same short word (a Table of a model file and one of a page); annotations name both by it
+# alone.
 suppress_warnings = ["ref.python"]

@@ -2,8 +2,9 @@
 A motor with a speed controller
 ===============================
 
-A direct-current motor turns a rotor, a controller holds its speed, a brake falls in. Motor and controller are somebody else's program, here a few
-lines; ``vfife.Simulation`` steps the mechanism between them, to the bits of a run in one piece.
+A direct-current motor turns a rotor, a controller holds its speed, a brake falls in. Motor and controller are
+somebody else's program, here a few lines; ``vfife.Simulation`` steps the mechanism between them, to the bits
+of a run in one piece.
 """
 
 # %%
@@ -19,7 +20,10 @@ import vfife
 INERTIA, RESISTANCE, INDUCTANCE, CONSTANT = 2e-4, 0.5, 1e-3, 0.05  # kg m^2, ohm, H, N m/A
 GAIN, INTEGRAL = 0.2, 8.0  # V s/rad, V/rad
 TARGET, BRAKE, BRAKED, END = 150.0, -0.2, 0.1, 0.2  # rad/s, N m, s, s
-SAMPLE, EXCHANGE = 1e-3, 5e-5  # s: between two looks of the controller, and between two of the motor at the rotor
+SAMPLE, EXCHANGE = (
+    1e-3,
+    5e-5,
+)  # s: between two looks of the controller, and between two of the motor at the rotor
 
 
 def rotor() -> vfife.Mechanism:
@@ -34,7 +38,8 @@ def rotor() -> vfife.Mechanism:
 
 
 # %%
-# The loop. Every millisecond the controller looks at the speed and sets a voltage, proportional and integral; every 50 microseconds the motor takes
+# The loop. Every millisecond the controller looks at the speed and sets a voltage, proportional and integral;
+# every 50 microseconds the motor takes
 # the speed, moves its current on by L di/dt = U - R i - K w, and hands back the mean of its torque, K i.
 
 
@@ -84,7 +89,9 @@ times, speeds = controlled()
 expected = reference()
 away = np.abs(speeds - expected).max() / TARGET
 before, lowest = speeds[times < BRAKED][-1], speeds[times > BRAKED].min()
-print(f"speed {before:.1f} rad/s before the brake, {lowest:.1f} rad/s at the lowest after it; {100.0 * away:.3f} % from SciPy at the most")
+print(
+    f"speed {before:.1f} rad/s before the brake, {lowest:.1f} rad/s at the lowest after it; {100.0 * away:.3f} % from SciPy at the most"
+)
 
 # %%
 # The speed as the controller sees it, over SciPy's.
@@ -99,7 +106,8 @@ axes.set(xlabel="time (s)", ylabel="speed (rad/s)")
 axes.legend()
 
 # %%
-# Two programs that exchange their numbers every 50 microseconds are a first-order method: half of that leaves half of the difference.
+# Two programs that exchange their numbers every 50 microseconds are a first-order method: half of that leaves
+# half of the difference.
 
 finer = np.abs(controlled(EXCHANGE / 2)[1] - expected).max() / TARGET
 print(f"exchanged twice as often: {100.0 * finer:.3f} %")

@@ -2,12 +2,14 @@
 What a designer reads off
 =========================
 
-A small compressor with play in its piston pin: what the play costs in energy, what the pin and its bearing bear and where, how often they strike,
-what the machine does to its foundation, and how far its running speed is from a resonance.
+A small compressor with play in its piston pin: what the play costs in energy, what the pin and its bearing
+bear and where, how often they strike, what the machine does to its foundation, and how far its running speed
+is from a resonance.
 """
 
 # %%
-# Gas presses on the piston on its way up, and hardly on its way down. The rod is elastic, so that it has stresses and vibrations of its own.
+# Gas presses on the piston on its way up, and hardly on its way down. The rod is elastic, so that it has
+# stresses and vibrations of its own.
 
 import math
 
@@ -28,7 +30,13 @@ def compressor() -> vfife.Mechanism:
     m.revolute("O", "ground.O", "crank.start")
     m.revolute("crankpin", "crank.end", "rod.start")
     m.clearance(
-        "pin", "rod.end", "piston.center", clearance="30 um", bearing_radius="10 mm", axial_length="25 mm", friction=vfife.Ambrosio(coefficient=0.1)
+        "pin",
+        "rod.end",
+        "piston.center",
+        clearance="30 um",
+        bearing_radius="10 mm",
+        axial_length="25 mm",
+        friction=vfife.Ambrosio(coefficient=0.1),
     )
     m.slider("guide", "ground.O", "piston.center")
     m.guide_force("gas", "guide", pressure=("0 bar", "1 bar", "4 bar"), pressure_back=("0 bar", "0 bar", "4 bar"), bore="40 mm",
@@ -44,15 +52,27 @@ told = result.measures
 # %%
 # **Energy.** What each joint loses, and the efficiency: the gas takes work, the rest is heat.
 
-for name in ("pin.friction_power.mean", "pin.impact_power.mean", "crank.power.mean", "crank.torque.mean", "mechanism.efficiency"):
+for name in (
+    "pin.friction_power.mean",
+    "pin.impact_power.mean",
+    "crank.power.mean",
+    "crank.torque.mean",
+    "mechanism.efficiency",
+):
     print(f"{name:28} {told[name]:10.4g}")
 assert 0.5 < told["mechanism.efficiency"] < 1.0
 assert math.isclose(told["crank.power.mean"], SPEED * told["crank.torque.mean"], rel_tol=1e-9)
 
 # %%
-# **The pin.** Sliding, Hertz' line pressure with its half-width, p v, and the list of impacts: every one is there, and told how it came.
+# **The pin.** Sliding, Hertz' line pressure with its half-width, p v, and the list of impacts: every one is
+# there, and told how it came.
 
-for name in ("sliding_velocity.max", "contact_pressure.max", "contact_half_width.max", "pressure_velocity.mean"):
+for name in (
+    "sliding_velocity.max",
+    "contact_pressure.max",
+    "contact_half_width.max",
+    "pressure_velocity.mean",
+):
     print(f"pin.{name:28} {told[f'pin.{name}']:10.4g}")
 drawn = result.plot("orbits", "forces")
 struck = result.impacts
@@ -63,17 +83,21 @@ for one in struck.hardest(3):
 assert struck.count == told["pin.impacts"]
 
 # %%
-# **Where it wears.** Time in contact and friction over the angle of the bearing, in the frame of the rod that carries it, and of the pin.
+# **Where it wears.** Time in contact and friction over the angle of the bearing, in the frame of the rod that
+# carries it, and of the pin.
 
 for side in ("bearing", "journal"):
     found = result.around(side, bins=12, last_turn=True)
     worst = int(np.argmax(found.friction[0]))
     share = found.friction[0, worst] / found.friction[0].sum()
-    print(f"{side}: {100 * share:.0f} % of the friction within 15° of {math.degrees(found.middles[worst]):.0f}°")
+    print(
+        f"{side}: {100 * share:.0f} % of the friction within 15° of {math.degrees(found.middles[worst]):.0f}°"
+    )
     assert found.friction.sum() <= result.ledger.terms["friction_loss"][-1]
 
 # %%
-# **The piston and the foundation.** Position, velocity and acceleration along the guide, and what shakes the ground.
+# **The piston and the foundation.** Position, velocity and acceleration along the guide, and what shakes the
+# ground.
 
 stroke = told["guide.position.high"] - told["guide.position.low"]
 print(f"stroke {1e3 * stroke:.2f} mm, acceleration up to {told['guide.acceleration.max']:.0f} m/s², "
@@ -81,7 +105,8 @@ print(f"stroke {1e3 * stroke:.2f} mm, acceleration up to {told['guide.accelerati
 assert abs(stroke - 0.1) < 1e-4
 
 # %%
-# **The rod.** Stress with its sign and place, deflection, and the lowest natural frequencies of the machine with its crank held.
+# **The rod.** Stress with its sign and place, deflection, and the lowest natural frequencies of the machine
+# with its crank held.
 
 print(f"rod: tension {1e-6 * told['rod.tension.max']:.1f} MPa, compression {1e-6 * told['rod.compression.max']:.1f} MPa, "
       f"largest at {1e3 * told['rod.stress.place']:.0f} mm, bent by {1e6 * told['rod.deflection.max']:.1f} µm")  # fmt: skip

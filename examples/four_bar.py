@@ -2,12 +2,13 @@
 Four-bar with a loose pin
 =========================
 
-A crank turns a coupler and a follower; the pin between the two has 0.2 mm of play. How much harder does the pin knock, and how much more does
-the follower shake, than in the ideal mechanism?
+A crank turns a coupler and a follower; the pin between the two has 0.2 mm of play. How much harder does the
+pin knock, and how much more does the follower shake, than in the ideal mechanism?
 """
 
 # %%
-# The mechanism: three rigid links (lengths and masses of the paper's Table 1), ideal pins but one, a crank at 1500 rpm.
+# The mechanism: three rigid links (lengths and masses of the paper's Table 1), ideal pins but one, a crank at
+# 1500 rpm.
 
 import math
 
@@ -26,11 +27,14 @@ m.revolute("D", "ground.D", "follower.start")
 m.drive("crank", speed=50 * math.pi)
 
 # %%
-# Two turns, and one of the ideal mechanism to compare with. The result is an ``xarray.Dataset`` with units and a few numbers.
+# Two turns, and one of the ideal mechanism to compare with. The result is an ``xarray.Dataset`` with units
+# and a few numbers.
 
 result = vfife.simulate(m, turns=2)
 force = result.data["joint_force"].sel(joint="C")
-print(f"largest force in C ({result.measures.part}) {result.measures['C.force.max']:.0f} {force.units}, LIP {result.measures['C.force.lip']:.2f} %")
+print(
+    f"largest force in C ({result.measures.part}) {result.measures['C.force.max']:.0f} {force.units}, LIP {result.measures['C.force.lip']:.2f} %"
+)
 print(f"follower: LIP {result.measures['follower.angular_acceleration.lip']:.1f} %")
 
 # %%

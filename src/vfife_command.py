@@ -1,9 +1,9 @@
 """Entry of the command ``vfife``: from its first line on a signal ends the process without a traceback.
 
-The package and what it imports take some hundredths of a second until :mod:`vfife.cli.signals` listens. Until then Ctrl-C is to
-end the process as it ends any other, so Python's own handler, which raises KeyboardInterrupt, is taken away. The module is not
-in the package, whose ``__init__`` would be imported first, and it imports only what is compiled into the interpreter: ``signal``
-itself would import ``enum``.
+The package and what it imports take some hundredths of a second until :mod:`vfife.cli.signals` listens. Until
+then Ctrl-C is to end the process as it ends any other, so Python's own handler, which raises
+KeyboardInterrupt, is taken away. The module is not in the package, whose ``__init__`` would be imported
+first, and it imports only what is compiled into the interpreter: ``signal`` itself would import ``enum``.
 """
 
 import _signal

@@ -7,5 +7,9 @@ import pytest
 
 
 def default_cases(values: Iterable[Any], default: Callable[[Any], bool], reason: str) -> list[Any]:
-    """Return the values as parameters, those for which ``default`` is false marked ``system`` with the reason."""
-    return [value if default(value) else pytest.param(value, marks=pytest.mark.system(reason)) for value in values]
+    """Return the values as parameters, those for which ``default`` is false marked ``system`` with the
+    reason.
+    """
+    return [
+        value if default(value) else pytest.param(value, marks=pytest.mark.system(reason)) for value in values
+    ]

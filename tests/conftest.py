@@ -9,19 +9,27 @@ import typer.testing
 from hypothesis import settings
 
 from one_loop import ForAllLaws
-from vfife.codegen import loops
+from vfife.compiler.runtime import loops
 from vfife.laws import ContactLaw, FrictionLaw
-from vfife.results import connections
+from vfife.store import connections
 
-# The examples of a property are the same in every run, so that chance fails no test; `make soak` draws others each time, and prints what failed.
-settings.register_profile("calm", deadline=None, derandomize=os.environ.get("VFIFE_EXAMPLES") != "all", print_blob=True)
+# The examples of a property are the same in every run, so that chance fails no test; `make soak` draws others
+# each time, and prints what failed.
+settings.register_profile(
+    "calm", deadline=None, derandomize=os.environ.get("VFIFE_EXAMPLES") != "all", print_blob=True
+)
 settings.load_profile("calm")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Share the command line and the data-driven loop among all tests, and write files without waiting for the disk."""
-    typer.testing._get_command = functools.cache(typer.testing._get_command)  # a thousand tests use the command line
-    # No test takes the power away: a write need not reach the disk before the test goes on, which takes 10 ms each time.
+    """Share the command line and the data-driven loop among all tests, and write files without waiting for
+    the disk.
+    """
+    typer.testing._get_command = functools.cache(
+        typer.testing._get_command
+    )  # a thousand tests use the command line
+    # No test takes the power away: a write need not reach the disk before the test goes on, which takes 10 ms
+    # each time.
     connections.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
     if "not verify" in config.option.markexpr:
         loops.DataDriven = ForAllLaws

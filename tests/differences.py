@@ -1,8 +1,9 @@
 """Derivatives by the tangent of the step beside central differences of whole runs that take the same steps.
 
-A difference is itself known only as far as two of different width agree: rounding grows with one over the width, and where an onset falls into
-another step between the two runs, neither is a derivative of the steps that the run takes. Where a kink of friction lies in between, both are
-the mean of two derivatives, which is seen by the difference of the two sides, in which it does not shrink with the width.
+A difference is itself known only as far as two of different width agree: rounding grows with one over the
+width, and where an onset falls into another step between the two runs, neither is a derivative of the steps
+that the run takes. Where a kink of friction lies in between, both are the mean of two derivatives, which is
+seen by the difference of the two sides, in which it does not shrink with the width.
 """
 
 from __future__ import annotations
@@ -14,15 +15,15 @@ from typing import Any
 import numpy as np
 
 import vfife
-from vfife.analysis.measures import PEAKS, last_turn, over_turn
 from vfife.assembly.assemble import assemble
+from vfife.measures.catalogue import PEAKS, last_turn, over_turn
 from vfife.modelfile import dump
 from vfife.modelfile.parameter import numbers
 from vfife.solvers.record import Record
 from vfife.solvers.tangents import comparable, tangents
 from vfife.solvers.transient import run
-from vfife.study.derivatives import rounding
-from vfife.study.finite_difference import Way, neighbours, placed
+from vfife.studies.methods.derivatives import rounding
+from vfife.studies.methods.finite_difference import Way, neighbours, placed
 
 WIDTHS = 1e-5, 2e-5  # of a number, on both sides
 MATTERS = 1e-2  # of the largest elasticity of a measure: smaller ones are compared with that
@@ -30,7 +31,9 @@ MATTERS = 1e-2  # of the largest elasticity of a measure: smaller ones are compa
 
 @dataclass(frozen=True)
 class Compared:
-    """Of largest values by numbers: how far derivatives and differences lie apart, as a share of them, and two differences of each."""
+    """Of largest values by numbers: how far derivatives and differences lie apart, as a share of them, and
+    two differences of each.
+    """
 
     names: list[tuple[str, str]]
     apart: np.ndarray
@@ -43,10 +46,14 @@ class Compared:
 
 
 def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length: Any) -> Compared:
-    """Largest values of the last turn by the numbers ``to``; ``length`` and ``step`` as ``assemble`` takes them."""
+    """Largest values of the last turn by the numbers ``to``; ``length`` and ``step`` as ``assemble`` takes
+    them.
+    """
     text = dump(mechanism)
     assembly = assemble(mechanism, force_step=True, **length)
-    chosen = {path: value for path, value in numbers(mechanism).items() if any(fnmatchcase(path, one) for one in to)}
+    chosen = {
+        path: value for path, value in numbers(mechanism).items() if any(fnmatchcase(path, one) for one in to)
+    }
     ways = [way for way in neighbours(text, chosen, assembly)[0] if comparable(assembly, way.near)]
 
     own = largest(run(assembly))
@@ -54,9 +61,14 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
     def sides(way: Way, width: float) -> dict[str, np.ndarray]:
         """Differences per unit: over both sides, and of one side less the other."""
         size = width * abs(way.value)
-        more, less = (largest(run(placed(text, way.path, way.value, way.value + sign * size, assembly))) for sign in (1.0, -1.0))
+        more, less = (
+            largest(run(placed(text, way.path, way.value, way.value + sign * size, assembly)))
+            for sign in (1.0, -1.0)
+        )
         return {
-            name: np.array([more[name] - less[name], more[name] + less[name] - 2.0 * own[name]]) / (2.0 * size)
+            name: (
+                np.array([more[name] - less[name], more[name] + less[name] - 2.0 * own[name]]) / (2.0 * size)
+            )
             for name in own.keys() & more.keys() & less.keys()
         }
 
@@ -65,12 +77,19 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
         up, down = (largest(record) for record in pairs[0])
         near, wide = (sides(way, width) for width in WIDTHS)
         for name in up.keys() & down.keys() & near.keys() & wide.keys():
-            slopes = (up[name] - down[name]) / way.near.apart, near[name][0], wide[name][0], 2.0 * near[name][1] - wide[name][1]
+            slopes = (
+                (up[name] - down[name]) / way.near.apart,
+                near[name][0],
+                wide[name][0],
+                2.0 * near[name][1] - wide[name][1],
+            )
             found[name, way.path] = np.array(slopes) * way.value / own[name]
     most = {name: max(abs(one[1]) for (other, _), one in found.items() if other == name) for name, _ in found}
     scales = [max(abs(one[1]), MATTERS * most[name], 1e-3) for (name, _), one in found.items()]
     slopes = np.array(list(found.values())).T / scales
-    return Compared(list(found), abs(slopes[0] - slopes[1]), np.maximum(abs(slopes[1] - slopes[2]), abs(slopes[3])))
+    return Compared(
+        list(found), abs(slopes[0] - slopes[1]), np.maximum(abs(slopes[1] - slopes[2]), abs(slopes[3]))
+    )
 
 
 def largest(record: Record) -> dict[str, float]:

@@ -7,7 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
-NEAR = 1.0  # pixels by which boxes of texts may run into each other: they are a little higher than their letters
+NEAR = (
+    1.0  # pixels by which boxes of texts may run into each other: they are a little higher than their letters
+)
 
 
 def texts(figure: Figure) -> list[tuple[str, NDArray[np.float64]]]:
@@ -32,7 +34,11 @@ def texts(figure: Figure) -> list[tuple[str, NDArray[np.float64]]]:
 def faults(figure: Figure) -> list[str]:
     """Texts that leave the canvas, and pairs that overlap."""
     every, size = texts(figure), np.array(figure.canvas.get_width_height(), dtype=float)
-    found = [f"{text!r} leaves the canvas" for text, box in every if (box[0] < -NEAR).any() or (box[1] > size + NEAR).any()]
+    found = [
+        f"{text!r} leaves the canvas"
+        for text, box in every
+        if (box[0] < -NEAR).any() or (box[1] > size + NEAR).any()
+    ]
     for (one, a), (other, b) in combinations(every, 2):
         if (np.minimum(a[1], b[1]) - np.maximum(a[0], b[0]) > NEAR).all():
             found.append(f"{one!r} overlaps {other!r}")

@@ -1,7 +1,8 @@
-"""A graphics card without one: NVIDIA's driver as its bindings for Python have it, whose kernels the processor carries out, thread by thread.
+"""A graphics card without one: NVIDIA's driver as its bindings for Python have it, whose kernels the
+processor carries out, thread by thread.
 
-Every call is noted. A kernel is the text that the card would be given, but for the lines that ask which thread this is, compiled for this machine;
-its arguments are read from memory as the driver reads them.
+Every call is noted. A kernel is the text that the card would be given, but for the lines that ask which
+thread this is, compiled for this machine; its arguments are read from memory as the driver reads them.
 """
 
 from __future__ import annotations
@@ -16,14 +17,20 @@ from typing import Any
 import numpy as np
 
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
-from vfife.codegen import cuda, gpu
-from vfife.codegen.cuda import Card, DeviceStream
-from vfife.codegen.native import Code, object_code
-from vfife.codegen.runner import Starter
+from vfife.compiler.backends import gpu
+from vfife.compiler.runtime import cuda
+from vfife.compiler.runtime.cuda import Card, DeviceStream
+from vfife.compiler.runtime.native import Code, object_code
+from vfife.compiler.runtime.runner import Starter
 from vfife.kernels.topology import Topology
 from vfife.solvers.record import recorded_rows
 
-NAMES = {2: "CUDA_ERROR_OUT_OF_MEMORY", 100: "CUDA_ERROR_NO_DEVICE", 222: "CUDA_ERROR_UNSUPPORTED_PTX_VERSION", 999: "CUDA_ERROR_UNKNOWN"}
+NAMES = {
+    2: "CUDA_ERROR_OUT_OF_MEMORY",
+    100: "CUDA_ERROR_NO_DEVICE",
+    222: "CUDA_ERROR_UNSUPPORTED_PTX_VERSION",
+    999: "CUDA_ERROR_UNKNOWN",
+}
 
 
 @lru_cache(maxsize=4)
@@ -31,17 +38,35 @@ def compiled(topology: Topology) -> SimpleNamespace:
     """``member`` for this machine."""
     types = [ctypes.c_int64 if size == "" else ctypes.c_void_p for size in gpu.ARGUMENTS.values()]
     code = Code(object_code(gpu.written(topology), 0))
-    return SimpleNamespace(code=code, function=code.named("member", ctypes.CFUNCTYPE(None, *types, ctypes.c_int64)))
+    return SimpleNamespace(
+        code=code, function=code.named("member", ctypes.CFUNCTYPE(None, *types, ctypes.c_int64))
+    )
 
 
 class FakeDriver:
     """Has ``memory`` bytes; ``failing`` are functions with the error codes that they give."""
 
     CUDA_VERSION = 13000
-    CUdevice_attribute = SimpleNamespace(CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR=75, CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR=76)
+    CUdevice_attribute = SimpleNamespace(
+        CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR=75, CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR=76
+    )
 
-    def __init__(self, topology: Topology | None, *, memory: int = 1 << 30, version: int = 13000, capability: int = 90, **failing: int) -> None:
-        self.topology, self.memory, self.version, self.capability, self.failing = topology, memory, version, capability, failing
+    def __init__(
+        self,
+        topology: Topology | None,
+        *,
+        memory: int = 1 << 30,
+        version: int = 13000,
+        capability: int = 90,
+        **failing: int,
+    ) -> None:
+        self.topology, self.memory, self.version, self.capability, self.failing = (
+            topology,
+            memory,
+            version,
+            capability,
+            failing,
+        )
         self.calls: list[str] = []
         self.given: dict[int, np.ndarray] = {}
         self.threads: list[int] = []
@@ -99,7 +124,9 @@ class FakeDriver:
         return ()
 
     def _reach(self, address: int, size: int) -> None:
-        assert any(start <= address and address + size <= start + one.nbytes for start, one in self.given.items())
+        assert any(
+            start <= address and address + size <= start + one.nbytes for start, one in self.given.items()
+        )
 
     def cuMemcpyHtoD(self, there, here, size):
         self._reach(there, size)
@@ -137,12 +164,23 @@ def in_this_machine(driver: FakeDriver) -> Iterator[FakeDriver]:
 
 
 def rows_on_card(assembly: Assembly, driver: Any = None, lane: int = 0) -> np.ndarray:
-    """What a card would hand out of one member, stepped by one of its threads: the start and every output, shape (outputs, kept)."""
-    topology, choice, kept, parts = assembly.topology, assembly.choice, recorded_rows(assembly), assembly.mechanism.settings.parts
-    first = Starter(topology, 1, "generated", assembly.tables.size, parts).begun(assembly.state, assembly.tables, np.stack(bounds(assembly)))
+    """What a card would hand out of one member, stepped by one of its threads: the start and every output,
+    shape (outputs, kept).
+    """
+    topology, choice, kept, parts = (
+        assembly.topology,
+        assembly.choice,
+        recorded_rows(assembly),
+        assembly.mechanism.settings.parts,
+    )
+    first = Starter(topology, 1, "generated", assembly.tables.size, parts).begun(
+        assembly.state, assembly.tables, np.stack(bounds(assembly))
+    )
     own = Card(driver or FakeDriver(topology))
     limited = limited_rows(assembly)
-    stream = DeviceStream(topology, lane + 1, "generated", kept, choice.outputs, kept, limited, assembly.tables.size, parts, own)
+    stream = DeviceStream(
+        topology, lane + 1, "generated", kept, choice.outputs, kept, limited, assembly.tables.size, parts, own
+    )
     stream.put(lane, first, choice.outputs_every, choice.outputs)
     stream.advance(choice.outputs_every * choice.outputs)
     return np.concatenate([first.state[None, kept] + 0.0, stream.rows(lane)])

@@ -1,7 +1,9 @@
-"""Inputs made up at random, many of each kind: model texts, ``--set``, quantities, run files, files of the cache.
+"""Inputs made up at random, many of each kind: model texts, ``--set``, quantities, run files, files of the
+cache.
 
-Of each it is known what may come of it: a mechanism that is written and read alike, a number, the bytes that were written; or a fault in words,
-soon. Never a traceback, a number that is none, or another number than the one that was written.
+Of each it is known what may come of it: a mechanism that is written and read alike, a number, the bytes that
+were written; or a fault in words, soon. Never a traceback, a number that is none, or another number than the
+one that was written.
 """
 
 from __future__ import annotations
@@ -18,10 +20,10 @@ import numpy as np
 
 import vfife
 from vfife.assembly.assemble import assemble
-from vfife.codegen import cache
+from vfife.compiler.runtime import cache
 from vfife.errors import RunFileError, VfifeError
 from vfife.modelfile import dump, loads
-from vfife.results.runfile import RunFile
+from vfife.store.runfile import RunFile
 from vfife.units import number
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
@@ -58,7 +60,10 @@ def changed(text: str, chance: random.Random) -> str:
             at = chance.randrange(len(lines[k]))
             lines[k] = lines[k][:at] + chr(chance.choice(SIGNS)) + lines[k][at + 1 :]
         elif kind == 4 and "=" in lines[k]:  # another size, as by a wrong prefix
-            lines[k] = f"{lines[k].partition('=')[0]}= {chance.choice((1, -1)) * 10.0 ** chance.randint(-12, 12) * chance.randint(1, 9)!r}"
+            lines[k] = (
+                f"{lines[k].partition('=')[0]}="
+                f" {chance.choice((1, -1)) * 10.0 ** chance.randint(-12, 12) * chance.randint(1, 9)!r}"
+            )
         else:
             j = chance.randrange(len(lines))
             lines[k], lines[j] = lines[j], lines[k]
@@ -66,9 +71,13 @@ def changed(text: str, chance: random.Random) -> str:
 
 
 def meant(error: Exception) -> bool:
-    """Whether an error is raised on purpose, with words: one of the package's own, or a ValueError from a line of it that raises."""
+    """Whether an error is raised on purpose, with words: one of the package's own, or a ValueError from a
+    line of it that raises.
+    """
     last = traceback.extract_tb(error.__traceback__)[-1]
-    own = isinstance(error, ValueError) and "vfife" in last.filename and (last.line or "").startswith("raise ")
+    own = (
+        isinstance(error, ValueError) and "vfife" in last.filename and (last.line or "").startswith("raise ")
+    )
     return bool(str(error).strip()) and (isinstance(error, VfifeError) or own)
 
 
@@ -101,9 +110,15 @@ def overrides(count: int, seed: int) -> int:
         path = chance.choice(PLACES)
         if chance.random() < 0.3:
             parts = path.split(".")
-            parts[chance.randrange(len(parts))] = chance.choice(("", "x", "0", "-1", "C", "crank", "[/]", "\x00", "\u202e", "law", "*"))
+            parts[chance.randrange(len(parts))] = chance.choice(
+                ("", "x", "0", "-1", "C", "crank", "[/]", "\x00", "\u202e", "law", "*")
+            )
             path = ".".join(parts)
-        value = chance.choice(VALUES).strip('"') if chance.random() < 0.6 else "".join(chance.choices(WORDS, k=chance.randint(1, 6)))
+        value = (
+            chance.choice(VALUES).strip('"')
+            if chance.random() < 0.6
+            else "".join(chance.choices(WORDS, k=chance.randint(1, 6)))
+        )
         try:
             mechanism = loads(text, set=[(path, value)])
             taken += 1
@@ -119,14 +134,19 @@ def quantities(count: int, seed: int) -> int:
     """How many of so many texts were numbers with units: finite ones, and the same with spaces around them."""
     chance, numbers = random.Random(seed), 0
     for _ in range(count):
-        text, unit = "".join(chance.choices(WORDS, k=chance.randint(1, 7))), chance.choice(("m", "N", "s", "rad", "rad/s", "1", "N/m^1.5"))
+        text, unit = (
+            "".join(chance.choices(WORDS, k=chance.randint(1, 7))),
+            chance.choice(("m", "N", "s", "rad", "rad/s", "1", "N/m^1.5")),
+        )
         try:
             value = number(text, unit)
         except VfifeError as error:
             assert str(error).strip(), text
             continue
         except Exception as error:
-            raise AssertionError(f"{type(error).__name__}: {error}; of the quantity {text!r} in {unit}") from error
+            raise AssertionError(
+                f"{type(error).__name__}: {error}; of the quantity {text!r} in {unit}"
+            ) from error
         assert math.isfinite(value) and number(f" {text} ", unit) == value, (text, unit, value)
         numbers += 1
     return numbers
@@ -153,7 +173,9 @@ def damage(whole: bytes, chance: random.Random) -> bytes:
 
 
 def run_files(count: int, seed: int, path: Path, changed: Path) -> int:
-    """How many of so many damaged copies of a run file could be read; what they give is what was written, or is told to be missing."""
+    """How many of so many damaged copies of a run file could be read; what they give is what was written, or
+    is told to be missing.
+    """
     chance, readable = random.Random(seed), 0
     whole = path.read_bytes()
     with RunFile.open(path) as file:
@@ -163,27 +185,40 @@ def run_files(count: int, seed: int, path: Path, changed: Path) -> int:
         changed.write_bytes(damage(whole, chance))
         try:
             with RunFile.open(changed) as file:
-                (some, own), said, state, noted, lost = file.outputs(), file.meta, file.last_checkpoint(), file.events, file.lost
+                (some, own), said, state, noted, lost = (
+                    file.outputs(),
+                    file.meta,
+                    file.last_checkpoint(),
+                    file.events,
+                    file.lost,
+                )
         except RunFileError as error:
             assert str(error).strip()
             continue
         except Exception as error:
-            raise AssertionError(f"{type(error).__name__}: {error}; of the damaged run file {k} of seed {seed}") from error
+            raise AssertionError(
+                f"{type(error).__name__}: {error}; of the damaged run file {k} of seed {seed}"
+            ) from error
         assert np.array_equal(own, rows[[at[int(step)] for step in some]]) if len(some) else True, (k, seed)
         assert len(some) == len(steps) or lost, (k, seed)
-        assert all(np.array_equal(value, meta[key]) if isinstance(value, np.ndarray) else value == meta[key] for key, value in said.items()), (
+        assert all(
+            np.array_equal(value, meta[key]) if isinstance(value, np.ndarray) else value == meta[key]
+            for key, value in said.items()
+        ), (k, seed)
+        assert set(said) == set(meta) or lost, (k, seed)
+        assert state is None or last is None or state[0] != last[0] or np.array_equal(state[1], last[1]), (
             k,
             seed,
         )
-        assert set(said) == set(meta) or lost, (k, seed)
-        assert state is None or last is None or state[0] != last[0] or np.array_equal(state[1], last[1]), (k, seed)
         assert set(noted) <= set(events), (k, seed)
         readable += 1
     return readable
 
 
 def results(count: int, seed: int, path: Path, changed: Path) -> int:
-    """How many of so many damaged copies gave a result; its numbers are those of the whole one where nothing is said to be missing."""
+    """How many of so many damaged copies gave a result; its numbers are those of the whole one where nothing
+    is said to be missing.
+    """
     chance, whole, given = random.Random(seed), path.read_bytes(), 0
     measures = vfife.load_result(path).measures
     for k in range(count):
@@ -195,7 +230,9 @@ def results(count: int, seed: int, path: Path, changed: Path) -> int:
             assert str(error).strip()
             continue
         except Exception as error:
-            raise AssertionError(f"{type(error).__name__}: {error}; of the damaged result {k} of seed {seed}") from error
+            raise AssertionError(
+                f"{type(error).__name__}: {error}; of the damaged result {k} of seed {seed}"
+            ) from error
         assert result.record.lost or found == measures, (k, seed)
         given += 1
     return given
@@ -220,4 +257,8 @@ def cached(count: int, seed: int, folder: Path) -> int:
     return same
 
 
-FUZZERS: dict[str, Callable[..., int]] = {"model texts": model_texts, "overrides": overrides, "quantities": quantities}
+FUZZERS: dict[str, Callable[..., int]] = {
+    "model texts": model_texts,
+    "overrides": overrides,
+    "quantities": quantities,
+}

@@ -1,4 +1,6 @@
-"""Calculations that share nothing with the package: circles, Lagrange's equations, a chain of springs, impacts as events."""
+"""Calculations that share nothing with the package: circles, Lagrange's equations, a chain of springs,
+impacts as events.
+"""
 
 import math
 from collections.abc import Callable
@@ -8,7 +10,9 @@ from scipy.integrate import solve_ivp
 
 
 def circles(p: np.ndarray, r: float, q: np.ndarray, s: float, side: float) -> np.ndarray:
-    """Intersection of the circles of radius r about p and s about q, to the left (1) or right (-1) of the way from p to q."""
+    """Intersection of the circles of radius r about p and s about q, to the left (1) or right (-1) of the way
+    from p to q.
+    """
     along = q - p
     distance = math.hypot(*along)
     x = (distance**2 + r**2 - s**2) / (2.0 * distance)
@@ -26,25 +30,34 @@ def jansen_foot(angle: float) -> np.ndarray:
     return circles(heel, 65.7, knee, 49.0, -1.0)
 
 
-def double_pendulum(lengths: tuple[float, float], masses: tuple[float, float], angles: tuple[float, float], until: float) -> np.ndarray:
+def double_pendulum(
+    lengths: tuple[float, float], masses: tuple[float, float], angles: tuple[float, float], until: float
+) -> np.ndarray:
     """Angles from the horizontal of two uniform rods let go at rest, after a time."""
     (a, b), (m, n), g = lengths, masses, 9.81
 
     def rates(t: float, y: np.ndarray) -> list[float]:
         p, q, u, v = y
         off = 0.5 * n * a * b
-        matrix = [[m * a * a / 3.0 + n * a * a, off * math.cos(p - q)], [off * math.cos(p - q), n * b * b / 3.0]]
+        matrix = [
+            [m * a * a / 3.0 + n * a * a, off * math.cos(p - q)],
+            [off * math.cos(p - q), n * b * b / 3.0],
+        ]
         right = [
             -off * math.sin(p - q) * v * v - (0.5 * m + n) * g * a * math.cos(p),
             off * math.sin(p - q) * u * u - 0.5 * n * g * b * math.cos(q),
         ]
         return [u, v, *np.linalg.solve(matrix, right)]
 
-    return solve_ivp(rates, (0.0, until), [*angles, 0.0, 0.0], method="DOP853", rtol=1e-11, atol=1e-12).y[:2, -1]
+    return solve_ivp(rates, (0.0, until), [*angles, 0.0, 0.0], method="DOP853", rtol=1e-11, atol=1e-12).y[
+        :2, -1
+    ]
 
 
 def chain_of_springs(pieces: int, until: float) -> np.ndarray:
-    """End (m) of a hinged rubber rod let go from the horizontal: masses at the nodes, springs along the pieces and against their bending."""
+    """End (m) of a hinged rubber rod let go from the horizontal: masses at the nodes, springs along the
+    pieces and against their bending.
+    """
     length, diameter, e, density = 1.2, 0.04, 0.7e6, 1100.0
     area, second = math.pi * diameter**2 / 4.0, math.pi * diameter**4 / 64.0
     h = length / pieces
@@ -76,7 +89,9 @@ def chain_of_springs(pieces: int, until: float) -> np.ndarray:
 
     start = np.zeros((2, pieces + 1, 2))
     start[0, :, 0] = np.linspace(0.0, length, pieces + 1)
-    return solve_ivp(rates, (0.0, until), start.ravel(), method="DOP853", rtol=1e-7, atol=1e-9).y[2 * pieces : 2 * pieces + 2, -1]
+    return solve_ivp(rates, (0.0, until), start.ravel(), method="DOP853", rtol=1e-7, atol=1e-9).y[
+        2 * pieces : 2 * pieces + 2, -1
+    ]
 
 
 def contact(radius: float, modulus: float = 207e9, poisson: float = 0.3) -> float:
@@ -84,7 +99,9 @@ def contact(radius: float, modulus: float = 207e9, poisson: float = 0.3) -> floa
     return 4.0 / 3.0 * modulus / (2.0 * (1.0 - poisson**2)) * math.sqrt(radius)
 
 
-def integrate_impacts(motion: Callable, start: list[float], until: float, contacts: int, stiffness: float, restitution: float) -> float:
+def integrate_impacts(
+    motion: Callable, start: list[float], until: float, contacts: int, stiffness: float, restitution: float
+) -> float:
     """Largest force of contacts after Lankarani and Nikravesh, each onset and each parting located.
 
     ``motion(t, q, force)`` gives the rates and asks ``force(k, depth, rate)`` for the force of contact k.
@@ -109,7 +126,13 @@ def integrate_impacts(motion: Callable, start: list[float], until: float, contac
     t, q = 0.0, np.array(start)
     while t < until:
         done = solve_ivp(
-            lambda t, q: motion(t, q, force), (t, until), q, rtol=1e-8, atol=1e-12, max_step=2e-5, events=[crossing(k) for k in range(contacts)]
+            lambda t, q: motion(t, q, force),
+            (t, until),
+            q,
+            rtol=1e-8,
+            atol=1e-12,
+            max_step=2e-5,
+            events=[crossing(k) for k in range(contacts)],
         )
         for at, state in zip(done.t, done.y.T, strict=True):
             motion(at, state, force)
@@ -117,7 +140,9 @@ def integrate_impacts(motion: Callable, start: list[float], until: float, contac
         t, q = done.t[-1], done.y[:, -1]
         motion(t, q, force)
         for k, (depth, rate) in enumerate(seen):
-            together = not touching[k] and abs(depth) < 1e-12 and rate > 0.0  # only one of several at the same time is told
+            together = (
+                not touching[k] and abs(depth) < 1e-12 and rate > 0.0
+            )  # only one of several at the same time is told
             if len(done.t_events[k]) or together:
                 touching[k] = not touching[k]
                 speeds[k] = max(rate, 1e-3)

@@ -1,4 +1,6 @@
-"""Mechanisms rich in contacts, tables, drivers and frames, each in lanes with parameters of their own: what loops are compared by."""
+"""Mechanisms rich in contacts, tables, drivers and frames, each in lanes with parameters of their own: what
+loops are compared by.
+"""
 
 import dataclasses
 import math
@@ -16,13 +18,20 @@ LANES = 4
 
 def rigid_bars(lane: int) -> Mechanism:
     """Case c: three clearance joints that share bodies, friction with its moments."""
-    return four_bar("BCD", clearance=2e-4 * (1 + 0.4 * lane), joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]})
+    return four_bar(
+        "BCD",
+        clearance=2e-4 * (1 + 0.4 * lane),
+        joint={"friction_moment": ("mid-overlap", "surface", "off", "mid-overlap")[lane]},
+    )
 
 
 def worn_bars(lane: int) -> Mechanism:
     """The same of worn bearings and journals, of which more wears off; one joint of the three is round still."""
     m = rigid_bars(0)
-    for name, worn in (("B", ((2e-5, 1e-5, 3e-6, 0.0, 4e-6), ())), ("C", ((1e-5, 0.0, 8e-6), (1.5e-5, 1e-6 * lane, 0.0, 3e-6, 2e-6, 0.0, 1e-6)))):
+    for name, worn in (
+        ("B", ((2e-5, 1e-5, 3e-6, 0.0, 4e-6), ())),
+        ("C", ((1e-5, 0.0, 8e-6), (1.5e-5, 1e-6 * lane, 0.0, 3e-6, 2e-6, 0.0, 1e-6))),
+    ):
         wear = Wear(bearing=1e-14, journal=1e-15, bearing_profile=worn[0], journal_profile=worn[1])
         m.joints[name] = dataclasses.replace(m.joints[name], wear=wear)
     m.joints["D"] = dataclasses.replace(m.joints["D"], wear=Wear(bearing=1e-14))
@@ -30,8 +39,16 @@ def worn_bars(lane: int) -> Mechanism:
 
 
 def two_particle_bars(lane: int) -> Mechanism:
-    """The paper's links: a frame element each, joints with particles of their own and other laws each, one with a power of the depth."""
-    m = four_bar("BCD", "two-particle", clearance=1e-4 * (1 + lane), friction=Ambrosio(coefficient=0.1, v0=0.01, v1=0.1), section=SQUARE)
+    """The paper's links: a frame element each, joints with particles of their own and other laws each, one
+    with a power of the depth.
+    """
+    m = four_bar(
+        "BCD",
+        "two-particle",
+        clearance=1e-4 * (1 + lane),
+        friction=Ambrosio(coefficient=0.1, v0=0.01, v1=0.1),
+        section=SQUARE,
+    )
     m.joints["C"] = dataclasses.replace(m.joints["C"], contact=Pereira(restitution=0.5))
     m.joints["D"] = dataclasses.replace(m.joints["D"], friction=Frictionless())
     return m
@@ -39,7 +56,11 @@ def two_particle_bars(lane: int) -> Mechanism:
 
 def one_clearance(lane: int) -> Mechanism:
     """Case b: a clearance joint between bodies that hang in ideal joints."""
-    return four_bar("C", clearance=2e-4 * (1 + 0.4 * lane), contact=LankaraniNikravesh(restitution=0.9 - 0.2 * lane, stiffness=6.6e10))
+    return four_bar(
+        "C",
+        clearance=2e-4 * (1 + 0.4 * lane),
+        contact=LankaraniNikravesh(restitution=0.9 - 0.2 * lane, stiffness=6.6e10),
+    )
 
 
 def elastic_bars(lane: int) -> Mechanism:
@@ -53,7 +74,9 @@ def swing(lane: int) -> Mechanism:
 
 
 def journals(lane: int) -> Mechanism:
-    """Every contact law there is, in one topology: laws of one form take turns in the lanes of as many joints as that needs."""
+    """Every contact law there is, in one topology: laws of one form take turns in the lanes of as many joints
+    as that needs.
+    """
     forms: dict[type, list[type]] = {}
     for law in CONTACT_LAWS:
         forms.setdefault(law.form(), []).append(law)
@@ -62,19 +85,30 @@ def journals(lane: int) -> Mechanism:
     for form, laws in forms.items():
         for k in range(-(-len(laws) // LANES)):
             name, law = f"{form.__name__}{k}", laws[(LANES * k + lane) % len(laws)]
-            m.rigid_body(name, mass=0.5, inertia=2e-5, pins={"eye": (0.0, 0.0)}, velocity=(0.6, 0.2 + 0.1 * lane, 30.0))
+            m.rigid_body(
+                name, mass=0.5, inertia=2e-5, pins={"eye": (0.0, 0.0)}, velocity=(0.6, 0.2 + 0.1 * lane, 30.0)
+            )
             chosen = contact_law(law, restitution=0.8 + 0.04 * lane)
             m.clearance(name, "ground.O", f"{name}.eye", clearance=2e-4, bearing_radius=0.01, contact=chosen)
     return m
 
 
 def machinery(lane: int) -> Mechanism:
-    """Gears, a guide, springs, a stop, torques over speed and angle, a motion that repeats itself, an oil film beside a dry joint."""
+    """Gears, a guide, springs, a stop, torques over speed and angle, a motion that repeats itself, an oil
+    film beside a dry joint.
+    """
     f = 1.0 + 0.05 * lane
     m = Mechanism("machinery", gravity=(0.2, -9.81 * f))
     for k, at in enumerate(((0.0, 0.0), (1.0, 0.2), (2.0, 0.1), (3.0, 0.0))):
         m.point(f"O{k}", *at)
-    m.rigid_body("wheel", mass=1.0, inertia=0.02, position=(0.0, 0.0), pins={"eye": (0.05, 0.0)}, velocity=(0.0, 0.0, 9.0 * f))
+    m.rigid_body(
+        "wheel",
+        mass=1.0,
+        inertia=0.02,
+        position=(0.0, 0.0),
+        pins={"eye": (0.05, 0.0)},
+        velocity=(0.0, 0.0, 9.0 * f),
+    )
     m.rigid_body("pinion", mass=0.5, inertia=0.004, position=(1.0, 0.2))
     m.revolute("O0", "ground.O0", "wheel.center")
     m.revolute("O1", "ground.O1", "pinion.center")
@@ -89,30 +123,74 @@ def machinery(lane: int) -> Mechanism:
     m.spring("s", "wheel.eye", "block.pin", stiffness=900.0, damping=4.0, free_length=0.3)
     m.torsional_spring("t", "ground", "arm", stiffness=5.0, damping=0.02, free_angle=0.2)
     m.stop("st", "arm", "pinion", low=-0.2, high=0.1, stiffness=80.0, damping=0.05)
-    m.rigid_body("shaft", mass=0.05, inertia=1e-3, pins={"eye": (0.0, 0.0)}, position=(3.0, 0.0), velocity=(0.1, 0.0, 300.0 * f))
+    m.rigid_body(
+        "shaft",
+        mass=0.05,
+        inertia=1e-3,
+        pins={"eye": (0.0, 0.0)},
+        position=(3.0, 0.0),
+        velocity=(0.1, 0.0, 300.0 * f),
+    )
     film = Hydrodynamic(viscosity=0.03)
-    m.clearance("journal", "ground.O3", "shaft.eye", clearance=1e-4, bearing_radius=0.02, axial_length=0.02, contact=film)
-    m.rigid_body("ring", mass=0.3, inertia=1e-4, pins={"eye": (0.0, 0.0)}, position=(3.0, 0.0), velocity=(0.4, 0.3 * f, -40.0))
-    dry = {"contact": LankaraniNikravesh(restitution=0.7, stiffness=1e9), "friction": Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2)}
+    m.clearance(
+        "journal",
+        "ground.O3",
+        "shaft.eye",
+        clearance=1e-4,
+        bearing_radius=0.02,
+        axial_length=0.02,
+        contact=film,
+    )
+    m.rigid_body(
+        "ring",
+        mass=0.3,
+        inertia=1e-4,
+        pins={"eye": (0.0, 0.0)},
+        position=(3.0, 0.0),
+        velocity=(0.4, 0.3 * f, -40.0),
+    )
+    dry = {
+        "contact": LankaraniNikravesh(restitution=0.7, stiffness=1e9),
+        "friction": Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2),
+    }
     m.clearance("dry", "shaft.eye", "ring.eye", clearance=1e-4, bearing_radius=0.01, **dry)
     m.loads["follow"] = PointForce(name="follow", at="ring.eye", force=(3.0, 1.0), moment=0.1, follow=True)
     return with_settings(m, damping=0.5)
 
 
 def cylinder(lane: int) -> Mechanism:
-    """A slider-crank under loads over a travel with two ways, its speed and its crank's angle, its piston pinned with play."""
+    """A slider-crank under loads over a travel with two ways, its speed and its crank's angle, its piston
+    pinned with play.
+    """
     f = 1.0 + 0.1 * lane
     m = Mechanism("cylinder")
     m.point("O", 0.01, 0.02)
     m.link("crank", length=0.05, mass=0.5, angle=0.2)
     m.link("rod", length=0.2, mass=0.4, angle=0.2)
-    m.rigid_body("piston", mass=0.6, inertia=1e-3, pins={"eye": (0.01, 0.0)}, position=(0.24, 0.05), angle=0.2)
+    m.rigid_body(
+        "piston", mass=0.6, inertia=1e-3, pins={"eye": (0.01, 0.0)}, position=(0.24, 0.05), angle=0.2
+    )
     m.revolute("A", "ground.O", "crank.start")
     m.revolute("B", "crank.end", "rod.start")
     m.clearance("C", "rod.end", "piston.eye", clearance=1e-4, bearing_radius=0.01)
     m.slider("guide", "ground.O", "piston.eye", direction=(0.98, 0.2))
     m.drive("crank", speed=200.0 * f)
-    m.guide_force("gas", "guide", bore=0.05, travels=(0.15, 0.2, 0.25), pressure=(1e5, 3e5 * f, 1e6), pressure_back=(1e5, 2e5, 1e6), reverse=True)
+    m.guide_force(
+        "gas",
+        "guide",
+        bore=0.05,
+        travels=(0.15, 0.2, 0.25),
+        pressure=(1e5, 3e5 * f, 1e6),
+        pressure_back=(1e5, 2e5, 1e6),
+        reverse=True,
+    )
     m.guide_force("drag", "guide", expression="-3*v*abs(v)", speeds=(-20.0, 20.0))
-    m.force("tooth", "rod.end", force=(2.0, 5.0 * f), expression="max(0, sin(angle))", angles=(0.0, 2.0 * math.pi), zero_angle=0.7)
+    m.force(
+        "tooth",
+        "rod.end",
+        force=(2.0, 5.0 * f),
+        expression="max(0, sin(angle))",
+        angles=(0.0, 2.0 * math.pi),
+        zero_angle=0.7,
+    )
     return m

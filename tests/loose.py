@@ -50,11 +50,16 @@ def of_the_gallery() -> dict[str, Callable[[], Mechanism]]:
 
 def known() -> dict[str, Callable[[], Mechanism]]:
     """Cases b and c, their sensitive neighbours, and the paper's four-bar with both inferred sets."""
-    found: dict[str, Callable[[], Mechanism]] = {"b": lambda: reference_case("C"), "c": lambda: reference_case("BCD")}
+    found: dict[str, Callable[[], Mechanism]] = {
+        "b": lambda: reference_case("C"),
+        "c": lambda: reference_case("BCD"),
+    }
     for name, one in INFERRED.items():
         for clearance in (1e-4, 2e-4, 5e-4):
             made = dataclasses.replace(one)
-            found[f"{name} set, {1e3 * clearance:g} mm"] = lambda p=made, c=clearance: with_settings(paper_four_bar(p, c), turns=3.0, parts=8)
+            found[f"{name} set, {1e3 * clearance:g} mm"] = lambda p=made, c=clearance: with_settings(
+                paper_four_bar(p, c), turns=3.0, parts=8
+            )
     return found
 
 
@@ -70,7 +75,10 @@ def _laws(draw: np.random.Generator) -> dict[str, Any]:
         Ambrosio(coefficient=float(draw.uniform(0.02, 0.2)), v0=1e-3, v1=2e-2),
         Coulomb(coefficient=float(draw.uniform(0.02, 0.2))),
     )
-    return {"contact": LankaraniNikravesh(restitution=float(draw.uniform(0.5, 0.95))), "friction": friction[draw.integers(3)]}
+    return {
+        "contact": LankaraniNikravesh(restitution=float(draw.uniform(0.5, 0.95))),
+        "friction": friction[draw.integers(3)],
+    }
 
 
 def _four_bar(draw: np.random.Generator) -> Mechanism:
@@ -85,7 +93,9 @@ def _four_bar(draw: np.random.Generator) -> Mechanism:
     end = np.array([crank + coupler * math.cos(bend), coupler * math.sin(bend)])
     m.link("crank", length=crank, mass=0.5)
     m.link("coupler", length=coupler, mass=float(draw.uniform(0.3, 1.5)), angle=bend)
-    m.link("rocker", length=rocker, mass=float(draw.uniform(0.3, 1.5)), angle=math.atan2(end[1], end[0] - ground))
+    m.link(
+        "rocker", length=rocker, mass=float(draw.uniform(0.3, 1.5)), angle=math.atan2(end[1], end[0] - ground)
+    )
     for name, bearing, journal in (
         ("A", "ground.A", "crank.start"),
         ("B", "crank.end", "coupler.start"),
@@ -114,7 +124,12 @@ def _pendulum(draw: np.random.Generator) -> Mechanism:
     """A rod that swings in a loose bearing."""
     m = Mechanism("made up pendulum", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
-    m.link("rod", length=float(draw.uniform(0.1, 0.5)), mass=float(draw.uniform(0.2, 2.0)), angle=float(draw.uniform(-2.5, -0.5)))
+    m.link(
+        "rod",
+        length=float(draw.uniform(0.1, 0.5)),
+        mass=float(draw.uniform(0.2, 2.0)),
+        angle=float(draw.uniform(-2.5, -0.5)),
+    )
     m.revolute("O", "ground.O", "rod.start")
     loosened(m, "O", float(draw.uniform(1e-4, 5e-4)), **_laws(draw))
     return with_settings(m, duration=0.3)
@@ -132,5 +147,12 @@ def _bouncing(draw: np.random.Generator) -> Mechanism:
         position=(0.0, float(draw.uniform(0.06, 0.15))),
         velocity=(float(draw.uniform(-1, 1)), -0.5, float(draw.uniform(-20, 20))),
     )
-    m.external_contact("floor", "ground.floor", "disc.center", journal_radius=0.04, direction=(math.cos(slope), math.sin(slope)), **_laws(draw))
+    m.external_contact(
+        "floor",
+        "ground.floor",
+        "disc.center",
+        journal_radius=0.04,
+        direction=(math.cos(slope), math.sin(slope)),
+        **_laws(draw),
+    )
     return with_settings(m, duration=0.25)

@@ -23,12 +23,17 @@ def made_record(
     step: float = STEP,
     outputs: int | None = None,
 ) -> Record:
-    """Make a record of a mechanism with these values of blocks after these steps; all other rows are those of the start.
+    """Make a record of a mechanism with these values of blocks after these steps; all other rows are those of
+    the start.
 
-    Values have the shape (outputs, entities), or (outputs,) where all entities are alike. ``step`` is in seconds.
+    Values have the shape (outputs, entities), or (outputs,) where all entities are alike. ``step`` is in
+    seconds.
     """
     length = {"duration": 1.0} if turns is None else {"turns": turns}
-    assembly, at = assemble(mechanism, step, force_step=True, outputs=outputs, **length), np.asarray(steps, dtype=np.int64)
+    assembly, at = (
+        assemble(mechanism, step, force_step=True, outputs=outputs, **length),
+        np.asarray(steps, dtype=np.int64),
+    )
     kept = recorded_rows(assembly)
     rows = np.tile(np.nan_to_num(assembly.state[kept]), (len(at), 1))
     record = Record(assembly, at, rows, kept)

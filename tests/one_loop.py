@@ -1,8 +1,9 @@
 """One compilation of the data-driven loop for all tests, which can do all laws of the package.
 
-The package compiles that loop for the common laws and those of a model. Among the models of the tests that would be three compilations of
-some seconds each, all of one text. What tells them apart is the choice between laws, so a model finds its own among more of them here: the same
-bits. `make verify` leaves the package as it is.
+The package compiles that loop for the common laws and those of a model. Among the models of the tests that
+would be three compilations of some seconds each, all of one text. What tells them apart is the choice between
+laws, so a model finds its own among more of them here: the same bits. `make verify` leaves the package as it
+is.
 """
 
 import contextlib
@@ -11,8 +12,8 @@ import os
 import tempfile
 from collections.abc import Iterator
 
-from vfife.codegen import loops
-from vfife.codegen.loops import DataDriven
+from vfife.compiler.runtime import loops
+from vfife.compiler.runtime.loops import DataDriven
 from vfife.kernels.topology import Topology
 from vfife.laws import ContactLaw, FrictionLaw, Law
 
@@ -43,7 +44,10 @@ def widened(topology: Topology) -> Topology:
 def compiled_already(topology: Topology) -> bool:
     """Whether the one data-driven loop of a test run can do a topology."""
     contact, friction = ALL
-    return loops.DataDriven is ForAllLaws and {*topology.contact_laws, *topology.friction_laws} <= {*contact, *friction}
+    return loops.DataDriven is ForAllLaws and {*topology.contact_laws, *topology.friction_laws} <= {
+        *contact,
+        *friction,
+    }
 
 
 @contextlib.contextmanager

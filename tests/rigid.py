@@ -1,4 +1,6 @@
-"""Constraints between rigid bodies, written short: what the nouns of joints and drivers hold, between bodies by number."""
+"""Constraints between rigid bodies, written short: what the nouns of joints and drivers hold, between bodies
+by number.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,15 @@ def Weld(name, body_a, point_a, body_b, point_b, offset=0.0):
 
 def Slide(name, body_a, point_a, axis_a, body_b, point_b, turning=False, offset=0.0):
     axis = tuple(float(value) for value in axis_a)
-    return Constraint(name, body_a, body_b, (Across(axis),) if turning else (Across(axis), Turn()), point_a, point_b, 0.0 if turning else offset)
+    return Constraint(
+        name,
+        body_a,
+        body_b,
+        (Across(axis),) if turning else (Across(axis), Turn()),
+        point_a,
+        point_b,
+        0.0 if turning else offset,
+    )
 
 
 def Slot(name, body_a, point_a, path, body_b, point_b):
@@ -28,9 +38,13 @@ def Gear(name, body_a, body_b, ratio=1.0, offset=0.0):
 
 
 def Drive(body, angle, speed=0.0, acceleration=0.0, against=0, name=""):
-    return Constraint(name, against, body, (Turn(),), aim=angle, speed=speed, acceleration=acceleration, driven=True)
+    return Constraint(
+        name, against, body, (Turn(),), aim=angle, speed=speed, acceleration=acceleration, driven=True
+    )
 
 
 def Travel(name, body_a, point_a, axis_a, body_b, point_b, value=0.0, speed=0.0, acceleration=0.0):
     axis = tuple(float(number) for number in axis_a)
-    return Constraint(name, body_a, body_b, (Along(axis),), point_a, point_b, value, speed, acceleration, driven=True)
+    return Constraint(
+        name, body_a, body_b, (Along(axis),), point_a, point_b, value, speed, acceleration, driven=True
+    )

@@ -1,4 +1,6 @@
-"""Curves as a test rig would have measured them: of a run with other numbers and another step, with noise, from somewhere in a turn on."""
+"""Curves as a test rig would have measured them: of a run with other numbers and another step, with noise,
+from somewhere in a turn on.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -26,9 +28,13 @@ def synthetic(
     seed: int = 0,
     channels: Sequence[str] = CHANNELS,
 ) -> Path:
-    """Writes ``channels`` of a run of ``base`` at the numbers ``truth`` from one turn to another, every so many outputs of 1000 a turn."""
+    """Writes ``channels`` of a run of ``base`` at the numbers ``truth`` from one turn to another, every so
+    many outputs of 1000 a turn.
+    """
     true = loads(dump(base), set=list(truth.items()))
-    run = vfife.simulate(true, turns=float(math.ceil(turns[1])), step=step, outputs=1000, companions=0, reference=False)
+    run = vfife.simulate(
+        true, turns=float(math.ceil(turns[1])), step=step, outputs=1000, companions=0, reference=False
+    )
     place, source = run.crank_angle / 360.0, np.random.default_rng(seed)
     place -= place[0]
     kept = np.flatnonzero((place >= turns[0]) & (place <= turns[1]))[::every]

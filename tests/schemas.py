@@ -13,7 +13,17 @@ TYPES = {
     "integer": int,
     "boolean": bool,
 }
-SILENT = {"$schema", "$id", "title", "description", "default", "definitions", "x-unit", "x-limits", "additionalItems"}
+SILENT = {
+    "$schema",
+    "$id",
+    "title",
+    "description",
+    "default",
+    "definitions",
+    "x-unit",
+    "x-limits",
+    "additionalItems",
+}
 
 
 def complaints(value: Any, schema: Any, root: Any, where: str = "") -> Iterator[str]:

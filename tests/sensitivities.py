@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import vfife
-from vfife.analysis.measures import PEAKS, last_turn, over_turn
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.errors import VfifeError
+from vfife.measures.catalogue import PEAKS, last_turn, over_turn
 from vfife.model.functions import turn_of
 from vfife.modelfile import dump, loads
 from vfife.modelfile.parameter import numbers
@@ -85,19 +85,36 @@ class _Truth:
         for path in paths:
             for share in SHARES:
                 try:
-                    variants[path, share] = self._assembled(text, base, (path, known[path] + share * abs(known[path])))
+                    variants[path, share] = self._assembled(
+                        text, base, (path, known[path] + share * abs(known[path]))
+                    )
                 except VfifeError:  # beyond what the number may be
                     continue
         rows = measured_rows(own)
-        found = measures_of([(one, rows, lambda record: over_turn(record, last_turn(record), PEAKS)) for one in (own, *variants.values())])
+        found = measures_of(
+            [
+                (one, rows, lambda record: over_turn(record, last_turn(record), PEAKS))
+                for one in (own, *variants.values())
+            ]
+        )
         self.own, self.values = found[0] or {}, dict(zip(variants, found[1:], strict=True))
 
     def _assembled(self, text: str, base: Assembly, change: tuple[str, float] | None) -> Assembly:
         mechanism, choice = loads(text, set=[] if change is None else [change]), base.choice
         turn = turn_of(mechanism)
         scale = turn / choice.turn if turn and choice.turn else 1.0
-        length = {"turns": choice.step * choice.steps / choice.turn} if choice.turn else {"duration": choice.step * choice.steps}
-        return assemble(mechanism, choice.step * scale / FINER, outputs=mechanism.settings.outputs, force_step=True, **length)
+        length = (
+            {"turns": choice.step * choice.steps / choice.turn}
+            if choice.turn
+            else {"duration": choice.step * choice.steps}
+        )
+        return assemble(
+            mechanism,
+            choice.step * scale / FINER,
+            outputs=mechanism.settings.outputs,
+            force_step=True,
+            **length,
+        )
 
     def central(self, measure: str, path: str, share: float) -> float | None:
         """The central difference quotient, or that to one side where the number may go to one side only."""

@@ -13,7 +13,7 @@ import numpy as np
 from one_loop import compiled_already
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.runner import Runner
 from vfife.laws import Ambrosio, ContactLaw, LankaraniNikravesh
 from vfife.model.bodies import Link, RigidBody, Section
 from vfife.model.mechanism import Mechanism
@@ -25,7 +25,9 @@ CRANK_SPEED = 50.0 * math.pi  # rad/s, the paper's fastest
 TURN = 0.04  # s, one turn of that crank
 SQUARE = Section.square(1e-3)  # the links of the paper: A = 1e-3 m^2
 EPS = 2.0**-52
-FEW = 300_000  # steps of a run for which no straight line is compiled: what that takes is the time of some 400,000 steps of the data-driven loop
+# steps of a run for which no straight line is compiled: what that takes is the time of some 400,000 steps of
+# the data-driven loop
+FEW = 300_000
 SHARE = 1.0 if os.environ.get("VFIFE_EXAMPLES") == "all" else 0.2  # of the examples of a property in one run
 
 
@@ -35,7 +37,9 @@ def often(examples: int) -> int:
 
 
 def rounds(count: int, fewer: int = 1) -> int:
-    """How often a race is run, or by how many: fewer times in `make test` than in `make soak`, for which the test is marked ``rounds``."""
+    """How often a race is run, or by how many: fewer times in `make test` than in `make soak`, for which the
+    test is marked ``rounds``.
+    """
     return count if SHARE == 1.0 else fewer
 
 
@@ -54,10 +58,12 @@ def four_bar(
     crank_angle: float = 0.0,
     **link: Any,
 ) -> Mechanism:
-    """The paper's four-bar (Table 1): joints B, C, D with clearance where ``clear`` names them, the defaults of cases b and c elsewhere.
+    """The paper's four-bar (Table 1): joints B, C, D with clearance where ``clear`` names them, the defaults
+    of cases b and c elsewhere.
 
-    ``model`` and ``link`` are those of coupler and follower. ``below`` chooses the other branch (joint C below the line of the ground
-    pivots); ``mirrored`` turns that and the crank's sense round; ``exchanged`` swaps bearing and journal of B, C and D.
+    ``model`` and ``link`` are those of coupler and follower. ``below`` chooses the other branch (joint C
+    below the line of the ground pivots); ``mirrored`` turns that and the crank's sense round; ``exchanged``
+    swaps bearing and journal of B, C and D.
     """
     side = -1.0 if below != mirrored else 1.0
     sense = -1.0 if mirrored else 1.0
@@ -74,7 +80,11 @@ def four_bar(
         "contact": contact or LankaraniNikravesh(restitution=0.9, stiffness=6.6e10),
         "friction": friction or Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2),
     } | (joint or {})
-    for name, *ends in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
+    for name, *ends in (
+        ("B", "crank.end", "coupler.start"),
+        ("C", "coupler.end", "follower.end"),
+        ("D", "ground.D", "follower.start"),
+    ):
         sides = ends[::-1] if exchanged else ends
         if name in clear:
             m.clearance(name, *sides, **options)
@@ -93,14 +103,19 @@ def journal_in_bearing(speed: float = 1.0, mass: float = 1.0, **joint: Any) -> M
     return m
 
 
-CONTACT_LAWS = sorted((law for law in ContactLaw.registry.values() if law.__module__.startswith("vfife.")), key=lambda law: law.name)
+CONTACT_LAWS = sorted(
+    (law for law in ContactLaw.registry.values() if law.__module__.startswith("vfife.")),
+    key=lambda law: law.name,
+)
 # Values of the parameters that laws have no default for.
 GIVEN = {"stiffness": 2e9, "exponent": 1.4, "damping_coefficient": 2e3, "full_damping_depth": 3e-5}
 GIVEN |= {"loading": tuple((d * 1e-6, 6.6e10 * (d * 1e-6) ** 1.5) for d in (0, 1, 3, 10, 30, 100, 300))}
 
 
 def contact_law(law: Any, **parameters: Any) -> Any:
-    """A contact law with those of the parameters that it knows, and a value for what has no default; a film is as good as none."""
+    """A contact law with those of the parameters that it knows, and a value for what has no default; a film
+    is as good as none.
+    """
     parameters = {"viscosity": 1e-12} | parameters
     fields = dataclasses.fields(law)
     needed = {f.name: GIVEN[f.name] for f in fields if f.default is dataclasses.MISSING}
@@ -120,8 +135,9 @@ def go(mechanism: Mechanism, step: float, *, loop: str = "auto", **options: Any)
 def went(assembly: Assembly, loop: str = "auto") -> Record:
     """The run of what is assembled.
 
-    A short one is taken by the data-driven loop, which is compiled once for all tests and gives the bits of the straight line; that would take
-    longer to compile than it saves. Loops are compared in ``tests/codegen``, and `make verify` leaves the choice to the package.
+    A short one is taken by the data-driven loop, which is compiled once for all tests and gives the bits of
+    the straight line; that would take longer to compile than it saves. Loops are compared in
+    ``tests/codegen``, and `make verify` leaves the choice to the package.
     """
     if loop == "auto" and assembly.choice.steps < FEW and compiled_already(assembly.topology):
         loop = "data-driven"
@@ -131,8 +147,14 @@ def went(assembly: Assembly, loop: str = "auto") -> Record:
 
 
 def finer(assembly: Assembly, times: int) -> Assembly:
-    """The same with so many times as many steps; nothing else of a start depends on its step, and it is not assembled anew."""
-    choice = dataclasses.replace(assembly.choice, step=assembly.choice.step / times, outputs_every=times * assembly.choice.outputs_every)
+    """The same with so many times as many steps; nothing else of a start depends on its step, and it is not
+    assembled anew.
+    """
+    choice = dataclasses.replace(
+        assembly.choice,
+        step=assembly.choice.step / times,
+        outputs_every=times * assembly.choice.outputs_every,
+    )
     return dataclasses.replace(with_step(assembly, choice.step), choice=choice)
 
 
@@ -173,7 +195,9 @@ def particle(record: Record, name: str, which: int = 0) -> dict[str, np.ndarray]
 
 
 def pin(record: Record, name: str, at: str) -> np.ndarray:
-    """Path of a pin of a body, or of a point of the ground, shape (outputs, 2), from recorded positions and the body's geometry."""
+    """Path of a pin of a body, or of a point of the ground, shape (outputs, 2), from recorded positions and
+    the body's geometry.
+    """
     if name == "ground":
         return np.tile(record.assembly.mechanism.points[at], (len(record.steps), 1))
     where = record.assembly.bodies[name]
@@ -192,7 +216,9 @@ def joint_gap(record: Record, joint: str) -> float:
     return float(np.linalg.norm(journal - bearing, axis=1).max())
 
 
-def lanes(assemblies: Sequence[Assembly], loop: str, parts: int = 8, shares: Sequence[float] | None = None) -> Runner:
+def lanes(
+    assemblies: Sequence[Assembly], loop: str, parts: int = 8, shares: Sequence[float] | None = None
+) -> Runner:
     """A runner over assemblies of one topology, one lane each, that keeps what a run keeps."""
     first = assemblies[0]
     if any(a.topology != first.topology for a in assemblies):
@@ -209,8 +235,12 @@ def bits(values: np.ndarray) -> np.ndarray:
 
 
 def order(errors: Sequence[float], ratio: float = 2.0) -> list[float]:
-    """Orders of convergence between neighbours of a sequence of errors, the step divided by ``ratio`` each time."""
-    return [math.log(coarse / fine) / math.log(ratio) for coarse, fine in zip(errors, errors[1:], strict=False)]
+    """Orders of convergence between neighbours of a sequence of errors, the step divided by ``ratio`` each
+    time.
+    """
+    return [
+        math.log(coarse / fine) / math.log(ratio) for coarse, fine in zip(errors, errors[1:], strict=False)
+    ]
 
 
 def observed(function: Callable[[float], Any], steps: Sequence[float]) -> list[Any]:
@@ -239,7 +269,9 @@ def mirrored(mechanism: Mechanism) -> Mechanism:
     def driver(d: Any) -> Any:
         name = {"Torque": "value", "AngleTable": "values"}.get(type(d).__name__, "speed")
         value = getattr(d, name)
-        return dataclasses.replace(d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value})
+        return dataclasses.replace(
+            d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value}
+        )
 
     return dataclasses.replace(
         mechanism,
@@ -247,7 +279,10 @@ def mirrored(mechanism: Mechanism) -> Mechanism:
         points={name: flip(at) for name, at in mechanism.points.items()},
         bodies={name: body(b) for name, b in mechanism.bodies.items()},
         drivers={name: driver(d) for name, d in mechanism.drivers.items()},
-        loads={name: dataclasses.replace(load, force=flip(load.force), moment=-load.moment) for name, load in mechanism.loads.items()},
+        loads={
+            name: dataclasses.replace(load, force=flip(load.force), moment=-load.moment)
+            for name, load in mechanism.loads.items()
+        },
     )
 
 

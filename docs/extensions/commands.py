@@ -1,9 +1,9 @@
 """Commands and scripts that are run while pages are built, and shown with what they answered.
 
-``{commands}`` holds a terminal's lines, ``$ vfife ...`` or ``$ cat FILE``; ``{script}`` holds Python, whose names live on to the end of the page;
-``{file} NAME`` is a file that the reader writes, and ``{picture} NAME`` shows what one of them left. Each page works in an empty folder of its own,
-with the examples beside it as ``examples``.
-Nothing starts a process: a page of ten commands would wait ten times for Python to wake up.
+``{commands}`` holds a terminal's lines, ``$ vfife ...`` or ``$ cat FILE``; ``{script}`` holds Python, whose
+names live on to the end of the page; ``{file} NAME`` is a file that the reader writes, and ``{picture} NAME``
+shows what one of them left. Each page works in an empty folder of its own, with the examples beside it as
+``examples``. Nothing starts a process: a page of ten commands would wait ten times for Python to wake up.
 """
 
 from __future__ import annotations
@@ -44,7 +44,11 @@ class Workshop:
     def inside(self) -> Any:
         """Work in the folder; yields what is written to either output."""
         heard = io.StringIO()
-        with contextlib.chdir(self.folder), contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard):
+        with (
+            contextlib.chdir(self.folder),
+            contextlib.redirect_stdout(heard),
+            contextlib.redirect_stderr(heard),
+        ):
             yield heard
 
 
@@ -58,7 +62,9 @@ def answer(words: list[str]) -> int:
     from vfife.cli import app as commands
     from vfife.cli import signals, terminal
 
-    commands.Signals = contextlib.nullcontext  # the builder ends its processes by signals, which are not for the command
+    commands.Signals = (
+        contextlib.nullcontext
+    )  # the builder ends its processes by signals, which are not for the command
     signals.ASKED.as_json, signals.ASKED.printed = "--json" in words, False
     given, sys.argv, terminal.PIPE_WIDTH = sys.argv, words, WIDTH
     try:
@@ -89,7 +95,11 @@ class Commands(Directive):
     """Lines of a terminal, run."""
 
     has_content = True
-    option_spec: ClassVar[dict[str, Any]] = {"exit": directives.nonnegative_int, "lines": directives.unchanged, "quiet": directives.flag}
+    option_spec: ClassVar[dict[str, Any]] = {
+        "exit": directives.nonnegative_int,
+        "lines": directives.unchanged,
+        "quiet": directives.flag,
+    }
 
     def run(self) -> list[nodes.Node]:
         work, parts = CURRENT[self.state.document.settings.env.docname], []
@@ -103,15 +113,23 @@ class Commands(Directive):
         return [literal("\n".join(part for part in parts if part), "console")]
 
     def chosen(self, text: str) -> str:
-        """The lines from one that begins with a text to before one that begins with another: ``Largest .. Contact``."""
+        """The lines from one that begins with a text to before one that begins with another:
+        ``Largest .. Contact``.
+        """
         if "lines" not in self.options:
             return text
         begin, _, end = (part.strip() for part in self.options["lines"].partition(".."))
         lines = text.splitlines()
-        first = next((k for k, line in enumerate(lines) if line.lstrip().startswith(begin)), None) if begin else 0
+        first = (
+            next((k for k, line in enumerate(lines) if line.lstrip().startswith(begin)), None) if begin else 0
+        )
         if first is None:
             raise self.error(f"no line begins with {begin!r} in\n{text}")
-        last = next((k for k in range(first + 1, len(lines)) if lines[k].lstrip().startswith(end)), None) if end else len(lines)
+        last = (
+            next((k for k in range(first + 1, len(lines)) if lines[k].lstrip().startswith(end)), None)
+            if end
+            else len(lines)
+        )
         if last is None:
             raise self.error(f"no line after that begins with {end!r} in\n{text}")
         kept = "\n".join(lines[first:last]).strip("\n")
@@ -151,7 +169,9 @@ class File(Directive):
 
     def run(self) -> list[nodes.Node]:
         code, name = "\n".join(self.content), self.arguments[0]
-        (CURRENT[self.state.document.settings.env.docname].folder / name).write_text(code + "\n", encoding="utf-8")
+        (CURRENT[self.state.document.settings.env.docname].folder / name).write_text(
+            code + "\n", encoding="utf-8"
+        )
         shown = nodes.container("", classes=["literal-block-wrapper"], literal_block=True)
         shown += nodes.caption(name, name)
         shown += literal(code, {"py": "python"}.get(name.rpartition(".")[2], name.rpartition(".")[2]))
@@ -185,7 +205,9 @@ def drawn(path: Path, alt: str) -> nodes.Node:
 def begin_page(app: Any, docname: str, source: list[str]) -> None:
     """An empty folder for a page that runs something."""
     if re.search(r"^\s*[`:]{3,}\{(commands|script|file)\}", source[0], re.M):
-        app.env.note_dependency(str(Path(app.srcdir) / "_made" / "made-of"))  # which is new where the package has changed
+        app.env.note_dependency(
+            str(Path(app.srcdir) / "_made" / "made-of")
+        )  # which is new where the package has changed
         CURRENT[docname] = Workshop(Path(app.srcdir) / "_made" / "work" / docname.replace("/", "-"))
 
 

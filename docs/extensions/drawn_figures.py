@@ -1,4 +1,6 @@
-"""Pictures for pages: figures are objects without pyplot here, so those that a script leaves in its names are taken."""
+"""Pictures for pages: figures are objects without pyplot here, so those that a script leaves in its names are
+taken.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,12 @@ SEEN = "__figures_seen__"
 def new_figures(names: dict[str, Any]) -> list[Figure]:
     """The figures among the names of a script, or in a dictionary there, that were not taken before."""
     seen = names.setdefault(SEEN, [])  # kept, so that a figure's place in memory is not another's
-    found = [one for value in list(names.values()) for one in (value.values() if isinstance(value, dict) else [value]) if isinstance(one, Figure)]
+    found = [
+        one
+        for value in list(names.values())
+        for one in (value.values() if isinstance(value, dict) else [value])
+        if isinstance(one, Figure)
+    ]
     new: list[Figure] = []
     for figure in found:
         if not any(figure is old for old in [*seen, *new]):

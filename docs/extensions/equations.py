@@ -1,7 +1,8 @@
-"""Equations as MathML, made while the pages are built, with a font for them in the style sheet: pages ask for nothing elsewhere.
+"""Equations as MathML, made while the pages are built, with a font for them in the style sheet: pages ask for
+nothing elsewhere.
 
-Sphinx' own renderers send the reader to a content network, or need LaTeX. The font is laid into the page's styles and not beside them, since
-browsers refuse fonts from another folder where pages are opened from disk.
+Sphinx' own renderers send the reader to a content network, or need LaTeX. The font is laid into the page's
+styles and not beside them, since browsers refuse fonts from another folder where pages are opened from disk.
 """
 
 from __future__ import annotations
@@ -45,11 +46,21 @@ def raise_skip() -> None:
 
 
 def shown() -> set[int]:
-    """Every sign that an equation may have: ASCII, Greek, their slanted and bold forms, operators and brackets."""
+    """Every sign that an equation may have: ASCII, Greek, their slanted and bold forms, operators and
+    brackets.
+    """
     from fontTools.ttLib import TTFont
 
     held = set(TTFont(font_file(), lazy=True).getBestCmap())
-    wanted = {*range(0x20, 0x7F), *range(0x391, 0x3F7), *range(0x1D400, 0x1D468), *range(0x1D6A8, 0x1D71C), 0x210E, 0x2061, 0x2063}
+    wanted = {
+        *range(0x20, 0x7F),
+        *range(0x391, 0x3F7),
+        *range(0x1D400, 0x1D468),
+        *range(0x1D6A8, 0x1D71C),
+        0x210E,
+        0x2061,
+        0x2063,
+    }
     return held & (wanted | set(map(ord, SIGNS)))
 
 
@@ -63,7 +74,9 @@ def style() -> str:
     from fontTools import subset
 
     logging.getLogger("fontTools").setLevel(logging.WARNING)
-    options = subset.Options(flavor="woff", layout_features=["ssty", "dtls", "flac", "kern", "mark", "ccmp"], notdef_outline=True)
+    options = subset.Options(
+        flavor="woff", layout_features=["ssty", "dtls", "flac", "kern", "mark", "ccmp"], notdef_outline=True
+    )
     font = subset.load_font(font_file(), options)
     cutter = subset.Subsetter(options)
     cutter.populate(unicodes=shown())
@@ -71,7 +84,9 @@ def style() -> str:
     packed = io.BytesIO()
     subset.save_font(font, packed, options)
     text = base64.b64encode(packed.getvalue()).decode("ascii")
-    face = f'@font-face {{ font-family: "Equations"; src: url("data:font/woff;base64,{text}") format("woff"); }}'
+    face = (
+        f'@font-face {{ font-family: "Equations"; src: url("data:font/woff;base64,{text}") format("woff"); }}'
+    )
     return f'{face}\nmath {{ font-family: "Equations", math; }}\n'
 
 

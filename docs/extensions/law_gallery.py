@@ -1,4 +1,6 @@
-"""The gallery of laws: each with formula, source, parameters and a picture of it by itself, as `vfife laws NAME --plot` draws it."""
+"""The gallery of laws: each with formula, source, parameters and a picture of it by itself, as
+`vfife laws NAME --plot` draws it.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,10 @@ GIVEN = {  # what has no default, for the pictures
     "anagnostopoulos": ("stiffness=1e8 N/m", "effective_mass=1 kg"),
     "impact": ("stiffness=6.6e10", "exponent=1.5", "damping_coefficient=1e5", "full_damping_depth=20 um"),
     "kelvin-voigt": ("stiffness=1e8 N/m", "damping_coefficient=2e3"),
-    "table": ("loading=[[0, 0], [2e-5, 1500], [5e-5, 4500], [1e-4, 10000]]", "unloading=[[0, 0], [5e-5, 3000], [1e-4, 10000]]"),
+    "table": (
+        "loading=[[0, 0], [2e-5, 1500], [5e-5, 4500], [1e-4, 10000]]",
+        "unloading=[[0, 0], [5e-5, 3000], [1e-4, 10000]]",
+    ),
 }
 WITHOUT = ("none",)
 TITLES = {
@@ -38,18 +43,24 @@ def told() -> list[dict[str, Any]]:
 
 def pictures(folder: Path) -> None:
     """A picture of each law."""
-    from vfife.cli import laws as lawplot
+    from vfife.cli.registry import laws as lawplot
     from vfife.laws import ContactLaw, FrictionLaw
     from vfife.plots.laws import drawn
 
     folder.mkdir(parents=True, exist_ok=True)
-    lawplot.ASKED = tuple(round(0.1 * k, 1) for k in range(1, 11))  # half as many impacts as the command computes: the curves are smooth
+    lawplot.ASKED = tuple(
+        round(0.1 * k, 1) for k in range(1, 11)
+    )  # half as many impacts as the command computes: the curves are smooth
     pair = lawplot.surfaces("0.2 mm", "10 mm", "20 mm", ("steel", "steel"))
     for law in told():
         if law["name"] not in WITHOUT:
             base: Any = ContactLaw if law["kind"] == "contact" else FrictionLaw
             noun: Any = lawplot.made(base.registry[law["name"]], law["kind"], GIVEN.get(law["name"]), pair)
-            _, what = lawplot.contact(noun, pair, 1.0, 1.0) if law["kind"] == "contact" else lawplot.friction(noun, pair, 100.0)
+            _, what = (
+                lawplot.contact(noun, pair, 1.0, 1.0)
+                if law["kind"] == "contact"
+                else lawplot.friction(noun, pair, 100.0)
+            )
             drawn(law["kind"], folder / f"{law['kind']}-{law['name']}.png", **what)
 
 
@@ -61,13 +72,21 @@ def section(law: dict[str, Any]) -> str:
     parts = [f"### {name}", f"```text\n{law['formula']}\n```"]
     if name not in WITHOUT:
         given = f", with {', '.join(one.replace('=', ' = ') for one in GIVEN[name])}" if name in GIVEN else ""
-        parts.append(f"```{{image}} _made/{PICTURES}/{kind}-{name}.png\n:class: drawn\n:alt: {name} by itself{given}\n```")
+        parts.append(
+            f"```{{image}} _made/{PICTURES}/{kind}-{name}.png\n:class: drawn\n:alt: {name} by itself{given}\n```"
+        )
         parts += [f"Drawn{given.replace(', with', ' with')}."] if given else []
     if law["parameters"]:
         default = [one.get("default", "must be given") for one in law["parameters"]]
-        shown = ["derived" if one is None else f"{one:g}" if isinstance(one, float) else str(one) for one in default]
+        shown = [
+            "derived" if one is None else f"{one:g}" if isinstance(one, float) else str(one)
+            for one in default
+        ]
         told_of = zip(law["parameters"], shown, strict=True)
-        rows = [(f"`{one['name']}`", cell(one["meaning"]), cell(one["unit"]), limits(one), text) for one, text in told_of]
+        rows = [
+            (f"`{one['name']}`", cell(one["meaning"]), cell(one["unit"]), limits(one), text)
+            for one, text in told_of
+        ]
         head = ("parameter", "what it is", "unit", "limits", "default")
         parts.append(f"::::{{container}} keys\n{grid(head, rows)}\n::::")
     return "\n\n".join([*parts, f"*Source*: {cell(law['source'])}"])

@@ -1,4 +1,5 @@
-"""After a build, every link of every page is followed to its file and its place there, and no page may ask for anything from elsewhere.
+"""After a build, every link of every page is followed to its file and its place there, and no page may ask
+for anything from elsewhere.
 
 Builders look after links between sources; what is written as HTML, live pages and pictures, they do not see.
 """
@@ -10,7 +11,14 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-LOADED = {("img", "src"), ("script", "src"), ("iframe", "src"), ("link", "href"), ("source", "src"), ("video", "src")}  # without a click
+LOADED = {
+    ("img", "src"),
+    ("script", "src"),
+    ("iframe", "src"),
+    ("link", "href"),
+    ("source", "src"),
+    ("video", "src"),
+}  # without a click
 RELATIONS = ("stylesheet", "icon", "preload", "modulepreload")
 
 
@@ -33,8 +41,14 @@ class Page(HTMLParser):
 
 def faults(folder: Path) -> list[str]:
     """What is wrong with the links of the pages in a folder, live pages apart, which have none."""
-    pages = {path: Page(path.read_text(encoding="utf-8")) for path in folder.rglob("*.html") if path.parent.name != "live"}
-    told = ((path, fault(path, led, pages, folder)) for path, page in sorted(pages.items()) for led in page.led)
+    pages = {
+        path: Page(path.read_text(encoding="utf-8"))
+        for path in folder.rglob("*.html")
+        if path.parent.name != "live"
+    }
+    told = (
+        (path, fault(path, led, pages, folder)) for path, page in sorted(pages.items()) for led in page.led
+    )
     return [f"{path.relative_to(folder)}: {one}" for path, one in told if one]
 
 

@@ -1,5 +1,6 @@
-"""What pages show and no page computes: live pages, drawings of mechanisms, curves of laws. Made by a process of its own beside the rest of the
-build, `python docs/extensions/making.py FOLDER`, and made again only where the package or an example has changed.
+"""What pages show and no page computes: live pages, drawings of mechanisms, curves of laws. Made by a process
+of its own beside the rest of the build, `python docs/extensions/making.py FOLDER`, and made again only where
+the package or an example has changed.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def live_page(name: str, folder: Path) -> None:
     """The page in which a mechanism runs, with its usual sliders."""
     from vfife import load
     from vfife.live import default_slides
-    from vfife.live.page import live_page
+    from vfife.live.page.page import live_page
 
     mechanism = load(ROOT / "examples" / f"{name}.toml")
     (folder / f"{name}.html").write_text(live_page(mechanism, default_slides(mechanism)), encoding="utf-8")
@@ -61,7 +62,7 @@ def drawing(name: str, folder: Path) -> None:
 def equilibria(name: str, folder: Path) -> None:
     """Those of a static analysis: its page and its figures, of one run."""
     from vfife import load, simulate
-    from vfife.live.page import result_page
+    from vfife.live.page.page import result_page
 
     result = simulate(load(ROOT / "examples" / f"{name}.toml"))
     (folder / Path(EXTRA).name / "live" / f"{name}.html").write_text(result_page(result), encoding="utf-8")
@@ -98,7 +99,9 @@ def begin(app: Any, config: Any) -> None:
     if not mark.exists() or mark.read_text(encoding="utf-8") != made_of():
         mark.unlink(missing_ok=True)
         paths = os.pathsep.join([str(ROOT / "src"), os.environ.get("PYTHONPATH", "")])
-        RUNNING.append(subprocess.Popen([sys.executable, __file__, str(folder)], env={**os.environ, "PYTHONPATH": paths}))
+        RUNNING.append(
+            subprocess.Popen([sys.executable, __file__, str(folder)], env={**os.environ, "PYTHONPATH": paths})
+        )
 
 
 def wait(app: Any) -> None:

@@ -1,4 +1,6 @@
-"""The gallery: a page for each model file of examples/, live, with figures where it rests; a first page with all of them."""
+"""The gallery: a page for each model file of examples/, live, with figures where it rests; a first page with
+all of them.
+"""
 
 from __future__ import annotations
 
@@ -64,13 +66,17 @@ def head_of(name: str) -> list[str]:
     """The paragraphs of the comment at the head of a model file."""
     lines = (MODELS / f"{name}.toml").read_text(encoding="utf-8").splitlines()
     end = next(k for k, line in enumerate(lines) if not line.startswith("#"))
-    return [part.replace("\n", " ") for part in "\n".join(line[1:].strip() for line in lines[:end]).split("\n\n")]
+    return [
+        part.replace("\n", " ") for part in "\n".join(line[1:].strip() for line in lines[:end]).split("\n\n")
+    ]
 
 
 def prose(text: str) -> str:
     """The same in Markdown: what is typed is set as code, and signs that mean something there are signs."""
     parts = re.split(r"""(--set [\w.-]+=(?:"[^"]*"|[\d.]*\d)(?: --set [\w.-]+=[\d.]*\d)*)""", text)
-    return "".join(f"`{part}`" if k % 2 else re.sub(r"([*_<|\\$`])", r"\\\1", part) for k, part in enumerate(parts))
+    return "".join(
+        f"`{part}`" if k % 2 else re.sub(r"([*_<|\\$`])", r"\\\1", part) for k, part in enumerate(parts)
+    )
 
 
 def model_of(name: str) -> tuple[str, bool]:
@@ -99,8 +105,13 @@ def first_page() -> str:
     found = {path.stem for path in MODELS.glob("*.toml")}
     listed = [name for names in FAMILIES.values() for name in names]
     if found != set(listed):
-        raise RuntimeError(f"docs/extensions/mechanisms.py has no family for {sorted(found ^ set(listed))}, or a family has no file")
-    parts = ["# Gallery", "Mechanisms to start from. Each is live on its page, is a model file of `examples` and a function of `vfife.gallery`."]
+        raise RuntimeError(
+            f"docs/extensions/mechanisms.py has no family for {sorted(found ^ set(listed))}, or a family has no file"
+        )
+    parts = [
+        "# Gallery",
+        "Mechanisms to start from. Each is live on its page, is a model file of `examples` and a function of `vfife.gallery`.",
+    ]
     for family, names in FAMILIES.items():
         cards = "\n".join(map(card, names))
         parts.append(f'## {family}\n\n```{{raw}} html\n<div class="cards">\n{cards}\n</div>\n```')
@@ -111,7 +122,9 @@ def write_pages(app: Any) -> None:
     """The folder gallery/, laid anew where it differs."""
     folder = Path(app.srcdir) / "gallery"
     folder.mkdir(exist_ok=True)
-    wanted = {"index.md": first_page()} | {f"{name}.md": page(name) for names in FAMILIES.values() for name in names}
+    wanted = {"index.md": first_page()} | {
+        f"{name}.md": page(name) for names in FAMILIES.values() for name in names
+    }
     for stale in {path.name for path in folder.iterdir()} - set(wanted):
         (folder / stale).unlink()
     for name, text in wanted.items():

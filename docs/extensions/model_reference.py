@@ -1,4 +1,6 @@
-"""The reference of model files, made from the JSON Schema that the package ships: every key with its meaning, unit, limits and default."""
+"""The reference of model files, made from the JSON Schema that the package ships: every key with its meaning,
+unit, limits and default.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,10 @@ TITLES = {
 }  # fmt: skip
 HEAD = ("key", "what it is", "unit, limits", "default")
 BRACKET = re.compile(r" \[([^\]]+)\]$")
-LAWS = {"contact_law": "[contact law](laws-gallery.md#contact-laws)", "friction_law": "[friction law](laws-gallery.md#friction-laws)"}
+LAWS = {
+    "contact_law": "[contact law](laws-gallery.md#contact-laws)",
+    "friction_law": "[friction law](laws-gallery.md#friction-laws)",
+}
 
 
 def rows(table: dict[str, Any]) -> list[tuple[str, ...]]:
@@ -28,9 +33,17 @@ def rows(table: dict[str, Any]) -> list[tuple[str, ...]]:
     for key, value in sorted(table["properties"].items(), key=lambda one: one[0] not in must):
         text = value.get("description", "")
         limits = BRACKET.search(text)
-        default = json.dumps(value["default"], ensure_ascii=False) if "default" in value else "must be given" if key in must else ""
+        default = (
+            json.dumps(value["default"], ensure_ascii=False)
+            if "default" in value
+            else "must be given"
+            if key in must
+            else ""
+        )
         told = [f"`{default}`" if "default" in value else default]
-        found.append((f"`{key}`", meaning(value, BRACKET.sub("", text)), cell(limits[1]) if limits else "", *told))
+        found.append(
+            (f"`{key}`", meaning(value, BRACKET.sub("", text)), cell(limits[1]) if limits else "", *told)
+        )
     return found
 
 
@@ -40,7 +53,11 @@ def meaning(value: dict[str, Any], text: str) -> str:
     law = next((LAWS[name] for name in LAWS if name in json.dumps(value)), "")
     if law:
         return f"{cell(text)}: a {law}"
-    return cell(text) if len(words) < 2 else f"{cell(text)}: {', '.join(f'`{json.dumps(word)}`' for word in words)}"
+    return (
+        cell(text)
+        if len(words) < 2
+        else f"{cell(text)}: {', '.join(f'`{json.dumps(word)}`' for word in words)}"
+    )
 
 
 def section(head: str, table: dict[str, Any]) -> str:
@@ -70,13 +87,19 @@ def page() -> str:
     parts.append(f"## At the top\n\n{keys(top)}")
     for key, title in TITLES.items():
         value = schema["properties"][key]
-        names = [one for one in re.findall(r'"#/definitions/(\w+)"', json.dumps(value)) if one.endswith("Table")]
+        names = [
+            one for one in re.findall(r'"#/definitions/(\w+)"', json.dumps(value)) if one.endswith("Table")
+        ]
         parts.append(f"## {title}")
         if not names:
             parts.append(f'`[{key}]`\n: {cell(value["description"])}, as in `NAME = ["100 mm", 0]`')
         for name in names:
             described = definitions[name]["description"]
-            parts.append(section(spoken(name, described.partition(": ")[0]) if len(names) > 1 else "", definitions[name]))
+            parts.append(
+                section(
+                    spoken(name, described.partition(": ")[0]) if len(names) > 1 else "", definitions[name]
+                )
+            )
         told.update(names)
     inner = [name for name in definitions if name.endswith("Table") and name not in told]
     parts.append("## Tables within tables")

@@ -13,16 +13,28 @@ from typing import Any
 FOLDER = "api"
 GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at its head
     "running": ("Simulate", "A mechanism goes in, a result comes out; or it is stepped from outside."),
-    "studies": ("Studies", "Many runs of one question, kept in one file; tolerances, searches, slopes; bifurcations, sections and basins; wear."),
-    "mechanism": ("Mechanism and bodies", "What a mechanism is built of. Its builders take numbers in SI units, or texts with their unit."),
-    "joints": ("Joints", "One class for each kind; ``Mechanism.revolute``, ``.slider``, ``.clearance`` and so on make them."),
+    "studies": (
+        "Studies",
+        "Many runs of one question, kept in one file; tolerances, searches, slopes; bifurcations, sections and basins; wear.",
+    ),
+    "mechanism": (
+        "Mechanism and bodies",
+        "What a mechanism is built of. Its builders take numbers in SI units, or texts with their unit.",
+    ),
+    "joints": (
+        "Joints",
+        "One class for each kind; ``Mechanism.revolute``, ``.slider``, ``.clearance`` and so on make them.",
+    ),
     "loads": ("Springs, drivers and loads", "What holds, drives and loads the bodies."),
     "contact": (
         "Contact laws",
         "Normal forces. :doc:`Laws </laws>` has their equations, :doc:`the laws in pictures </laws-gallery>` their curves.",
     ),
     "friction": ("Friction laws", "Tangential forces."),
-    "own": ("Laws of one's own, materials, errors", "What a law of one's own is made of, and what is raised."),
+    "own": (
+        "Laws of one's own, materials, errors",
+        "What a law of one's own is made of, and what is raised.",
+    ),
 }
 RUNNING = (
     "simulate", "Result", "load_result", "resume", "ensemble", "compare", "Comparison", "Simulation", "modes", "fit", "Status",
@@ -58,7 +70,11 @@ def group_of(name: str, value: Any) -> str:
     room = next((group for start, group in ROOMS.items() if module.startswith(start)), "")
     if room:
         return room
-    return "loads" if module.startswith(("vfife.model.springs", "vfife.model.drivers", "vfife.model.loads")) else "own"
+    return (
+        "loads"
+        if module.startswith(("vfife.model.springs", "vfife.model.drivers", "vfife.model.loads"))
+        else "own"
+    )
 
 
 def by_group() -> dict[str, list[str]]:
@@ -74,7 +90,11 @@ def by_group() -> dict[str, list[str]]:
 def entry(name: str, value: Any) -> str:
     """How one name is told."""
     if inspect.isclass(value):
-        members = "" if issubclass(value, BaseException) else "   :members:\n   :inherited-members: object, str, int\n"
+        members = (
+            ""
+            if issubclass(value, BaseException)
+            else "   :members:\n   :inherited-members: object, str, int\n"
+        )
         return f".. autoclass:: vfife.{name}\n{members}"
     if inspect.ismodule(value):
         return (value.__doc__ or "").strip().splitlines()[0]
@@ -154,7 +174,9 @@ def found_under_its_import(app: Any, env: Any, node: Any, contnode: Any) -> Any:
     target = f"vfife.{last}"
     if target == node["reftarget"] or last not in public():
         return None
-    return env.domains["py"].resolve_xref(env, node["refdoc"], app.builder, node["reftype"], target, node, contnode)
+    return env.domains["py"].resolve_xref(
+        env, node["refdoc"], app.builder, node["reftype"], target, node, contnode
+    )
 
 
 def setup(app: Any) -> dict[str, bool]:

@@ -9,7 +9,9 @@ from collections.abc import Iterable
 def cell(text: str) -> str:
     """A text in a cell, where signs that mean something in Markdown are signs."""
     parts = re.split(r"(`[^`]+`)", text)
-    return "".join(part if part.startswith("`") else re.sub(r"([*_<|\\$\[\]#])", r"\\\1", part) for part in parts).replace("\n", " ")
+    return "".join(
+        part if part.startswith("`") else re.sub(r"([*_<|\\$\[\]#])", r"\\\1", part) for part in parts
+    ).replace("\n", " ")
 
 
 def grid(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

@@ -1,7 +1,8 @@
 """vfife: planar mechanisms whose pins have play, by the vector form intrinsic finite element method.
 
-Everything a script needs is here: nouns, laws, ways to run them and the files they leave. Nothing is loaded before it is asked for, so that the
-command line hears signals from its first line on; llvmlite, xarray and matplotlib only where something needs them.
+Everything a script needs is here: nouns, laws, ways to run them and the files they leave. Nothing is loaded
+before it is asked for, so that the command line hears signals from its first line on; llvmlite, xarray and
+matplotlib only where something needs them.
 """
 
 from __future__ import annotations
@@ -11,14 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import errors, gallery
-    from .analysis.modes import modes
+    from .dynamics.basins import basins
+    from .dynamics.bifurcation import bifurcation
+    from .dynamics.load_map import load_map
+    from .dynamics.sections import poincare_section
+    from .dynamics.waterfall import waterfall
     from .errors import VfifeError
+    from .identification.fitting import fit
     from .laws import MATERIALS, ContactLaw, FrictionLaw, Law, Material, Pair, quantity
     from .laws import contact as _contact
     from .laws import friction as _friction
     from .laws.contact import *  # noqa: F403
     from .laws.friction import *  # noqa: F403
     from .laws.user import load_laws
+    from .measures.modes import modes
     from .model import drivers as _drivers
     from .model import joints as _joints
     from .model import loads as _loads
@@ -31,70 +38,64 @@ if TYPE_CHECKING:
     from .model.springs import *  # noqa: F403
     from .model.wear import Wear
     from .modelfile.files import load, load_model, save_model
-    from .result import Result, load_result
     from .results.comparison import Comparison
     from .results.fit import load_fit
     from .results.spectra import envelope, spectrogram, spectrum
     from .results.studied import Study, load_study
-    from .simulation import resume, simulate
+    from .simulation.cosimulation import Simulation
+    from .simulation.result import Result, load_result
+    from .simulation.simulate import resume, simulate
     from .solvers.ensemble import ensemble
     from .solvers.status import Status
-    from .study.compare import compare
-    from .study.cosimulation import Simulation
-    from .study.derivatives import sensitivity
-    from .study.identification.fitting import fit
-    from .study.maps.basins import basins
-    from .study.maps.bifurcation import bifurcation
-    from .study.maps.load_map import load_map
-    from .study.maps.sections import poincare_section
-    from .study.maps.waterfall import waterfall
-    from .study.sensitivity_indices import indices
-    from .study.studies import allocate, optimise, study
-    from .study.tolerance import tolerance
-    from .study.tribology.simulate_wear import load_wear, wear
-    from .study.tribology.wear_state import Worn
+    from .studies.methods.compare import compare
+    from .studies.methods.derivatives import sensitivity
+    from .studies.methods.sensitivity_indices import indices
+    from .studies.methods.tolerance import tolerance
+    from .studies.study import allocate, optimise, study
+    from .tribology.simulate_wear import load_wear, wear
+    from .tribology.wear_state import Worn
 
 __version__ = "0.2.0"
 
 _LAZY = {  # public name: the module that has it, or the module itself
     "Comparison": "results.comparison",
-    "Result": "result",
-    "Simulation": "study.cosimulation",
+    "Result": "simulation.result",
+    "Simulation": "simulation.cosimulation",
     "Study": "results.studied",
     "Status": "solvers.status",
     "VfifeError": "errors",
-    "allocate": "study.studies",
-    "basins": "study.maps.basins",
-    "bifurcation": "study.maps.bifurcation",
-    "compare": "study.compare",
+    "allocate": "studies.study",
+    "basins": "dynamics.basins",
+    "bifurcation": "dynamics.bifurcation",
+    "compare": "studies.methods.compare",
     "ensemble": "solvers.ensemble",
     "envelope": "results.spectra",
     "errors": "",
-    "fit": "study.identification.fitting",
+    "fit": "identification.fitting",
     "gallery": "",
-    "indices": "study.sensitivity_indices",
+    "indices": "studies.methods.sensitivity_indices",
     "load": "modelfile.files",
     "load_fit": "results.fit",
     "load_laws": "laws.user",
-    "load_map": "study.maps.load_map",
+    "load_map": "dynamics.load_map",
     "load_model": "modelfile.files",
-    "load_result": "result",
+    "load_result": "simulation.result",
     "load_study": "results.studied",
-    "modes": "analysis.modes",
-    "optimise": "study.studies",
-    "poincare_section": "study.maps.sections",
-    "resume": "simulation",
+    "modes": "measures.modes",
+    "optimise": "studies.study",
+    "poincare_section": "dynamics.sections",
+    "resume": "simulation.simulate",
     "save_model": "modelfile.files",
-    "sensitivity": "study.derivatives",
-    "simulate": "simulation",
-    "load_wear": "study.tribology.simulate_wear",
+    "sensitivity": "studies.methods.derivatives",
+    "simulate": "simulation.simulate",
+    "load_wear": "tribology.simulate_wear",
     "spectrogram": "results.spectra",
     "spectrum": "results.spectra",
-    "tolerance": "study.tolerance",
-    "waterfall": "study.maps.waterfall",
-    "study": "",  # the room, which can be called
-    "wear": "study.tribology.simulate_wear",
-    "Worn": "study.tribology.wear_state",
+    "tolerance": "studies.methods.tolerance",
+    "waterfall": "dynamics.waterfall",
+    "study": "studies.study",
+    "wear": "tribology.simulate_wear",
+    "Worn": "tribology.wear_state",
 }
 _ROOMS = {  # of nouns and laws: the public names in each, or None for all that it lists itself
     "laws": ("MATERIALS", "ContactLaw", "FrictionLaw", "Law", "Material", "Pair", "quantity"),
@@ -124,7 +125,11 @@ def __getattr__(name: str) -> Any:
     if name in _LAZY:
         from importlib import import_module
 
-        value = getattr(import_module(f".{_LAZY[name]}", __name__), name) if _LAZY[name] else import_module(f".{name}", __name__)
+        value = (
+            getattr(import_module(f".{_LAZY[name]}", __name__), name)
+            if _LAZY[name]
+            else import_module(f".{name}", __name__)
+        )
         globals()[name] = value
         return value
     if "__all__" not in globals() and (name == "__all__" or not name.startswith("__")):

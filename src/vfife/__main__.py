@@ -16,7 +16,9 @@ def main() -> None:
 
         app(prog_name="vfife")
     except BaseException as error:
-        if signals.NOW.heard and (not isinstance(error, SystemExit) or error.code == 1):  # whatever a KeyboardInterrupt became on its way
+        if signals.NOW.heard and (
+            not isinstance(error, SystemExit) or error.code == 1
+        ):  # whatever a KeyboardInterrupt became on its way
             signals.end_at_once()
         raise
     finally:

@@ -22,7 +22,9 @@ class VfifeError(ValueError):
 
 
 class LawError(VfifeError):
-    """A law that cannot be used: which law, which parameter (``faults``) or in which file and line, why, and what to do."""
+    """A law that cannot be used: which law, which parameter (``faults``) or in which file and line, why, and
+    what to do.
+    """
 
     def __init__(self, message: str, faults: Sequence[Fault] = ()) -> None:
         super().__init__(message)
@@ -70,24 +72,31 @@ class DeviceError(VfifeError):
 
 
 class StorageError(RunFileError):
-    """What cannot be written or read because of the disk, its permissions or another writer: what is needed, what is free, what is kept."""
+    """What cannot be written or read because of the disk, its permissions or another writer: what is needed,
+    what is free, what is kept.
+    """
 
 
 class Fault(VfifeError):
     """One fault: where it is, what is wrong, the value as written, what is allowed, what to do.
 
-    ``where`` is a text, or a path of keys, which is kept as ``path``. A fault is raised where one value is read, and collected in a
+    ``where`` is a text, or a path of keys, which is kept as ``path``. A fault is raised where one value is
+    read, and collected in a
     :class:`ModelError` where all values of a file are.
     """
 
-    def __init__(self, where: str | Path, what: str, value: str = "", limit: str = "", remedy: str = "") -> None:
+    def __init__(
+        self, where: str | Path, what: str, value: str = "", limit: str = "", remedy: str = ""
+    ) -> None:
         self.path = where if isinstance(where, tuple) else ()
         self.where = place(where) if isinstance(where, tuple) and where else str(where or "")
         self.what, self.value, self.limit, self.remedy = what, value, limit, remedy
         super().__init__(self.where, what, value, limit, remedy)
 
     def at(self, where: str | Path, given: Iterable[Path] = (), *, value: str = "") -> Fault:
-        """The same fault at another place; ``value`` is shown where the fault has none. Paths ``given`` beside the file are marked."""
+        """The same fault at another place; ``value`` is shown where the fault has none. Paths ``given``
+        beside the file are marked.
+        """
         found = Fault(where, self.what, self.value or value, self.limit, self.remedy)
         if isinstance(where, tuple):
             found.where = place(where, given)
@@ -146,12 +155,14 @@ class ArgumentError(ModelError, TypeError):
 def place(path: Path, given: Iterable[Path] = ()) -> str:
     """Table and key of a path: ("joint", "C", "clearance") is "[joint.C] clearance".
 
-    An empty last part names the table itself. A value that was ``given`` beside the file is marked, so that nobody
-    looks for it in the file.
+    An empty last part names the table itself. A value that was ``given`` beside the file is marked, so that
+    nobody looks for it in the file.
     """
     parts = list(path)
     first = next((k for k, part in enumerate(parts) if isinstance(part, int) and k), len(parts))
-    inside = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts[first:]).rstrip(".")
+    inside = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts[first:]).rstrip(
+        "."
+    )
     key = f"{parts[first - 1]}{inside}" if parts else "file"
     table = f"[{'.'.join(map(str, parts[: first - 1]))}]" if first > 1 else ""
     beside = " (given by set)" if any(path[: len(start)] == start for start in given) else ""
@@ -175,7 +186,12 @@ def shown(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = ..." for key in list(value)[:3]) + (", ..." if len(value) > 3 else "") + "}"
+        return (
+            "{"
+            + ", ".join(f"{key} = ..." for key in list(value)[:3])
+            + (", ..." if len(value) > 3 else "")
+            + "}"
+        )
     if isinstance(value, list | tuple):
         flat = ["[...]" if isinstance(entry, list | tuple) else shown(entry) for entry in value[:4]]
         return "[" + ", ".join(flat) + (", ..." if len(value) > 4 else "") + "]"
@@ -208,6 +224,10 @@ _KINDS: tuple[tuple[type, str], ...] = (
 
 def __getattr__(name: str) -> type[Fault]:
     if name == "QuantityError":
-        warnings.warn("QuantityError is Fault now; the old name goes with the next version", DeprecationWarning, stacklevel=2)
+        warnings.warn(
+            "QuantityError is Fault now; the old name goes with the next version",
+            DeprecationWarning,
+            stacklevel=2,
+        )
         return Fault
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

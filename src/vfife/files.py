@@ -1,8 +1,10 @@
-"""Files on disk: written as a whole under a random name, read only where they are regular and of bounded size.
+"""Files on disk: written as a whole under a random name, read only where they are regular and of bounded
+size.
 
-A name such as ``model.toml.part`` can be guessed. Whoever may write into the folder could plant a link of that name, and a
-write through it would leave the folder. A temporary file is therefore created exclusively (O_EXCL, O_NOFOLLOW) and has a random
-name. A device, a pipe or a socket in the place of a file would never end, or never begin: :func:`read_bytes` refuses both.
+A name such as ``model.toml.part`` can be guessed. Whoever may write into the folder could plant a link of
+that name, and a write through it would leave the folder. A temporary file is therefore created exclusively
+(O_EXCL, O_NOFOLLOW) and has a random name. A device, a pipe or a socket in the place of a file would never
+end, or never begin: :func:`read_bytes` refuses both.
 """
 
 from __future__ import annotations
@@ -17,13 +19,15 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
-# A model file of a thousand bodies has some 300 kB. What is larger by a factor of a hundred is no file of ours.
+# A model file of a thousand bodies has some 300 kB. What is larger by a factor of a hundred is no file of
+# ours.
 LARGEST = 32_000_000
 # Attempts to find a free random name of 64 bits; a second one is never needed unless the folder is hostile.
 ATTEMPTS = 16
 # Temporary files that this process has begun and not finished, for signals that leave no time to unwind.
 UNFINISHED: set[Path] = set()
-# Model files of the gallery: a wheel holds a copy of the folder examples/, which in a checkout lies beside src.
+# Model files of the gallery: a wheel holds a copy of the folder examples/, which in a checkout lies beside
+# src.
 _EXAMPLES = Path(__file__).resolve().with_name("examples")
 GALLERY = _EXAMPLES if _EXAMPLES.is_dir() else _EXAMPLES.parents[2] / "examples"
 KINDS = (
@@ -37,10 +41,12 @@ KINDS = (
 
 @contextmanager
 def replacement(path: Path) -> Iterator[Path]:
-    """Yield an empty temporary file beside ``path``, which takes its place when the block ends without an error.
+    """Yield an empty temporary file beside ``path``, which takes its place when the block ends without an
+    error.
 
-    The file reaches the disk before it is renamed, so that a crash leaves the old file or the new one. Raises OSError where
-    the folder cannot be written to; then, and after an error in the block, the old file is unchanged.
+    The file reaches the disk before it is renamed, so that a crash leaves the old file or the new one. Raises
+    OSError where the folder cannot be written to; then, and after an error in the block, the old file is
+    unchanged.
     """
     temporary = create_beside(path)
     UNFINISHED.add(temporary)
@@ -91,8 +97,9 @@ def write_text(path: Path, text: str, newline: str | None = None) -> None:
 def read_bytes(path: str | Path, largest: int = LARGEST) -> bytes:
     """Return the bytes of a regular file of at most ``largest`` bytes.
 
-    The kind is that of the opened file, so a name that is exchanged meanwhile cannot deceive; a pipe is opened without waiting
-    for a writer. Raises OSError, whose ``strerror`` says what the file is instead or how large it is.
+    The kind is that of the opened file, so a name that is exchanged meanwhile cannot deceive; a pipe is
+    opened without waiting for a writer. Raises OSError, whose ``strerror`` says what the file is instead or
+    how large it is.
     """
     with open_regular(path) as stream:
         data = stream.read(largest + 1)
@@ -113,7 +120,9 @@ def open_regular(path: str | Path) -> BinaryIO:
 
 
 def require_regular(found: os.stat_result, path: str | Path) -> None:
-    """Raise OSError with the kind of a file that is not regular; ``found`` is what the system says of ``path``."""
+    """Raise OSError with the kind of a file that is not regular; ``found`` is what the system says of
+    ``path``.
+    """
     for is_kind, number, words in KINDS:
         if is_kind(found.st_mode):
             raise OSError(number, words, str(path))
@@ -128,7 +137,8 @@ def free_bytes(path: Path) -> int | None:
 
 
 def write_rows(path: str | Path, rows: Iterable[Iterable[Any]]) -> None:
-    """Write a table of commas, the row of the heads first: numbers to the last bit, lines that end as RFC 4180 has it on every machine.
+    """Write a table of commas, the row of the heads first: numbers to the last bit, lines that end as RFC
+    4180 has it on every machine.
 
     A file that is there gives way when the new one is whole. Raises OSError.
     """

@@ -1,6 +1,7 @@
 """The gallery: mechanisms to start from, each a model file of ``examples/`` and a function that loads it.
 
-The keyword parameters (SI units) replace numbers of the file; what is None stays as it is there. :func:`load` sets any number by its path.
+The keyword parameters (SI units) replace numbers of the file; what is None stays as it is there. :func:`load`
+sets any number by its path.
 
 >>> from vfife import gallery
 >>> gallery.jansen_leg(speed=3.0).name
@@ -42,7 +43,9 @@ def path(name: str) -> Path:
 
 
 def load(name: str, changes: Mapping[str, Any] | None = None) -> Mechanism:
-    """Load a mechanism of the gallery; ``changes`` sets values by path, as in ``{"joint.C.clearance": "0.3 mm"}``, where they are not None."""
+    """Load a mechanism of the gallery; ``changes`` sets values by path, as in
+    ``{"joint.C.clearance": "0.3 mm"}``, where they are not None.
+    """
     items = [(where, value) for where, value in (changes or {}).items() if value is not None]
     return replace(read(path(name), items), source=None)
 
@@ -55,9 +58,16 @@ def _crank(speed: float | None, turns: float | None) -> dict[str, Any]:
 
 
 def block_on_incline(
-    *, slope: Number = None, friction: Number = None, mass: Number = None, duration: Number = None, law: FrictionLaw | None = None
+    *,
+    slope: Number = None,
+    friction: Number = None,
+    mass: Number = None,
+    duration: Number = None,
+    law: FrictionLaw | None = None,
 ) -> Mechanism:
-    """A block slides g (sin(slope) - friction cos(slope)) t^2/2 from rest, or stays where the friction is larger than tan(slope)."""
+    """A block slides g (sin(slope) - friction cos(slope)) t^2/2 from rest, or stays where the friction is
+    larger than tan(slope).
+    """
     changes: dict[str, Any] = {"run.duration": duration, "body.block.mass": mass, "body.block.angle": slope}
     changes["body.block.inertia"] = None if mass is None else 0.004 * mass
     changes["body.block.position"] = None if slope is None else [-0.05 * sin(slope), 0.05 * cos(slope)]
@@ -66,7 +76,13 @@ def block_on_incline(
         changes[f"{joint}.friction.coefficient"] = friction
     m = load("block_on_incline", changes)
     if law is not None:
-        m.joints.update({name: replace(joint, friction=law) for name, joint in m.joints.items() if isinstance(joint, ExternalContact)})
+        m.joints.update(
+            {
+                name: replace(joint, friction=law)
+                for name, joint in m.joints.items()
+                if isinstance(joint, ExternalContact)
+            }
+        )
     return m
 
 
@@ -79,8 +95,12 @@ def compressor(*, wear: float = 1.0, speed: Number = None, turns: Number = None)
     return m
 
 
-def four_bar(*, clearance: Number = None, loose: str = "BCD", speed: Number = None, turns: Number = None) -> Mechanism:
-    """The four-bar of the VFIFE paper with clearance (m) in the joints that ``loose`` names and parameters inferred from its Table 3."""
+def four_bar(
+    *, clearance: Number = None, loose: str = "BCD", speed: Number = None, turns: Number = None
+) -> Mechanism:
+    """The four-bar of the VFIFE paper with clearance (m) in the joints that ``loose`` names and parameters
+    inferred from its Table 3.
+    """
     m = load("four_bar", {f"joint.{name}.clearance": clearance for name in "BCD"} | _crank(speed, turns))
     m.joints.update({name: joint.ideal() for name, joint in m.clearances.items() if name not in loose})
     return m
@@ -98,12 +118,20 @@ def four_bar_case_b(*, clearance: Number = None, speed: Number = None, turns: Nu
 
 def four_bar_case_c(*, clearance: Number = None, speed: Number = None, turns: Number = None) -> Mechanism:
     """Four-bar with rigid links and three clearance joints, B, C and D: reference case c."""
-    return load("four_bar_case_c", {f"joint.{name}.clearance": clearance for name in "BCD"} | _crank(speed, turns))
+    return load(
+        "four_bar_case_c", {f"joint.{name}.clearance": clearance for name in "BCD"} | _crank(speed, turns)
+    )
 
 
-def elastica_circle(*, length: Number = None, elements: int | None = None, factors: Numbers = None) -> Mechanism:
+def elastica_circle(
+    *, length: Number = None, elements: int | None = None, factors: Numbers = None
+) -> Mechanism:
     """A clamped strip (m) rolled up by an end moment; load factor q makes it an arc of q 360 degrees."""
-    changes = {"body.strip.length": length, "body.strip.elements": elements, "run.load_factors": factors and list(factors)}
+    changes = {
+        "body.strip.length": length,
+        "body.strip.elements": elements,
+        "run.load_factors": factors and list(factors),
+    }
     m = load("elastica_circle", changes)
     if length is not None:
         m = load("elastica_circle", changes | {"load.end.moment": m.loads["end"].moment / length})  # type: ignore[attr-defined]
@@ -111,22 +139,33 @@ def elastica_circle(*, length: Number = None, elements: int | None = None, facto
 
 
 def williams_toggle(*, elements: int | None = None, drops: Numbers = None) -> Mechanism:
-    """A shallow clamped toggle whose apex is pushed down by ``drops`` (inches, the load factors); the driver's force is the load."""
+    """A shallow clamped toggle whose apex is pushed down by ``drops`` (inches, the load factors); the
+    driver's force is the load.
+    """
     members = {f"body.toggle.members.{k}.elements": elements for k in range(2)}
     return load("williams_toggle", {**members, "run.load_factors": drops and list(drops)})
 
 
 def lee_frame(*, elements: int | None = None, drops: Numbers = None) -> Mechanism:
-    """A hinged right-angled frame, pushed down at a fifth of its beam by ``drops`` (m, the load factors); so many elements a side."""
+    """A hinged right-angled frame, pushed down at a fifth of its beam by ``drops`` (m, the load factors); so
+    many elements a side.
+    """
     counts = (elements, max(2, elements // 5), elements - elements // 5) if elements else (None,) * 3
     members = {f"body.frame.members.{k}.elements": count for k, count in enumerate(counts)}
     return load("lee_frame", {**members, "run.load_factors": drops and list(drops)})
 
 
 def gear_train(
-    *, stall_torque: Number = None, idle_speed: Number = None, ratios: Numbers = None, inertias: Numbers = None, duration: Number = None
+    *,
+    stall_torque: Number = None,
+    idle_speed: Number = None,
+    ratios: Numbers = None,
+    inertias: Numbers = None,
+    duration: Number = None,
 ) -> Mechanism:
-    """A motor, whose torque (N m) falls in a straight line to 0 at idle speed (rad/s), a middle shaft and a flywheel (kg m^2), with gears."""
+    """A motor, whose torque (N m) falls in a straight line to 0 at idle speed (rad/s), a middle shaft and a
+    flywheel (kg m^2), with gears.
+    """
     bodies = ("motor", "middle", "flywheel")
     return load("gear_train", {
         "run.duration": duration,
@@ -137,7 +176,9 @@ def gear_train(
     })  # fmt: skip
 
 
-def jansen_leg(*, unit: float = 0.01, speed: Number = None, turns: Number = None, density: float = 0.5) -> Mechanism:
+def jansen_leg(
+    *, unit: float = 0.01, speed: Number = None, turns: Number = None, density: float = 0.5
+) -> Mechanism:
     """One leg of rods and of plates of rods, of ``density`` (kg/m); ``unit`` (m) is that of Jansen's numbers."""
     m = load("jansen_leg", _crank(speed, turns))
     size, weight = unit / 0.01, density / 0.5 * unit / 0.01
@@ -159,7 +200,9 @@ def jansen_leg(*, unit: float = 0.01, speed: Number = None, turns: Number = None
     return m
 
 
-def journal_in_bearing(*, mass: Number = None, speed: Number = None, clearance: Number = None, contact: ContactLaw | None = None) -> Mechanism:
+def journal_in_bearing(
+    *, mass: Number = None, speed: Number = None, clearance: Number = None, contact: ContactLaw | None = None
+) -> Mechanism:
     """A journal (kg) flies from the middle of its fixed bearing against the wall (m/s) and rebounds."""
     changes = {"body.journal.mass": mass, "body.journal.velocity.0": speed, "joint.O.clearance": clearance}
     m = load("journal_in_bearing", changes)
@@ -170,7 +213,9 @@ def journal_in_bearing(*, mass: Number = None, speed: Number = None, clearance: 
     return m
 
 
-def double_pendulum(*, lengths: Numbers = None, masses: Numbers = None, angles: Numbers = None, duration: Number = None) -> Mechanism:
+def double_pendulum(
+    *, lengths: Numbers = None, masses: Numbers = None, angles: Numbers = None, duration: Number = None
+) -> Mechanism:
     """Two uniform rods (m, kg), upper and lower, let go at rest; angles in rad from the horizontal."""
     changes: dict[str, Any] = {"run.duration": duration}
     for key, values in (("length", lengths), ("mass", masses), ("angle", angles)):
@@ -190,12 +235,18 @@ def elastic_pendulum(
 
 
 def six_bar_press(*, speed: Number = None, turns: Number = None) -> Mechanism:
-    """A crank-rocker whose hanging rocker, lengthened beyond its coupler pin, pushes a ram to and fro by a rod."""
+    """A crank-rocker whose hanging rocker, lengthened beyond its coupler pin, pushes a ram to and fro by a
+    rod.
+    """
     return load("six_bar_press", _crank(speed, turns))
 
 
-def toggle_press(*, arm: float = 0.20, angle: float = math.radians(20.0), force: Number = None, stiffness: Number = None) -> Mechanism:
-    """Two equal arms (m), bent by ``angle`` (rad) from their line, closed by a ``force`` (N) at the knee, press a work piece (N/m)."""
+def toggle_press(
+    *, arm: float = 0.20, angle: float = math.radians(20.0), force: Number = None, stiffness: Number = None
+) -> Mechanism:
+    """Two equal arms (m), bent by ``angle`` (rad) from their line, closed by a ``force`` (N) at the knee,
+    press a work piece (N/m).
+    """
     return load("toggle_press", {
         "ground.guide.1": -1.6 * arm, "ground.table.1": -2.5 * arm, "body.ram.position.1": -2.0 * arm * cos(angle),
         "body.upper.length": arm, "body.upper.angle": -0.5 * math.pi - angle,
@@ -204,8 +255,17 @@ def toggle_press(*, arm: float = 0.20, angle: float = math.radians(20.0), force:
     })  # fmt: skip
 
 
-def quick_return(*, crank: float = 0.10, distance: float = 0.25, rocker: float = 0.50, speed: Number = None, turns: Number = None) -> Mechanism:
-    """A crank (m) turns at ``distance`` (m) above the pivot of a slotted rocker (m), which moves a ram through a link."""
+def quick_return(
+    *,
+    crank: float = 0.10,
+    distance: float = 0.25,
+    rocker: float = 0.50,
+    speed: Number = None,
+    turns: Number = None,
+) -> Mechanism:
+    """A crank (m) turns at ``distance`` (m) above the pivot of a slotted rocker (m), which moves a ram
+    through a link.
+    """
     return load("quick_return", {
         "ground.O.1": distance, "ground.guide.1": 1.02 * rocker, "body.crank.length": crank,
         "body.rocker.length": rocker, "body.rocker.angle": atan2(distance, crank),
@@ -214,9 +274,17 @@ def quick_return(*, crank: float = 0.10, distance: float = 0.25, rocker: float =
 
 
 def scissor_lift(
-    *, arm: float = 1.0, angle: float = math.radians(20.0), travel: Number = None, duration: Number = None, load: Number = None, mass: Number = None
+    *,
+    arm: float = 1.0,
+    angle: float = math.radians(20.0),
+    travel: Number = None,
+    duration: Number = None,
+    load: Number = None,
+    mass: Number = None,
 ) -> Mechanism:
-    """Two stages of crossed arms (m, kg each) lift a platform (``load``, kg) while an actuator pulls the rolling foot in by ``travel`` (m)."""
+    """Two stages of crossed arms (m, kg each) lift a platform (``load``, kg) while an actuator pulls the
+    rolling foot in by ``travel`` (m).
+    """
     changes: dict[str, Any] = {
         "run.duration": duration, "driver.actuator.duration": duration, "driver.actuator.travel": travel, "body.platform.mass": load,
         "body.platform.center.0": 0.5 * arm * cos(angle), "body.platform.position.1": 2.0 * arm * sin(angle),
@@ -228,8 +296,12 @@ def scissor_lift(
     return _load("scissor_lift", changes)
 
 
-def scotch_yoke(*, crank: float = 0.05, mass: Number = None, speed: Number = None, turns: Number = None) -> Mechanism:
-    """x = crank cos(speed t): crank in m, mass of the yoke in kg. The crank's torque is -m r^2 w^2 sin(2 w t)/2."""
+def scotch_yoke(
+    *, crank: float = 0.05, mass: Number = None, speed: Number = None, turns: Number = None
+) -> Mechanism:
+    """x = crank cos(speed t): crank in m, mass of the yoke in kg. The crank's torque is -m r^2 w^2 sin(2 w
+    t)/2.
+    """
     return load("scotch_yoke", {
         "body.crank.length": crank, "body.yoke.mass": mass, "body.yoke.position.0": crank, "body.yoke.pins.rod.0": 3.0 * crank,
         "body.yoke.pins.top.1": 1.3 * crank, "body.yoke.pins.bottom.1": -1.3 * crank, **_crank(speed, turns),
@@ -241,26 +313,52 @@ def slider_crank(*, speed: Number = None, turns: Number = None) -> Mechanism:
     return load("slider_crank", _crank(speed, turns))
 
 
-def _surfaces(joint: str, clearance: float | None, restitution: float | None, friction: float) -> dict[str, Any]:
+def _surfaces(
+    joint: str, clearance: float | None, restitution: float | None, friction: float
+) -> dict[str, Any]:
     rub = {"law": "ambrosio", "coefficient": friction, "v0": 1e-4, "v1": 1e-2} if friction else None
-    return {f"{joint}.clearance": clearance, f"{joint}.contact.restitution": restitution, f"{joint}.friction": rub}
+    return {
+        f"{joint}.clearance": clearance,
+        f"{joint}.contact.restitution": restitution,
+        f"{joint}.friction": rub,
+    }
 
 
 def slider_crank_loose_pin(
-    *, clearance: Number = None, restitution: Number = None, friction: float = 0.0, speed: Number = None, turns: Number = None
+    *,
+    clearance: Number = None,
+    restitution: Number = None,
+    friction: float = 0.0,
+    speed: Number = None,
+    turns: Number = None,
 ) -> Mechanism:
     """Slider-crank whose pin between rod and block has clearance (m)."""
-    return load("slider_crank_loose_pin", _surfaces("joint.pin", clearance, restitution, friction) | _crank(speed, turns))
+    return load(
+        "slider_crank_loose_pin",
+        _surfaces("joint.pin", clearance, restitution, friction) | _crank(speed, turns),
+    )
 
 
 def slider_crank_loose_guide(
-    *, clearance: Number = None, restitution: Number = None, friction: float = 0.0, speed: Number = None, turns: Number = None
+    *,
+    clearance: Number = None,
+    restitution: Number = None,
+    friction: float = 0.0,
+    speed: Number = None,
+    turns: Number = None,
 ) -> Mechanism:
     """Slider-crank whose block has clearance (m, on each side) in its guide."""
-    return load("slider_crank_loose_guide", _surfaces("joint.guide", clearance, restitution, friction) | _crank(speed, turns))
+    return load(
+        "slider_crank_loose_guide",
+        _surfaces("joint.guide", clearance, restitution, friction) | _crank(speed, turns),
+    )
 
 
-def squeezer(*, torque: Number = None, stiffness: Number = None, duration: Number = None, **settings: Any) -> Mechanism:
-    """Andrews' squeezer: seven bodies closed in three loops at E, a motor (N m), a spring (N/m); ``settings`` are those of the run."""
+def squeezer(
+    *, torque: Number = None, stiffness: Number = None, duration: Number = None, **settings: Any
+) -> Mechanism:
+    """Andrews' squeezer: seven bodies closed in three loops at E, a motor (N m), a spring (N/m); ``settings``
+    are those of the run.
+    """
     changes = {"driver.motor.torque": torque, "spring.spring.stiffness": stiffness, "run.duration": duration}
     return load("squeezer", changes | {f"run.{key}": value for key, value in settings.items()})

@@ -1,4 +1,5 @@
-"""Quantities as people write them: a bare number is in SI units, a text carries its unit, as in "0.2 mm" or "1500 rpm".
+"""Quantities as people write them: a bare number is in SI units, a text carries its unit, as in "0.2 mm" or
+"1500 rpm".
 
 Angles count as a dimension of their own, so that 25 Hz is not taken for 25 rad/s.
 """
@@ -102,8 +103,9 @@ _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})
 def number(value: Any, dimension: str) -> float:
     """SI value of a bare number (taken as SI) or of a text with a unit.
 
-    ``dimension`` is an SI unit ("m", "rad/s", "N/m^1.5", "1" for none) or the name of what it measures ("length",
-    "angular velocity"). Raises Fault for any other dimension, for what is no number, and for nan and inf.
+    ``dimension`` is an SI unit ("m", "rad/s", "N/m^1.5", "1" for none) or the name of what it measures
+    ("length", "angular velocity"). Raises Fault for any other dimension, for what is no number, and for nan
+    and inf.
 
     >>> number("0.5 mm", "m")
     0.0005
@@ -137,7 +139,8 @@ def quantity_in_si(digits: str, unit: str) -> float:
 
 
 def ends_of(text: str) -> tuple[str, str] | None:
-    """Texts of both ends of a range ``LOW..HIGH``, the lower one in the upper one's unit where it names none; None for what is no range.
+    """Texts of both ends of a range ``LOW..HIGH``, the lower one in the upper one's unit where it names none;
+    None for what is no range.
 
     >>> ends_of("0.1..1 mm")
     ('0.1 mm', '1 mm')
@@ -175,7 +178,9 @@ def _text(text: str, unit: str) -> float:
         raise Fault("", _no_number(tidy))
     digits, written = Fraction(match[1]), match[2] or unit
     if not _UNIT.fullmatch(written):
-        raise Fault("", f'a text whose unit "{written}" cannot be read (write units as in "N/m^1.5" or "kg m^2")')
+        raise Fault(
+            "", f'a text whose unit "{written}" cannot be read (write units as in "N/m^1.5" or "kg m^2")'
+        )
     (exact, rough, pi), exponents = _measure(written)
     if exponents != _measure(unit)[1]:
         raise Fault("", dimension_of(written)[0])
@@ -187,7 +192,11 @@ def _no_number(tidy: str) -> str:
         return "not a finite number"
     if _COMMA.match(tidy):
         return "a text with a comma (write a decimal point)"
-    return "a text that does not begin with a number" if len(tidy) <= LENGTH_LIMIT else "a text too long for a quantity"
+    return (
+        "a text that does not begin with a number"
+        if len(tidy) <= LENGTH_LIMIT
+        else "a text too long for a quantity"
+    )
 
 
 @functools.lru_cache(maxsize=256)
@@ -210,7 +219,9 @@ def _measure(unit: str) -> tuple[tuple[Fraction, float, int], Exponents]:
 
 
 def _raised(factor: Fraction, power: Fraction) -> float:
-    """A power of a unit's factor, rounded from exact numbers or forty digits: what the C library makes of it depends on the machine."""
+    """A power of a unit's factor, rounded from exact numbers or forty digits: what the C library makes of it
+    depends on the machine.
+    """
     if power.denominator == 1:
         return float(factor ** int(power))
     if power.denominator == 2:
@@ -247,8 +258,34 @@ def _named(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fraction, ...]
 
 
 SPELT = (  # names that people write out, all of them known to pint
-    *("meter", "metre", "millimeter", "millimetre", "micrometer", "micrometre", "centimeter", "centimetre", "inch", "kilogram", "gram", "second"),
-    *("millisecond", "microsecond", "radian", "degree", "newton", "kilonewton", "pascal", "megapascal", "gigapascal", "hertz", "watt", "joule"),
+    *(
+        "meter",
+        "metre",
+        "millimeter",
+        "millimetre",
+        "micrometer",
+        "micrometre",
+        "centimeter",
+        "centimetre",
+        "inch",
+        "kilogram",
+        "gram",
+        "second",
+    ),
+    *(
+        "millisecond",
+        "microsecond",
+        "radian",
+        "degree",
+        "newton",
+        "kilonewton",
+        "pascal",
+        "megapascal",
+        "gigapascal",
+        "hertz",
+        "watt",
+        "joule",
+    ),
 )
 
 
@@ -268,7 +305,9 @@ def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fractio
         base = (1.0 * _registry().parse_units(name)).to_base_units()
         units = dict(base.unit_items())
     except Exception:  # pint raises what its tokenizer or its arithmetic happens to raise
-        near = difflib.get_close_matches(name, SPELT, 1, 0.8) or difflib.get_close_matches(name, UNITS, 1, 0.4)
+        near = difflib.get_close_matches(name, SPELT, 1, 0.8) or difflib.get_close_matches(
+            name, UNITS, 1, 0.4
+        )
         hint = f' (did you mean "{near[0]}"?)' if near else ""
         raise Fault("", f'a text whose unit "{name}" is unknown{hint}') from None
     exponents = tuple(Fraction(units.pop(key, 0)) for key in ("meter", "kilogram", "second", "radian"))

@@ -36,7 +36,9 @@ def files() -> list[tuple[str, ast.Module, str]]:
 
 @cache
 def statements(name: str) -> list[ast.stmt]:
-    """Every statement of a file of the package, those inside others too: functions, classes and imports are nothing else."""
+    """Every statement of a file of the package, those inside others too: functions, classes and imports are
+    nothing else.
+    """
     return list(inside(next(tree for other, tree, _ in files() if other == name)))
 
 
@@ -62,7 +64,9 @@ def report(rule: str, offenders: list[str]) -> None:
 
 
 class Import(NamedTuple):
-    """One module that a file imports: where, its absolute name, whether inside a function, whether for type checkers alone."""
+    """One module that a file imports: where, its absolute name, whether inside a function, whether for type
+    checkers alone.
+    """
 
     line: int
     module: str
@@ -83,9 +87,14 @@ def _imports(node: ast.AST, package: str, *, inside: bool, for_types: bool) -> I
             module = _absolute(child, package)
             yield Import(child.lineno, module, inside, for_types)
             if module == "vfife":  # `from vfife import plots` names a room, not the package
-                yield from (Import(child.lineno, f"vfife.{alias.name}", inside, for_types) for alias in child.names)
+                yield from (
+                    Import(child.lineno, f"vfife.{alias.name}", inside, for_types) for alias in child.names
+                )
         else:
-            checked = isinstance(child, ast.If) and ast.unparse(child.test) in ("TYPE_CHECKING", "typing.TYPE_CHECKING")
+            checked = isinstance(child, ast.If) and ast.unparse(child.test) in (
+                "TYPE_CHECKING",
+                "typing.TYPE_CHECKING",
+            )
             within = inside or isinstance(child, Function)
             yield from _imports(child, package, inside=within, for_types=for_types or checked)
 

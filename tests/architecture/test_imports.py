@@ -1,4 +1,6 @@
-"""Who imports whom: rooms, what kernels may see, what is installed. The contract of layers itself is in pyproject.toml and kept by the linter."""
+"""Who imports whom: rooms, what kernels may see, what is installed. The contract of layers itself is in
+pyproject.toml and kept by the linter.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,12 @@ NOT_IMPORTED = {
     "urllib3": "of distributed, held above a vulnerability",
 }
 # Modules that are not called by the name that they are installed by.
-IMPORTED_AS = {"PIL": "pillow", "bochscpu": "bochscpu-python", "cuda": "cuda-bindings", "xdist": "pytest-xdist"}
+IMPORTED_AS = {
+    "PIL": "pillow",
+    "bochscpu": "bochscpu-python",
+    "cuda": "cuda-bindings",
+    "xdist": "pytest-xdist",
+}
 
 
 @pytest.mark.system("starts a process")
@@ -40,7 +47,11 @@ def test_kernels_import_only_numpy_and_each_other() -> None:
             inside = one.module == "vfife.kernels" or one.module.startswith("vfife.kernels.")
             if not inside and one.module.partition(".")[0] not in KERNELS_MAY_IMPORT:
                 offenders.append(f"{name}:{one.line} imports {one.module}")
-    report("The kernels import the standard library, numpy and each other only; what compiles them is in codegen:", offenders)
+    report(
+        "The kernels import the standard library, numpy and each other only; what compiles them is in"
+        " compiler:",
+        offenders,
+    )
 
 
 # ---------------------------------------------------------------------------------------------------------------- rooms
@@ -48,15 +59,22 @@ def test_kernels_import_only_numpy_and_each_other() -> None:
 
 def levels() -> dict[str, int]:
     """Level of each room, the highest first, from the contract of layers."""
-    (contract,) = (one for one in PROJECT["tool"]["importlinter"]["contracts"] if one["name"] == "rooms are layers")
-    return {room.strip(): level for level, layer in enumerate(contract["layers"]) for room in layer.split("|")}
+    (contract,) = (
+        one for one in PROJECT["tool"]["importlinter"]["contracts"] if one["name"] == "rooms are layers"
+    )
+    return {
+        room.strip(): level for level, layer in enumerate(contract["layers"]) for room in layer.split("|")
+    }
 
 
 @pytest.mark.system("the contract of layers, which make lint keeps too")
 def test_every_room_has_its_level() -> None:
     """A room that the contract of layers does not name may import what it likes."""
     rooms = {".".join(name.removesuffix(".py").split("/")[:2]) for name, _, _ in files()}
-    report("These rooms are in no layer of pyproject.toml:", sorted(rooms - levels().keys() - {"vfife.__init__", "vfife_validation.__init__"}))
+    report(
+        "These rooms are in no layer of pyproject.toml:",
+        sorted(rooms - levels().keys() - {"vfife.__init__", "vfife_validation.__init__"}),
+    )
 
 
 @pytest.mark.system("parses every file, as make lint does")
@@ -72,14 +90,18 @@ def test_no_function_hides_an_import_of_a_room_above() -> None:
     report("An import inside a function defers a cost, it does not turn the house upside down:", offenders)
 
 
-# Packages that load numpy, or a compiler, or what draws: a command imports them where it needs them, so that every command starts at once and hears
+# Packages that load numpy, or a compiler, or what draws: a command imports them where it needs them, so that
+# every command starts at once and hears
 # signals from its first line on. Everything else it imports at the top.
 DEFERRED = (
-    "analysis", "assembly", "fields", "job.cost", "laws", "live", "model", "modelfile", "plots",
-    "report", "result", "results.connections", "results.fit", "results.runfile", "results.studied", "simulation", "solvers.arguments",
-    "solvers.companions", "solvers.transient", "start", "study", "units",
+    "assembly", "dynamics", "identification", "job.cost", "laws", "live", "measures", "model", "modelfile",
+    "plots", "report", "results.fit", "results.studied", "schema", "simulation", "solvers.arguments",
+    "solvers.companions", "solvers.transient", "store.connections", "store.runfile", "studies", "tribology",
+    "units",
 )  # fmt: skip
-CIRCULAR = {("vfife/cli/result.py", "vfife.cli.studied")}  # a page of a study, told apart when it is there
+CIRCULAR = {
+    ("vfife/cli/commands/result.py", "vfife.cli.commands.study_info")
+}  # a page of a study, told apart when it is there
 
 
 @pytest.mark.system("starts a process for each command")
@@ -88,15 +110,28 @@ def test_a_command_defers_only_what_takes_time_to_load() -> None:
     for name, tree, _ in files():
         for one in imports(name, tree):
             ours = one.module.startswith("vfife.") and name.startswith("vfife/cli/")
-            if not ours or not one.inside or one.for_types or (name, one.module) in CIRCULAR or name == "vfife/cli/app.py":
+            if (
+                not ours
+                or not one.inside
+                or one.for_types
+                or (name, one.module) in CIRCULAR
+                or name == "vfife/cli/app.py"
+            ):
                 continue
             module = one.module.removeprefix("vfife.")
-            if not any(module == other or module.startswith(f"{other}.") for other in (*DEFERRED, "__version__")):
+            if not any(
+                module == other or module.startswith(f"{other}.") for other in (*DEFERRED, "__version__")
+            ):
                 offenders.append(f"{name}:{one.line} imports {one.module}")
-    report("Imports inside functions of the command line are there for its start; these load at once, and belong at the top:", offenders)
+    report(
+        "Imports inside functions of the command line are there for its start; these load at once, and belong"
+        " at the top:",
+        offenders,
+    )
 
 
-# -------------------------------------------------------------------------------------------------------- what is installed
+# --------------------------------------------------------------------------------------------------------
+# what is installed
 
 
 def requirements(*extras: str) -> set[str]:
@@ -117,8 +152,18 @@ def normal(name: str) -> str:
 
 
 def imported(folder: str) -> dict[str, str]:
-    """Distributions that the files of a folder import, with a place of each. IMPORTED_AS has those of other names."""
-    ours = {"vfife", "vfife_validation", *(path.stem for room in ("tests", "benchmarks", "docs/extensions") for path in (ROOT / room).iterdir())}
+    """Distributions that the files of a folder import, with a place of each. IMPORTED_AS has those of other
+    names.
+    """
+    ours = {
+        "vfife",
+        "vfife_validation",
+        *(
+            path.stem
+            for room in ("tests", "benchmarks", "docs/extensions")
+            for path in (ROOT / room).iterdir()
+        ),
+    }
     found: dict[str, str] = {}
     for name, tree, _ in files() if folder == "src" else parsed(ROOT / folder):
         for one in imports(name, tree):
@@ -133,15 +178,24 @@ def imported(folder: str) -> dict[str, str]:
 
 def test_what_the_package_imports_is_declared_and_what_is_declared_is_imported() -> None:
     declared, used = requirements(*EXTRAS), imported("src")
-    report("Imported, but not among the dependencies:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])
+    report(
+        "Imported, but not among the dependencies:",
+        [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)],
+    )
     report("Installed, but never imported:", sorted(declared - used.keys() - NOT_IMPORTED.keys()))
 
 
 @pytest.mark.system("parses every file of the tests")
 def test_what_the_tests_import_is_declared_and_what_is_declared_is_imported() -> None:
     declared, used = requirements("test", "verify"), imported("tests")
-    report("Imported by tests, but not installed for them:", [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)])
-    report("Installed for tests, but never imported:", sorted(declared - requirements(*EXTRAS) - used.keys() - NOT_IMPORTED.keys()))
+    report(
+        "Imported by tests, but not installed for them:",
+        [f"{name} ({used[name]})" for name in sorted(used.keys() - declared)],
+    )
+    report(
+        "Installed for tests, but never imported:",
+        sorted(declared - requirements(*EXTRAS) - used.keys() - NOT_IMPORTED.keys()),
+    )
 
 
 def test_every_extra_is_for_work_on_the_package() -> None:

@@ -1,4 +1,6 @@
-"""What a script gets from ``import vfife``: every noun, every law, the ways to run them, seen by completion and by a type checker."""
+"""What a script gets from ``import vfife``: every noun, every law, the ways to run them, seen by completion
+and by a type checker.
+"""
 
 import subprocess
 import sys
@@ -14,16 +16,29 @@ from vfife.model import bodies, drivers, joints, loads, springs
 ROOT = Path(__file__).resolve().parents[2]
 NOUNS = [
     *(bodies.Frame, bodies.Link, bodies.Member, bodies.PointMass, bodies.RigidBody, bodies.Section),
-    *(kind for room in (drivers.Driver, joints.Joint, springs.ForceElement) for kind in room.registry.values()),
+    *(
+        kind
+        for room in (drivers.Driver, joints.Joint, springs.ForceElement)
+        for kind in room.registry.values()
+    ),
     joints.Gear,
     loads.PointForce,
 ]
 
 
 def test_every_noun_and_every_law_is_public() -> None:
-    own = [law for kind in (laws.ContactLaw, laws.FrictionLaw) for law in kind.registry.values() if law.__module__.startswith("vfife.")]
+    own = [
+        law
+        for kind in (laws.ContactLaw, laws.FrictionLaw)
+        for law in kind.registry.values()
+        if law.__module__.startswith("vfife.")
+    ]
     assert len(own) > 30
-    missing = [one.__name__ for one in (*NOUNS, *own, laws.Material, laws.Pair) if getattr(vfife, one.__name__, None) is not one]
+    missing = [
+        one.__name__
+        for one in (*NOUNS, *own, laws.Material, laws.Pair)
+        if getattr(vfife, one.__name__, None) is not one
+    ]
     assert missing == []
 
 
@@ -38,7 +53,11 @@ def test_every_public_name_is_there_and_completed() -> None:
 
 
 def test_every_error_is_one_of_vfife() -> None:
-    raised = [one for one in vars(errors).values() if isinstance(one, type) and issubclass(one, Exception) and not issubclass(one, Warning)]
+    raised = [
+        one
+        for one in vars(errors).values()
+        if isinstance(one, type) and issubclass(one, Exception) and not issubclass(one, Warning)
+    ]
     assert len(raised) > 5
     assert all(issubclass(one, vfife.VfifeError) and issubclass(one, ValueError) for one in raised)
     assert vfife.errors is errors
@@ -63,8 +82,13 @@ def test_model_files_are_written_and_read(tmp_path: Path) -> None:
 
 
 def test_importing_says_nothing_and_loads_nothing_heavy() -> None:
-    code = "import sys, vfife; dir(vfife); print(sorted({'numba', 'llvmlite', 'matplotlib', 'scipy', 'xarray', 'pandas'} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
+    code = (
+        "import sys, vfife; dir(vfife); print(sorted({'numba', 'llvmlite', 'matplotlib', 'scipy', 'xarray',"
+        " 'pandas'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True
+    )
     assert (done.stdout, done.stderr) == ("[]\n", "")
 
 
@@ -107,7 +131,16 @@ def test_a_type_checker_sees_every_name(tmp_path: Path) -> None:
     (tmp_path / "right.py").write_text(SCRIPT.format(names=names))
     (tmp_path / "wrong.py").write_text(WRONG)
     files = [str(tmp_path / "right.py"), str(tmp_path / "wrong.py")]
-    said, failed, _ = api.run(["--strict", "--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", str(ROOT / ".mypy_cache"), *files])
+    said, failed, _ = api.run(
+        [
+            "--strict",
+            "--config-file",
+            str(ROOT / "pyproject.toml"),
+            "--cache-dir",
+            str(ROOT / ".mypy_cache"),
+            *files,
+        ]
+    )
     assert not failed
     lines = said.splitlines()
     assert [line for line in lines if "right.py" in line and ": error:" in line] == []

@@ -28,13 +28,21 @@ def copied(folder: Path) -> Path:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text((ROOT / name).read_text(encoding="utf-8"), encoding="utf-8")
     changelog = folder / "CHANGELOG.md"
-    changelog.write_text(changelog.read_text(encoding="utf-8").replace("## Unreleased\n", "## Unreleased\n\n- Something.\n", 1), encoding="utf-8")
+    changelog.write_text(
+        changelog.read_text(encoding="utf-8").replace(
+            "## Unreleased\n", "## Unreleased\n\n- Something.\n", 1
+        ),
+        encoding="utf-8",
+    )
     return folder
 
 
 def test_one_version_everywhere() -> None:
     assert PROJECT["project"]["dynamic"] == ["version"] and "version" not in PROJECT["project"]
-    assert re.search(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.M)[1] == vfife.__version__  # type: ignore[index]
+    assert (
+        re.search(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.M)[1]
+        == vfife.__version__
+    )  # type: ignore[index]
 
 
 def test_versions_in_the_changelog_are_dated_and_descend() -> None:
@@ -50,14 +58,18 @@ def test_a_release_puts_version_and_date_where_they_stand(tmp_path: Path) -> Non
     root = copied(tmp_path)
     script("release").released("7.0.0", "2031-02-03", root)
     assert '__version__ = "7.0.0"' in (root / "src/vfife/__init__.py").read_text(encoding="utf-8")
-    assert "version: 7.0.0\ndate-released: 2031-02-03\n" in (root / "CITATION.cff").read_text(encoding="utf-8")
+    assert "version: 7.0.0\ndate-released: 2031-02-03\n" in (root / "CITATION.cff").read_text(
+        encoding="utf-8"
+    )
     text = (root / "CHANGELOG.md").read_text(encoding="utf-8")
     assert re.search(r"^## Unreleased\n\n## 7\.0\.0 - 2031-02-03\n\n- Something\.", text, re.M)
     with pytest.raises(SystemExit, match="nothing under Unreleased"):
         script("release").released("7.0.1", "2031-02-03", root)
 
 
-@pytest.mark.parametrize(("version", "said"), [("", "three numbers"), ("1.2", "three numbers"), ("0.0.1", "older than")])
+@pytest.mark.parametrize(
+    ("version", "said"), [("", "three numbers"), ("1.2", "three numbers"), ("0.0.1", "older than")]
+)
 def test_what_is_no_version_changes_nothing(version: str, said: str, tmp_path: Path) -> None:
     root = copied(tmp_path)
     before = {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}

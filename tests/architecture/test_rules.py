@@ -24,9 +24,13 @@ def test_there_is_something_to_check() -> None:
 
 
 def loaded_by(code: str) -> set[str]:
-    """Top-level packages that a fresh interpreter has loaded after running the code: the last line of its output."""
+    """Top-level packages that a fresh interpreter has loaded after running the code: the last line of its
+    output.
+    """
     listing = "import sys; print('\\n' + ' '.join(sorted({name.partition('.')[0] for name in sys.modules})))"
-    done = subprocess.run([sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", f"{code}\n{listing}"], capture_output=True, text=True, timeout=120, check=False
+    )
     if done.returncode:
         pytest.fail(f"This failed in a fresh interpreter:\n{code}\n{done.stderr}", pytrace=False)
     return set(done.stdout.splitlines()[-1].split())
@@ -47,7 +51,11 @@ except SystemExit as end:
 @pytest.mark.parametrize(
     ("what", "code", "unwanted"),
     [
-        ("import vfife", "import vfife", {"numpy", "numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"}),
+        (
+            "import vfife",
+            "import vfife",
+            {"numpy", "numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"},
+        ),
         ("vfife --help", HELP, {"numba", "llvmlite", "matplotlib", "xarray", "pandas", "scipy"}),
     ],
     ids=["import", "help"],
@@ -62,14 +70,24 @@ def test_start_is_light(what: str, code: str, unwanted: set[str]) -> None:
 
 
 def test_no_input_is_checked_by_assert() -> None:
-    offenders = [f"{name}:{node.lineno}" for name, _, _ in files() for node in statements(name) if isinstance(node, ast.Assert)]
-    report("`assert` vanishes under -O and says nothing to a user; raise an exception with a sentence:", offenders)
+    offenders = [
+        f"{name}:{node.lineno}"
+        for name, _, _ in files()
+        for node in statements(name)
+        if isinstance(node, ast.Assert)
+    ]
+    report(
+        "`assert` vanishes under -O and says nothing to a user; raise an exception with a sentence:",
+        offenders,
+    )
 
 
 def test_names_say_what_a_thing_is() -> None:
     offenders = []
     for name, _, _ in files():
-        if any(word in FORBIDDEN_WORDS for part in Path(name).with_suffix("").parts for word in part.split("_")):
+        if any(
+            word in FORBIDDEN_WORDS for part in Path(name).with_suffix("").parts for word in part.split("_")
+        ):
             offenders.append(f"{name}: name the file after what it holds")
         for node in statements(name):
             if isinstance(node, Function) and node.name.lstrip("_").startswith("get_"):
@@ -86,6 +104,8 @@ def test_what_assembles_a_mechanism_raises_errors_of_its_own() -> None:
         for name, tree, _ in files()
         if name.startswith(("vfife/assembly/", "vfife/kinematics/"))
         for node in ast.walk(tree)
-        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and getattr(node.exc.func, "id", "") in ("ValueError", "TypeError")
+        if isinstance(node, ast.Raise)
+        and isinstance(node.exc, ast.Call)
+        and getattr(node.exc.func, "id", "") in ("ValueError", "TypeError")
     ]
     report("Raise VfifeError, or one of its kinds:", found)

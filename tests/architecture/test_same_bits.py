@@ -1,8 +1,10 @@
-"""What a run, its measures, ranges and decisions are computed with: nothing whose last bit depends on a processor or a library.
+"""What a run, its measures, ranges and decisions are computed with: nothing whose last bit depends on a
+processor or a library.
 
-Forbidden are functions of the C library and of NumPy that no standard rounds, BLAS and LAPACK (``@`` too), powers, which are the C library's,
-sorts that leave the order of equals open, and draws that NumPy computes from uniform ones; ``vfife.numerics`` has them with the same bits
-everywhere. Fine are + - * / and roots, remainders, roundings, comparisons and NumPy's sums, whose order is that of its text.
+Forbidden are functions of the C library and of NumPy that no standard rounds, BLAS and LAPACK (``@`` too),
+powers, which are the C library's, sorts that leave the order of equals open, and draws that NumPy computes
+from uniform ones; ``vfife.numerics`` has them with the same bits everywhere. Fine are + - * / and roots,
+remainders, roundings, comparisons and NumPy's sums, whose order is that of its text.
 """
 
 from __future__ import annotations
@@ -28,26 +30,35 @@ DRAWS = {"uniform", "normal", "standard_normal", "exponential", "choice", "shuff
 ALLOWED = {"LinAlgError"}  # of np.linalg: an exception
 # Packages, or files of them, from which a run, its measures and its decisions come.
 DECIDING = (
-    "assembly", "codegen", "fields", "gallery.py", "kernels", "kinematics", "laws", "model", "modelfile", "numerics", "solvers", "study",
-    "analysis", "results", "report", "units.py",
+    "assembly", "compiler", "schema", "gallery.py", "kernels", "kinematics", "laws", "model", "modelfile",
+    "numerics", "solvers", "studies", "identification", "dynamics", "tribology", "simulation", "measures",
+    "results", "store", "report", "units.py",
 )  # fmt: skip
 # Files, or folders, that may, and why.
 EXCEPTIONS = {
-    "analysis/modes.py": "natural frequencies of up to thousands of coordinates are LAPACK's; `vfife run` prints none",
-    "analysis/spectral.py": "spectra are a fast Fourier transform's, known to rounding; `vfife run` prints none, and nothing is decided by them",
-    "analysis/impact.py": "curves of a law for a figure start from steps in even ratios",
+    "measures/modes.py": (
+        "natural frequencies of up to thousands of coordinates are LAPACK's; `vfife run` prints none"
+    ),
+    "measures/spectral.py": (
+        "spectra are a fast Fourier transform's, known to rounding; `vfife run` prints none, and nothing is"
+        " decided by them"
+    ),
+    "measures/impact.py": "curves of a law for a figure start from steps in even ratios",
     "results/export.py": "writes MATLAB's files",
-    "codegen/source.py": "a power of two whole numbers, which is exact",
+    "compiler/trace/source.py": "a power of two whole numbers, which is exact",
     "laws/agreement.py": "states at which loops are compared with Python, whatever they are",
     "laws/expressions.py": "a power of two whole numbers, which is exact",
-    "model/tabulated.py": "values of a polynomial by Horner, products and sums of NumPy's own",
-    "model/strokes.py": "draws",
+    "model/geometry/tabulated.py": "values of a polynomial by Horner, products and sums of NumPy's own",
+    "model/drawing/strokes.py": "draws",
     "model/outlines.py": "chooses in which order the corners of a body are drawn",
     "numerics/scalar.py": "math.pow of zeros and infinities, which is exact",
-    "study/sampling.py": "values of members are rounded to ten digits; SciPy's Sobol' points are whole numbers over a power of two",
-    "study/identification/": "compares records with data",
-    "study/limits.py": "statistics of results",
-    "study/local_search.py": "a search that chooses its next members",
+    "studies/spec/sampling.py": (
+        "values of members are rounded to ten digits; SciPy's Sobol' points are whole numbers over a power"
+        " of two"
+    ),
+    "identification/": "compares records with data",
+    "studies/spec/limits.py": "statistics of results",
+    "studies/methods/local_search.py": "a search that chooses its next members",
     "units.py": "powers of fractions, and of forty digits in decimal arithmetic",
 }
 
@@ -72,7 +83,9 @@ def found(tree: ast.AST) -> Iterator[tuple[int, str]]:
         elif isinstance(node, ast.ImportFrom) and node.module is not None and not node.level:
             yield from imported(node)
         elif isinstance(node, ast.Import):
-            yield from ((node.lineno, one.name) for one in node.names if one.name.partition(".")[0] == "scipy")
+            yield from (
+                (node.lineno, one.name) for one in node.names if one.name.partition(".")[0] == "scipy"
+            )
         elif isinstance(node, ast.Attribute):
             yield from attributes(node)
         elif isinstance(node, ast.Call):
@@ -85,9 +98,16 @@ def operators(node: ast.BinOp | ast.AugAssign) -> Iterator[tuple[int, str]]:
     if isinstance(node.op, ast.Pow):
         sides = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.target, node.value)
         base, exponent = (one.operand if isinstance(one, ast.UnaryOp) else one for one in sides)
-        exact = isinstance(base, ast.Constant) and isinstance(exponent, ast.Constant) and isinstance(exponent.value, int)
+        exact = (
+            isinstance(base, ast.Constant)
+            and isinstance(exponent, ast.Constant)
+            and isinstance(exponent.value, int)
+        )
         if not (exact and (isinstance(base.value, int) or base.value in (0.5, 2.0))):
-            yield node.lineno, "**, which is the C library's pow: write x * x, math.sqrt or vfife.numerics.scalar.power"
+            yield (
+                node.lineno,
+                "**, which is the C library's pow: write x * x, math.sqrt or vfife.numerics.scalar.power",
+            )
 
 
 def imported(node: ast.ImportFrom) -> Iterator[tuple[int, str]]:
@@ -106,11 +126,27 @@ def attributes(node: ast.Attribute) -> Iterator[tuple[int, str]]:
 
 
 def calls(node: ast.Call) -> Iterator[tuple[int, str]]:
-    stable = any(one.arg == "kind" and isinstance(one.value, ast.Constant) and one.value.value == "stable" for one in node.keywords)
-    name = node.func.attr if isinstance(node.func, ast.Attribute) else node.func.id if isinstance(node.func, ast.Name) else ""
+    stable = any(
+        one.arg == "kind" and isinstance(one.value, ast.Constant) and one.value.value == "stable"
+        for one in node.keywords
+    )
+    name = (
+        node.func.attr
+        if isinstance(node.func, ast.Attribute)
+        else node.func.id
+        if isinstance(node.func, ast.Name)
+        else ""
+    )
     if name == "argsort" and not stable:
-        yield node.lineno, 'argsort without kind="stable": equals come in an order that depends on the processor'
-    if isinstance(node.func, ast.Attribute) and name in {"dot", "trace", *DRAWS} and not isinstance(node.func.value, ast.Name):
+        yield (
+            node.lineno,
+            'argsort without kind="stable": equals come in an order that depends on the processor',
+        )
+    if (
+        isinstance(node.func, ast.Attribute)
+        and name in {"dot", "trace", *DRAWS}
+        and not isinstance(node.func.value, ast.Name)
+    ):
         yield node.lineno, f".{name}()"
     if isinstance(node.func, ast.Name) and name == "pow":
         yield node.lineno, "pow()"
@@ -121,7 +157,9 @@ def test_what_decides_a_run_has_the_same_bits_everywhere() -> None:
     wrong, needed = [], set()
     for name in files():
         found = offences((SOURCE / name).read_text(encoding="utf-8"))
-        excepted = next((one for one in EXCEPTIONS if name == one or (one.endswith("/") and name.startswith(one))), None)
+        excepted = next(
+            (one for one in EXCEPTIONS if name == one or (one.endswith("/") and name.startswith(one))), None
+        )
         if excepted is None:
             wrong += [f"{name}:{one}" for one in found]
         elif found:

@@ -8,13 +8,25 @@ import pytest
 
 from architecture.size import Size, size_of, sizes
 
-LIMITS = Size(files=410, code=46_800, tokens=568_500, import_lines=5_030, inner_imports=223, many_arguments=68, tuples=56)
+LIMITS = Size(
+    files=422,
+    code=58_700,
+    tokens=572_000,
+    import_lines=5_370,
+    inner_imports=223,
+    many_arguments=68,
+    tuples=56,
+)
 
 
 @pytest.mark.slow("reads every file token by token")
 def test_the_package_is_no_larger_than_its_limits() -> None:
     found = sum(sizes().values(), Size())
-    more = {name: (count, limit) for name, limit in dataclasses.asdict(LIMITS).items() if (count := getattr(found, name)) > limit}
+    more = {
+        name: (count, limit)
+        for name, limit in dataclasses.asdict(LIMITS).items()
+        if (count := getattr(found, name)) > limit
+    }
     assert not more, more
 
 
@@ -32,4 +44,10 @@ def f(self, p1, p2, p3, p4, p5, p6, *, p7, p8) -> tuple[int, str, float]:
 four""")
 '''
     found = size_of(text)
-    assert (found.code, found.import_lines, found.inner_imports, found.many_arguments, found.tuples) == (6, 3, 1, 1, 1)
+    assert (found.code, found.import_lines, found.inner_imports, found.many_arguments, found.tuples) == (
+        6,
+        3,
+        1,
+        1,
+        1,
+    )

@@ -19,8 +19,22 @@ def cranked() -> Assembly:
     """A driven body with its centre off the axis, a rod on it, and a block in a guide of the rod."""
     m = Mechanism("cranked", gravity=G)
     m.point("O", 0.5, -0.25)
-    m.rigid_body("crank", mass=2.0, inertia=0.3, angle=0.4, center=(0.1, 0.2), pins={"axis": (0.0, 0.0), "p": (0.3, -0.1)})
-    m.rigid_body("rod", mass=0.5, inertia=0.02, angle=1.1, center=(0.05, -0.02), pins={"a": (0.0, 0.0), "b": (0.2, 0.1)})
+    m.rigid_body(
+        "crank",
+        mass=2.0,
+        inertia=0.3,
+        angle=0.4,
+        center=(0.1, 0.2),
+        pins={"axis": (0.0, 0.0), "p": (0.3, -0.1)},
+    )
+    m.rigid_body(
+        "rod",
+        mass=0.5,
+        inertia=0.02,
+        angle=1.1,
+        center=(0.05, -0.02),
+        pins={"a": (0.0, 0.0), "b": (0.2, 0.1)},
+    )
     m.rigid_body("block", mass=0.25, inertia=0.001, angle=1.1, position=(0.9, 0.0), pins={"c": (0.01, 0.03)})
     m.revolute("O", "ground.O", "crank.axis")
     m.revolute("P", "crank.p", "rod.a")
@@ -36,7 +50,9 @@ def numbers(assembly: Assembly, name: str) -> np.ndarray:
 
 
 def test_masses_weights_and_the_driven_body_by_hand() -> None:
-    """About its pivot the crank has I + m r^2 and the moment m r; the weight of each body is m g at its particle."""
+    """About its pivot the crank has I + m r^2 and the moment m r; the weight of each body is m g at its
+    particle.
+    """
     assembly = cranked()
     names = list(assembly.bodies)
     at = {name: assembly.bodies[name].particles[0] for name in names}
@@ -45,7 +61,11 @@ def test_masses_weights_and_the_driven_body_by_hand() -> None:
         assert numbers(assembly, "particle_inverse_inertia")[at[name]] == 1.0 / inertia
         for axis, g in zip("xy", G, strict=True):
             assert numbers(assembly, f"particle_load_{axis}")[at[name]] == mass * g
-    assert numbers(assembly, "particle_inverse_mass")[at["crank"]] == 0.0 == numbers(assembly, "particle_inverse_inertia")[at["crank"]]
+    assert (
+        numbers(assembly, "particle_inverse_mass")[at["crank"]]
+        == 0.0
+        == numbers(assembly, "particle_inverse_inertia")[at["crank"]]
+    )
     assert numbers(assembly, "driven_inertia")[0] == pytest.approx(0.3 + 2.0 * (0.1**2 + 0.2**2), rel=1e-14)
     moment = [numbers(assembly, f"driven_moment_{axis}")[0] for axis in "xy"]
     assert moment == pytest.approx([0.2, 0.4], rel=1e-14)
@@ -57,8 +77,12 @@ def test_places_and_velocities_follow_the_crank() -> None:
     """The crank's particle is on its axis; the rod's first pin goes round with the crank's."""
     assembly = cranked()
     at = {name: assembly.bodies[name].particles[0] for name in assembly.bodies}
-    x, y, theta, u, v, w = (numbers(assembly, f"particle_{name}") for name in ("x", "y", "theta", "u", "v", "w"))
-    assert (x[at["crank"]], y[at["crank"]], theta[at["crank"]], w[at["crank"]]) == pytest.approx((0.5, -0.25, 0.4, 20.0), rel=1e-12)
+    x, y, theta, u, v, w = (
+        numbers(assembly, f"particle_{name}") for name in ("x", "y", "theta", "u", "v", "w")
+    )
+    assert (x[at["crank"]], y[at["crank"]], theta[at["crank"]], w[at["crank"]]) == pytest.approx(
+        (0.5, -0.25, 0.4, 20.0), rel=1e-12
+    )
     c, s = math.cos(0.4), math.sin(0.4)
     arm = c * 0.3 + s * 0.1, s * 0.3 - c * 0.1
     k = at["rod"]
@@ -96,7 +120,8 @@ def test_the_size_is_the_longest_arm_of_an_ideal_joint() -> None:
     assembly = cranked()
     reference = {name: assembly.bodies[name].reference for name in assembly.bodies}
     arms = [
-        math.dist(assembly.bodies[body].pins[pin], reference[body]) for body, pin in (("crank", "p"), ("rod", "a"), ("rod", "b"), ("block", "c"))
+        math.dist(assembly.bodies[body].pins[pin], reference[body])
+        for body, pin in (("crank", "p"), ("rod", "a"), ("rod", "b"), ("block", "c"))
     ]
     assert numbers(assembly, "size")[0] == pytest.approx(max(arms), rel=1e-12)
 

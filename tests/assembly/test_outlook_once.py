@@ -1,4 +1,6 @@
-"""The ideal mechanism is followed once, however often and with whatever step a motion is asked for; what is another motion is followed anew."""
+"""The ideal mechanism is followed once, however often and with whatever step a motion is asked for; what is
+another motion is followed anew.
+"""
 
 from pathlib import Path
 
@@ -45,7 +47,12 @@ def test_another_motion_is_followed_anew(followed: list[str]) -> None:
 
 def value_at(mechanism, path: str) -> float:
     kind, name, field = path.split(".")
-    noun = {"body": mechanism.bodies, "driver": mechanism.drivers, "joint": mechanism.joints, "ground": mechanism.points}[kind][name]
+    noun = {
+        "body": mechanism.bodies,
+        "driver": mechanism.drivers,
+        "joint": mechanism.joints,
+        "ground": mechanism.points,
+    }[kind][name]
     return noun[int(field)] if field.isdigit() else getattr(noun, field)
 
 

@@ -1,4 +1,6 @@
-"""Shapes and forces of elastic links at the start, against chains laid out by hand, centrifugal force and cantilevers."""
+"""Shapes and forces of elastic links at the start, against chains laid out by hand, centrifugal force and
+cantilevers.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,26 @@ from vfife.model.mechanism import Mechanism
 MASS, LENGTH = 1.2, 0.6
 
 
-def rod(gravity: tuple[float, float] = (0.0, 0.0), speed: float = 0.0, angle: float = 0.0, elements: int = 2, **link: Any) -> Mechanism:
+def rod(
+    gravity: tuple[float, float] = (0.0, 0.0),
+    speed: float = 0.0,
+    angle: float = 0.0,
+    elements: int = 2,
+    **link: Any,
+) -> Mechanism:
     """An elastic rod on a pivot that holds it to a speed."""
     m = Mechanism("rod", gravity=gravity)
     m.point("O", 0.0, 0.0)
-    m.link("l", length=LENGTH, mass=MASS, angle=angle, model="elastic", elements=elements, section=Section.square(4e-4), **link)
+    m.link(
+        "l",
+        length=LENGTH,
+        mass=MASS,
+        angle=angle,
+        model="elastic",
+        elements=elements,
+        section=Section.square(4e-4),
+        **link,
+    )
     m.revolute("A", "ground.O", "l.start")
     m.drive("l", speed=speed)
     return m
@@ -55,7 +72,9 @@ def test_a_shape_is_turned_back_into_the_frame_of_its_body() -> None:
 
 @pytest.mark.parametrize("release", ["none", "start", "end", "both"])
 def test_a_link_held_in_its_shape_has_the_mass_centre_and_inertia_of_its_lumps(release: str) -> None:
-    """m/4, m/2, m/4 at 0, l/2 and l of a bent shape; the ends' own inertia turns along where they are not released."""
+    """m/4, m/2, m/4 at 0, l/2 and l of a bent shape; the ends' own inertia turns along where they are not
+    released.
+    """
     link: Any = rod(release=release).bodies["l"]
     bent = straight(link)
     bent.local[1, 1] = 0.05
@@ -83,12 +102,16 @@ def test_a_turning_rod_is_pulled_by_what_is_beyond() -> None:
     assert block(found, "frame_moment_1") == pytest.approx([0.0, 0.0], abs=1e-9)
     w, u, v = (block(found, f"particle_{name}")[1:] for name in "wuv")
     assert w == pytest.approx([speed] * 3, rel=1e-9) and (u[0], v[0]) == (0.0, 0.0)
-    assert np.hypot(block(found, "particle_u")[3], block(found, "particle_v")[3]) == pytest.approx(speed * radius[2], rel=1e-9)
+    assert np.hypot(block(found, "particle_u")[3], block(found, "particle_v")[3]) == pytest.approx(
+        speed * radius[2], rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7])
 def test_a_rod_held_under_weight_bends_as_a_cantilever_of_its_lumps(angle: float) -> None:
-    """Moments m g r cos of what is beyond, at the pivot and in the middle; none at the free end; pull m g sin of what is beyond."""
+    """Moments m g r cos of what is beyond, at the pivot and in the middle; none at the free end; pull m g sin
+    of what is beyond.
+    """
     g = 9.81
     found = started(rod((0.0, -g), angle=angle))
     first, second = block(found, "frame_moment_1"), block(found, "frame_moment_2")
@@ -96,9 +119,13 @@ def test_a_rod_held_under_weight_bends_as_a_cantilever_of_its_lumps(angle: float
     middle = 0.25 * MASS * g * (x[2] - x[1])
     pivot = 0.5 * MASS * g * x[1] + 0.25 * MASS * g * x[2]
     assert np.abs([first[0], second[0], first[1]]) == pytest.approx([pivot, middle, middle], rel=1e-6)
-    assert second[1] == pytest.approx(0.0, abs=1e-6 * pivot) and first[1] == pytest.approx(-second[0], rel=1e-6)
+    assert second[1] == pytest.approx(0.0, abs=1e-6 * pivot) and first[1] == pytest.approx(
+        -second[0], rel=1e-6
+    )
     along = (np.diff(y) / np.hypot(np.diff(x), np.diff(y))) * MASS * g
-    assert block(found, "frame_axial_force") == pytest.approx([-0.75 * along[0], -0.25 * along[1]], rel=1e-6, abs=1e-9)
+    assert block(found, "frame_axial_force") == pytest.approx(
+        [-0.75 * along[0], -0.25 * along[1]], rel=1e-6, abs=1e-9
+    )
     sag = y[2] * math.cos(angle) - x[2] * math.sin(angle)
     stiffness = 207e9 * (4e-4) ** 2 / 12.0
     load = MASS * g * math.cos(angle)
@@ -113,7 +140,15 @@ def test_one_element_bends_unless_both_of_its_ends_are_released(release: str) ->
     m = Mechanism("one", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
     m.point("P", LENGTH, 0.0)
-    m.link("l", length=LENGTH, mass=MASS, model="elastic", elements=1, section=Section.square(4e-4), release=release)
+    m.link(
+        "l",
+        length=LENGTH,
+        mass=MASS,
+        model="elastic",
+        elements=1,
+        section=Section.square(4e-4),
+        release=release,
+    )
     if release == "both":
         m.revolute("A", "ground.O", "l.start")
         m.revolute("B", "ground.P", "l.end")

@@ -1,4 +1,6 @@
-"""Pieces of the limits of the step, each by hand: corners, mobilities, periods of contacts, rows of constraints, arms."""
+"""Pieces of the limits of the step, each by hand: corners, mobilities, periods of contacts, rows of
+constraints, arms.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ def started(m: Mechanism) -> Assembly:
 
 @pytest.mark.parametrize("turn", [0.0, math.pi, 0.3, -1.2, math.pi / 2.0])
 def test_elements_meet_at_an_angle_where_they_are_not_in_line(turn: float) -> None:
-    """Two in a row, the second turned: only the particle between them has a corner, and none where it goes straight on or back."""
+    """Two in a row, the second turned: only the particle between them has a corner, and none where it goes
+    straight on or back.
+    """
     c, s = math.cos(0.4 + turn), math.sin(0.4 + turn)
     layout: Any = {"reference_cosine": np.array([0, 1]), "reference_sine": np.array([2, 3])}
     state = np.array([math.cos(0.4), c, math.sin(0.4), s])
@@ -56,13 +60,19 @@ def loose(offset: tuple[float, float] = (0.3, -0.4)) -> Assembly:
 
 
 def test_a_contact_meets_the_mass_and_the_arm_of_its_body() -> None:
-    """1/m + r^2/I with r = 0.5 m; a stiffness k on it has half a period of pi/sqrt(k mobility) and the stable step 2/sqrt(k mobility)."""
+    """1/m + r^2/I with r = 0.5 m; a stiffness k on it has half a period of pi/sqrt(k mobility) and the stable
+    step 2/sqrt(k mobility).
+    """
     one = loose()
     parts = one.layout, one.state, one.topology
     mobility = joint_mobility(*parts, 0)
     assert mobility == pytest.approx(1.0 / 2.0 + 0.25 / 0.5, rel=1e-12)
-    touch: Any = SimpleNamespace(name="J", joint=SimpleNamespace(name="J"), touching=SimpleNamespace(normal=(1.0, 0.0)))
-    assert contact_periods([touch], [(4e6, mobility)]) == [("J", pytest.approx(math.pi / math.sqrt(4e6 * mobility), rel=1e-12))]
+    touch: Any = SimpleNamespace(
+        name="J", joint=SimpleNamespace(name="J"), touching=SimpleNamespace(normal=(1.0, 0.0))
+    )
+    assert contact_periods([touch], [(4e6, mobility)]) == [
+        ("J", pytest.approx(math.pi / math.sqrt(4e6 * mobility), rel=1e-12))
+    ]
     assert contact_periods([touch], [(4e6, 0.0)]) == [("J", math.inf)]
     load = demands(*parts, held(*parts, [4e6]))
     ((name, step),) = contact_limits([touch], *parts, load)
@@ -95,27 +105,44 @@ def test_rows_of_a_pin_are_its_lever_wherever_the_body_is_turned() -> None:
     for turn, rows in ((0.0, constraint_rows(*parts, [0, 1])), (0.4, constraint_rows(*parts, [0, 1], 0.4))):
         c, s = math.cos(theta + turn), math.sin(theta + turn)
         rx, ry = 0.3 * c + 0.4 * s, 0.3 * s - 0.4 * c
-        assert np.abs(rows[:, 3:]) == pytest.approx(np.abs(np.array([[1.0, 0.0, -ry], [0.0, 1.0, rx]])), abs=1e-12)
-        assert rows[0, 3] * rows[0, 5] == pytest.approx(-ry, abs=1e-12) and rows[1, 4] * rows[1, 5] == pytest.approx(rx, abs=1e-12)
+        assert np.abs(rows[:, 3:]) == pytest.approx(
+            np.abs(np.array([[1.0, 0.0, -ry], [0.0, 1.0, rx]])), abs=1e-12
+        )
+        assert rows[0, 3] * rows[0, 5] == pytest.approx(-ry, abs=1e-12) and rows[1, 4] * rows[
+            1, 5
+        ] == pytest.approx(rx, abs=1e-12)
 
 
 @pytest.mark.parametrize("release", ["none", "start", "end", "both"])
 @pytest.mark.parametrize("elements", [1, 3])
 def test_limits_of_elements_go_with_the_root_of_mass_over_stiffness(release: str, elements: int) -> None:
-    """A million times the mass and a quarter of Young's modulus: two thousand times the step, whichever ends are released."""
+    """A million times the mass and a quarter of Young's modulus: two thousand times the step, whichever ends
+    are released.
+    """
 
     def limits(mass: float, modulus: float) -> list[float]:
         m = Mechanism("beam", gravity=(0.0, 0.0))
         m.point("O", 0.0, 0.0)
         steel = Material(youngs_modulus=modulus)
         section = Section.square(4e-4)
-        m.link("l", length=0.6, mass=mass, model="elastic", elements=elements, section=section, material=steel, release=release)
+        m.link(
+            "l",
+            length=0.6,
+            mass=mass,
+            model="elastic",
+            elements=elements,
+            section=section,
+            material=steel,
+            release=release,
+        )
         m.revolute("A", "ground.O", "l.start")
         return [value for _, value in started(m).choice.limits]
 
     light, heavy = limits(1.0, 2e11), limits(1e6, 0.5e11)
     assert light and heavy == pytest.approx([2e3 * value for value in light], rel=1e-9)
-    assert limits(1.0, 2e5) == pytest.approx([1e3 * value for value in light], rel=1e-9), "so soft that EI/l is below 1 N m"
+    assert limits(1.0, 2e5) == pytest.approx([1e3 * value for value in light], rel=1e-9), (
+        "so soft that EI/l is below 1 N m"
+    )
 
 
 def test_an_error_on_one_arm_grows_by_the_square_of_arm_over_radius_of_gyration() -> None:
@@ -125,7 +152,9 @@ def test_an_error_on_one_arm_grows_by_the_square_of_arm_over_radius_of_gyration(
 
 
 def test_rows_that_may_be_idle_are_of_unit_size_in_energy() -> None:
-    """Row by row G M^-1 G^T is 1, whatever masses and inertias are; two pins of one body leave one reaction that moves nothing."""
+    """Row by row G M^-1 G^T is 1, whatever masses and inertias are; two pins of one body leave one reaction
+    that moves nothing.
+    """
     m = pendulum().mechanism
     door = Mechanism("door", gravity=(0.0, 0.0))
     door.point("O", 0.0, 0.0)
@@ -136,7 +165,9 @@ def test_rows_that_may_be_idle_are_of_unit_size_in_energy() -> None:
     for one, open_ in ((started(m), 0), (started(door), 1)):
         rows, stress, joined = idle(one.layout, one.state, one.topology)
         kinds = ("mass", "mass", "inertia")
-        inverse = np.stack([one.state[one.layout[f"particle_inverse_{kind}"]][joined] for kind in kinds], axis=1).reshape(-1)
+        inverse = np.stack(
+            [one.state[one.layout[f"particle_inverse_{kind}"]][joined] for kind in kinds], axis=1
+        ).reshape(-1)
         assert (rows**2 * inverse).sum(axis=1) == pytest.approx(1.0, rel=1e-12)
         assert stress.shape[1] == open_ and redundant(one.layout, one.state, one.topology) is bool(open_)
         assert np.abs(rows.T @ stress * np.sqrt(inverse)[:, None]).max(initial=0.0) < 1e-12
@@ -149,16 +180,26 @@ def test_arms_limit_the_step_of_what_turns_and_nothing_at_rest() -> None:
     state = one.state.copy()
     state[one.layout["particle_w"][1]] = -8.0
     (name, step), (every, least) = arm_limits(one.layout, state, one.topology, ["A"])
-    assert name == "small inertia on an arm at joint A" and step == pytest.approx(CLOSED * math.sqrt(0.5 / 2.0) / (0.5 * 8.0), rel=1e-12)
-    assert every == "small inertia on arms of several joints" and least == pytest.approx(CLOSED / 8.0, rel=1e-4)
+    assert name == "small inertia on an arm at joint A" and step == pytest.approx(
+        CLOSED * math.sqrt(0.5 / 2.0) / (0.5 * 8.0), rel=1e-12
+    )
+    assert every == "small inertia on arms of several joints" and least == pytest.approx(
+        CLOSED / 8.0, rel=1e-4
+    )
     state[one.layout["particle_w"][1]] = 0.5
-    assert arm_limits(one.layout, state, one.topology, ["A"])[1] == (every, pytest.approx(CLOSED / 0.5, rel=1e-4))
+    assert arm_limits(one.layout, state, one.topology, ["A"])[1] == (
+        every,
+        pytest.approx(CLOSED / 0.5, rel=1e-4),
+    )
 
 
 def test_a_spring_pulls_its_pins_and_not_by_its_damper_at_rest() -> None:
     """0.5 m apart, free at 0.3 m, 100 N/m: 20 N towards each other, and their moments about both particles."""
     spring = Spring(name="k", first="ground.O", second="b.p", stiffness=100.0, damping=50.0, free_length=0.3)
     at = np.array([1.0, 2.0, 0.0, 1.0, 2.0, math.pi / 2.0])
-    # The first pin is its particle; the second lies at (0.4, -0.3) of a body turned by a right angle: (0.3, 0.4) in space.
+    # The first pin is its particle; the second lies at (0.4, -0.3) of a body turned by a right angle: (0.3,
+    # 0.4) in space.
     found = pulled_at(spring, 0.9, at, ((0, (0.0, 0.0)), (1, (0.4, -0.3))))
-    assert found == pytest.approx([12.0, 16.0, 0.0, -12.0, -16.0, 0.3 * -16.0 - 0.4 * -12.0], rel=1e-12, abs=1e-12)
+    assert found == pytest.approx(
+        [12.0, 16.0, 0.0, -12.0, -16.0, 0.3 * -16.0 - 0.4 * -12.0], rel=1e-12, abs=1e-12
+    )

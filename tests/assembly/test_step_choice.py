@@ -1,4 +1,6 @@
-"""The step, outputs and lengths that follow from bounds which a test writes: arithmetic of turns, without any mechanism's stiffness."""
+"""The step, outputs and lengths that follow from bounds which a test writes: arithmetic of turns, without any
+mechanism's stiffness.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,14 @@ from vfife.model.springs import Spring
 FREE = Bounds([], [], [])
 
 
-def choice(bounds: Bounds = FREE, turn: float | None = 0.1, length: float = 0.2, step="auto", outputs: int = 100, **more) -> StepChoice:
+def choice(
+    bounds: Bounds = FREE,
+    turn: float | None = 0.1,
+    length: float = 0.2,
+    step="auto",
+    outputs: int = 100,
+    **more,
+) -> StepChoice:
     """The step of a run of 0.2 s with turns of 0.1 s and 100 outputs each, nothing else being prescribed."""
     times = Times(turn, length, more.pop("own", math.inf))
     return chosen(Settings(), bounds, times, lambda: iter(()), StepRequest(step, outputs=outputs, **more))
@@ -42,25 +51,46 @@ def choice(bounds: Bounds = FREE, turn: float | None = 0.1, length: float = 0.2,
 
 def test_a_step_that_is_given_divides_a_turn_into_outputs() -> None:
     found = choice(step=1e-4)
-    assert (found.step, found.outputs_every, found.outputs, found.steps, found.automatic) == (1e-4, 10, 200, 2000, False)
-    assert (choice(step=1e-4, outputs=300).outputs_every, choice(step=1e-4, outputs=300).outputs) == (2, 1000), "3.3 is none, 2 divides"
+    assert (found.step, found.outputs_every, found.outputs, found.steps, found.automatic) == (
+        1e-4,
+        10,
+        200,
+        2000,
+        False,
+    )
+    assert (choice(step=1e-4, outputs=300).outputs_every, choice(step=1e-4, outputs=300).outputs) == (
+        2,
+        1000,
+    ), "3.3 is none, 2 divides"
     half = choice(step=1e-4, length=0.05)
     assert (half.outputs_every, half.outputs) == (10, 50)
     short = choice(step=1e-4, length=3e-4)
-    assert (short.outputs_every, short.outputs) == (3, 1), "a run may be shorter than the time between two outputs"
+    assert (short.outputs_every, short.outputs) == (3, 1), (
+        "a run may be shorter than the time between two outputs"
+    )
 
 
 def test_an_automatic_step_is_nine_tenths_of_the_stable_one_and_divides_a_turn() -> None:
     stable = 1e-5
     found = choice(Bounds([("spring k", stable), ("beam", 2e-5)], [], []))
     every = math.ceil(0.1 / 100 / (SAFETY * stable))
-    assert (found.outputs_every, found.outputs, found.step) == (every, 200, 0.1 / (100 * every)) and found.automatic
+    assert (found.outputs_every, found.outputs, found.step) == (
+        every,
+        200,
+        0.1 / (100 * every),
+    ) and found.automatic
     assert (found.stable, found.culprit) == (stable, "spring k")
     plain = choice()
-    assert plain.step == pytest.approx(0.1 / TURN_STEPS) and plain.culprit == f"{TURN_STEPS} steps a turn" and plain.stable == math.inf
+    assert (
+        plain.step == pytest.approx(0.1 / TURN_STEPS)
+        and plain.culprit == f"{TURN_STEPS} steps a turn"
+        and plain.stable == math.inf
+    )
     own = choice(own=0.05)
     assert own.step == pytest.approx(0.05 / TURN_STEPS) and own.culprit == "the motion itself"
-    assert choice(own=0.1).culprit == f"{TURN_STEPS} steps a turn", "a turn as long as the own period names itself"
+    assert choice(own=0.1).culprit == f"{TURN_STEPS} steps a turn", (
+        "a turn as long as the own period names itself"
+    )
     still = choice(turn=None, length=0.35, own=0.1)
     assert still.step <= 0.1 / TURN_STEPS and still.step * still.steps == pytest.approx(0.35)
 
@@ -71,7 +101,9 @@ def test_contacts_have_their_steps_and_only_the_shortest_arm_counts() -> None:
     fewer = choice(Bounds([], [], [("J", 1e-3), ("K", 4e-4)]), contact_steps=16)
     assert fewer.step <= 4e-4 / 16 < 1.1 * fewer.step
     search = choice(Bounds([], [], [("J", 1e-3), ("K", 4e-4)]), contact_steps=FIRST_CONTACT_STEPS)
-    assert search.step <= 0.5 * 4e-4 / FIRST_CONTACT_STEPS < 1.1 * search.step, "half of it, so that a companion has all of it"
+    assert search.step <= 0.5 * 4e-4 / FIRST_CONTACT_STEPS < 1.1 * search.step, (
+        "half of it, so that a companion has all of it"
+    )
     arms = choice(Bounds([("s", 3e-5)], [("long", 2e-5), ("short", 1e-5)], []))
     assert arms.limits == (("s", 3e-5), ("short", 1e-5)) and arms.stable == 1e-5
 
@@ -91,9 +123,10 @@ def test_what_is_too_large_or_endless_is_refused_unless_forced() -> None:
 
 def test_runs_last_as_long_as_is_said() -> None:
     m = four_bar()
-    assert [length_of(m, *said) for said in ((3.0, None, 0.1), (None, 0.7, 0.1), (None, None, 0.1), (None, None, None))] == pytest.approx(
-        [0.3, 0.7, 0.2, 1.0]
-    )
+    assert [
+        length_of(m, *said)
+        for said in ((3.0, None, 0.1), (None, 0.7, 0.1), (None, None, 0.1), (None, None, None))
+    ] == pytest.approx([0.3, 0.7, 0.2, 1.0])
     m = replace(m, settings=replace(m.settings, turns=5.0))
     assert length_of(m, None, None, 0.1) == pytest.approx(0.5) and length_of(m, None, 0.3, 0.1) == 0.3
     loads = replace(m, settings=replace(m.settings, analysis="static", load_factors=(0.5, 1.0)))
@@ -103,7 +136,14 @@ def test_runs_last_as_long_as_is_said() -> None:
 def test_coarse_steps_are_corrected_more_often() -> None:
     """By one for each of 1500, 500 and 250 steps a turn that there are fewer."""
     at = replace(choice(step=1e-4), step=1.0)
-    assert [coarseness(at, 2.0 * math.pi / steps) for steps in (1600, 1400, 600, 400, 260, 240)] == [0, 1, 1, 2, 2, 3]
+    assert [coarseness(at, 2.0 * math.pi / steps) for steps in (1600, 1400, 600, 400, 260, 240)] == [
+        0,
+        1,
+        1,
+        2,
+        2,
+        3,
+    ]
     assert len(COARSE_STEPS) == 3
 
 
@@ -114,7 +154,9 @@ def free_body(**changes) -> Mechanism:
 
 
 def test_a_free_motion_resolves_its_own_period() -> None:
-    """2 pi over the spin, 2 pi size over the speed, 2 pi sqrt(size/g), or the run, the least of them, in 3600 steps; the size is 0.5 m."""
+    """2 pi over the spin, 2 pi size over the speed, 2 pi sqrt(size/g), or the run, the least of them, in 3600
+    steps; the size is 0.5 m.
+    """
     assert size_of(free_body()) == 0.5
     periods = {
         math.tau / 30.0: free_body(velocity=(0.0, 0.0, 30.0)),

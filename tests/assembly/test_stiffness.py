@@ -1,4 +1,6 @@
-"""Stiffness of elements: what bounds the step, loads the start, makes fictitious masses and stores energy asks the step's own element."""
+"""Stiffness of elements: what bounds the step, loads the start, makes fictitious masses and stores energy
+asks the step's own element.
+"""
 
 import math
 
@@ -6,11 +8,11 @@ import numpy as np
 import pytest
 
 from support import go
-from vfife.analysis.energy import strain
 from vfife.assembly.assemble import assemble
 from vfife.assembly.stability import element_stiffness
 from vfife.kernels import frame
 from vfife.laws import Material
+from vfife.measures.energy import strain
 from vfife.model.bodies import Section
 from vfife.model.mechanism import Mechanism
 from vfife.solvers.relaxation import demands
@@ -24,7 +26,15 @@ def turning(release: str = "none", elements: int = 2) -> Mechanism:
     """A rod of 0.8 m hung from a point, which the weight bends while it falls."""
     m = Mechanism("rod", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
-    m.link("rod", length=0.8, elements=elements, model="elastic", section=SECTION, material=STEEL, release=release)
+    m.link(
+        "rod",
+        length=0.8,
+        elements=elements,
+        model="elastic",
+        section=SECTION,
+        material=STEEL,
+        release=release,
+    )
     m.revolute("A", "ground.O", "rod.start")
     return m
 
@@ -48,7 +58,9 @@ def test_end_rotations_undo_bending():
     """Moments of given rotations, and back; l/6EI (2 m1 - m2) is the matrix's inverse."""
     moments = frame.bending(0.01, -0.03, 1.25, 0.0, 0.0, EI)
     assert frame.end_rotations(*moments, 1.25, EI) == pytest.approx((0.01, -0.03), rel=1e-12)
-    assert frame.end_rotations(1.0, 0.0, 1.25, EI) == pytest.approx((0.8 / (3.0 * EI), -0.8 / (6.0 * EI)), rel=1e-12)
+    assert frame.end_rotations(1.0, 0.0, 1.25, EI) == pytest.approx(
+        (0.8 / (3.0 * EI), -0.8 / (6.0 * EI)), rel=1e-12
+    )
 
 
 def readings() -> dict[str, float]:
@@ -67,10 +79,16 @@ def readings() -> dict[str, float]:
 
 
 def test_there_is_one_text(monkeypatch):
-    """Bending twice as stiff: the bound falls by root 2, deflection and energy of the start by 2, fictitious inertia doubles."""
+    """Bending twice as stiff: the bound falls by root 2, deflection and energy of the start by 2, fictitious
+    inertia doubles.
+    """
     before, bending = readings(), frame.bending
-    monkeypatch.setattr(frame, "bending", lambda t1, t2, ila, m1, m2, ei: bending(t1, t2, ila, m1, m2, 2.0 * ei))
+    monkeypatch.setattr(
+        frame, "bending", lambda t1, t2, ila, m1, m2, ei: bending(t1, t2, ila, m1, m2, 2.0 * ei)
+    )
     after = readings()
     assert before["deflection"] != 0.0 and before["energy"] > 0.0
     ratios = {name: after[name] / before[name] for name in before}
-    assert ratios == pytest.approx({"bound": 0.5**0.5, "deflection": 0.5, "inertia": 2.0, "energy": 0.5}, rel=1e-3)
+    assert ratios == pytest.approx(
+        {"bound": 0.5**0.5, "deflection": 0.5, "inertia": 2.0, "energy": 0.5}, rel=1e-3
+    )

@@ -1,4 +1,6 @@
-"""The benchmarks tell the truth: of candidates that diverge, and of numbers that were taken with another step."""
+"""The benchmarks tell the truth: of candidates that diverge, and of numbers that were taken with another
+step.
+"""
 
 import ast
 import importlib
@@ -55,7 +57,9 @@ def test_the_hash_is_that_of_what_is_computed(monkeypatch):
     before = measure.step_text()
     assert measure.step_text() == before
     written = measure.written
-    monkeypatch.setattr(measure, "written", lambda *given: written(*given).replace("0x3FE0000000000000", "0x3FE0000000000001"))
+    monkeypatch.setattr(
+        measure, "written", lambda *given: written(*given).replace("0x3FE0000000000000", "0x3FE0000000000001")
+    )
     assert measure.step_text() != before
 
 
@@ -70,7 +74,12 @@ def test_a_run_that_diverges_is_told_as_such(monkeypatch):
     assert found["ms"] == float("inf")
     assert peers.row("b", 1.6e-5, found)[2] == "diverged"
     assert case.largest_good_step((1.6e-5, 1e-5))[0] == 1e-5
-    assert measured_json(found) == {"ms": None, "err_alpha": None, "err_force": None, "refused_by_default": 1.0}
+    assert measured_json(found) == {
+        "ms": None,
+        "err_alpha": None,
+        "err_force": None,
+        "refused_by_default": 1.0,
+    }
 
 
 def measured_json(found):
@@ -79,7 +88,9 @@ def measured_json(found):
     return json.loads(json.dumps(measure.plain(found), allow_nan=False))
 
 
-@pytest.mark.parametrize("said", [{"err_alpha": None, "err_force": 0.1}, {"err_alpha": float("nan"), "err_force": 0.1}])
+@pytest.mark.parametrize(
+    "said", [{"err_alpha": None, "err_force": 0.1}, {"err_alpha": float("nan"), "err_force": 0.1}]
+)
 def test_another_program_that_diverges_is_told_as_such(monkeypatch, said):
     import peers
 
@@ -112,6 +123,8 @@ def test_what_a_part_imports_of_the_package_is_there(path):
         if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] == "vfife":
             module = importlib.import_module(node.module)
             missing = [
-                one.name for one in node.names if not hasattr(module, one.name) and not importlib.util.find_spec(f"{node.module}.{one.name}")
+                one.name
+                for one in node.names
+                if not hasattr(module, one.name) and not importlib.util.find_spec(f"{node.module}.{one.name}")
             ]
             assert not missing, f"{path.name}, line {node.lineno}: {node.module} has no {', '.join(missing)}"

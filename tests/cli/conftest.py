@@ -41,16 +41,22 @@ def pendulum(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures are made and written, as empty pictures of their format: what is seen on them is not what these tests look at."""
+    """Figures are made and written, as empty pictures of their format: what is seen on them is not what these
+    tests look at.
+    """
     from matplotlib.figure import Figure
 
     written = Figure.savefig
-    monkeypatch.setattr(Figure, "savefig", lambda self, *where, **how: written(Figure((0.1, 0.1)), *where, **how))
+    monkeypatch.setattr(
+        Figure, "savefig", lambda self, *where, **how: written(Figure((0.1, 0.1)), *where, **how)
+    )
 
 
 @pytest.fixture(scope="module", autouse=True)
 def coarse() -> Iterator[None]:
-    """Figures have an eighth of the dots that they have for a user, which is most of the time that a picture takes to be written."""
+    """Figures have an eighth of the dots that they have for a user, which is most of the time that a picture
+    takes to be written.
+    """
     from vfife.plots.style import STYLE
 
     with pytest.MonkeyPatch.context() as context:
@@ -68,7 +74,9 @@ def case_c_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def hear() -> None:
-    """Signals as a terminal gives them: what the tests' own process was started to ignore, by nohup or in the background, a child would too."""
+    """Signals as a terminal gives them: what the tests' own process was started to ignore, by nohup or in the
+    background, a child would too.
+    """
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         signal.signal(getattr(signal, name), signal.SIG_DFL)
 
@@ -76,7 +84,15 @@ def hear() -> None:
 def start(*words: Any, cwd: Path) -> subprocess.Popen[str]:
     """``python -m vfife`` in a process of its own, which hears signals even where this one does not."""
     line = [sys.executable, "-m", "vfife", *map(str, words)]
-    return subprocess.Popen(line, cwd=cwd, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=hear)
+    return subprocess.Popen(
+        line,
+        cwd=cwd,
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=hear,
+    )
 
 
 @pytest.fixture

@@ -7,7 +7,9 @@ from pathlib import Path
 
 def contents(where: Path) -> dict[str, bytes]:
     """Every file below a folder, and its bytes."""
-    return {str(path.relative_to(where)): path.read_bytes() for path in sorted(where.rglob("*")) if path.is_file()}
+    return {
+        str(path.relative_to(where)): path.read_bytes() for path in sorted(where.rglob("*")) if path.is_file()
+    }
 
 
 def stages() -> list[Path]:

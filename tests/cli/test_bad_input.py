@@ -1,4 +1,6 @@
-"""Whatever is wrong with the input: exit code 2, a sentence with file, table and key, no traceback, no standard output."""
+"""Whatever is wrong with the input: exit code 2, a sentence with file, table and key, no traceback, no
+standard output.
+"""
 
 import json
 from collections.abc import Callable
@@ -28,7 +30,10 @@ FILES = {
     ),
     "unknown law": (
         'journal = "rod.start"',
-        'journal = "rod.start"\nkind = "clearance"\nclearance = 1e-4\nbearing_radius = 0.01\ncontact = {law = "perreira"}',
+        (
+            'journal = "rod.start"\nkind = "clearance"\nclearance = 1e-4\nbearing_radius = 0.01\ncontact ='
+            ' {law = "perreira"}'
+        ),
         ["[joint.J.contact] law", "pereira"],
     ),
 }
@@ -38,7 +43,10 @@ OPTIONS = {
     "unknown path": (["--set", "joint.C.clearence=1e-4"], ["joint.C.clearence", "joint.C.clearance"]),
     "unknown joint": (["--set", "joint.X.clearance=1e-4"], ["joint.X.clearance", "joint 'X'"]),
     "value of no use": (["--set", "joint.C.clearance=0.5 s"], ["[joint.C] clearance", "0.5 s", "set"]),
-    "links that cannot reach": (["--set", "body.coupler.length=1 cm"], ["case_c.toml", "joints stay open", "mm"]),
+    "links that cannot reach": (
+        ["--set", "body.coupler.length=1 cm"],
+        ["case_c.toml", "joints stay open", "mm"],
+    ),
     "step too large": (["--set", "run.step=1"], ["case_c.toml", "a step of 1 s is too large", "allows"]),
 }
 RUN_OPTIONS = {
@@ -88,7 +96,9 @@ def test_fault_in_an_option(command: Callable, fault: str) -> None:
 
 def test_all_faults_at_once(command: Callable, pendulum: Path) -> None:
     pendulum.write_text(PENDULUM.replace("mass = 2", "mass = -2\ncolour = 3").replace("ground.O", "ground.P"))
-    refused(command("check", pendulum), ["3 faults", "[body.rod] mass", "[body.rod] colour", "[joint.J] bearing"])
+    refused(
+        command("check", pendulum), ["3 faults", "[body.rod] mass", "[body.rod] colour", "[joint.J] bearing"]
+    )
 
 
 def test_turns_without_a_crank(command: Callable, pendulum: Path) -> None:

@@ -28,7 +28,9 @@ def test_check_says_what_would_run(command: Callable) -> None:
 
 
 def test_check_and_run_agree(command: Callable, case_c_run: Path) -> None:
-    """The step told beforehand is the step taken, the record as large as told, and nothing of the run is computed."""
+    """The step told beforehand is the step taken, the record as large as told, and nothing of the run is
+    computed.
+    """
     said = json.loads(command("check", CASE_C, "--set", "run.turns=1", "--json").stdout)
     assert not Path("runs").exists()
     result = vfife.Result.load(case_c_run)
@@ -38,18 +40,26 @@ def test_check_and_run_agree(command: Callable, case_c_run: Path) -> None:
 
 
 def test_check_says_which_defaults_it_filled_in(command: Callable, pendulum: Path) -> None:
-    found = {entry["path"]: entry for entry in json.loads(command("check", pendulum, "--json").stdout)["defaults"]}
+    found = {
+        entry["path"]: entry for entry in json.loads(command("check", pendulum, "--json").stdout)["defaults"]
+    }
     assert found["run.step"]["value"] == "auto"
     assert found["body.rod.start_mass"] == found["body.rod.start_mass"] | {"value": 0.0, "unit": "kg"}
     assert not {"run.duration", "body.rod.length", "body.rod.elements", "gravity"} & set(found)
-    again = json.loads(command("check", pendulum, "--set", "body.rod.start_mass=1", "--json").stdout)["defaults"]
+    again = json.loads(command("check", pendulum, "--set", "body.rod.start_mass=1", "--json").stdout)[
+        "defaults"
+    ]
     assert "body.rod.start_mass" not in {entry["path"] for entry in again}
 
 
 def test_check_derives_stiffness_modulus_and_exponent_with_units(command: Callable) -> None:
-    """The demo, Pereira: K and n by Eq. 26-27 and E* by Eq. 28, worked out here; a bronze bearing gives its compliance to E*."""
+    """The demo, Pereira: K and n by Eq. 26-27 and E* by Eq. 28, worked out here; a bronze bearing gives its
+    compliance to E*.
+    """
     model = ROOT / "examples" / "four_bar.toml"
-    joint = next(one for one in json.loads(command("check", model, "--json").stdout)["joints"] if one["name"] == "C")
+    joint = next(
+        one for one in json.loads(command("check", model, "--json").stdout)["joints"] if one["name"] == "C"
+    )
     contact, gap = joint["contact"], 1e3 * joint["clearance"]
     modulus = 207e9 / (2.0 * (1.0 - 0.3**2))
     n = (1.51 * math.log(1000.0 * gap) ** -0.151 if gap < 0.34954 else 0.0151 * gap + 1.151) * gap**-0.005
@@ -69,8 +79,18 @@ def test_materials_are_listed(command: Callable) -> None:
 
 
 def test_check_names_the_law_that_a_joint_leaves_out(command: Callable, pendulum: Path) -> None:
-    given = ["--set", "joint.J.kind=clearance", "--set", "joint.J.clearance=0.1 mm", "--set", "joint.J.bearing_radius=1 cm"]
-    found = {entry["path"]: entry for entry in json.loads(command("check", pendulum, *given, "--json").stdout)["defaults"]}
+    given = [
+        "--set",
+        "joint.J.kind=clearance",
+        "--set",
+        "joint.J.clearance=0.1 mm",
+        "--set",
+        "joint.J.bearing_radius=1 cm",
+    ]
+    found = {
+        entry["path"]: entry
+        for entry in json.loads(command("check", pendulum, *given, "--json").stdout)["defaults"]
+    }
     assert found["joint.J.contact.law"]["value"] == "lankarani-nikravesh"
     assert found["joint.J.friction.v1"] == found["joint.J.friction.v1"] | {"value": 0.01, "unit": "m/s"}
 
@@ -99,16 +119,27 @@ def test_long_tables_are_told_with_long(command: Callable) -> None:
     chain = 'name = "chain"\n[run]\nduration = 0.1\n[ground]\nO = [0, 0]\n'
     for k in range(33):
         bearing = f"l{k - 1}.end" if k else "ground.O"
-        chain += f'[body.l{k}]\nlength = 0.1\nmass = 0.1\nangle = -1.2\n[joint.j{k}]\nbearing = "{bearing}"\njournal = "l{k}.start"\n'
+        chain += (
+            f"[body.l{k}]\nlength = 0.1\nmass = 0.1\nangle = -1.2\n[joint.j{k}]\nbearing ="
+            f' "{bearing}"\njournal = "l{k}.start"\n'
+        )
     Path("chain.toml").write_text(chain)
     short, long = (command("check", "chain.toml", *words).stdout for words in ([], ["--long"]))
-    assert "and 3 more bodies; --long lists them." in short and "and 3 more joints" in short and " l32 " not in short and " j29 " in short
+    assert (
+        "and 3 more bodies; --long lists them." in short
+        and "and 3 more joints" in short
+        and " l32 " not in short
+        and " j29 " in short
+    )
     assert " l32 " in long and " j32 " in long and "more bodies" not in long
 
 
 def test_a_long_ideal_reference_is_forecast_and_not_run(command: Callable) -> None:
     """One slow turn of it would take hours for a stiff spring, though the run itself is short."""
-    Path("m.toml").write_text(CASE_C.read_text() + '[spring.s]\nfirst = "ground.D"\nsecond = "coupler.end"\nstiffness = 1e9\nfree_length = 0.46\n')
+    Path("m.toml").write_text(
+        CASE_C.read_text()
+        + '[spring.s]\nfirst = "ground.D"\nsecond = "coupler.end"\nstiffness = 1e9\nfree_length = 0.46\n'
+    )
     slow = ["--set", "driver.crank.speed=1e-8"]
     told = command("run", "m.toml", *slow, "--duration", "1e-3", "--json")
     assert told.exit_code == 2 and "--yes" in told.stderr and not Path("runs").exists(), told.stderr
@@ -124,9 +155,19 @@ def test_a_long_static_analysis_is_asked_for_twice(command: Callable) -> None:
     model = ROOT / "examples" / "elastica_circle.toml"
     found = json.loads(command("check", model, "--json").stdout)["estimate"]
     assert 0.05 < found["seconds"] < 10.0 and found["asks_for_yes"] == ""
-    long = ["--set", "body.strip.elements=1000", "--set", f"run.load_factors={[k / 2000 for k in range(1, 2001)]}"]
+    long = [
+        "--set",
+        "body.strip.elements=1000",
+        "--set",
+        f"run.load_factors={[k / 2000 for k in range(1, 2001)]}",
+    ]
     told = command("run", model, *long)
-    assert told.exit_code == 2 and "--yes" in told.stderr and "load_factors" in told.stderr and not Path("runs").exists(), told.stderr
+    assert (
+        told.exit_code == 2
+        and "--yes" in told.stderr
+        and "load_factors" in told.stderr
+        and not Path("runs").exists()
+    ), told.stderr
 
 
 def test_laws_are_described(command: Callable) -> None:
@@ -137,7 +178,11 @@ def test_laws_are_described(command: Callable) -> None:
         assert law["source"]
         assert law["formula"]
         for one in law["parameters"]:
-            assert {"name", "unit", "meaning"} <= set(one) <= {"name", "unit", "meaning", "default", "above", "low", "high", "choices"}
+            assert (
+                {"name", "unit", "meaning"}
+                <= set(one)
+                <= {"name", "unit", "meaning", "default", "above", "low", "high", "choices"}
+            )
             assert one["unit"]
             assert one["meaning"]
 
@@ -147,7 +192,9 @@ def test_each_law_has_a_line(command: Callable) -> None:
     found = json.loads(command("laws", "--json").stdout)
     assert len(lines) == len(found) + 3
     for law in found:
-        assert any(line.startswith(law["name"]) and law["source"][:20] in line and len(line) <= 120 for line in lines)
+        assert any(
+            line.startswith(law["name"]) and law["source"][:20] in line and len(line) <= 120 for line in lines
+        )
     assert command("laws", "--long").stdout.count("parameter ") > 20
 
 
@@ -168,11 +215,19 @@ def test_limits_are_told(command: Callable) -> None:
 
 
 def test_a_contact_law_by_itself(command: Callable, request: pytest.FixtureRequest) -> None:
-    """Twice the mass at half the stiffness goes as deep with half the force; what is printed is what is drawn."""
+    """Twice the mass at half the stiffness goes as deep with half the force; what is printed is what is
+    drawn.
+    """
     words = ("laws", "lankarani-nikravesh", "--plot", "--speed", "0.5 m/s", "--json")
-    (one,) = json.loads(command(*words, "--set", "stiffness=1e10 N/m^1.5", "--mass", "1 kg", "-o", "a.svg").stdout)
+    (one,) = json.loads(
+        command(*words, "--set", "stiffness=1e10 N/m^1.5", "--mass", "1 kg", "-o", "a.svg").stdout
+    )
     (two,) = json.loads(command(*words, "--set", "stiffness=2e10", "--mass", "2000 g", "-o", "b.png").stdout)
-    assert one["picture"] == "a.svg" and Path("a.svg").read_text().startswith("<?xml") and Path("b.png").stat().st_size > 10_000
+    assert (
+        one["picture"] == "a.svg"
+        and Path("a.svg").read_text().startswith("<?xml")
+        and Path("b.png").stat().st_size > 10_000
+    )
     first, second = (said["numbers"]["impacts"] for said in (one, two))
     assert [entry["restitution"] for entry in first] == pytest.approx([0.05 * k for k in range(1, 21)])
     for a, b in zip(first, second, strict=True):
@@ -180,11 +235,18 @@ def test_a_contact_law_by_itself(command: Callable, request: pytest.FixtureReque
         assert b["force"] == pytest.approx(2.0 * a["force"], rel=1e-9)
         assert b["delivered"] == pytest.approx(a["delivered"], rel=1e-9)
     request.getfixturevalue("unrendered")
-    assert "delivered" in command("laws", "lankarani-nikravesh", "--plot").stdout and Path("lankarani-nikravesh.png").exists()
+    assert (
+        "delivered" in command("laws", "lankarani-nikravesh", "--plot").stdout
+        and Path("lankarani-nikravesh.png").exists()
+    )
 
 
 def test_a_friction_law_by_itself(command: Callable) -> None:
-    (law,) = json.loads(command("laws", "ambrosio", "--plot", "--normal-force", "50 N", "--set", "coefficient=0.2", "--json").stdout)
+    (law,) = json.loads(
+        command(
+            "laws", "ambrosio", "--plot", "--normal-force", "50 N", "--set", "coefficient=0.2", "--json"
+        ).stdout
+    )
     found = {entry["speed"]: entry["force"] for entry in law["numbers"]["steady"]}
     assert found[1e-3] == pytest.approx(0.2 * 50.0 * (1e-3 - 1e-4) / (1e-2 - 1e-4), rel=1e-6)
     assert found[1.0] == pytest.approx(10.0)

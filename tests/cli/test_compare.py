@@ -1,4 +1,6 @@
-"""`vfife compare` and vfife.compare: the runs are those that `vfife run` makes with each law, and nothing else differs."""
+"""`vfife compare` and vfife.compare: the runs are those that `vfife run` makes with each law, and nothing
+else differs.
+"""
 
 import csv
 import errno
@@ -15,8 +17,8 @@ from cli.models import CASE_C
 from laws.test_own_laws import COPY
 from vfife import files
 from vfife.plots.style import STYLE
-from vfife.study import compare as study
-from vfife.study.compare import Parts
+from vfife.studies.methods import compare as study
+from vfife.studies.methods.compare import Parts
 
 pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
@@ -24,15 +26,26 @@ SHORT = {"turns": 0.5}
 
 
 def test_each_run_is_the_run_of_its_law() -> None:
-    """Parameters that both laws have are kept (restitution 0.6, coefficient), those of its own are the law's defaults."""
+    """Parameters that both laws have are kept (restitution 0.6, coefficient), those of its own are the law's
+    defaults.
+    """
     model = vfife.load_model(CASE_C, set=[("joint.B.contact.restitution", 0.6)])
     found = vfife.compare(model, ["pereira", vfife.LankaraniNikravesh], ["ambrosio", "none"], **SHORT)
     assert [(row["contact"], row["friction"]) for row in found.rows] == [
         ("pereira", "ambrosio"), ("pereira", "none"), ("lankarani-nikravesh", "ambrosio"), ("lankarani-nikravesh", "none"),
     ]  # fmt: skip
-    for row, name, friction in ((found.rows[1], "pereira", "none"), (found.rows[2], "lankarani-nikravesh", "ambrosio")):
-        laws = [(f"joint.{joint}.{kind}.law", law) for joint in "BCD" for kind, law in (("contact", name), ("friction", friction))]
-        alone = vfife.simulate(vfife.load_model(CASE_C, set=[("joint.B.contact.restitution", 0.6), *laws]), companions=0, **SHORT)
+    for row, name, friction in (
+        (found.rows[1], "pereira", "none"),
+        (found.rows[2], "lankarani-nikravesh", "ambrosio"),
+    ):
+        laws = [
+            (f"joint.{joint}.{kind}.law", law)
+            for joint in "BCD"
+            for kind, law in (("contact", name), ("friction", friction))
+        ]
+        alone = vfife.simulate(
+            vfife.load_model(CASE_C, set=[("joint.B.contact.restitution", 0.6), *laws]), companions=0, **SHORT
+        )
         for joint in "BCD":
             assert row["joints"][joint]["force.max"] == alone.measures[f"{joint}.force.max"]
             assert row["joints"][joint]["lip_force"] == alone.measures[f"{joint}.force.lip"]
@@ -48,7 +61,10 @@ def test_each_run_is_the_run_of_its_law() -> None:
 
 def test_only_the_joint_that_is_named_changes() -> None:
     found = vfife.compare(vfife.load_model(CASE_C), ["pereira"], joints=["C"], **SHORT)
-    laws = {name: joint.contact.name for name, joint in found.results[0].record.assembly.mechanism.clearances.items()}
+    laws = {
+        name: joint.contact.name
+        for name, joint in found.results[0].record.assembly.mechanism.clearances.items()
+    }
     assert laws == {"B": "lankarani-nikravesh", "C": "pereira", "D": "lankarani-nikravesh"}
     assert list(found.rows[0]["joints"]) == ["C"] and found.rows[0]["friction"] == "ambrosio"
 
@@ -71,8 +87,19 @@ class Killed(BaseException):
 
 @pytest.mark.system("kills a process")
 def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the runs that were complete, to the bit; nothing is run again, and what kept them is gone at the end."""
-    words = ("compare", CASE_C, "--contact", "lankarani-nikravesh,pereira,hertz,flores", "--turns", 0.2, "--no-figures", "--json")
+    """With the runs that were complete, to the bit; nothing is run again, and what kept them is gone at the
+    end.
+    """
+    words = (
+        "compare",
+        CASE_C,
+        "--contact",
+        "lankarani-nikravesh,pereira,hertz,flores",
+        "--turns",
+        0.2,
+        "--no-figures",
+        "--json",
+    )
     whole = json.loads(command(*words, "-o", "whole").stdout)["runs"]
     keep, asked, made, limit = Parts.keep, study.carried_out, list[str](), 2
 
@@ -95,7 +122,11 @@ def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: py
     made.clear()
     broken = KeyboardInterrupt
     done = command(*words, "-o", "out")
-    assert done.exit_code == 130 and "2 of 4 runs are complete" in done.stderr and "with -o out goes on after them" in done.stderr
+    assert (
+        done.exit_code == 130
+        and "2 of 4 runs are complete" in done.stderr
+        and "with -o out goes on after them" in done.stderr
+    )
     other = command(*words, "-o", "out", "--set", "joint.B.clearance=0.3 mm")
     assert other.exit_code == 2 and "of another model" in other.stderr
     made.clear()
@@ -103,10 +134,18 @@ def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: py
     assert done.exit_code == 0 and left == [4, 3, 2]
     for one, again in zip(whole, json.loads(done.stdout)["runs"], strict=True):
         assert {**one, "wall_s": 0.0} == {**again, "wall_s": 0.0}
-    assert sorted(path.name for path in Path("out").iterdir()) == ["compare.csv", "compare.json", "model.toml"]
+    assert sorted(path.name for path in Path("out").iterdir()) == [
+        "compare.csv",
+        "compare.json",
+        "model.toml",
+    ]
     before = Path("out/compare.json").read_bytes()
     refused = command(*words, "-o", "out")
-    assert refused.exit_code == 2 and "--force" in refused.stderr and Path("out/compare.json").read_bytes() == before
+    assert (
+        refused.exit_code == 2
+        and "--force" in refused.stderr
+        and Path("out/compare.json").read_bytes() == before
+    )
     monkeypatch.setattr(Parts, "keep", keep)
     assert command(*words, "-o", "out", "--force").exit_code == 0
 
@@ -137,7 +176,9 @@ def test_a_full_disk_is_told(command: Callable, monkeypatch: pytest.MonkeyPatch,
     with monkeypatch.context() as context:
         context.setattr(*((files.os, "replace") if what == "keep" else (vfife.Comparison, "write_csv")), full)
         done = command(*words, "--json")
-    assert done.exit_code == 5 and "bytes are free there" in done.stderr and "goes on after them" in done.stderr, (done.stderr, done.exception)
+    assert (
+        done.exit_code == 5 and "bytes are free there" in done.stderr and "goes on after them" in done.stderr
+    ), (done.stderr, done.exception)
     assert json.loads(done.stdout)["status"] == "storage" and not Path("out/run.lock").exists()
     assert command(*words, *(["--force"] if what == "summary" else []), "--quiet").exit_code == 0
 
@@ -145,7 +186,16 @@ def test_a_full_disk_is_told(command: Callable, monkeypatch: pytest.MonkeyPatch,
 def test_the_command(command: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(STYLE, "savefig.dpi", 160)  # sizes of pictures are those that a user has
     (tmp_path / "my_laws.py").write_text(COPY)
-    words = ("compare", CASE_C, "--contact", "lankarani-nikravesh,mine,pereira", "--laws", "my_laws.py", "--turns", 0.5)
+    words = (
+        "compare",
+        CASE_C,
+        "--contact",
+        "lankarani-nikravesh,mine,pereira",
+        "--laws",
+        "my_laws.py",
+        "--turns",
+        0.5,
+    )
     done = command(*words, "-o", "out", "--json")
     assert done.exit_code == 0, done.stderr
     said = json.loads(done.stdout)
@@ -154,10 +204,20 @@ def test_the_command(command: Callable, tmp_path: Path, monkeypatch: pytest.Monk
     assert json.loads(Path("out/compare.json").read_text())["runs"] == said["runs"]
     table = list(csv.DictReader(Path("out/compare.csv").read_text().splitlines()))
     assert len(table) == 9 and float(table[0]["force.max"]) == first["joints"]["B"]["force.max"]
-    assert {path.name for path in Path("out").iterdir()} == {"compare.json", "compare.csv", "model.toml", "forces.png", "bars.png"}
+    assert {path.name for path in Path("out").iterdir()} == {
+        "compare.json",
+        "compare.csv",
+        "model.toml",
+        "forces.png",
+        "bars.png",
+    }
     assert all(Path(f"out/{name}.png").stat().st_size > 20_000 for name in ("forces", "bars"))
     text = command(*words, "--quiet", "--no-figures", "--joint", "C")
-    assert text.exit_code == 0 and text.stdout == "" and Path("runs/four_bar_case_c-compare/compare.csv").exists()
+    assert (
+        text.exit_code == 0
+        and text.stdout == ""
+        and Path("runs/four_bar_case_c-compare/compare.csv").exists()
+    )
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,13 @@ import vfife
 def test_info(command: Callable, case_c_run: Path, form: str) -> None:
     done = command("info", case_c_run if form == "folder" else case_c_run / "run.sqlite")
     assert done.exit_code == 0, done.stderr
-    for word in ("four-bar, case c", "complete", "lankarani-nikravesh", f"vfife {vfife.__version__}", "C.force.max"):
+    for word in (
+        "four-bar, case c",
+        "complete",
+        "lankarani-nikravesh",
+        f"vfife {vfife.__version__}",
+        "C.force.max",
+    ):
         assert word in done.stdout
 
 
@@ -52,7 +58,12 @@ def test_export(command: Callable, case_c_run: Path) -> None:
 
 @pytest.mark.system("loads libraries of other formats")
 def test_export_in_other_formats(command: Callable, case_c_run: Path) -> None:
-    for target, more in (("out.csv", ()), ("out.mat", ()), ("forces.svg", ()), ("mine.png", ("--figure", "orbits"))):
+    for target, more in (
+        ("out.csv", ()),
+        ("out.mat", ()),
+        ("forces.svg", ()),
+        ("mine.png", ("--figure", "orbits")),
+    ):
         done = command("export", case_c_run, target, *more)
         assert done.exit_code == 0 and target in done.stdout and Path(target).stat().st_size > 5000
     for target, said in (("out.xlsx", ".csv, .nc"), ("force.svg", 'mean "forces"')):
@@ -67,8 +78,12 @@ def test_export_to_nowhere(command: Callable, case_c_run: Path, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("statement", ["data = zeroblob(40)", "seal = zeroblob(16)", "steps = zeroblob(8)"])
-def test_lost_first_blocks_lose_themselves_and_no_more(command: Callable, pendulum: Path, statement: str) -> None:
-    """The first output, from which energies count, and what the run says of itself are there a second time: the rest is as it was."""
+def test_lost_first_blocks_lose_themselves_and_no_more(
+    command: Callable, pendulum: Path, statement: str
+) -> None:
+    """The first output, from which energies count, and what the run says of itself are there a second time:
+    the rest is as it was.
+    """
     assert command("run", pendulum, "-o", "out", "--quiet").exit_code == 0
     whole = vfife.load_result("out")
     with sqlite3.connect("out/run.sqlite") as connection:
@@ -78,6 +93,12 @@ def test_lost_first_blocks_lose_themselves_and_no_more(command: Callable, pendul
     assert told.exit_code == exported.exit_code == 0, (told.stderr, exported.stderr)
     result = vfife.load_result("out")
     kept = np.searchsorted(whole.time, result.time)
-    assert result.record.lost and result.record.lost[0] in told.stdout and result.record.lost[0] in exported.stderr
+    assert (
+        result.record.lost
+        and result.record.lost[0] in told.stdout
+        and result.record.lost[0] in exported.stderr
+    )
     assert kept[0] == 0 and 1 <= len(kept) < len(whole.time)
-    assert (result.record.rows == whole.record.rows[kept]).all() and (result.ledger.residual == whole.ledger.residual[kept]).all()
+    assert (result.record.rows == whole.record.rows[kept]).all() and (
+        result.ledger.residual == whole.ledger.residual[kept]
+    ).all()

@@ -1,4 +1,6 @@
-"""A study of short runs takes what its members take beside their steps; forecasts count the work that is then done."""
+"""A study of short runs takes what its members take beside their steps; forecasts count the work that is then
+done.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,9 @@ from cli.models import ROOT
 from vfife import load
 from vfife.assembly.assemble import assemble
 from vfife.job.cost import Stream, cores
-from vfife.study.engine import streams
-from vfife.study.forecast import Cases, one_by_one
-from vfife.study.plan import Asked, Plan
+from vfife.studies.engine.cases import streams
+from vfife.studies.forecast import Cases, one_by_one
+from vfife.studies.spec.plan import Asked, Plan
 
 ASKED = Asked("slider_crank.toml", ("O.force.max",), turns=1)
 BASE = load(ROOT / "examples" / "slider_crank.toml")
@@ -23,7 +25,9 @@ PLAN = Plan("s", BASE, ASKED, ())
 
 def test_members_take_time_beside_their_steps(tmp_path: Path) -> None:
     seconds = [Cases(PLAN, [{}], left, 0).forecast(tmp_path / "s.study").seconds for left in (0, 40, 100)]
-    assert seconds[0] == 0.0 and 0.05 < seconds[1] < 20.0, "ten to a hundred members in a second are what is measured, whatever the steps"
+    assert seconds[0] == 0.0 and 0.05 < seconds[1] < 20.0, (
+        "ten to a hundred members in a second are what is measured, whatever the steps"
+    )
     assert Stream(0.03, 0.1).seconds(100) == pytest.approx(100 * max(0.03, 0.13 / cores()))
 
 

@@ -1,4 +1,6 @@
-"""Mechanisms that cannot be, or cannot be meant: a sentence with names and a remedy, exit code 2, soon; Python hears the same in a ValueError."""
+"""Mechanisms that cannot be, or cannot be meant: a sentence with names and a remedy, exit code 2, soon;
+Python hears the same in a ValueError.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,8 @@ from vfife.assembly.assemble import assemble
 from vfife.model.drivers import Ramp
 from vfife.model.joints import ClearanceRevolute
 from vfife.model.mechanism import Mechanism
-from vfife.model.validate import validate
-from vfife.start import assembled_at
+from vfife.model.validation import validate
+from vfife.simulation.start import assembled_at
 
 CRANK = """name = "slider-crank"
 [run]
@@ -134,7 +136,12 @@ def test_broken_mechanisms_are_told(command: Callable, case: str) -> None:
     spent = time.perf_counter() - began
     assert done.exit_code == 2, (done.exit_code, done.stdout, done.stderr, done.exception)
     said = json.loads(done.stdout)
-    assert said["status"] == "refused" and said["faults"] and "Traceback" not in done.stderr and "Warning" not in done.stderr
+    assert (
+        said["status"] == "refused"
+        and said["faults"]
+        and "Traceback" not in done.stderr
+        and "Warning" not in done.stderr
+    )
     for word in ("model.toml", *words):
         assert word in done.stderr
     assert spent < 5.0  # 2 s on a machine that does nothing else
@@ -162,7 +169,11 @@ def test_crank_that_cannot_turn_round_is_told_why(command: Callable) -> None:
     """Its rod is shorter than the crank: at the start all is well, and nothing is run."""
     Path("model.toml").write_text(CRANK.replace("length = 0.12", "length = 0.04").replace("0.17", "0.09"))
     done = command("run", "model.toml", "--quiet")
-    assert done.exit_code == 2 and "jams at crank angle 53.1°" in done.stderr and "at least 50 mm (now 40 mm)" in done.stderr
+    assert (
+        done.exit_code == 2
+        and "jams at crank angle 53.1°" in done.stderr
+        and "at least 50 mm (now 40 mm)" in done.stderr
+    )
 
 
 def pendulum() -> Mechanism:
@@ -179,10 +190,22 @@ NOUNS = {
     "gear on nothing": (lambda m: m.gear("g", "rod", "x", ratio=1.0), "there is no body 'x'"),
     "spring to nothing": (lambda m: m.spring("s", "rod.end", "x.y", stiffness=1.0), "there is no body 'x'"),
     "negative damping": (lambda m: m.spring("s", "rod.end", "ground.O", damping=-5.0), "this is negative"),
-    "stop the wrong way round": (lambda m: m.stop("s", "rod", "ground", low=1.0, high=0.0, stiffness=1.0), "no room between the limits"),
-    "ramp of no time": (lambda m: m.drivers.update(rod=vfife.Ramp(body="rod", speed=1.0, duration=0.0)), "ramp = 0"),
-    "uneven table": (lambda m: m.drivers.update(rod=vfife.AngleTable(body="rod", times=(0.0, 1.0), values=(0.0,))), "1 for 2 times"),
-    "load on nothing": (lambda m: m.loads.update(f=vfife.PointForce(name="f", at="x.y")), "there is no body 'x'"),
+    "stop the wrong way round": (
+        lambda m: m.stop("s", "rod", "ground", low=1.0, high=0.0, stiffness=1.0),
+        "no room between the limits",
+    ),
+    "ramp of no time": (
+        lambda m: m.drivers.update(rod=vfife.Ramp(body="rod", speed=1.0, duration=0.0)),
+        "ramp = 0",
+    ),
+    "uneven table": (
+        lambda m: m.drivers.update(rod=vfife.AngleTable(body="rod", times=(0.0, 1.0), values=(0.0,))),
+        "1 for 2 times",
+    ),
+    "load on nothing": (
+        lambda m: m.loads.update(f=vfife.PointForce(name="f", at="x.y")),
+        "there is no body 'x'",
+    ),
     "unknown model": (lambda m: m.link("b", length=1.0, mass=1.0, model="elstic"), 'Did you mean "elastic"'),
     "no number": (lambda m: m.link("b", length=1.0, mass=math.nan), "not a finite number"),
 }
@@ -201,7 +224,9 @@ def test_python_hears_the_sentences_of_files(case: str) -> None:
 
 def test_start_given_outside_a_bearing_is_refused() -> None:
     m = pendulum()
-    m.joints["J"] = ClearanceRevolute(name="J", bearing="ground.O", journal="rod.start", clearance=1e-4, bearing_radius=0.01)
+    m.joints["J"] = ClearanceRevolute(
+        name="J", bearing="ground.O", journal="rod.start", clearance=1e-4, bearing_radius=0.01
+    )
     assembled_at(m, start={"rod": (0.0, 5e-5, -0.5)}, duration=0.01)
     with pytest.raises(ValueError, match=r"joint 'J' starts with rod.start 0.1999 m deep in ground.O"):
         assembled_at(m, start={"rod": (0.2, 0.0, -0.5)}, duration=0.01)
@@ -217,7 +242,9 @@ def test_a_run_shorter_than_an_output_of_a_slow_crank_lasts_as_long_as_asked() -
 
 
 def test_a_driver_of_what_is_held() -> None:
-    """A wheel geared to a block in a guide, which cannot turn: a ramp from rest is consistent at the start, and moves nothing."""
+    """A wheel geared to a block in a guide, which cannot turn: a ramp from rest is consistent at the start,
+    and moves nothing.
+    """
     m = Mechanism("held")
     m.point("O", 0.0, 0.0)
     m.rigid_body("wheel", mass=1.0, inertia=0.5)
@@ -226,7 +253,9 @@ def test_a_driver_of_what_is_held() -> None:
     m.slider("B", "ground.O", "block.center")
     m.gear("G", "wheel", "block", ratio=-1.0)
     m.drivers["wheel"] = Ramp(body="wheel", speed=4.0, duration=0.01)
-    with pytest.raises(ValueError, match=r"the drivers \(wheel\) prescribe 1 motions, and the joints leave 0 of them free"):
+    with pytest.raises(
+        ValueError, match=r"the drivers \(wheel\) prescribe 1 motions, and the joints leave 0 of them free"
+    ):
         assemble(m, 1e-4, duration=0.01)
 
 

@@ -11,15 +11,31 @@ from vfife.laws import Frictionless
 
 
 def test_the_impacts_of_a_run(tmp_path) -> None:
-    result = vfife.simulate(journal_in_bearing(0.5, friction=Frictionless()), duration=5e-3, step="1 us", outputs=500, companions=0)
+    result = vfife.simulate(
+        journal_in_bearing(0.5, friction=Frictionless()),
+        duration=5e-3,
+        step="1 us",
+        outputs=500,
+        companions=0,
+    )
     result.save(tmp_path / "run.sqlite")
     said = CliRunner().invoke(app, ["impacts", str(tmp_path)])
-    assert said.exit_code == 0 and f"{result.impacts.count} contacts began" in said.stdout and "speed, m/s" in said.stdout
+    assert (
+        said.exit_code == 0
+        and f"{result.impacts.count} contacts began" in said.stdout
+        and "speed, m/s" in said.stdout
+    )
     assert "crank" not in said.stdout and "--count" not in said.stdout
     assert result.impacts.count > 1
-    assert "The hardest 1 (--count for more)" in CliRunner().invoke(app, ["impacts", str(tmp_path), "--count", "1"]).stdout
+    assert (
+        "The hardest 1 (--count for more)"
+        in CliRunner().invoke(app, ["impacts", str(tmp_path), "--count", "1"]).stdout
+    )
     told = json.loads(CliRunner().invoke(app, ["impacts", str(tmp_path), "--json"]).stdout)
-    assert told["count"] == result.impacts.count == len(told["impacts"]) and abs(told["impacts"][0]["speed"] - 0.5) < 1e-3
+    assert (
+        told["count"] == result.impacts.count == len(told["impacts"])
+        and abs(told["impacts"][0]["speed"] - 0.5) < 1e-3
+    )
 
 
 def test_no_run_is_told_in_words(tmp_path) -> None:
@@ -29,7 +45,9 @@ def test_no_run_is_told_in_words(tmp_path) -> None:
 
 def test_a_joint_in_which_no_contact_begins_is_passed_over(tmp_path) -> None:
     """Of two joints one may stay in contact, or in flight, for the whole run."""
-    result = vfife.simulate(journal_in_bearing(0.0, friction=Frictionless()), duration=1e-4, step="1 us", outputs=10, companions=0)
+    result = vfife.simulate(
+        journal_in_bearing(0.0, friction=Frictionless()), duration=1e-4, step="1 us", outputs=10, companions=0
+    )
     result.save(tmp_path / "run.sqlite")
     assert result.impacts.count == 0 and result.impacts.entries == ()
     said = CliRunner().invoke(app, ["impacts", str(tmp_path)])

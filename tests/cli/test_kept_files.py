@@ -1,12 +1,18 @@
-"""Files that commands keep things in, given where a text is read: one sentence says what they are and which command reads them."""
+"""Files that commands keep things in, given where a text is read: one sentence says what they are and which
+command reads them.
+"""
 
 import pytest
 
-from vfife.results.mapfile import MapFile
-from vfife.results.runfile import RunFile
-from vfife.results.studyfile import StudyFile
+from vfife.store.mapfile import MapFile
+from vfife.store.runfile import RunFile
+from vfife.store.studyfile import StudyFile
 
-LAID = {"a.map": (MapFile, "vfife map show"), "a.study": (StudyFile, "vfife study show"), "run.sqlite": (RunFile, "vfife info")}
+LAID = {
+    "a.map": (MapFile, "vfife map show"),
+    "a.study": (StudyFile, "vfife study show"),
+    "run.sqlite": (RunFile, "vfife info"),
+}
 
 
 @pytest.fixture

@@ -5,23 +5,48 @@ from pathlib import Path
 
 import pytest
 
-from vfife.cli.map import number_range
+from vfife.cli.commands.map import number_range
+from vfife.dynamics.bifurcation import Spell
 from vfife.modelfile import load
 from vfife.report.maps import spells_words
-from vfife.results.lock import Lock
-from vfife.study.maps.bifurcation import Spell
+from vfife.store.lock import Lock
 
 PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin.toml"
-BRIEF = ("--count", 2, "--turns", 3, "--drop", 1, "--step", "10 us", "--set", "joint.pin.contact.restitution=0.3")
+BRIEF = (
+    "--count",
+    2,
+    "--turns",
+    3,
+    "--drop",
+    1,
+    "--step",
+    "10 us",
+    "--set",
+    "joint.pin.contact.restitution=0.3",
+)
 
 
 def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
-    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "--companions", 1, "-o", "a.map", "--csv", "a.csv")
+    words = (
+        "map",
+        PIN,
+        "--over",
+        "joint.pin.clearance=0.2..0.3mm",
+        *BRIEF,
+        "--companions",
+        1,
+        "-o",
+        "a.map",
+        "--csv",
+        "a.csv",
+    )
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     assert "Chaos was found " in done.stdout and "On the way down: " in done.stdout
     assert "2 turns" not in done.stdout and "3 turns at each value, 1 of them dropped" in done.stdout
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and len((tmp_path / "a.csv").read_text().splitlines()) == 1 + 2 * 2 * 2
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and len(
+        (tmp_path / "a.csv").read_text().splitlines()
+    ) == 1 + 2 * 2 * 2
     assert "of 2 values" in done.stderr
     request.getfixturevalue("unrendered")
     again = command(*words)
@@ -63,18 +88,50 @@ def test_two_writers_of_a_map_are_kept_apart(command, tmp_path):
 
 @pytest.mark.usefixtures("unrendered")
 def test_a_damaged_map_says_that_it_is_a_map(command, tmp_path):
-    words = ("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "--companions", 0, "-o", "a.map", "-q")
+    words = (
+        "map",
+        PIN,
+        "--over",
+        "joint.pin.clearance=0.2..0.3mm",
+        *BRIEF,
+        "--companions",
+        0,
+        "-o",
+        "a.map",
+        "-q",
+    )
     assert command(*words).exit_code == 0
     (tmp_path / "a.map").write_bytes((tmp_path / "a.map").read_bytes()[:3000])
     done = command(*words)
-    assert done.exit_code == 2 and "this map file is damaged" in done.stderr and "make the map again" in done.stderr
+    assert (
+        done.exit_code == 2
+        and "this map file is damaged" in done.stderr
+        and "make the map again" in done.stderr
+    )
 
 
 def test_a_section_is_drawn_told_and_shown(command, tmp_path, request):
-    words = ("map", "section", PIN, "--turns", 6, "--drop", 2, *BRIEF[6:], "--step", "10 us", "-o", "s.map", "--csv", "s.csv")
+    words = (
+        "map",
+        "section",
+        PIN,
+        "--turns",
+        6,
+        "--drop",
+        2,
+        *BRIEF[6:],
+        "--step",
+        "10 us",
+        "-o",
+        "s.map",
+        "--csv",
+        "s.csv",
+    )
     done = command(*words)
     assert done.exit_code == 0, done.stderr
-    assert "contacts began, the fastest at" in done.stdout and "4 turns after 2 that were dropped" in done.stdout
+    assert (
+        "contacts began, the fastest at" in done.stdout and "4 turns after 2 that were dropped" in done.stdout
+    )
     assert "exponent" in done.stdout and "contact lankarani-nikravesh, friction none" in done.stdout
     assert (tmp_path / "s.png").read_bytes().startswith(b"\x89PNG") and (tmp_path / "s.impacts.csv").exists()
     request.getfixturevalue("unrendered")
@@ -83,11 +140,27 @@ def test_a_section_is_drawn_told_and_shown(command, tmp_path, request):
 
 
 def test_basins_are_drawn_told_and_shown(command, tmp_path):
-    words = ("map", "basins", PIN, "--over", "start.pin.x=-0.6..0.6mm", "--over", "start.crank=0..90deg", "--count", "3x2", "--turns", 3)
-    done = command(*words, "--drop", 1, *BRIEF[6:], "--step", "10 us", "-o", "b.map", "--csv", "b.csv", "--companions", 1)
+    words = (
+        "map",
+        "basins",
+        PIN,
+        "--over",
+        "start.pin.x=-0.6..0.6mm",
+        "--over",
+        "start.crank=0..90deg",
+        "--count",
+        "3x2",
+        "--turns",
+        3,
+    )
+    done = command(
+        *words, "--drop", 1, *BRIEF[6:], "--step", "10 us", "-o", "b.map", "--csv", "b.csv", "--companions", 1
+    )
     assert done.exit_code == 0, done.stderr
     assert "4 of the grid are no start" in " ".join(done.stdout.split()) and "1 member again" in done.stdout
-    assert (tmp_path / "b.png").read_bytes().startswith(b"\x89PNG") and len((tmp_path / "b.csv").read_text().splitlines()) == 3
+    assert (tmp_path / "b.png").read_bytes().startswith(b"\x89PNG") and len(
+        (tmp_path / "b.csv").read_text().splitlines()
+    ) == 3
     shown = command("map", "show", "b.map")
     assert shown.exit_code == 0 and "4 of the grid are no start" in " ".join(shown.stdout.split())
 
@@ -96,7 +169,9 @@ def test_where_which_motion_is_found_is_told() -> None:
     """Of a way with few spells all, of one with many the longest; a threshold lies between two of them."""
     few = [Spell("chaotic", 0.0, 0.03, 4), Spell("period 1", 0.04, 0.04, 1), Spell("chaotic", 0.05, 0.1, 6)]
     assert spells_words(few, "1") == "chaotic from 0 to 0.03, period 1 at 0.04, chaotic from 0.05 to 0.1"
-    many = [Spell(f"period {k}", 1e-3 * k, 1e-3 * k, 1) for k in range(1, 20)] + [Spell("chaotic", 0.03, 0.04, 5)]
+    many = [Spell(f"period {k}", 1e-3 * k, 1e-3 * k, 1) for k in range(1, 20)] + [
+        Spell("chaotic", 0.03, 0.04, 5)
+    ]
     said = spells_words(many, "m")
     assert said.startswith("period 1 at 1 mm, period 2 at 2 mm") and said.count("period") == 7
     assert said.endswith("chaotic from 30 mm to 40 mm, and 12 others between them")
@@ -105,15 +180,36 @@ def test_where_which_motion_is_found_is_told() -> None:
 def test_a_range_is_what_is_said() -> None:
     """To the last digit, whatever the model's own value is."""
     model = load(PIN)
-    assert number_range(model, "joint.pin.clearance=0.0201..0.4mm")[1:] == (pytest.approx(2.01e-5, rel=1e-14), pytest.approx(4e-4, rel=1e-14))
-    assert number_range(model, "driver.crank.speed=500..1500rpm")[1:] == pytest.approx((500.0 * math.tau / 60.0, 50.0 * math.pi), rel=1e-14)
+    assert number_range(model, "joint.pin.clearance=0.0201..0.4mm")[1:] == (
+        pytest.approx(2.01e-5, rel=1e-14),
+        pytest.approx(4e-4, rel=1e-14),
+    )
+    assert number_range(model, "driver.crank.speed=500..1500rpm")[1:] == pytest.approx(
+        (500.0 * math.tau / 60.0, 50.0 * math.pi), rel=1e-14
+    )
 
 
 @pytest.mark.usefixtures("unrendered")
 def test_values_are_begun_anew(command):
-    done = command("map", PIN, "--over", "joint.pin.clearance=0.2..0.3mm", *BRIEF, "-o", "a.map", "--start", "own", "--start", "start.crank=90deg")
+    done = command(
+        "map",
+        PIN,
+        "--over",
+        "joint.pin.clearance=0.2..0.3mm",
+        *BRIEF,
+        "-o",
+        "a.map",
+        "--start",
+        "own",
+        "--start",
+        "start.crank=90deg",
+    )
     assert done.exit_code == 0, done.stderr
-    assert "own start" in done.stdout and "start.crank = 1.571 rad" in done.stdout and "Companions: " in done.stdout
+    assert (
+        "own start" in done.stdout
+        and "start.crank = 1.571 rad" in done.stdout
+        and "Companions: " in done.stdout
+    )
 
 
 def test_faults_of_starts_are_sentences(command):
@@ -125,7 +221,10 @@ def test_faults_of_starts_are_sentences(command):
         ((PIN, *over, *BRIEF, "--start", "start.pin.x=1mm"), "outside its bearing"),
         (("section", PIN, "--impacts", "guide"), "joint with play"),
         (("section", PIN, "--turns", 5, "--drop", 5), "--drop 5: no turn is left"),
-        ((PIN, *over, "--turns", 4, "--drop", 80), "--drop 80: no turn is left to look at of --turns 4; allowed: 0 to 3"),
+        (
+            (PIN, *over, "--turns", 4, "--drop", 80),
+            "--drop 80: no turn is left to look at of --turns 4; allowed: 0 to 3",
+        ),
         ((PIN, "--over", "start.crank=1..2deg"), "--over start.crank=1..2deg"),
         (("basins", PIN, *over), "name two numbers"),
         (("basins", PIN, *over, "--over", "start.crank=1deg"), "PATH=LOW..HIGH"),
@@ -145,11 +244,36 @@ def test_what_it_will_cost_is_told_first_and_too_much_is_refused(command, tmp_pa
     over = "--over", "joint.pin.clearance=0.2..0.3mm"
     words = ("map", PIN, *over, *BRIEF, "--companions", 0, "-o", "a.map")
     assert "forecast: 2 values, some 18,852 steps each: " in command(*words).stderr
-    assert "forecast" not in command(*words).stderr and "forecast" not in command(*words[:-1], "b.map", "-q").stderr
-    long = command("map", PIN, *over, "--count", 40, "--turns", 500, "--drop", 499, "--companions", 0, "-o", "d.map", "--of", "nope")
-    assert "note: for a first look: --count 30 --turns 45 -o first.map, some" in " ".join(long.stderr.split()), long.stderr
+    assert (
+        "forecast" not in command(*words).stderr
+        and "forecast" not in command(*words[:-1], "b.map", "-q").stderr
+    )
+    long = command(
+        "map",
+        PIN,
+        *over,
+        "--count",
+        40,
+        "--turns",
+        500,
+        "--drop",
+        499,
+        "--companions",
+        0,
+        "-o",
+        "d.map",
+        "--of",
+        "nope",
+    )
+    assert "note: for a first look: --count 30 --turns 45 -o first.map, some" in " ".join(
+        long.stderr.split()
+    ), long.stderr
     many = "--turns", 1_000_000, "--drop", 1, "-o", "c.map"
-    for command_, more in (((), over), (("section",), ()), (("basins",), (*over, "--over", "start.crank=0..90deg"))):
+    for command_, more in (
+        ((), over),
+        (("section",), ()),
+        (("basins",), (*over, "--over", "start.crank=0..90deg")),
+    ):
         done = command("map", *command_, PIN, *more, *many)
         said = " ".join(done.stderr.split())
         assert done.exit_code == 2 and "add --yes" in said and "Nothing was begun" in said, (command_, said)

@@ -1,4 +1,6 @@
-"""Mistakes in model files, as people make them: each is told in words that a mechanic understands, none passes in silence, none is a traceback."""
+"""Mistakes in model files, as people make them: each is told in words that a mechanic understands, none
+passes in silence, none is a traceback.
+"""
 
 import pytest
 
@@ -29,5 +31,12 @@ def test_without_a_mistake_nothing_is_told(text, command, tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(text)
     found = " ".join(command("check", path).stdout.split())
-    for word in ("hangs on nothing", "chain is open", "mirror image", "singular", "jams", "Numbers without a unit"):
+    for word in (
+        "hangs on nothing",
+        "chain is open",
+        "mirror image",
+        "singular",
+        "jams",
+        "Numbers without a unit",
+    ):
         assert word not in found

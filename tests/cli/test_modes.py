@@ -32,7 +32,9 @@ def told(tmp_path, angle: float, *options: str):
 
 def test_a_pendulum(tmp_path) -> None:
     found = told(tmp_path, -90.0)
-    assert found.exit_code == 0 and "0.61052 Hz" in found.stdout and "rod, 100 % of the energy" in found.stdout
+    assert (
+        found.exit_code == 0 and "0.61052 Hz" in found.stdout and "rod, 100 % of the energy" in found.stdout
+    )
     assert "no equilibrium" not in found.stdout and ": 1 natural vibration\n" in found.stdout
     value = json.loads(told(tmp_path, -90.0, "--json").stdout)
     assert math.isclose(value["modes"][0]["angular_frequency_squared"], 1.5 * 9.81, rel_tol=1e-9)

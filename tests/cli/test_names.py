@@ -8,9 +8,15 @@ import pytest
 
 import vfife
 from cli.test_hostile import CRANK
-from vfife.cli import laws as lawplot
+from vfife.cli.registry import laws as lawplot
 
-NAMES = {"joint.P": "[/]", "joint.W": r"$\frac{1$", "joint.O": "[bold]x", "body.rod": "<b>&%s{0}", "body.block": "$_$^"}
+NAMES = {
+    "joint.P": "[/]",
+    "joint.W": r"$\frac{1$",
+    "joint.O": "[bold]x",
+    "body.rod": "<b>&%s{0}",
+    "body.block": "$_$^",
+}
 
 
 def renamed() -> str:
@@ -28,9 +34,16 @@ def renamed() -> str:
 def test_names_are_text(command: Callable, clear: bool) -> None:
     text = renamed()
     if clear:
-        text = text.replace("[joint.'[/]']\n", "[joint.'[/]']\nkind = 'clearance'\nclearance = 1e-4\nbearing_radius = 0.01\n")
+        text = text.replace(
+            "[joint.'[/]']\n", "[joint.'[/]']\nkind = 'clearance'\nclearance = 1e-4\nbearing_radius = 0.01\n"
+        )
     Path("model.toml").write_text(text)
-    for words in (["check", "model.toml"], ["run", "model.toml", "-o", "out", "--figures"], ["info", "out"], ["export", "out", "out.nc"]):
+    for words in (
+        ["check", "model.toml"],
+        ["run", "model.toml", "-o", "out", "--figures"],
+        ["info", "out"],
+        ["export", "out", "out.nc"],
+    ):
         done = command(*words)
         assert done.exit_code == 0, (words, done.stderr, done.exception)
         for name in ("[/]", r"$\frac{1$"):
@@ -38,19 +51,48 @@ def test_names_are_text(command: Callable, clear: bool) -> None:
     assert len(list(Path("out/figures").glob("*.png"))) >= 2
     assert r"$\frac{1$.force.max" in json.loads(Path("out/summary.json").read_text())["measures"]
     result = vfife.load_result("out")
-    for page in (result._repr_html_(), result.record.assembly.mechanism._repr_html_()):  # what a notebook shows
+    for page in (
+        result._repr_html_(),
+        result.record.assembly.mechanism._repr_html_(),
+    ):  # what a notebook shows
         assert "<script>" not in page and "<b>&%s" not in page and "&lt;b&gt;&amp;%s{0}" in page
     for name, figure in result.plot("mechanism", "forces").items():
         figure.savefig(f"{name}.svg")  # outside of what sets the style
     if clear:
-        done = command("compare", "model.toml", "--contact", "lankarani-nikravesh,hertz", "--turns", 0.2, "-o", "compared")
+        done = command(
+            "compare",
+            "model.toml",
+            "--contact",
+            "lankarani-nikravesh,hertz",
+            "--turns",
+            0.2,
+            "-o",
+            "compared",
+        )
         assert done.exit_code == 0 and "[/]" in done.stdout, (done.stderr, done.exception)
         assert "[/]" in Path("compared/compare.csv").read_text()
-    assert {path.name for path in Path().iterdir() if path.suffix != ".svg"} <= {"model.toml", "out", "out.nc", "compared"}
+    assert {path.name for path in Path().iterdir() if path.suffix != ".svg"} <= {
+        "model.toml",
+        "out",
+        "out.nc",
+        "compared",
+    }
     assert {path.name for path in Path("..").iterdir() if path.name.startswith("x")} == set()
 
 
-HOSTILE = ("<script>alert(1)</script>", "../x", "a/b", "nul\x00", "\u202eevil", "\x1b[31mred", "new\nline", "{0}", "%s", "-o", "x" * 3000)
+HOSTILE = (
+    "<script>alert(1)</script>",
+    "../x",
+    "a/b",
+    "nul\x00",
+    "\u202eevil",
+    "\x1b[31mred",
+    "new\nline",
+    "{0}",
+    "%s",
+    "-o",
+    "x" * 3000,
+)
 
 
 @pytest.mark.system("every command with names of every kind")
@@ -82,20 +124,34 @@ def test_any_name_is_text_or_is_told(command: Callable, name: str, place: str) -
 
 def test_a_picture_of_an_own_law_stays_where_it_is_asked_for() -> None:
     for name in ("../x", "/etc/x", "a b", "..", "$x$"):
-        assert lawplot.target_of(None, name).parent == Path() and lawplot.target_of(None, name).suffix == ".png"
+        assert (
+            lawplot.target_of(None, name).parent == Path() and lawplot.target_of(None, name).suffix == ".png"
+        )
 
 
 def test_a_page_in_which_a_mechanism_runs(command: Callable) -> None:
-    """Names end neither the script that has them nor the page's title; the browser's side writes them as text."""
+    """Names end neither the script that has them nor the page's title; the browser's side writes them as
+    text.
+    """
     name = "</script><script>alert(1)</script>"
-    text = CRANK.replace('name = "slider-crank"', f"name = {json.dumps(name)}").replace("[joint.P]", f"[joint.'{name}']")
-    Path("model.toml").write_text(text.replace("[body.rod]", f"[body.'{name}']").replace('"rod.', f'"{name}.'))
+    text = CRANK.replace('name = "slider-crank"', f"name = {json.dumps(name)}").replace(
+        "[joint.P]", f"[joint.'{name}']"
+    )
+    Path("model.toml").write_text(
+        text.replace("[body.rod]", f"[body.'{name}']").replace('"rod.', f'"{name}.')
+    )
     done = command("live", "model.toml", "-o", "page.html", "--no-sliders")
     assert done.exit_code == 0, (done.stderr, done.exception)
     page = Path("page.html").read_text()
-    assert "alert(1)" in page and "<script>alert" not in page and "</script><script>" not in page.replace("</script>\n<script>", "")
+    assert (
+        "alert(1)" in page
+        and "<script>alert" not in page
+        and "</script><script>" not in page.replace("</script>\n<script>", "")
+    )
     for script in (Path(vfife.__file__).parent / "live" / "browser").glob("*.js"):
-        assert "innerHTML" not in script.read_text() and "insertAdjacentHTML" not in script.read_text(), script.name
+        assert "innerHTML" not in script.read_text() and "insertAdjacentHTML" not in script.read_text(), (
+            script.name
+        )
 
 
 def test_a_page_does_not_take_the_place_of_the_model(command: Callable) -> None:
@@ -103,4 +159,6 @@ def test_a_page_does_not_take_the_place_of_the_model(command: Callable) -> None:
     for name in ("model.toml", "page", "page.txt"):
         done = command("live", "model.toml", "-o", name)
         assert done.exit_code == 2 and "whose name ends in .html" in done.stderr, done.stderr
-    assert Path("model.toml").read_text() == CRANK and [path.name for path in Path().iterdir()] == ["model.toml"]
+    assert Path("model.toml").read_text() == CRANK and [path.name for path in Path().iterdir()] == [
+        "model.toml"
+    ]

@@ -12,7 +12,10 @@ from cli.models import ROOT
 from cli.test_bad_input import refused
 from vfife.modelfile import dump, load, loads
 
-TEMPLATES = [*sorted((ROOT / "src" / "vfife" / "modelfile" / "templates").glob("*.toml")), ROOT / "examples" / "compressor.toml"]
+TEMPLATES = [
+    *sorted((ROOT / "src" / "vfife" / "modelfile" / "templates").glob("*.toml")),
+    ROOT / "examples" / "compressor.toml",
+]
 NAMES = [path.stem for path in TEMPLATES]
 
 
@@ -51,12 +54,19 @@ def test_linkages_close_and_move(command: Callable, name: str) -> None:
     command("new", name, "-o", "mine.toml")
     found = json.loads(command("check", "mine.toml", "--json").stdout)
     driven = any(body["driver"] for body in found["bodies"])
-    assert (found["degrees_of_freedom"]["free"], found["degrees_of_freedom"]["after_drives"]) == (1, 0 if driven else 1)
+    assert (found["degrees_of_freedom"]["free"], found["degrees_of_freedom"]["after_drives"]) == (
+        1,
+        0 if driven else 1,
+    )
 
 
-@pytest.mark.parametrize("name", default_cases(NAMES, lambda name: name == "geared-five-bar", "runs every template"))
+@pytest.mark.parametrize(
+    "name", default_cases(NAMES, lambda name: name == "geared-five-bar", "runs every template")
+)
 def test_each_runs_to_its_end(command: Callable, name: str) -> None:
-    """As it stands, statics included; the energy ledger closes, and equilibria balance their loads. Of those with many steps one turn will do."""
+    """As it stands, statics included; the energy ledger closes, and equilibria balance their loads. Of those
+    with many steps one turn will do.
+    """
     command("new", name, "-o", "mine.toml")
     brief = ["--turns", "1"] if name in ("compressor", "four-bar", "slider-crank") else []
     assert command("run", "mine.toml", "-o", "out", *brief).exit_code == 0
@@ -64,7 +74,9 @@ def test_each_runs_to_its_end(command: Callable, name: str) -> None:
     assert said["status"] == "complete"
     if name == "cantilever":
         last = said["run"]["factors"][-1]["reactions"]["clamp"]
-        assert last["force_y"] == pytest.approx(20.0, rel=1e-5) and last["force_x"] == pytest.approx(0.0, abs=1e-4)
+        assert last["force_y"] == pytest.approx(20.0, rel=1e-5) and last["force_x"] == pytest.approx(
+            0.0, abs=1e-4
+        )
         return
     assert said["energy_error"] < 1e-3
     if name == "geared-five-bar":
@@ -96,9 +108,13 @@ def test_the_schema_is_printed_or_written(command: Callable) -> None:
     assert Path("x.json").read_text(encoding="utf-8") == done.stdout
 
 
-def test_a_typing_error_of_a_million_elements_is_told_within_two_seconds(command: Callable, tmp_path: Path) -> None:
+def test_a_typing_error_of_a_million_elements_is_told_within_two_seconds(
+    command: Callable, tmp_path: Path
+) -> None:
     text = (ROOT / "src" / "vfife" / "modelfile" / "templates" / "frame.toml").read_text(encoding="utf-8")
-    (tmp_path / "mine.toml").write_text(text.replace("elements = 8", "elements = 99_999").replace("elements = 6", "elements = 1_000_000", 1))
+    (tmp_path / "mine.toml").write_text(
+        text.replace("elements = 8", "elements = 99_999").replace("elements = 6", "elements = 1_000_000", 1)
+    )
     began = time.process_time()
     done = command("check", tmp_path / "mine.toml")
     assert time.process_time() - began < 2.0

@@ -1,4 +1,6 @@
-"""Whatever is mistyped, interrupted or claimed by two: what lay in a folder is there afterwards, and a sentence says what is kept."""
+"""Whatever is mistyped, interrupted or claimed by two: what lay in a folder is there afterwards, and a
+sentence says what is kept.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +22,12 @@ from cli.folders import contents, stages
 from cli.models import PENDULUM
 from vfife import files
 from vfife.cli.app import app
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.runner import Runner
 from vfife.job import cost
-from vfife.results import folder
-from vfife.results.lock import Lock, holder
-from vfife.results.runfile import RunFile
 from vfife.solvers import transient
+from vfife.store import folder
+from vfife.store.lock import Lock, holder
+from vfife.store.runfile import RunFile
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +35,14 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run with figures."""
     folder = tmp_path_factory.mktemp("made")
     (folder / "pendulum.toml").write_text(PENDULUM)
-    assert CliRunner().invoke(app, ["run", str(folder / "pendulum.toml"), "-o", str(folder / "kept"), "--quiet", "--figures"]).exit_code == 0
+    assert (
+        CliRunner()
+        .invoke(
+            app, ["run", str(folder / "pendulum.toml"), "-o", str(folder / "kept"), "--quiet", "--figures"]
+        )
+        .exit_code
+        == 0
+    )
     return folder / "kept"
 
 
@@ -66,16 +75,22 @@ def test_what_is_refused_touches_nothing(command: Callable, pendulum: Path, kept
     assert contents(kept) == before and not stages()
 
 
-def test_a_disk_without_room_is_told_before_anything_begins(command: Callable, pendulum: Path, kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_disk_without_room_is_told_before_anything_begins(
+    command: Callable, pendulum: Path, kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     before = contents(kept)
     monkeypatch.setattr(files, "free_bytes", lambda path: 1000)
     done = command("run", pendulum, "-o", "kept", "--force", "--json")
-    assert done.exit_code == 5 and "1,000 are free there" in done.stderr and "nothing is touched" in done.stderr
+    assert (
+        done.exit_code == 5 and "1,000 are free there" in done.stderr and "nothing is touched" in done.stderr
+    )
     assert json.loads(done.stdout)["status"] == "storage"
     assert contents(kept) == before and not stages()
 
 
-def test_a_runs_own_model_in_its_own_folder(command: Callable, kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_runs_own_model_in_its_own_folder(
+    command: Callable, kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     before = contents(kept)
     monkeypatch.chdir(kept)
     assert command("run", "model.toml", "-o", ".").exit_code == 2
@@ -84,11 +99,16 @@ def test_a_runs_own_model_in_its_own_folder(command: Callable, kept: Path, monke
     assert done.exit_code == 0, done.stderr
     assert vfife.load_result(".").record.status == "complete"
     assert Path("mine.txt").read_text() == "notes" and Path("figures/mine.png").exists()
-    assert not list(Path("figures").glob("forces.png")) and Path("model.toml").read_bytes() == before["model.toml"]
+    assert (
+        not list(Path("figures").glob("forces.png"))
+        and Path("model.toml").read_bytes() == before["model.toml"]
+    )
 
 
 @pytest.mark.parametrize("name", ["run.sqlite", "model.toml", "summary.json", "figures/mechanism.png"])
-def test_files_that_are_not_ours_are_never_written_over(command: Callable, pendulum: Path, kept: Path, name: str) -> None:
+def test_files_that_are_not_ours_are_never_written_over(
+    command: Callable, pendulum: Path, kept: Path, name: str
+) -> None:
     (kept / name).write_text("my own text")
     before = contents(kept)
     done = command("run", pendulum, "-o", "kept", "--force")
@@ -107,8 +127,12 @@ def test_another_program_s_database_of_that_name(command: Callable, pendulum: Pa
         assert contents(folder) == before
 
 
-def test_a_run_is_replaced_when_its_first_output_is_there(command: Callable, pendulum: Path, kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C while the loop is compiled leaves the old run; after the first output the new one is in its place."""
+def test_a_run_is_replaced_when_its_first_output_is_there(
+    command: Callable, pendulum: Path, kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C while the loop is compiled leaves the old run; after the first output the new one is in its
+    place.
+    """
     before = contents(kept)
     advance = Runner.advance
 
@@ -144,14 +168,18 @@ FORECASTS = {
 
 
 @pytest.mark.parametrize("what", FORECASTS)
-def test_what_takes_too_much_is_asked_for_twice(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, what: str) -> None:
+def test_what_takes_too_much_is_asked_for_twice(
+    command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
     words, said = FORECASTS[what]
     if what == "disk":
         monkeypatch.setattr(files, "free_bytes", lambda path: 150_000)
     if what == "memory":
         monkeypatch.setattr(cost, "physical_memory", lambda: 1_000_000)
     done = command("run", pendulum, *words, "--step", "1e-6", "--json")
-    assert done.exit_code == 2 and "--yes" in done.stderr and said in done.stderr and not Path("runs").exists()
+    assert (
+        done.exit_code == 2 and "--yes" in done.stderr and said in done.stderr and not Path("runs").exists()
+    )
     assert json.loads(done.stdout)["status"] == "refused"
     if not words:
         assert command("run", pendulum, "--yes", "--quiet").exit_code == 0
@@ -236,7 +264,11 @@ def test_resume_and_run_resume(command: Callable, pendulum: Path, monkeypatch: p
         done = command(*words, "--json")
         assert done.exit_code == 0, done.stderr
         whole, again = (json.loads(Path(where, "summary.json").read_text()) for where in ("whole", name))
-        assert again["status"] == "complete" and again["measures"] == whole["measures"] and again["energy_error"] == whole["energy_error"]
+        assert (
+            again["status"] == "complete"
+            and again["measures"] == whole["measures"]
+            and again["energy_error"] == whole["energy_error"]
+        )
     complete = command("resume", "a")
     assert complete.exit_code == 2 and "is complete; say how far" in complete.stderr
     other = command("run", pendulum, "-o", "a", "--resume", "--step", "1e-5")
@@ -244,4 +276,6 @@ def test_resume_and_run_resume(command: Callable, pendulum: Path, monkeypatch: p
     further = command("resume", "a", "--until", "60 ms", "--json")
     assert further.exit_code == 0 and vfife.load_result("a").time[-1] == pytest.approx(0.06)
     assert vfife.load_model("a/model.toml").settings.duration == 0.06
-    assert command("run", pendulum, "-o", "new", "--resume", "--quiet").exit_code == 0  # where there is none yet it begins
+    assert (
+        command("run", pendulum, "-o", "new", "--resume", "--quiet").exit_code == 0
+    )  # where there is none yet it begins

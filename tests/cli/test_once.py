@@ -1,4 +1,6 @@
-"""One run reads its model once, writes it once, assembles it once and cuts each elastic body once; the ideal reference is its own assembly."""
+"""One run reads its model once, writes it once, assembles it once and cuts each elastic body once; the ideal
+reference is its own assembly.
+"""
 
 import tomllib
 from collections import Counter
@@ -7,11 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from vfife import modelfile, start
+from vfife import modelfile
 from vfife.assembly import assemble as assembling
 from vfife.model import lumping
 from vfife.modelfile import read
-from vfife.results import provenance
+from vfife.simulation.simulate import start
+from vfife.store import provenance
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -46,7 +49,9 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 def test_one_run_does_it_once(command: Callable, counted: Counter[str], model: str, elastic: int) -> None:
     done = command("run", EXAMPLES / f"{model}.toml", "--turns", 0.02, "--step", "1 us", "--quiet")
     assert done.exit_code == 0, done.stderr
-    assert counted == +Counter({"parse": 1, "dump": 1, "dump ideal": 1, "assemble": 1, "assemble ideal": 1, "mesh": elastic})
+    assert counted == +Counter(
+        {"parse": 1, "dump": 1, "dump ideal": 1, "assemble": 1, "assemble ideal": 1, "mesh": elastic}
+    )
 
 
 def test_an_elastic_model_without_joints_with_play(command: Callable, counted: Counter[str]) -> None:

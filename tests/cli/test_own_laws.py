@@ -1,4 +1,6 @@
-"""`--laws FILE.py`: laws of the user's own on the command line, and a model file that cannot load code by itself."""
+"""`--laws FILE.py`: laws of the user's own on the command line, and a model file that cannot load code by
+itself.
+"""
 
 import json
 import re
@@ -37,7 +39,10 @@ def laws(tmp_path: Path) -> Path:
 def test_run_check_and_info(command: Callable, model: Path, laws: Path) -> None:
     said = json.loads(command("check", model, "--laws", laws, "--json").stdout)
     assert said["joints"][0]["contact"]["law"] == "mine"
-    assert "equal to Python to the bit at 256 states in" in said["laws"]["mine"] and "not on a card" in said["laws"]["mine"]
+    assert (
+        "equal to Python to the bit at 256 states in" in said["laws"]["mine"]
+        and "not on a card" in said["laws"]["mine"]
+    )
     done = command("run", model, "--laws", laws, "-o", "out", "--quiet")
     assert done.exit_code == 0, done.stderr
     del ContactLaw.registry["mine"]
@@ -60,11 +65,15 @@ def test_a_model_file_alone_loads_no_code(command: Callable, model: Path, laws: 
 
 
 @pytest.mark.parametrize("words", [["run"], ["check"]], ids=" ".join)
-def test_a_law_that_cannot_be_used_ends_with_a_sentence(command: Callable, model: Path, laws: Path, words: list[str]) -> None:
+def test_a_law_that_cannot_be_used_ends_with_a_sentence(
+    command: Callable, model: Path, laws: Path, words: list[str]
+) -> None:
     laws.write_text(COPY.replace("penetration * math.sqrt", "penetration * math.exp"))
     done = command(*words, model, "--laws", laws)
     assert done.exit_code == 2
-    assert re.search(r"error: --laws .*my_laws\.py, line \d+, law 'mine'.*line 34: math.exp.*exp2", done.stderr), done.stderr
+    assert re.search(
+        r"error: --laws .*my_laws\.py, line \d+, law 'mine'.*line 34: math.exp.*exp2", done.stderr
+    ), done.stderr
     assert "Traceback" not in done.output
     laws.write_text(COPY.replace("stiffness * penetration *", "-stiffness * penetration *"))
     done = command(*words, model, "--laws", laws)
@@ -73,10 +82,23 @@ def test_a_law_that_cannot_be_used_ends_with_a_sentence(command: Callable, model
     assert not Path("runs").exists()
 
 
-def test_what_was_compared_is_said(command: Callable, model: Path, laws: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    node = "JavaScript: compared in node" if shutil.which("node") else "JavaScript: not compared, because there is no node on this machine"
+def test_what_was_compared_is_said(
+    command: Callable, model: Path, laws: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node = (
+        "JavaScript: compared in node"
+        if shutil.which("node")
+        else "JavaScript: not compared, because there is no node on this machine"
+    )
     text = " ".join(command("laws", "mine", "--laws", laws).stdout.split())
-    assert re.search(r"Compared: equal to Python to the bit at 256 states in \d+ loops; JavaScript: .*; .*not on a card", text) and node in text
+    assert (
+        re.search(
+            r"Compared: equal to Python to the bit at 256 states in \d+ loops; JavaScript: .*; .*not on a"
+            r" card",
+            text,
+        )
+        and node in text
+    )
     assert node in " ".join(command("check", model, "--laws", laws).stdout.split())
     monkeypatch.setenv("PATH", "")
     laws.write_text(COPY.replace("0.75", "0.7"))
@@ -85,8 +107,14 @@ def test_what_was_compared_is_said(command: Callable, model: Path, laws: Path, m
 
 
 def test_a_law_whose_truth_values_are_numbers_is_refused(command: Callable, model: Path, laws: Path) -> None:
-    laws.write_text(COPY.replace("hysteresis(elastic, factor, slowness)\n", "elastic * slowness * (factor or 0.5)\n"))
+    laws.write_text(
+        COPY.replace("hysteresis(elastic, factor, slowness)\n", "elastic * slowness * (factor or 0.5)\n")
+    )
     for words in (("check", model), ("run", model, "-o", "out"), ("laws",)):
         done = command(*words, "--laws", laws)
         said = " ".join(done.stderr.split())
-        assert done.exit_code == 2 and "line 35: `factor or 0.5`" in said and "write `factor if factor != 0.0 else 0.5`" in said
+        assert (
+            done.exit_code == 2
+            and "line 35: `factor or 0.5`" in said
+            and "write `factor if factor != 0.0 else 0.5`" in said
+        )

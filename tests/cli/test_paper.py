@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from vfife.cli.paper import NAMES, chosen
+from vfife.cli.commands.paper import NAMES, chosen
 from vfife.report.document import Table
 from vfife_validation.paper.contents import Chart, Item, Line, Panel, Parameter, Verdict
 from vfife_validation.paper.page import Folder, page
@@ -42,7 +42,12 @@ class Outline(HTMLParser):
 
 
 def item(name: str = "one") -> Item:
-    panel = Panel("a < b", "x (m)", "y (N)", [Line([0.0, 1.0], [0.0, 2.0], "line"), Line([0.5], [1.0], "dot", "second", True)])
+    panel = Panel(
+        "a < b",
+        "x (m)",
+        "y (N)",
+        [Line([0.0, 1.0], [0.0, 2.0], "line"), Line([0.5], [1.0], "dot", "second", True)],
+    )
     return Item(
         name, f"Title of {name}: more", ["5 < 6 & so on"], [Parameter("p", "1 mm", "inferred", "<lost>")], [Chart(name, "A chart", [panel], 1)],
         [Table(["a", "b"], [["true", "1 < 2"]], "cells")], [Verdict("claim", False, "1 & 2")], {"value": 1.5},
@@ -50,18 +55,29 @@ def item(name: str = "one") -> Item:
 
 
 def test_page_is_whole_and_stands_alone(tmp_path: Path) -> None:
-    """Balanced tags, escaped text, pictures inside with words for those who do not see them, links that lead somewhere, nothing from elsewhere."""
+    """Balanced tags, escaped text, pictures inside with words for those who do not see them, links that lead
+    somewhere, nothing from elsewhere.
+    """
     place = Folder(tmp_path / "page", "footer")
     for name in ("one", "two"):
         place.add(item(name), lambda value: json.dumps(value))
     text = place.index.read_text(encoding="utf-8")
     outline = Outline(text)
     assert outline.open == [] and outline.sections == ["one", "two"] and outline.links == ["#one", "#two"]
-    assert "5 &lt; 6 &amp; so on" in text and "&lt;lost&gt;" in text and "http" not in text.replace("http-equiv", "")
+    assert (
+        "5 &lt; 6 &amp; so on" in text
+        and "&lt;lost&gt;" in text
+        and "http" not in text.replace("http-equiv", "")
+    )
     for image in outline.images:
-        assert image["alt"].endswith("A chart") and base64.b64decode(image["src"].partition(",")[2]).startswith(b"\x89PNG")
+        assert image["alt"].endswith("A chart") and base64.b64decode(
+            image["src"].partition(",")[2]
+        ).startswith(b"\x89PNG")
     assert (tmp_path / "page" / "figures" / "two.png").read_bytes().startswith(b"\x89PNG")
-    assert json.loads((tmp_path / "page" / "paper.json").read_text()) == {"one": {"value": 1.5}, "two": {"value": 1.5}}
+    assert json.loads((tmp_path / "page" / "paper.json").read_text()) == {
+        "one": {"value": 1.5},
+        "two": {"value": 1.5},
+    }
 
 
 def test_verdicts_and_origins_can_be_told_apart() -> None:
@@ -70,7 +86,9 @@ def test_verdicts_and_origins_can_be_told_apart() -> None:
 
 
 def test_an_item_on_a_page_and_as_text(command: Callable) -> None:
-    """A short item: claims in the terminal with their numbers, the page in the folder paper/, which may be there already."""
+    """A short item: claims in the terminal with their numbers, the page in the folder paper/, which may be
+    there already.
+    """
     for _ in range(2):
         done = command("paper", "fig10")
         assert done.exit_code == 0, done.stderr
@@ -83,7 +101,9 @@ def test_json_of_table_3(command: Callable, tmp_path: Path) -> None:
     done = command("paper", "table3", "--json", "-o", tmp_path / "somewhere")
     assert done.exit_code == 0, done.stderr
     said = json.loads(done.stdout)
-    assert [set(row) >= {"clearance_mm", "lip_force", "lip_acceleration"} for row in said["table3"]] == [True] * 3
+    assert [set(row) >= {"clearance_mm", "lip_force", "lip_acceleration"} for row in said["table3"]] == [
+        True
+    ] * 3
     assert 0.0 < said["parameters"]["axial_length"] < 0.1 and said["parameters"]["contact"] == "pereira"
     assert {entry["origin"] for entry in said["origins"]} == {"stated", "inferred", "chosen"}
     assert (tmp_path / "somewhere" / "index.html").is_file()
@@ -99,11 +119,17 @@ def test_stored_search_is_shown_without_searching(command: Callable) -> None:
 def test_an_item_there_is_not(command: Callable, given: str, meant: str) -> None:
     done = command("paper", given)
     assert done.exit_code == 2
-    assert f"the paper has no item '{given}'; did you mean '{meant}'?" in done.stderr and "Traceback" not in done.stderr
+    assert (
+        f"the paper has no item '{given}'; did you mean '{meant}'?" in done.stderr
+        and "Traceback" not in done.stderr
+    )
     assert not Path("paper").exists()
 
 
-@pytest.mark.parametrize(("given", "meant"), [("Fig. 16", "fig16"), ("figure 8", "fig8"), ("Table 3", "table3"), ("CLAIMS", "claims")])
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [("Fig. 16", "fig16"), ("figure 8", "fig8"), ("Table 3", "table3"), ("CLAIMS", "claims")],
+)
 def test_items_as_people_write_them(given: str, meant: str) -> None:
     assert chosen(given) == [meant] and chosen(None) == list(NAMES)
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from vfife import plots
-from vfife.cli import result as of_the_command
+from vfife.cli.commands import result as of_the_command
 from vfife.plots.table import FIGURES
-from vfife.results.folder import PICTURES, is_own
+from vfife.store.folder import PICTURES, is_own
 
 HEADS = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 
@@ -50,13 +50,23 @@ def test_one_figure_as_one_file(command: Callable, case_c_run: Path) -> None:
     again = command("plot", case_c_run, "--at", "90deg", "-o", "quarter.svg")
     assert again.exit_code == 2 and "add --force to replace it" in again.stderr
     several = command("plot", case_c_run, "-o", "all.pdf")
-    assert several.exit_code == 2 and "one file holds one figure and this draws 5" in several.stderr and not Path("all.pdf").exists()
+    assert (
+        several.exit_code == 2
+        and "one file holds one figure and this draws 5" in several.stderr
+        and not Path("all.pdf").exists()
+    )
 
 
-def test_the_list_says_what_there_is_and_what_the_run_has_nothing_for(command: Callable, case_c_run: Path) -> None:
+def test_the_list_says_what_there_is_and_what_the_run_has_nothing_for(
+    command: Callable, case_c_run: Path
+) -> None:
     done = command("plot", case_c_run, "--figure", "list")
     said = " ".join(done.stdout.split())
-    assert done.exit_code == 0 and all(name in said for name in FIGURES) and not (case_c_run / "figures").exists()
+    assert (
+        done.exit_code == 0
+        and all(name in said for name in FIGURES)
+        and not (case_c_run / "figures").exists()
+    )
     assert "none: no link is elastic" in said and "usual" in said
 
 
@@ -64,20 +74,27 @@ def test_the_list_says_what_there_is_and_what_the_run_has_nothing_for(command: C
     ("given", "says"),
     [
         (("--figure", "energi"), 'there is no figure "energi": did you mean "energy"?'),
-        (("--figure", "guides"), 'nothing for the figure "guides": no block has play in a guide; there are mechanism, orbits'),
+        (
+            ("--figure", "guides"),
+            'nothing for the figure "guides": no block has play in a guide; there are mechanism, orbits',
+        ),
         (("--figure", "waterfall"), "it takes 3 turns"),
         (("--format", "jpg"), "--format jpg: no figure is written as this; there are png, svg, pdf"),
         (("--at", "1 kg"), "neither an angle nor a time"),
         (("--at", "90deg", "--figure", "forces"), "name no other figure with it"),
     ],
 )
-def test_what_cannot_be_drawn_is_told(command: Callable, case_c_run: Path, given: tuple[str, ...], says: str) -> None:
+def test_what_cannot_be_drawn_is_told(
+    command: Callable, case_c_run: Path, given: tuple[str, ...], says: str
+) -> None:
     done = command("plot", case_c_run, *given, "-o", "drawn")
     assert done.exit_code == 2 and says in done.stderr and not Path("drawn").exists()
 
 
 @pytest.mark.usefixtures("unrendered")
-def test_a_disk_that_is_full_keeps_what_is_drawn(command: Callable, case_c_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_disk_that_is_full_keeps_what_is_drawn(
+    command: Callable, case_c_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
@@ -92,12 +109,17 @@ def test_while_figures_are_drawn(held: Callable, case_c_run: Path, tmp_path: Pat
     process = held("matplotlib", "plot", case_c_run, "-o", "drawn")
     process.send_signal(signal.SIGINT)
     _, err = process.communicate("on\n", timeout=60)
-    assert process.returncode == 130 and err == "interrupted: Stopped by Ctrl-C. The run is as it was, and no figure was drawn.\n"
+    assert (
+        process.returncode == 130
+        and err == "interrupted: Stopped by Ctrl-C. The run is as it was, and no figure was drawn.\n"
+    )
     assert not (tmp_path / "drawn").exists()
 
 
 @pytest.mark.usefixtures("unrendered")
-def test_stopped_after_the_first(command: Callable, case_c_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stopped_after_the_first(
+    command: Callable, case_c_run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     kept, drawn = plots.figure, []
 
     def stop(result: object, name: str, *rest: object) -> object:
@@ -108,5 +130,7 @@ def test_stopped_after_the_first(command: Callable, case_c_run: Path, monkeypatc
 
     monkeypatch.setattr(plots, "figure", stop)
     done = command("plot", case_c_run, "--figure", "phase,energy", "-o", "drawn")
-    assert done.exit_code == 130 and "The run is as it was; 1 of 2 figures were drawn, in drawn." in done.stderr
+    assert (
+        done.exit_code == 130 and "The run is as it was; 1 of 2 figures were drawn, in drawn." in done.stderr
+    )
     assert os.listdir("drawn") == ["phase.png"]

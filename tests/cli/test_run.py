@@ -18,10 +18,10 @@ import vfife
 from choice import default_cases
 from cli.conftest import ENVIRONMENT
 from cli.models import CASE_C, ROOT
-from vfife.codegen import loops
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime import loops
+from vfife.compiler.runtime.runner import Runner
 from vfife.errors import RunFileError
-from vfife.results.runfile import RunFile
+from vfife.store.runfile import RunFile
 
 KEYS = {
     "turns",
@@ -63,7 +63,9 @@ def test_standard_output_is_one_object(process: Callable, tmp_path: Path) -> Non
 def test_measures_that_scripts_read(case_c_run: Path) -> None:
     measures = json.loads((case_c_run / "summary.json").read_text())["measures"]
     wanted = ["follower.angular_acceleration.max", "C.force.lip", "follower.angular_acceleration.lip"]
-    wanted += [f"C.{name}" for name in ("force.max", "penetration.max", "impacts", "share.continuous_contact")]
+    wanted += [
+        f"C.{name}" for name in ("force.max", "penetration.max", "impacts", "share.continuous_contact")
+    ]
     assert set(wanted) <= set(measures)
 
 
@@ -73,7 +75,17 @@ def test_folder_holds_the_run(case_c_run: Path) -> None:
 
 def test_model_as_run_runs_again(command: Callable, pendulum: Path) -> None:
     """The model in the folder has what --set and the options say, and gives the same numbers."""
-    options = ["--set", "body.rod.mass=3 kg", "--duration", "20 ms", "--step", "1e-5", "--outputs", "50", "--json"]
+    options = [
+        "--set",
+        "body.rod.mass=3 kg",
+        "--duration",
+        "20 ms",
+        "--step",
+        "1e-5",
+        "--outputs",
+        "50",
+        "--json",
+    ]
     first = json.loads(command("run", pendulum, *options).stdout)
     model = Path(first["run"]) / "model.toml"
     assert vfife.load_model(model).bodies["rod"].mass == 3.0
@@ -129,7 +141,9 @@ def test_figures_on_request(command: Callable) -> None:
 
 
 def test_without_the_ideal_mechanism(command: Callable) -> None:
-    said = json.loads(command("run", CASE_C, "--turns", "1", "--step", "2e-6", "--no-reference", "--json").stdout)
+    said = json.loads(
+        command("run", CASE_C, "--turns", "1", "--step", "2e-6", "--no-reference", "--json").stdout
+    )
     assert not [name for name in said["measures"] if name.endswith(".lip")]
 
 
@@ -141,7 +155,9 @@ def test_divergence_is_explained(command: Callable) -> None:
     done = command(*words, "--force-step", "--outputs", "10", "--json")
     assert done.exit_code == 3
     assert json.loads(done.stdout)["status"] == "diverged"
-    said = re.search(r"in step ([\d,]+), at ([\d.e-]+) s, (.+) (became infinite|left all bounds)", done.stderr)
+    said = re.search(
+        r"in step ([\d,]+), at ([\d.e-]+) s, (.+) (became infinite|left all bounds)", done.stderr
+    )
     assert said
     assert float(said[2]) == pytest.approx(3e-3 * int(said[1]), rel=1e-3)
     command(*words, "--force-step", "--outputs", "333", "--quiet", "--force")  # an output every step
@@ -174,7 +190,9 @@ def test_interrupted_run_is_kept(command: Callable, pendulum: Path, monkeypatch:
     assert vfife.Result.load(said["run"]).record.steps[-1] == said["steps"] > 0
 
 
-def test_interrupted_compilation_leaves_nothing(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interrupted_compilation_leaves_nothing(
+    command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     interrupt_at(monkeypatch, 1)
     done = command("run", pendulum, "--json")
     assert (done.exit_code, json.loads(done.stdout)["status"]) == (130, "interrupted")
@@ -212,7 +230,9 @@ def long_run(process: Callable, folder: Path, *words: Any) -> "subprocess.Popen[
 
 @pytest.mark.slow("starts a process and sends it a signal")
 def test_ctrl_c(process: Callable, pendulum: Path, tmp_path: Path) -> None:
-    began = long_run(process, tmp_path / "long", pendulum, "--duration", "10000", "--step", "1e-6", "--outputs", "100000")
+    began = long_run(
+        process, tmp_path / "long", pendulum, "--duration", "10000", "--step", "1e-6", "--outputs", "100000"
+    )
     began.send_signal(signal.SIGINT)
     out, err = began.communicate(timeout=240)
     assert began.returncode == 130
@@ -243,7 +263,11 @@ def test_a_sensitive_run_says_so_first(command: Callable, tmp_path: Path) -> Non
     done = command("run", CASE_C, *rough, "--step", "2.5e-6", "--companions", "3", "-o", "out")
     assert done.exit_code == 0
     said = " ".join(done.stdout.split())
-    assert said.index("This run is sensitive") < said.index("Bodies") and "The runs diverge at" in said and "range of reaction" in said
+    assert (
+        said.index("This run is sensitive") < said.index("Bodies")
+        and "The runs diverge at" in said
+        and "range of reaction" in said
+    )
     summary = json.loads(Path("out/summary.json").read_text())
     assert summary["trust"]["sensitive"] and summary["trust"]["joint"] in "BCD"
     name = summary["trust"]["measure"]
@@ -251,7 +275,12 @@ def test_a_sensitive_run_says_so_first(command: Callable, tmp_path: Path) -> Non
 
 
 def test_companions_are_asked_for_and_turned_off(command: Callable) -> None:
-    assert command("run", CASE_C, "--step", "5e-6", "--turns", "1", "--companions", "0", "-o", "out", "--json").exit_code == 0
+    assert (
+        command(
+            "run", CASE_C, "--step", "5e-6", "--turns", "1", "--companions", "0", "-o", "out", "--json"
+        ).exit_code
+        == 0
+    )
     assert json.loads(Path("out/summary.json").read_text())["ranges"] == {}
     assert "companions = 0" in Path("out/model.toml").read_text()
     wrong = command("run", CASE_C, "--companions", "12")
@@ -261,7 +290,11 @@ def test_companions_are_asked_for_and_turned_off(command: Callable) -> None:
 @pytest.mark.system("starts processes")
 @pytest.mark.parametrize(
     "way",
-    default_cases(["python -m", "a script that is not on the path", "a script on the path"], lambda way: way == "python -m", "starts processes"),
+    default_cases(
+        ["python -m", "a script that is not on the path", "a script on the path"],
+        lambda way: way == "python -m",
+        "starts processes",
+    ),
 )
 def test_what_comes_next_works_as_printed(tmp_path: Path, pendulum: Path, way: str) -> None:
     """The first of the commands that a run ends with, typed into a shell of the same environment."""
@@ -278,14 +311,18 @@ def test_what_comes_next_works_as_printed(tmp_path: Path, pendulum: Path, way: s
         line = ["vfife" if way == "a script on the path" else str(script.relative_to(tmp_path))]
     told = {"cwd": tmp_path, "env": environment, "capture_output": True, "text": True}
     done = subprocess.run([*line, "run", str(pendulum), "--duration", "1e-3"], **told)
-    (following,) = (one.removeprefix("Next: ") for one in done.stdout.splitlines() if one.startswith("Next: "))
+    (following,) = (
+        one.removeprefix("Next: ") for one in done.stdout.splitlines() if one.startswith("Next: ")
+    )
     info = following.split("; ")[1]
     assert info.startswith("vfife ") == (way == "a script on the path")
     again = subprocess.run(info, shell=True, **told)
     assert again.returncode == 0 and "pendulum" in again.stdout, again.stderr
 
 
-def test_a_first_run_of_its_kind_says_that_it_compiles(command: Callable, pendulum: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_first_run_of_its_kind_says_that_it_compiles(
+    command: Callable, pendulum: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("VFIFE_CACHE", str(tmp_path / "cache"))
     loops.straight_line.cache_clear()
     first = command("run", pendulum, "--duration", "1e-3")

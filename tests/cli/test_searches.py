@@ -1,4 +1,6 @@
-"""What samples, designs and searches of a study tell on the command line; their members are of closed form, so the answers are known."""
+"""What samples, designs and searches of a study tell on the command line; their members are of closed form,
+so the answers are known.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,10 @@ from typing import Any
 import pytest
 
 from fake_card import FakeDriver, in_this_machine
-from study.studies import BASE, Closed
-from vfife.study import cluster, forecast, run_missing
-from vfife.study.sampling import of_fit
+from studies.studies import BASE, Closed
+from vfife.studies import forecast
+from vfife.studies.engine import cluster, run_missing
+from vfife.studies.spec.sampling import of_fit
 
 pytest.importorskip("SALib")
 pytest.importorskip("optuna")
@@ -55,26 +58,39 @@ def told(command: Command, *words: str) -> Any:
     return json.loads(done.stdout)
 
 
-def test_tolerance_tells_quantiles_and_the_share_that_fails(command: Command, closed: Closed, tmp_path: Path) -> None:
-    """10⁴ times the clearance of a fit: quantiles are those of the fit, 5 % of 400 machines are beyond its 95 % quantile."""
+def test_tolerance_tells_quantiles_and_the_share_that_fails(
+    command: Command, closed: Closed, tmp_path: Path
+) -> None:
+    """10⁴ times the clearance of a fit: quantiles are those of the fit, 5 % of 400 machines are beyond its 95
+    % quantile.
+    """
     fit = of_fit("H8/f7", 0.02)
     limit = 1e4 * float(fit.quantile(0.95))
-    (tmp_path / "s.toml").write_text(HEAD + 'method = "random"\ncount = 400\n' + PLAY + f'[limit]\nC.force.max = "{limit:.12f} N"\n')
+    (tmp_path / "s.toml").write_text(
+        HEAD + 'method = "random"\ncount = 400\n' + PLAY + f'[limit]\nC.force.max = "{limit:.12f} N"\n'
+    )
     assert command("study", "s.toml", "-q").exit_code == 0
-    found = told(command, "study", "tolerance", "runs/s.study", "--quantiles", "10, 50")["measures"]["C.force.max"]
+    found = told(command, "study", "tolerance", "runs/s.study", "--quantiles", "10, 50")["measures"][
+        "C.force.max"
+    ]
     assert found["limit"] == {"high": pytest.approx(limit)}
     for share in (0.1, 0.5):
         at = found["quantiles"][f"{share:g}"]
         assert at["low"] <= 1e4 * float(fit.quantile(share)) <= at["high"]
     assert found["failing"]["low"] <= 0.05 <= found["failing"]["high"]
     assert found["mean"] == pytest.approx(1e4 * fit.mean, rel=0.02)
-    said = command("study", "tolerance", "runs/s.study", "--limit", "C.impacts=200", "--confidence", "90").stdout
+    said = command(
+        "study", "tolerance", "runs/s.study", "--limit", "C.impacts=200", "--confidence", "90"
+    ).stdout
     assert "fail: at most 200" in said and "50 % are below" in said and "90 % confidence" in said
 
 
 def test_a_tolerance_is_of_what_was_drawn_alone(command: Command, closed: Closed, tmp_path: Path) -> None:
     """C.force.max = 1e4 c: its mean is that of the clearances that were drawn, whatever else is in the file."""
-    text = HEAD + 'method = "random"\ncount = 32\n[vary.play]\npath = "joint.C.clearance"\nnominal = "0.2 mm"\ntolerance = "0.05 mm"\n'
+    text = (
+        HEAD + 'method = "random"\ncount = 32\n[vary.play]\npath = "joint.C.clearance"\nnominal = "0.2'
+        ' mm"\ntolerance = "0.05 mm"\n'
+    )
     (tmp_path / "s.toml").write_text(text)
     command("study", "s.toml", "-q")
     before = told(command, "study", "tolerance", "runs/s.study")
@@ -91,24 +107,32 @@ def test_a_tolerance_is_of_what_was_drawn_alone(command: Command, closed: Closed
     found = told(command, "study", "tolerance", "runs/s.study")
     narrow = [one["joint.C.clearance"] for one in closed.computed]
     assert found["machines"] == len(narrow) == 32
-    assert found["measures"]["C.force.max"]["deviation"] == pytest.approx(1e4 * statistics.stdev(narrow), rel=1e-9)
+    assert found["measures"]["C.force.max"]["deviation"] == pytest.approx(
+        1e4 * statistics.stdev(narrow), rel=1e-9
+    )
     done = command("study", "add", "runs/s.study", "--count", "5")
     assert (done.exit_code, "32 samples are asked for already" in done.stderr) == (2, True), done.stderr
 
 
 def test_indices_of_a_product(command: Command, closed: Closed, tmp_path: Path) -> None:
-    """v² c, v even over 100 to 200, c normal: shares of the variance of a product of independent numbers, in closed form."""
+    """v² c, v even over 100 to 200, c normal: shares of the variance of a product of independent numbers, in
+    closed form.
+    """
     normal = '[vary.play]\npath = "joint.C.clearance"\nmean = "0.2 mm"\ndeviation = "0.02 mm"\n'
     (tmp_path / "s.toml").write_text(HEAD + 'method = "saltelli"\ncount = 128\n' + normal + SPEED)
     assert command("study", "s.toml", "-q").exit_code == 0
     assert len(closed.computed) == 128 * 4
-    found = told(command, "study", "indices", "runs/s.study", "--measure", "C.force.max")["measures"]["C.force.max"]
+    found = told(command, "study", "indices", "runs/s.study", "--measure", "C.force.max")["measures"][
+        "C.force.max"
+    ]
     mean, square = (200**3 - 100**3) / 300, (200**5 - 100**5) / 500
     a, b = 0.1**2, (square - mean**2) / mean**2  # squared coefficients of variation
     whole = a + b + a * b
     assert [one["parameter"] for one in found] == ["play", "speed"]
     assert [one["first"] for one in found] == pytest.approx([a / whole, b / whole], abs=0.04)
-    assert [one["total"] for one in found] == pytest.approx([(a + a * b) / whole, (b + a * b) / whole], abs=0.04)
+    assert [one["total"] for one in found] == pytest.approx(
+        [(a + a * b) / whole, (b + a * b) / whole], abs=0.04
+    )
     assert "with others" in command("study", "indices", "runs/s.study").stdout
 
 
@@ -116,18 +140,36 @@ def test_effects_of_morris(command: Command, closed: Closed, tmp_path: Path) -> 
     """C.impacts is the speed: half of its range of 100 rad/s moves it by 50, the clearance by nothing."""
     (tmp_path / "s.toml").write_text(HEAD + 'method = "morris"\ncount = 10\n' + PLAY + SPEED)
     assert command("study", "s.toml", "-q").exit_code == 0
-    found = told(command, "study", "indices", "runs/s.study", "--measure", "C.impacts")["measures"]["C.impacts"]
-    assert {one["parameter"]: (one["size"], one["deviation"]) for one in found} == {"play": (0.0, 0.0), "speed": (50.0, pytest.approx(0.0, abs=1))}
-    assert "size of the effect" in command("study", "indices", "runs/s.study", "--measure", "C.impacts").stdout
+    found = told(command, "study", "indices", "runs/s.study", "--measure", "C.impacts")["measures"][
+        "C.impacts"
+    ]
+    assert {one["parameter"]: (one["size"], one["deviation"]) for one in found} == {
+        "play": (0.0, 0.0),
+        "speed": (50.0, pytest.approx(0.0, abs=1)),
+    }
+    assert (
+        "size of the effect" in command("study", "indices", "runs/s.study", "--measure", "C.impacts").stdout
+    )
 
 
-ALLOCATION = '[limit]\n"C.force.max" = "{limit} N"\n[cost.play]\nIT6 = 9\nIT7 = 5\nIT8 = 3\nIT9 = 2\n[allocation]\nmeasure = "C.force.max"\n'
+ALLOCATION = (
+    '[limit]\n"C.force.max" = "{limit} N"\n[cost.play]\nIT6 = 9\nIT7 = 5\nIT8 = 3\nIT9 ='
+    ' 2\n[allocation]\nmeasure = "C.force.max"\n'
+)
 
 
-def test_the_cheapest_fit_is_found_and_nothing_is_computed_twice(command: Command, closed: Closed, tmp_path: Path) -> None:
-    """The 99 % quantile of 10⁴ c is under 0.34 N with H8/f7 (0.309) and not with H8/f8 (0.347), H9/f8 (0.41) or H9/f9."""
+def test_the_cheapest_fit_is_found_and_nothing_is_computed_twice(
+    command: Command, closed: Closed, tmp_path: Path
+) -> None:
+    """The 99 % quantile of 10⁴ c is under 0.34 N with H8/f7 (0.309) and not with H8/f8 (0.347), H9/f8 (0.41)
+    or H9/f9.
+    """
     (tmp_path / "s.toml").write_text(HEAD + PLAY + ALLOCATION.format(limit=0.34) + "count = 473\n")
-    assert 1e4 * float(of_fit("H8/f7", 0.02).quantile(0.99)) < 0.34 < 1e4 * float(of_fit("H8/f8", 0.02).quantile(0.99))
+    assert (
+        1e4 * float(of_fit("H8/f7", 0.02).quantile(0.99))
+        < 0.34
+        < 1e4 * float(of_fit("H8/f8", 0.02).quantile(0.99))
+    )
     found = told(command, "study", "allocate", "s.toml", "-q")
     assert found["fits"] == {"play": "H8/f7"}
     assert found["cost"] == 8.0
@@ -151,8 +193,12 @@ def test_no_fit_that_keeps_the_limit_is_exit_code_3(command: Command, closed: Cl
 SEARCH = '[optimise]\nminimise = ["C.force.max"]\nmembers = 48\n[limit]\nC.impacts = {low = 150}\n'
 
 
-def test_a_search_goes_on_where_it_was_broken_off(command: Command, closed: Closed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The least of v² c is on the limit of v: 150² · 0.1 mm = 2.25 N, least clearance and least speed allowed."""
+def test_a_search_goes_on_where_it_was_broken_off(
+    command: Command, closed: Closed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The least of v² c is on the limit of v: 150² · 0.1 mm = 2.25 N, least clearance and least speed
+    allowed.
+    """
     play = '[vary.play]\npath = "joint.C.clearance"\nvalues = ["0.1 mm", "0.2 mm"]\n'
     (tmp_path / "s.toml").write_text(HEAD + play + SPEED + SEARCH)
     whole = closed.__call__
@@ -181,12 +227,24 @@ def test_a_search_goes_on_where_it_was_broken_off(command: Command, closed: Clos
 
 @pytest.mark.system("a search of many runs")
 def test_derivatives_lead_a_search_on_and_it_says_how_far(command: Command, tmp_path: Path) -> None:
-    """A slider-crank's pin: m w² r (1 + r/l) is least with the longest rod and the shortest crank, where the two bounds are."""
-    lengths = '[vary.rod]\npath = "body.rod.length"\nfrom = 0.1\nto = 0.2\n[vary.crank]\npath = "body.crank.length"\nfrom = 0.03\nto = 0.05\n'
-    head = f'model = "{BASE.parents[1] / "examples" / "slider_crank.toml"}"\nmeasures = ["pin.force.max"]\nturns = 1\n'
-    (tmp_path / "s.toml").write_text(head + lengths + '[optimise]\nminimise = ["pin.force.max"]\nmembers = 4\n')
+    """A slider-crank's pin: m w² r (1 + r/l) is least with the longest rod and the shortest crank, where the
+    two bounds are.
+    """
+    lengths = (
+        '[vary.rod]\npath = "body.rod.length"\nfrom = 0.1\nto = 0.2\n[vary.crank]\npath ='
+        ' "body.crank.length"\nfrom = 0.03\nto = 0.05\n'
+    )
+    head = (
+        f'model = "{BASE.parents[1] / "examples" / "slider_crank.toml"}"\nmeasures = ["pin.force.max"]\nturns'
+        " = 1\n"
+    )
+    (tmp_path / "s.toml").write_text(
+        head + lengths + '[optimise]\nminimise = ["pin.force.max"]\nmembers = 4\n'
+    )
     done = command("optimise", "s.toml", "--json")
-    assert "forecast: up to 20 members more by derivatives" in done.stderr and "half the step" not in done.stderr
+    assert (
+        "forecast: up to 20 members more by derivatives" in done.stderr and "half the step" not in done.stderr
+    )
     found = json.loads(done.stdout)
     assert 0 < found["refined"] == found["members"] - 4 and found["why"] == ""
     (least,) = found["best"]
@@ -194,28 +252,43 @@ def test_derivatives_lead_a_search_on_and_it_says_how_far(command: Command, tmp_
     assert least["measures"]["pin.force.max"] == pytest.approx(0.14 * 1e4 * 0.03 * 1.15, rel=1e-6)
     assert f"the last {found['refined']} by derivatives" in command("optimise", "s.toml").stdout
     (tmp_path / "s.toml").write_text((tmp_path / "s.toml").read_text() + "refine = 1\n")
-    assert "derivatives lead no further: refine = 1 members are taken" in " ".join(command("optimise", "s.toml").stderr.split())
+    assert "derivatives lead no further: refine = 1 members are taken" in " ".join(
+        command("optimise", "s.toml").stderr.split()
+    )
 
 
 @pytest.mark.parametrize("words", [("optimise",), ("study", "allocate")])
-def test_a_search_tells_that_there_is_no_card(command: Command, closed: Closed, tmp_path: Path, words: tuple[str, ...]) -> None:
-    (tmp_path / "s.toml").write_text(HEAD + (SPEED + SEARCH if words == ("optimise",) else PLAY + ALLOCATION.format(limit=1)))
+def test_a_search_tells_that_there_is_no_card(
+    command: Command, closed: Closed, tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    (tmp_path / "s.toml").write_text(
+        HEAD + (SPEED + SEARCH if words == ("optimise",) else PLAY + ALLOCATION.format(limit=1))
+    )
     with in_this_machine(FakeDriver(None, cuInit=100)):
         done = command(*words, "s.toml", "--device", "cuda")
     assert (done.exit_code, "the driver sees no card" in done.stderr) == (2, True), done.stderr
     done = command(*words, "s.toml", "--device", "gpu")
-    assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (2, True), done.stderr
+    assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (
+        2,
+        True,
+    ), done.stderr
     done = command(*words, "s.toml", "--device", "cuda", "--cluster", "local")
-    assert (done.exit_code, "cluster local and device cuda exclude each other" in done.stderr) == (2, True), done.stderr
+    assert (done.exit_code, "cluster local and device cuda exclude each other" in done.stderr) == (2, True), (
+        done.stderr
+    )
     assert not closed.computed and not Path("runs").exists()
 
 
 def test_a_front_of_two_measures(command: Command, closed: Closed, tmp_path: Path) -> None:
     play = '[vary.play]\npath = "joint.C.clearance"\nfrom = "0.1 mm"\nto = "0.2 mm"\n'
-    (tmp_path / "s.toml").write_text(HEAD + SPEED + play + '[optimise]\nminimise = ["C.force.max", "C.impacts"]\nmembers = 16\n')
+    (tmp_path / "s.toml").write_text(
+        HEAD + SPEED + play + '[optimise]\nminimise = ["C.force.max", "C.impacts"]\nmembers = 16\n'
+    )
     front = told(command, "optimise", "s.toml")["best"]
     assert front
-    assert [one["measures"]["C.force.max"] for one in front] == sorted(one["measures"]["C.force.max"] for one in front)
+    assert [one["measures"]["C.force.max"] for one in front] == sorted(
+        one["measures"]["C.force.max"] for one in front
+    )
 
 
 @pytest.mark.parametrize(
@@ -224,15 +297,47 @@ def test_a_front_of_two_measures(command: Command, closed: Closed, tmp_path: Pat
         (("optimise",), HEAD + SPEED, "this table is missing"),
         (("optimise",), HEAD + PLAY + SEARCH, "this has a distribution"),
         (("optimise",), HEAD + SPEED + SEARCH.replace("C.force.max", "C.force.maxi"), "it is not measured"),
-        (("optimise",), HEAD + SPEED + SEARCH.replace("C.impacts", "D.impacts"), "a limit of what is not measured"),
-        (("optimise",), HEAD + SPEED + SEARCH.replace("{low = 150}", "{low = 150, high = 100}"), "no number is within this limit"),
+        (
+            ("optimise",),
+            HEAD + SPEED + SEARCH.replace("C.impacts", "D.impacts"),
+            "a limit of what is not measured",
+        ),
+        (
+            ("optimise",),
+            HEAD + SPEED + SEARCH.replace("{low = 150}", "{low = 150, high = 100}"),
+            "no number is within this limit",
+        ),
         (("optimise",), HEAD + SPEED + SEARCH.replace("members", "member"), 'Did you mean "members"?'),
-        (("study", "allocate"), HEAD + PLAY + ALLOCATION.format(limit=1).replace("IT6", "IT66"), "a grade that there is not"),
-        (("study", "allocate"), HEAD + PLAY + ALLOCATION.format(limit=1).replace("cost.play", "cost.pla"), 'Did you mean "play"?'),
-        (("study", "allocate"), HEAD + PLAY + ALLOCATION.format(limit=1).replace("= 9", '= "nine"'), "a number for each grade"),
-        (("study", "allocate"), HEAD + SPEED + ALLOCATION.format(limit=1).replace("play", "speed"), "costs of what has no fit"),
-        (("study", "allocate"), HEAD + PLAY + ALLOCATION.format(limit=1) + "count = 100\n", "too few machines"),
-        (("study", "allocate"), HEAD + PLAY + ALLOCATION.format(limit=1).replace("1 N", "1 mm"), "C.force.max"),
+        (
+            ("study", "allocate"),
+            HEAD + PLAY + ALLOCATION.format(limit=1).replace("IT6", "IT66"),
+            "a grade that there is not",
+        ),
+        (
+            ("study", "allocate"),
+            HEAD + PLAY + ALLOCATION.format(limit=1).replace("cost.play", "cost.pla"),
+            'Did you mean "play"?',
+        ),
+        (
+            ("study", "allocate"),
+            HEAD + PLAY + ALLOCATION.format(limit=1).replace("= 9", '= "nine"'),
+            "a number for each grade",
+        ),
+        (
+            ("study", "allocate"),
+            HEAD + SPEED + ALLOCATION.format(limit=1).replace("play", "speed"),
+            "costs of what has no fit",
+        ),
+        (
+            ("study", "allocate"),
+            HEAD + PLAY + ALLOCATION.format(limit=1) + "count = 100\n",
+            "too few machines",
+        ),
+        (
+            ("study", "allocate"),
+            HEAD + PLAY + ALLOCATION.format(limit=1).replace("1 N", "1 mm"),
+            "C.force.max",
+        ),
     ],
 )
 def test_what_cannot_be_searched_is_a_sentence(
@@ -244,7 +349,9 @@ def test_what_cannot_be_searched_is_a_sentence(
     assert not closed.computed
 
 
-def test_what_has_no_sample_or_no_cluster_is_a_sentence(command: Command, closed: Closed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_has_no_sample_or_no_cluster_is_a_sentence(
+    command: Command, closed: Closed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(cluster, "ANSWER", 0.2)
     (tmp_path / "s.toml").write_text(HEAD + '[vary]\n"joint.C.clearance" = [1e-4, 2e-4]\n')
     command("study", "s.toml", "-q")
@@ -262,9 +369,16 @@ def test_what_has_no_sample_or_no_cluster_is_a_sentence(command: Command, closed
     assert "cluster" in done.stderr
 
 
-def test_a_search_is_forecast_and_an_absurd_one_is_refused_unless_it_is_meant(command: Command, closed: Closed, tmp_path: Path) -> None:
-    """16 members are asked for; 29 machines show 90 % with 95 %, 0.9^29 < 0.05, and 8 are reckoned for each of 6 other choices."""
-    long, play = HEAD.replace("turns = 2", "turns = 1000000"), '[vary.play]\npath = "joint.C.clearance"\nvalues = ["0.1 mm", "0.2 mm"]\n'
+def test_a_search_is_forecast_and_an_absurd_one_is_refused_unless_it_is_meant(
+    command: Command, closed: Closed, tmp_path: Path
+) -> None:
+    """16 members are asked for; 29 machines show 90 % with 95 %, 0.9^29 < 0.05, and 8 are reckoned for each
+    of 6 other choices.
+    """
+    long, play = (
+        HEAD.replace("turns = 2", "turns = 1000000"),
+        '[vary.play]\npath = "joint.C.clearance"\nvalues = ["0.1 mm", "0.2 mm"]\n',
+    )
     (tmp_path / "o.toml").write_text(long + play + SPEED + SEARCH.replace("48", "16"))
     (tmp_path / "a.toml").write_text(long + PLAY + ALLOCATION.format(limit=0.5) + "share = 0.9\n")
     for words, members in ((("optimise", "o.toml"), 16), (("study", "allocate", "a.toml"), 29 + 6 * 8)):
@@ -273,10 +387,16 @@ def test_a_search_is_forecast_and_an_absurd_one_is_refused_unless_it_is_meant(co
         assert "this search takes some" in done.stderr and "add --yes if that is meant" in done.stderr
         assert not closed.computed and not (tmp_path / "runs" / f"{words[-1][0]}.study").exists()
         done = command(*words, "--yes")
-        assert (done.exit_code, f"forecast: {members} members, some " in done.stderr) == (0, True), done.stderr
+        assert (done.exit_code, f"forecast: {members} members, some " in done.stderr) == (0, True), (
+            done.stderr
+        )
         assert "threads of" in done.stderr and f"kB in runs/{words[-1][0]}.study" in done.stderr
-        assert f"forecast: {members} members" not in command(*words, "--yes").stderr, "what the file has is not computed again"
+        assert f"forecast: {members} members" not in command(*words, "--yes").stderr, (
+            "what the file has is not computed again"
+        )
         closed.computed.clear()
     (tmp_path / "o.toml").write_text(HEAD + play + SPEED + SEARCH.replace("48", "50000"))
     done = command("optimise", "o.toml", "-o", "many.study")
-    assert (done.exit_code, "for 50,000 members of" in done.stderr) == (2, True), "choosing them takes hours by itself"
+    assert (done.exit_code, "for 50,000 members of" in done.stderr) == (2, True), (
+        "choosing them takes hours by itself"
+    )

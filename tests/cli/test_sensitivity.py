@@ -14,13 +14,29 @@ CRANK = EXAMPLES / "slider_crank.toml"
 
 @pytest.mark.slow("displaced runs")
 def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
-    done = command("sensitivity", CRANK, "--of", "pin.force.max", "-n", 2, "--turns", 1, "--figure", "t.svg", "--csv", "all.csv", "--quiet")
+    done = command(
+        "sensitivity",
+        CRANK,
+        "--of",
+        "pin.force.max",
+        "-n",
+        2,
+        "--turns",
+        1,
+        "--figure",
+        "t.svg",
+        "--csv",
+        "all.csv",
+        "--quiet",
+    )
     assert done.exit_code == 0, done.stderr
     assert (tmp_path / "t.svg").read_text().startswith("<?xml")
     done = command("sensitivity", CRANK, "--of", "pin.force.max", "-n", 2, "--turns", 1)
     lines = [line.split() for line in done.stdout.splitlines() if line.strip().startswith(("pin", "body"))]
     assert [line[-2:] for line in lines] == [["driver.crank.speed", "+2"], ["body.crank.length", "+1.29"]]
-    rows = json.loads(command("sensitivity", CRANK, "--of", "pin.force.max", "--turns", 1, "--json").stdout)["rows"]
+    rows = json.loads(command("sensitivity", CRANK, "--of", "pin.force.max", "--turns", 1, "--json").stdout)[
+        "rows"
+    ]
     assert len(rows) + 1 == len((tmp_path / "all.csv").read_text().splitlines())
     assert {"measure": "pin.force.max", "number": "driver.crank.speed"}.items() <= rows[0].items()
 
@@ -28,12 +44,24 @@ def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
 @pytest.mark.system("displaced runs of a chaotic motion")
 def test_measures_that_companions_part_in_are_marked(command, tmp_path):
     """In the table, the figure, JSON and a sentence."""
-    asked = ("--of", "coupler.angular_acceleration.max", "--to", "body.*.mass", "--step", "8 us", "--turns", 1)
+    asked = (
+        "--of",
+        "coupler.angular_acceleration.max",
+        "--to",
+        "body.*.mass",
+        "--step",
+        "8 us",
+        "--turns",
+        1,
+    )
     words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", *asked)
     done = command(*words, "--figure", "t.svg")
     assert done.exit_code == 0
     assert "mean nothing" in done.stderr
-    assert "forecast: a run of " in done.stderr and "numbers by which it has derivatives, each checked by finite changes" in done.stderr
+    assert (
+        "forecast: a run of " in done.stderr
+        and "numbers by which it has derivatives, each checked by finite changes" in done.stderr
+    )
     lines = [line.split() for line in done.stdout.splitlines() if line.strip()]
     assert any((line[0], line[-1]) == ("coupler.angular_acceleration.max", "?") for line in lines)
     assert "companions part" in (tmp_path / "t.svg").read_text()
@@ -42,27 +70,77 @@ def test_measures_that_companions_part_in_are_marked(command, tmp_path):
 
 
 def test_measures_that_are_rounding_are_left_out_and_told(command):
-    """A guide carries no moment where the only pin and the middle of the block's mass are on its line, and what it guides does not turn."""
-    done = command("sensitivity", CRANK, "--turns", 1, "--of", "*.moment.max", "--of", "*.torque.max", "--of", "block.*", "--to", "body.*.mass")
+    """A guide carries no moment where the only pin and the middle of the block's mass are on its line, and
+    what it guides does not turn.
+    """
+    done = command(
+        "sensitivity",
+        CRANK,
+        "--turns",
+        1,
+        "--of",
+        "*.moment.max",
+        "--of",
+        "*.torque.max",
+        "--of",
+        "block.*",
+        "--to",
+        "body.*.mass",
+    )
     assert done.exit_code == 0
-    assert "rounding beside the largest of their unit: block.angular_acceleration.max, guide.moment.max" in " ".join(done.stderr.split())
+    assert (
+        "rounding beside the largest of their unit: block.angular_acceleration.max, guide.moment.max"
+        in " ".join(done.stderr.split())
+    )
     assert {line.split()[0] for line in done.stdout.splitlines() if ".max" in line} == {"crank.torque.max"}
 
 
 @pytest.mark.system("starts processes with other libraries")
 @pytest.mark.parametrize("kernel", ["Haswell", "Nehalem", "SkylakeX"])
 def test_rounding_decides_no_exit_code(kernel):
-    """The moment of that guide is 1e-45 N m or exactly 0, which the linear algebra of the machine decides; a run leaves out the latter."""
-    words = [sys.executable, "-m", "vfife", "sensitivity", str(CRANK), "--turns", "1", "--of", "*.moment.max", "--to", "body.*.mass"]
-    done = subprocess.run(words, capture_output=True, text=True, env={**os.environ, "OPENBLAS_CORETYPE": kernel}, check=False, timeout=300)
+    """The moment of that guide is 1e-45 N m or exactly 0, which the linear algebra of the machine decides; a
+    run leaves out the latter.
+    """
+    words = [
+        sys.executable,
+        "-m",
+        "vfife",
+        "sensitivity",
+        str(CRANK),
+        "--turns",
+        "1",
+        "--of",
+        "*.moment.max",
+        "--to",
+        "body.*.mass",
+    ]
+    done = subprocess.run(
+        words,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "OPENBLAS_CORETYPE": kernel},
+        check=False,
+        timeout=300,
+    )
     assert done.returncode == 0, done.stderr
     assert "rounding beside the largest of their unit: guide.moment.max" in " ".join(done.stderr.split())
 
 
 @pytest.mark.system("displaced runs of a chaotic motion")
 def test_a_change_stands_where_the_derivative_does_not_describe_it(command):
-    """The largest gas force is at a point of the table of pressures: more there makes it larger, less lets another point be the largest."""
-    words = ("sensitivity", EXAMPLES / "compressor.toml", "--of", "main.force.max", "--to", "load.gas.pressure.1[23]", "--turns", 1)
+    """The largest gas force is at a point of the table of pressures: more there makes it larger, less lets
+    another point be the largest.
+    """
+    words = (
+        "sensitivity",
+        EXAMPLES / "compressor.toml",
+        "--of",
+        "main.force.max",
+        "--to",
+        "load.gas.pressure.1[23]",
+        "--turns",
+        1,
+    )
     done = command(*words)
     assert done.exit_code == 0, done.stderr
     lines = [line.split() for line in done.stdout.splitlines() if "load.gas" in line]
@@ -71,14 +149,28 @@ def test_a_change_stands_where_the_derivative_does_not_describe_it(command):
     assert lines[1][1] == "?"
     assert "* change for 1 %" in done.stdout and "? sign or order of magnitude not known" in done.stdout
     rows = json.loads(command(*words, "--json").stdout)["rows"]
-    assert {row["number"][-2:]: (row["kind"], row["meaningless"]) for row in rows} == {"12": ("change", True), "13": ("unknown", True)}
+    assert {row["number"][-2:]: (row["kind"], row["meaningless"]) for row in rows} == {
+        "12": ("change", True),
+        "13": ("unknown", True),
+    }
     assert all(row["change_from"] <= row["change"] <= row["change_to"] for row in rows)
 
 
 @pytest.mark.system("displaced runs of a chaotic motion")
 def test_wide_ranges_have_a_note(command):
-    """A step at which reversals of friction are over before they are seen: also one displaced run alone has a range from other step sizes."""
-    words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", "--of", "C.force.max", "--to", "body.*.mass", "--turns", 1)
+    """A step at which reversals of friction are over before they are seen: also one displaced run alone has a
+    range from other step sizes.
+    """
+    words = (
+        "sensitivity",
+        EXAMPLES / "four_bar_case_c.toml",
+        "--of",
+        "C.force.max",
+        "--to",
+        "body.*.mass",
+        "--turns",
+        1,
+    )
     for more in ((), ("--runs", 1)):
         done = command(*words, *more)
         assert done.exit_code == 0 and "of the largest wide (C.force.max)" in " ".join(done.stderr.split())
@@ -87,7 +179,18 @@ def test_wide_ranges_have_a_note(command):
 
 
 def test_a_step_that_is_too_large_may_be_forced(command):
-    words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", "--of", "C.force.max", "--to", "body.*.mass", "--turns", 0.1, "--step", "21.5 us")
+    words = (
+        "sensitivity",
+        EXAMPLES / "four_bar_case_c.toml",
+        "--of",
+        "C.force.max",
+        "--to",
+        "body.*.mass",
+        "--turns",
+        0.1,
+        "--step",
+        "21.5 us",
+    )
     done = command(*words)
     assert done.exit_code == 2 and "--force-step" in done.stderr
     assert command(*words, "--force-step").exit_code == 0
@@ -114,8 +217,12 @@ def test_faults_are_sentences(command, tmp_path):
 
 @pytest.mark.system("displaced runs of a free motion")
 def test_a_model_without_a_driver_has_the_largest_that_there_are(command):
-    done = command("sensitivity", EXAMPLES / "block_on_incline.toml", "--duration", "10 ms", "--companions", 0, "--json")
+    done = command(
+        "sensitivity", EXAMPLES / "block_on_incline.toml", "--duration", "10 ms", "--companions", 0, "--json"
+    )
     assert done.exit_code == 0, done.stderr
-    assert {row["measure"].rpartition(".")[0].rpartition(".")[2] for row in json.loads(done.stdout)["rows"]} <= {"force", "angular_acceleration"}
+    assert {
+        row["measure"].rpartition(".")[0].rpartition(".")[2] for row in json.loads(done.stdout)["rows"]
+    } <= {"force", "angular_acceleration"}
     done = command("sensitivity", EXAMPLES / "block_on_incline.toml", "--companions", "\N{SUPERSCRIPT TWO}")
     assert done.exit_code == 2 and "0 to 7" in done.stderr

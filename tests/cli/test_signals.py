@@ -1,6 +1,7 @@
 """Ctrl-C, SIGTERM and SIGHUP at any moment of a process: a sentence, an exit code, no traceback.
 
-The moment is held: a module of a library's name that says so and waits for a line, in front of the library's own. Nothing waits for a clock.
+The moment is held: a module of a library's name that says so and waits for a line, in front of the library's
+own. Nothing waits for a clock.
 """
 
 from __future__ import annotations
@@ -27,15 +28,26 @@ def test_while_the_command_line_is_loaded(held: Callable, name: str) -> None:
     process.send_signal(getattr(signal, name))
     out, err = process.communicate("on\n", timeout=60)
     by = "Ctrl-C" if name == "SIGINT" else name
-    assert (process.returncode, err) == (CODES[name], f"interrupted: Stopped by {by}. Nothing was begun, so there is nothing to keep.\n")
-    assert json.loads(out) == {"status": "interrupted", "faults": [{"what": err.removeprefix("interrupted: ").strip()}]}
+    assert (process.returncode, err) == (
+        CODES[name],
+        f"interrupted: Stopped by {by}. Nothing was begun, so there is nothing to keep.\n",
+    )
+    assert json.loads(out) == {
+        "status": "interrupted",
+        "faults": [{"what": err.removeprefix("interrupted: ").strip()}],
+    }
 
 
 def test_while_what_a_command_needs_is_loaded(held: Callable, pendulum: Path) -> None:
     process = held("numpy", "run", pendulum)
     process.send_signal(signal.SIGTERM)
     _, err = process.communicate("on\n", timeout=60)
-    assert process.returncode == 143 and "Stopped by SIGTERM" in err and "nothing to keep" in err and "Traceback" not in err
+    assert (
+        process.returncode == 143
+        and "Stopped by SIGTERM" in err
+        and "nothing to keep" in err
+        and "Traceback" not in err
+    )
     assert not (pendulum.parent / "runs").exists()
 
 
@@ -54,17 +66,28 @@ def test_while_figures_are_drawn(held: Callable, pendulum: Path) -> None:
     process = held("matplotlib", "run", pendulum, "--figures", "-o", "out", "--json", "--duration", "0.001")
     process.send_signal(signal.SIGTERM)
     out, err = process.communicate("on\n", timeout=60)
-    assert process.returncode == 143 and "Stopped by SIGTERM. The run itself is whole, in out." in err and "Traceback" not in err
+    assert (
+        process.returncode == 143
+        and "Stopped by SIGTERM. The run itself is whole, in out." in err
+        and "Traceback" not in err
+    )
     assert json.loads(out)["status"] == "interrupted"
-    assert (pendulum.parent / "out" / "summary.json").exists() and not (pendulum.parent / "out" / "run.lock").exists()
+    assert (pendulum.parent / "out" / "summary.json").exists() and not (
+        pendulum.parent / "out" / "run.lock"
+    ).exists()
 
 
 def test_one_that_comes_when_all_is_done_changes_nothing(held: Callable, tmp_path: Path) -> None:
     """The process ends as it was about to: what it was asked for is printed."""
     (tmp_path / "before").mkdir()
-    text = "import atexit, os, sys\natexit.register(lambda: (os.write(2, b'at its end\\n'), sys.stdin.readline()))\n"
+    text = (
+        "import atexit, os, sys\natexit.register(lambda: (os.write(2, b'at its end\\n'),"
+        " sys.stdin.readline()))\n"
+    )
     (tmp_path / "before" / "sitecustomize.py").write_text(text)
-    environment = ENVIRONMENT | {"PYTHONPATH": os.pathsep.join((str(tmp_path / "before"), ENVIRONMENT["PYTHONPATH"]))}
+    environment = ENVIRONMENT | {
+        "PYTHONPATH": os.pathsep.join((str(tmp_path / "before"), ENVIRONMENT["PYTHONPATH"]))
+    }
     line = [sys.executable, "-m", "vfife", "new"]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     process = subprocess.Popen(line, env=environment, text=True, preexec_fn=hear, **pipes)

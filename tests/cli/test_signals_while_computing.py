@@ -1,4 +1,6 @@
-"""Ctrl-C, SIGTERM and SIGHUP while a run computes, or while a library hears nothing: it ends soon, and keeps what it has."""
+"""Ctrl-C, SIGTERM and SIGHUP while a run computes, or while a library hears nothing: it ends soon, and keeps
+what it has.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ import pytest
 
 from cli.conftest import ENVIRONMENT, hear
 from cli.folders import stages
-from vfife.results.runfile import RunFile
+from vfife.store.runfile import RunFile
 
 
 def computing(process: int, seconds: float) -> None:
@@ -40,10 +42,25 @@ def patience() -> float:
 
 @pytest.mark.system("starts processes and sends them signals")
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
-def test_signals_are_heard_between_outputs(process: Callable, command: Callable, pendulum: Path, tmp_path: Path, name: str, code: int) -> None:
+def test_signals_are_heard_between_outputs(
+    process: Callable, command: Callable, pendulum: Path, tmp_path: Path, name: str, code: int
+) -> None:
     """One output for a run of hours: it ends within two seconds, and goes on from where it was."""
     began = process(
-        "run", pendulum, "--outputs", "1", "--step", "1e-6", "--duration", "20000", "-o", "long", "--json", "--companions", "0", "--yes"
+        "run",
+        pendulum,
+        "--outputs",
+        "1",
+        "--step",
+        "1e-6",
+        "--duration",
+        "20000",
+        "-o",
+        "long",
+        "--json",
+        "--companions",
+        "0",
+        "--yes",
     )
     until = time.monotonic() + 60.0
     while not (tmp_path / "long" / "run.sqlite").exists():
@@ -55,7 +72,11 @@ def test_signals_are_heard_between_outputs(process: Callable, command: Callable,
     out, err = began.communicate(timeout=60)
     assert time.monotonic() - asked < patience()
     assert began.returncode == code, err
-    assert "steps were made; they are kept in" in err and "Traceback" not in err and ("Ctrl-C" if name == "SIGINT" else name) in err
+    assert (
+        "steps were made; they are kept in" in err
+        and "Traceback" not in err
+        and ("Ctrl-C" if name == "SIGINT" else name) in err
+    )
     if out:  # the summary itself was interrupted where there is none
         assert json.loads(out)["status"] == "interrupted"
     with RunFile.open(tmp_path / "long") as file:
@@ -83,7 +104,13 @@ with signals.Signals():
             pass
 """
     began = subprocess.Popen(
-        [sys.executable, "-c", text], cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=hear
+        [sys.executable, "-c", text],
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=hear,
     )
     assert began.stdout is not None and began.stdout.readline() == "ready\n"
     asked = time.monotonic()

@@ -13,7 +13,9 @@ import vfife
 
 @pytest.fixture(scope="module")
 def shaken(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A crank of 10 turns a second, of whose pin nothing but its own weight and 3 N at the fifth order is felt."""
+    """A crank of 10 turns a second, of whose pin nothing but its own weight and 3 N at the fifth order is
+    felt.
+    """
     m = vfife.Mechanism("shaken crank")
     m.point("O", 0.0, 0.0)
     m.link("crank", length=0.1, mass=1.0)
@@ -32,7 +34,9 @@ def test_the_strongest_waves_are_told(command: Callable, shaken: Path) -> None:
     assert ["5", "50", "3", "N"] in lines or ["O.force_x", "5", "50", "3", "N"] in lines
     assert "Hann windows of 4 turns, overlapping by 50 %; resolution 0.375 orders or 3.75 Hz." in done.stdout
     rows = list(csv.reader(Path("s.csv").read_text().splitlines()))
-    assert rows[0][:3] == ["frequency [Hz]", "order [1]", "O.force_x [N]"] and Path("s.png").read_bytes().startswith(b"\x89PNG")
+    assert rows[0][:3] == ["frequency [Hz]", "order [1]", "O.force_x [N]"] and Path(
+        "s.png"
+    ).read_bytes().startswith(b"\x89PNG")
     high = max((row for row in rows[2:]), key=lambda row: float(row[2]) if float(row[1]) > 3.0 else 0.0)
     assert [float(one) for one in high[:3]] == pytest.approx([50.0, 5.0, 3.0], rel=1e-3)
 
@@ -41,10 +45,28 @@ def test_spectrograms_and_envelopes(command: Callable, shaken: Path) -> None:
     words = ("--as", "spectrogram", "--turns", "1", "--window", "rectangular", "--figure", "g.svg", "--hertz")
     done = command("spectrum", shaken, "--of", "O.force_x", *words)
     assert done.exit_code == 0, done.stderr
-    assert "order" not in done.stdout.split("Rect")[0].replace("waves", "") and "frequency (Hz)" in Path("g.svg").read_text()
-    done = command("spectrum", shaken, "--of", "O.force_x", "--as", "envelope", "--band", "40..60Hz", "--csv", "e.csv", "--figure", "e.pdf")
+    assert (
+        "order" not in done.stdout.split("Rect")[0].replace("waves", "")
+        and "frequency (Hz)" in Path("g.svg").read_text()
+    )
+    done = command(
+        "spectrum",
+        shaken,
+        "--of",
+        "O.force_x",
+        "--as",
+        "envelope",
+        "--band",
+        "40..60Hz",
+        "--csv",
+        "e.csv",
+        "--figure",
+        "e.pdf",
+    )
     assert done.exit_code == 0, done.stderr
-    values = np.array([[float(one) for one in row] for row in list(csv.reader(Path("e.csv").read_text().splitlines()))[1:]])
+    values = np.array(
+        [[float(one) for one in row] for row in list(csv.reader(Path("e.csv").read_text().splitlines()))[1:]]
+    )
     assert values[:, 2] == pytest.approx(3.0, rel=0.02)
 
 

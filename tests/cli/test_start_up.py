@@ -27,11 +27,15 @@ print("", json.dumps(found), sep=chr(10), file=sys.stderr)
 
 
 def loaded(*many: list[str]) -> tuple[list[set[str]], str]:
-    """All modules that a process has loaded when each of some commands, one after the other, is done; and what was said.
+    """All modules that a process has loaded when each of some commands, one after the other, is done; and
+    what was said.
 
-    What one of them loads that it does not need is seen behind all that follow it, and so is what they load themselves.
+    What one of them loads that it does not need is seen behind all that follow it, and so is what they load
+    themselves.
     """
-    done = subprocess.run([sys.executable, "-c", LISTED.format(many=many)], env=ENVIRONMENT, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", LISTED.format(many=many)], env=ENVIRONMENT, capture_output=True, text=True
+    )
     return [set(names) for names in json.loads(done.stderr.splitlines()[-1])], done.stderr
 
 
@@ -67,9 +71,21 @@ def test_loads_nothing_heavy(behind_light_ones: dict[str, set[str]], words: list
 
 @pytest.mark.system("starts a process")
 def test_a_run_loads_what_it_needs(tmp_path: Path) -> None:
-    """Neither what draws on a terminal, nor what checks arguments that are plain, nor what reads the names of installed packages."""
+    """Neither what draws on a terminal, nor what checks arguments that are plain, nor what reads the names of
+    installed packages.
+    """
     (found,), _ = loaded(
-        ["run", str(ROOT / "examples" / "four_bar_case_c.toml"), "-o", str(tmp_path / "run"), "--turns", "0.1", "--outputs", "9", "--json"]
+        [
+            "run",
+            str(ROOT / "examples" / "four_bar_case_c.toml"),
+            "-o",
+            str(tmp_path / "run"),
+            "--turns",
+            "0.1",
+            "--outputs",
+            "9",
+            "--json",
+        ]
     )
     assert not packages(found) & (HEAVY - {"llvmlite"} | {"rich", "pydantic", "email"})
 
@@ -77,7 +93,9 @@ def test_a_run_loads_what_it_needs(tmp_path: Path) -> None:
 def test_both_ways_in_say_the_version() -> None:
     import vfife
 
-    done = subprocess.run([sys.executable, "-m", "vfife", "--version"], env=ENVIRONMENT, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "vfife", "--version"], env=ENVIRONMENT, capture_output=True, text=True
+    )
     assert (done.returncode, done.stdout) == (0, f"vfife {vfife.__version__}\n")
 
 
@@ -88,20 +106,29 @@ def behind_others() -> tuple[list[set[str]], str]:
 
 
 @pytest.mark.system("starts processes")
-@pytest.mark.parametrize(("k", "own"), [(0, "map"), (1, "rum"), (2, "new")], ids=["map --nonsense", "rum", "schema"])
-def test_only_the_command_that_is_named_is_loaded(behind_others: tuple[list[set[str]], str], k: int, own: str) -> None:
+@pytest.mark.parametrize(
+    ("k", "own"), [(0, "map"), (1, "rum"), (2, "new")], ids=["map --nonsense", "rum", "schema"]
+)
+def test_only_the_command_that_is_named_is_loaded(
+    behind_others: tuple[list[set[str]], str], k: int, own: str
+) -> None:
     """The others are known by their names alone, also to what suggests one for a word that is none."""
     found, said = behind_others
     others = {"result", "compare", "fitted", "new", "searched", "study", "wear"} - {own}
     assert "vfife.cli.app" in found[k]
     assert not found[k] & {f"vfife.cli.{name}" for name in others}
-    assert own != "schema" or "vfife.cli.new" in found[k]
+    assert own != "schema" or "vfife.cli.commands.new" in found[k]
     assert own != "rum" or "Did you mean 'run'" in said
 
 
 def test_the_entry_listens_before_anything_is_imported():
-    """Ctrl-C in the first hundredths of a second leaves no traceback; only the interpreter's own start comes before."""
-    said = "import sys, _signal; _signal.signal(_signal.SIGINT, _signal.default_int_handler); before = set(sys.modules); import vfife_command"
+    """Ctrl-C in the first hundredths of a second leaves no traceback; only the interpreter's own start comes
+    before.
+    """
+    said = (
+        "import sys, _signal; _signal.signal(_signal.SIGINT, _signal.default_int_handler); before ="
+        " set(sys.modules); import vfife_command"
+    )
     said += "; print(sorted(set(sys.modules) - before), _signal.getsignal(_signal.SIGINT) == _signal.SIG_DFL)"
     found = subprocess.run([sys.executable, "-c", said], capture_output=True, text=True, check=True)
     assert found.stdout.split("]")[0] == "['vfife_command'" and found.stdout.strip().endswith("True")
@@ -111,4 +138,9 @@ def test_an_interrupt_that_is_ignored_stays_ignored():
     """As for a command behind nohup, or in the background of a script."""
     said = "import _signal; _signal.signal(_signal.SIGINT, _signal.SIG_IGN); import vfife_command; "
     said += "print(_signal.getsignal(_signal.SIGINT) == _signal.SIG_IGN)"
-    assert subprocess.run([sys.executable, "-c", said], capture_output=True, text=True, check=True).stdout.strip() == "True"
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", said], capture_output=True, text=True, check=True
+        ).stdout.strip()
+        == "True"
+    )

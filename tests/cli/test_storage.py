@@ -1,4 +1,6 @@
-"""A disk that is full, broken or forbidden: every file is whole or as it was, and a sentence says what is kept."""
+"""A disk that is full, broken or forbidden: every file is whole or as it was, and a sentence says what is
+kept.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +19,12 @@ import vfife
 from cli.folders import contents, stages
 from results.killed import full_at
 from vfife import files, plots
-from vfife.cli import run as of_a_run
 from vfife.cli.app import app
-from vfife.codegen import cache
-from vfife.results import export, folder
-from vfife.results.runfile import RunFile
+from vfife.cli.commands import run as of_a_run
+from vfife.compiler.runtime import cache
+from vfife.results import export
+from vfife.store import folder
+from vfife.store.runfile import RunFile
 
 
 @pytest.fixture
@@ -61,16 +64,24 @@ WRITES = {
 @pytest.mark.system("a full disk at each write in turn")
 @pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
 @pytest.mark.parametrize("what", ["the folder", "the lock", "the move", "the figures", "the summary"])
-def test_every_write_in_turn(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, what: str, fault: Any) -> None:
+def test_every_write_in_turn(
+    command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, what: str, fault: Any
+) -> None:
     owner, name, said = WRITES[what]
     if what == "the summary":
         owner, name, said = files.os, "replace", "The run itself is whole"
     with monkeypatch.context() as context:
         context.setattr(owner, name, only_summaries(fault) if what == "the summary" else fault)
-        done = CliRunner().invoke(app, ["run", str(pendulum), "--json", *(["--figures"] if what == "the figures" else [])])
+        done = CliRunner().invoke(
+            app, ["run", str(pendulum), "--json", *(["--figures"] if what == "the figures" else [])]
+        )
     assert done.exit_code == 5, (done.exit_code, done.stderr, done.exception)
     assert json.loads(done.stdout)["status"] == "storage"
-    assert said in done.stderr and "Traceback" not in done.stderr and os.strerror(fault_number(fault)) in done.stderr
+    assert (
+        said in done.stderr
+        and "Traceback" not in done.stderr
+        and os.strerror(fault_number(fault)) in done.stderr
+    )
     assert not stages()
     if "whole" in said:
         assert vfife.load_result("runs/pendulum").record.status == "complete"
@@ -87,12 +98,18 @@ def fault_number(fault: Any) -> int:
 
 
 @pytest.mark.parametrize("call", [3, 20, 25, 30])
-def test_a_full_disk_in_the_run_file(command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
+def test_a_full_disk_in_the_run_file(
+    command: Callable, pendulum: Path, monkeypatch: pytest.MonkeyPatch, call: int
+) -> None:
     with monkeypatch.context() as context:
         context.setattr(RunFile, "insert", full_at(call))
         done = command("run", pendulum, "--json", "--outputs", "2000", "--step", "1e-6")
     assert done.exit_code == 5, (done.exit_code, done.stderr, done.exception)
-    assert "disk is full" in done.stderr and "bytes are free there" in done.stderr and "Traceback" not in done.stderr
+    assert (
+        "disk is full" in done.stderr
+        and "bytes are free there" in done.stderr
+        and "Traceback" not in done.stderr
+    )
     assert json.loads(done.stdout)["status"] == "storage" and not stages()
     if Path("runs/pendulum").exists():
         assert "vfife resume runs/pendulum" in done.stderr
@@ -114,7 +131,9 @@ FILES = {
 @pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
 @pytest.mark.parametrize("what", FILES)
 @pytest.mark.usefixtures("unrendered")
-def test_every_other_file_is_whole_or_as_it_was(command: Callable, monkeypatch: pytest.MonkeyPatch, what: str, fault: Any) -> None:
+def test_every_other_file_is_whole_or_as_it_was(
+    command: Callable, monkeypatch: pytest.MonkeyPatch, what: str, fault: Any
+) -> None:
     words = FILES[what]
     Path(words[-1]).write_text("before")
     with monkeypatch.context() as context:
@@ -152,7 +171,9 @@ def made_once(*args: Any, made: Any = export._made) -> memoryview:
 
 @pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
 @pytest.mark.parametrize("there", [False, True])
-def test_an_export_is_whole_or_not_there(command: Callable, kept: Path, monkeypatch: pytest.MonkeyPatch, fault: Any, there: bool) -> None:
+def test_an_export_is_whole_or_not_there(
+    command: Callable, kept: Path, monkeypatch: pytest.MonkeyPatch, fault: Any, there: bool
+) -> None:
     monkeypatch.setattr(export, "_made", made_once)
     if there:
         Path("out.nc").write_text("before")
@@ -160,12 +181,20 @@ def test_an_export_is_whole_or_not_there(command: Callable, kept: Path, monkeypa
         with monkeypatch.context() as context:
             if name == "open":
                 opened = Path.open
-                context.setattr(Path, "open", lambda self, *a, opened=opened, **k: fault() if self.suffix == ".part" else opened(self, *a, **k))
+                context.setattr(
+                    Path,
+                    "open",
+                    lambda self, *a, opened=opened, **k: (
+                        fault() if self.suffix == ".part" else opened(self, *a, **k)
+                    ),
+                )
             else:
                 context.setattr(owner, name, fault)
             done = command("export", "kept", "out.nc", "--force")
         assert done.exit_code == 5, (done.stderr, done.exception)
-        assert "The run is as it was" in done.stderr and ("bytes are free there" in done.stderr) == (fault is not forbidden)
+        assert "The run is as it was" in done.stderr and ("bytes are free there" in done.stderr) == (
+            fault is not forbidden
+        )
         assert not list(Path().glob(".*.part")) and Path("out.nc").exists() == there
         assert not there or Path("out.nc").read_text() == "before"
 
@@ -190,7 +219,9 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
 
 
 @pytest.mark.parametrize("fault", [no_room, forbidden, broken_disk], ids=lambda fault: fault.__name__)
-def test_a_cache_that_cannot_be_written_costs_time_and_no_run(own_cache: Path, monkeypatch: pytest.MonkeyPatch, fault: Any) -> None:
+def test_a_cache_that_cannot_be_written_costs_time_and_no_run(
+    own_cache: Path, monkeypatch: pytest.MonkeyPatch, fault: Any
+) -> None:
     monkeypatch.setattr(cache.os, "replace", fault)
     cache.keep("step-1.o", b"code")
     assert cache.read("step-1.o") is None and list(own_cache.iterdir()) == []

@@ -1,4 +1,6 @@
-"""`vfife study`: from a study file to one file, which is shown, exported and added to; what goes wrong is a sentence and an exit code."""
+"""`vfife study`: from a study file to one file, which is shown, exported and added to; what goes wrong is a
+sentence and an exit code.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,12 @@ import numpy as np
 import pytest
 
 from fake_card import FakeDriver, in_this_machine
-from study.studies import ASKED, Closed
-from vfife.results.lock import Lock
+from studies.studies import ASKED, Closed
 from vfife.results.studied import Study
-from vfife.study import cluster, forecast, run_missing, studies
+from vfife.store.lock import Lock
+from vfife.studies import forecast
+from vfife.studies import study as studies
+from vfife.studies.engine import cluster, run_missing
 
 Command = Callable[..., Any]
 SEARCHED = """
@@ -54,10 +58,14 @@ def test_the_same_command_goes_on_and_computes_nothing_twice(command: Command, c
     assert told["status"] == "complete"
     assert told["measures"]["C.force.max"]["largest"] == 200.0**2 * 3e-4
     assert told["measures"]["C.force.max"]["largest_at"] == {"play": 3e-4, "speed": 200.0}
-    assert [one["C.force.max"] for one in told["members"]] == Study.open("runs/s.study").values("C.force.max").tolist()
+    assert [one["C.force.max"] for one in told["members"]] == Study.open("runs/s.study").values(
+        "C.force.max"
+    ).tolist()
 
 
-def test_values_points_and_what_was_broken_off_are_added(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_values_points_and_what_was_broken_off_are_added(
+    command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch
+) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
     closed.computed.clear()
     assert command("study", "add", "x.study", "play=0.4 mm, 0.1 mm", "-q").exit_code == 0
@@ -71,7 +79,9 @@ def test_values_points_and_what_was_broken_off_are_added(command: Command, close
     assert len(closed.computed) == 7
 
 
-def test_what_is_added_is_read_under_the_lock(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_added_is_read_under_the_lock(
+    command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Two that add at once: the second is refused before it has read what the first is about to change."""
     command("study", "s.toml", "-o", "x.study", "-q")
     with studies.locked(Path("x.study")):
@@ -81,7 +91,9 @@ def test_what_is_added_is_read_under_the_lock(command: Command, closed: Closed, 
     assert done.exit_code == 2 and not read and "writes this study" in done.stderr
 
 
-def test_a_study_of_another_text_of_the_step_is_not_added_to(command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_study_of_another_text_of_the_step_is_not_added_to(
+    command: Command, closed: Closed, monkeypatch: pytest.MonkeyPatch
+) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
     monkeypatch.setattr(run_missing, "sources_of_the_step", lambda: b"another text")
     for words in (("add", "x.study", "play=0.4 mm"), ("resume", "x.study")):
@@ -134,8 +146,12 @@ def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, t
     assert [float(row["play [m]"]) for row in rows] == found.points()[:, 0].tolist()
     assert (rows[0]["C.impacts"], rows[0]["reason"]) == ("", "it has no measure C.impacts")
     with xarray.open_dataset(tmp_path / "out.nc", engine="h5netcdf") as data:
-        assert data.identical(found.data.load()) or np.array_equal(data["C.force.max"], found.data["C.force.max"])
-        assert data["C.force.max"].attrs["units"] == "N" and data.play.attrs["long_name"] == "joint.C.clearance"
+        assert data.identical(found.data.load()) or np.array_equal(
+            data["C.force.max"], found.data["C.force.max"]
+        )
+        assert (
+            data["C.force.max"].attrs["units"] == "N" and data.play.attrs["long_name"] == "joint.C.clearance"
+        )
     assert command("study", "export", "x.study", "out.csv").exit_code == 2
     assert "there are .csv, .nc and .parquet" in command("study", "export", "x.study", "out.doc").stderr
     parquet = pytest.importorskip("pyarrow.parquet")
@@ -165,7 +181,11 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
     assert "this is a study file, of many runs; see vfife study show" in command("info", "x.study").stderr
     assert "this is what a study was kept in" in command("study", "x.study").stderr
     assert "nothing is left to compute: all 6 members" in command("study", "resume", "x.study").stderr
-    for word, says in (("plya=1", 'did you mean "play"'), ("play=1 s", "this is a time"), ("play", "this is not NAME=VALUE")):
+    for word, says in (
+        ("plya=1", 'did you mean "play"'),
+        ("play=1 s", "this is a time"),
+        ("play", "this is not NAME=VALUE"),
+    ):
         done = command("study", "add", "x.study", word)
         assert (done.exit_code, says in done.stderr) == (2, True), done.stderr
     with Lock(tmp_path, "x.study.lock", "this study"):
@@ -174,7 +194,9 @@ def test_bad_input_is_a_sentence_and_exit_code_2(command: Command, closed: Close
     assert len(Study.open("x.study").done) == 6
 
 
-def test_a_study_gives_way_only_to_one_that_can_begin(command: Command, closed: Closed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_study_gives_way_only_to_one_that_can_begin(
+    command: Command, closed: Closed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(cluster, "ANSWER", 0.2)
     command("study", "s.toml", "-o", "x.study", "-q")
     for words in (("study",), ("optimise",)):
@@ -185,19 +207,29 @@ def test_a_study_gives_way_only_to_one_that_can_begin(command: Command, closed: 
         assert len(Study.open("x.study").done) == 6
 
 
-def test_a_damaged_study_is_called_one_and_gives_way_where_that_is_asked_for(command: Command, closed: Closed, tmp_path: Path) -> None:
+def test_a_damaged_study_is_called_one_and_gives_way_where_that_is_asked_for(
+    command: Command, closed: Closed, tmp_path: Path
+) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
     (tmp_path / "x.study").write_bytes((tmp_path / "x.study").read_bytes()[:3000])
     for words in (("study", "show", "x.study"), ("study", "s.toml", "-o", "x.study")):
         done = command(*words)
-        assert done.exit_code == 2 and "this study file is damaged" in done.stderr and "make the study again" in done.stderr, done.stderr
+        assert (
+            done.exit_code == 2
+            and "this study file is damaged" in done.stderr
+            and "make the study again" in done.stderr
+        ), done.stderr
     done = command("study", "s.toml", "-o", "x.study", "--force")
     assert (done.exit_code, "forecast: 6 members," in done.stderr) == (0, True), done.stderr
     again = command("study", "s.toml", "-o", "x.study", "--force")
-    assert "forecast: 6 members," in again.stderr and "already" not in again.stderr, "all of them are computed anew"
+    assert "forecast: 6 members," in again.stderr and "already" not in again.stderr, (
+        "all of them are computed anew"
+    )
 
 
-def test_a_study_whose_members_are_all_damaged_is_shown(command: Command, closed: Closed, tmp_path: Path) -> None:
+def test_a_study_whose_members_are_all_damaged_is_shown(
+    command: Command, closed: Closed, tmp_path: Path
+) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
     with sqlite3.connect(tmp_path / "x.study") as file:
         file.execute("UPDATE members SET hash = 'none'")
@@ -205,13 +237,21 @@ def test_a_study_whose_members_are_all_damaged_is_shown(command: Command, closed
     assert done.exit_code == 0, done.exception
     assert "this study file is damaged: 6 members are damaged" in done.stderr and "0 members" in done.stdout
     command("study", "export", "x.study", "x.csv")
-    assert (tmp_path / "x.csv").read_text().startswith("member,play [m],speed [rad/s],"), "the names of columns stay"
+    assert (tmp_path / "x.csv").read_text().startswith("member,play [m],speed [rad/s],"), (
+        "the names of columns stay"
+    )
 
 
 def test_one_is_not_said_to_be_many(command: Command, closed: Closed, tmp_path: Path) -> None:
-    (tmp_path / "s.toml").write_text(ASKED.split("turns")[0] + 'turns = 1\n[vary]\n"joint.C.clearance" = [1e-4]\n')
+    (tmp_path / "s.toml").write_text(
+        ASKED.split("turns")[0] + 'turns = 1\n[vary]\n"joint.C.clearance" = [1e-4]\n'
+    )
     done = command("study", "s.toml")
-    assert "forecast: 1 member, some" in done.stderr and ": 1 member, 1 complete" in done.stdout and "1 turn;" in done.stdout, done.stdout
+    assert (
+        "forecast: 1 member, some" in done.stderr
+        and ": 1 member, 1 complete" in done.stdout
+        and "1 turn;" in done.stdout
+    ), done.stdout
 
 
 def test_figures_have_a_folder_of_their_own(command: Command, closed: Closed) -> None:
@@ -226,13 +266,20 @@ def test_a_card_that_is_not_there_is_told_before_anything_is_begun(command: Comm
             done = command(*words, "--device", "cuda")
             assert (done.exit_code, "the driver sees no card" in done.stderr) == (2, True), done.stderr
     done = command("study", "s.toml", "--device", "gpu")
-    assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (2, True), done.stderr
+    assert (done.exit_code, 'device gpu: there is no such device; there is "cuda"' in done.stderr) == (
+        2,
+        True,
+    ), done.stderr
     done = command("study", "s.toml", "--device", "cuda", "--cluster", "local")
-    assert (done.exit_code, "cluster local and device cuda exclude each other" in done.stderr) == (2, True), done.stderr
+    assert (done.exit_code, "cluster local and device cuda exclude each other" in done.stderr) == (2, True), (
+        done.stderr
+    )
     assert not Path("runs").exists() and not Path("x.study").exists()
 
 
-def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(command: Command, closed: Closed, tmp_path: Path) -> None:
+def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(
+    command: Command, closed: Closed, tmp_path: Path
+) -> None:
     (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", "turns = 500000"))
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 2
@@ -241,8 +288,12 @@ def test_a_study_of_hours_is_refused_with_its_numbers_unless_it_is_meant(command
     assert command("study", "s.toml", "-o", "x.study", "--yes", "-q").exit_code == 0
 
 
-def test_members_of_other_kinds_are_grouped_and_told(command: Command, closed: Closed, tmp_path: Path) -> None:
-    (tmp_path / "s.toml").write_text(ASKED + '[vary.law]\npath = "joint.C.contact.law"\nvalues = ["lankarani-nikravesh", "flores"]\n')
+def test_members_of_other_kinds_are_grouped_and_told(
+    command: Command, closed: Closed, tmp_path: Path
+) -> None:
+    (tmp_path / "s.toml").write_text(
+        ASKED + '[vary.law]\npath = "joint.C.contact.law"\nvalues = ["lankarani-nikravesh", "flores"]\n'
+    )
     done = command("study", "s.toml", "-o", "x.study")
     assert done.exit_code == 0, done.stderr
     assert "members of 2 kinds are run group by group" in done.stderr
@@ -252,7 +303,9 @@ def test_members_of_other_kinds_are_grouped_and_told(command: Command, closed: C
 @pytest.mark.usefixtures("unrendered")
 def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> None:
     command("study", "s.toml", "-o", "x.study", "-q")
-    done = command("study", "plot", "x.study", "--figure", "curves", "--measure", "C.force.max", "--kind", "svg")
+    done = command(
+        "study", "plot", "x.study", "--figure", "curves", "--measure", "C.force.max", "--kind", "svg"
+    )
     assert (done.exit_code, done.stdout.split()) == (0, ["x-figures/curves.svg"]), done.stderr
     assert "did you mean" in command("study", "plot", "x.study", "--figure", "curvs").stderr
     done = command("report", "x.study", "--no-live")
@@ -262,12 +315,21 @@ def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> N
     assert command("report", "x.study").exit_code == 2, "a file that is there stays"
 
 
-def test_measures_of_the_whole_run_are_told_beside_the_turns_that_are_chosen(command: Command, closed: Closed, tmp_path: Path) -> None:
+def test_measures_of_the_whole_run_are_told_beside_the_turns_that_are_chosen(
+    command: Command, closed: Closed, tmp_path: Path
+) -> None:
     for last, told in ((1, False), (2, True)):
         (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", f"turns = 2\nlast = {last}"))
         said = " ".join(command("study", "s.toml", "--force").stderr.split())
-        assert ("note: C.impacts is of the whole run, from its first turn on; last = 2 does not change that." in said) is told, said
+        assert (
+            "note: C.impacts is of the whole run, from its first turn on; last = 2 does not change that."
+            in said
+        ) is told, said
     (tmp_path / "s.toml").write_text(
-        ASKED.replace('"C.impacts"', '"C.impacts", "C.approach_speed.max"').replace("turns = 2", "turns = 2\nlast = 2")
+        ASKED.replace('"C.impacts"', '"C.impacts", "C.approach_speed.max"').replace(
+            "turns = 2", "turns = 2\nlast = 2"
+        )
     )
-    assert "C.impacts, C.approach_speed.max are of the whole run" in command("study", "s.toml", "--force").stderr
+    assert (
+        "C.impacts, C.approach_speed.max are of the whole run" in command("study", "s.toml", "--force").stderr
+    )

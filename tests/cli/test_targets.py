@@ -1,4 +1,6 @@
-"""What a command reads it does not write over: the model, the data, the tables that a model names; nor a folder, nor one file twice."""
+"""What a command reads it does not write over: the model, the data, the tables that a model names; nor a
+folder, nor one file twice.
+"""
 
 import pytest
 
@@ -29,7 +31,11 @@ BAD = {
 
 @pytest.mark.parametrize("case", BAD)
 def test_what_is_read_stays(command, tmp_path, case):
-    texts = {"m.toml": MODEL, "press.csv": "penetration (um), force (N)\n0,0\n1,1\n", "data.csv": "time (s), C.force (N)\n0,1\n"}
+    texts = {
+        "m.toml": MODEL,
+        "press.csv": "penetration (um), force (N)\n0,0\n1,1\n",
+        "data.csv": "time (s), C.force (N)\n0,1\n",
+    }
     for name, text in texts.items():
         (tmp_path / name).write_text(text)
     (tmp_path / "link.toml").symlink_to(tmp_path / "m.toml")
@@ -37,7 +43,11 @@ def test_what_is_read_stays(command, tmp_path, case):
         (tmp_path / name).mkdir()
     before = sorted(path.name for path in tmp_path.iterdir())
     done = command(*BAD[case])
-    said = ("would be written over; name another file", "this is a folder; name a file", "in a folder that is there; name one")
+    said = (
+        "would be written over; name another file",
+        "this is a folder; name a file",
+        "in a folder that is there; name one",
+    )
     assert done.exit_code == 2 and any(one in " ".join(done.stderr.split()) for one in said), done.stderr
     assert {name: (tmp_path / name).read_text() for name in texts} == texts
     assert sorted(path.name for path in tmp_path.iterdir()) == before
@@ -47,13 +57,21 @@ def test_two_targets_are_two_files_and_all_faults_are_told(tmp_path):
     (tmp_path / "m.toml").write_text(MODEL)
     one = tmp_path / "a.csv"
     with pytest.raises(ValueError, match="--csv is written there too.*--worn .*would be written over"):
-        refuse_inputs((("--csv", one), ("--figure", one), ("--worn", tmp_path / "m.toml")), (tmp_path / "m.toml",))
+        refuse_inputs(
+            (("--csv", one), ("--figure", one), ("--worn", tmp_path / "m.toml")), (tmp_path / "m.toml",)
+        )
     refuse_inputs((("--csv", one), ("--figure", None)), (tmp_path / "m.toml", tmp_path / "none.toml", None))
 
 
 SAID = {
-    "skipped for ever": (("fit", "pin.toml", "data.csv", "-p", "joint.pin.clearance=0.1..1mm", "--skip", "inf"), "skip = inf: out of range"),
-    "a name twice": (("fit", "pin.toml", "twice.csv", "-p", "joint.pin.clearance=0.1..1mm"), "several columns of this name"),
+    "skipped for ever": (
+        ("fit", "pin.toml", "data.csv", "-p", "joint.pin.clearance=0.1..1mm", "--skip", "inf"),
+        "skip = inf: out of range",
+    ),
+    "a name twice": (
+        ("fit", "pin.toml", "twice.csv", "-p", "joint.pin.clearance=0.1..1mm"),
+        "several columns of this name",
+    ),
     "a law has no use for it": (
         ("fit", "--law", "impact", "data.csv", "--fitted", "w.toml", "-p", "a=1..2"),
         "--parameter, --fitted: a law is fitted without",
@@ -78,24 +96,56 @@ def test_what_is_wrong_is_told_with_a_next_step(command, tmp_path, case):
     words, said = SAID[case]
     done = command(*words)
     text = " ".join(done.stderr.split())
-    assert done.exit_code == 2 and said in text and "cannot convert" not in text and "Traceback" not in text, text
-    assert (tmp_path / "mine-wear.png").read_bytes() == b"\x89PNG, drawn by hand" and not (tmp_path / "mine.wear").exists()
+    assert (
+        done.exit_code == 2 and said in text and "cannot convert" not in text and "Traceback" not in text
+    ), text
+    assert (tmp_path / "mine-wear.png").read_bytes() == b"\x89PNG, drawn by hand" and not (
+        tmp_path / "mine.wear"
+    ).exists()
 
 
 @pytest.mark.parametrize(
     "words",
     [
-        ("fit", "pin.toml", "data.csv", "-p", "joint.pin.clearance=0.1..0.3mm", "--screened", "2", "--starts", "1", "--step", "10us"),
+        (
+            "fit",
+            "pin.toml",
+            "data.csv",
+            "-p",
+            "joint.pin.clearance=0.1..0.3mm",
+            "--screened",
+            "2",
+            "--starts",
+            "1",
+            "--step",
+            "10us",
+        ),
         ("map", "section", "pin.toml", "--turns", "3", "--step", "10us"),
-        ("waterfall", "pin.toml", "--over", "driver.crank.speed=800..900rpm", "--count", "2", "--turns", "3", "--step", "10us"),
+        (
+            "waterfall",
+            "pin.toml",
+            "--over",
+            "driver.crank.speed=800..900rpm",
+            "--count",
+            "2",
+            "--turns",
+            "3",
+            "--step",
+            "10us",
+        ),
     ],
     ids=lambda words: words[0],
 )
 def test_where_no_folder_of_runs_can_be_made_a_sentence_says_so(command, tmp_path, words):
     """A file of that name stands for a folder that nobody may write in: tests may be run by one who may."""
     (tmp_path / "pin.toml").write_text((ROOT / "examples" / "slider_crank_loose_pin.toml").read_text())
-    (tmp_path / "data.csv").write_text("time (s), pin.force (N)\n" + "".join(f"{k}e-4,{k % 5}\n" for k in range(20)))
+    (tmp_path / "data.csv").write_text(
+        "time (s), pin.force (N)\n" + "".join(f"{k}e-4,{k % 5}\n" for k in range(20))
+    )
     (tmp_path / "runs").write_text("mine")
     done = command(*words)
-    assert isinstance(done.exception, SystemExit) and done.exit_code == 2 and "File exists" in done.stderr, (done.exception, done.stderr)
+    assert isinstance(done.exception, SystemExit) and done.exit_code == 2 and "File exists" in done.stderr, (
+        done.exception,
+        done.stderr,
+    )
     assert (tmp_path / "runs").read_text() == "mine"

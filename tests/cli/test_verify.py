@@ -26,7 +26,9 @@ def test_for_people(command: Callable) -> None:
 
 
 def test_lists(command: Callable) -> None:
-    assert {one["case"] for one in json.loads(command("verify", "--list", "--json").stdout)["cases"]} == set(CASES)
+    assert {one["case"] for one in json.loads(command("verify", "--list", "--json").stdout)["cases"]} == set(
+        CASES
+    )
     assert "williams-toggle" in command("verify", "--list").stdout
 
 

@@ -28,13 +28,26 @@ BRIEF = (
 
 
 def test_a_waterfall_is_kept_drawn_and_told(command: Callable) -> None:
-    done = command("waterfall", CRANK, *BRIEF, "-o", "a.waterfall", "--csv", "a.csv", "--hertz", "--figure", "a.svg")
+    done = command(
+        "waterfall", CRANK, *BRIEF, "-o", "a.waterfall", "--csv", "a.csv", "--hertz", "--figure", "a.svg"
+    )
     assert done.exit_code == 0, done.stderr
-    assert "2 runs" in done.stdout and "Steps of " in done.stdout and "no contacts; without companions" in " ".join(done.stdout.split())
-    assert "rectangular window over 1 turns, 1 dropped; resolution 1 orders; 120 outputs a turn" in " ".join(done.stdout.split())
+    assert (
+        "2 runs" in done.stdout
+        and "Steps of " in done.stdout
+        and "no contacts; without companions" in " ".join(done.stdout.split())
+    )
+    assert "rectangular window over 1 turns, 1 dropped; resolution 1 orders; 120 outputs a turn" in " ".join(
+        done.stdout.split()
+    )
     rad, rpm = re.search(r"from (\S+) to .* rad/s \((\S+) to", " ".join(done.stdout.split())).groups()  # type: ignore[union-attr]
-    assert float(rpm) == pytest.approx(float(rad) * 60.0 / math.tau, rel=1e-3) and "2 of 2 runs" in done.stderr
-    assert Path("a.svg").read_text().startswith("<?xml") and len(Path("a.csv").read_text().splitlines()) == 1 + 2 * 51
+    assert (
+        float(rpm) == pytest.approx(float(rad) * 60.0 / math.tau, rel=1e-3) and "2 of 2 runs" in done.stderr
+    )
+    assert (
+        Path("a.svg").read_text().startswith("<?xml")
+        and len(Path("a.csv").read_text().splitlines()) == 1 + 2 * 51
+    )
     again = command("waterfall", CRANK, *BRIEF, "-o", "a.waterfall", "-q")
     assert again.exit_code == 0 and not again.stdout and Path("a-waterfall.png").exists()
 

@@ -6,17 +6,29 @@ from pathlib import Path
 import pytest
 
 import vfife
-from vfife.results.lock import Lock
+from vfife.store.lock import Lock
 
 PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin.toml"
-BRIEF = ("--turns", "2e3", "--block", 1, "--settle", 1, "--step", "10 us", "--set", "joint.pin.contact.restitution=0.3")
+BRIEF = (
+    "--turns",
+    "2e3",
+    "--block",
+    1,
+    "--settle",
+    1,
+    "--step",
+    "10 us",
+    "--set",
+    "joint.pin.contact.restitution=0.3",
+)
 WEAR = 'wear = { bearing = "1e-6 mm^3/(N m)", journal = "mild steel on mild steel" }'
 
 
 def worn_pin(folder: Path) -> Path:
     """The example, with friction and wear."""
     text = PIN.read_text().replace(
-        'friction = { law = "none" }', f'{WEAR}\nfriction = {{ law = "ambrosio", coefficient = 0.05, v0 = 1e-4, v1 = 1e-2 }}'
+        'friction = { law = "none" }',
+        f'{WEAR}\nfriction = {{ law = "ambrosio", coefficient = 0.05, v0 = 1e-4, v1 = 1e-2 }}',
     )
     model = folder / "pin.toml"
     model.write_text(text)
@@ -32,9 +44,14 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     said = " ".join(done.stdout.split())
     assert "pin bearing 1e-15" in said and "pin journal 4.38e-12" in said
     assert "steps a turn; friction: pin ambrosio. With half the step the last block wears" in said
-    assert "pin journal is that of mild steel on mild steel, dry, K = 0.007 (Archard: Contact and rubbing" in said
+    assert (
+        "pin journal is that of mild steel on mild steel, dry, K = 0.007 (Archard: Contact and rubbing"
+        in said
+    )
     assert "within a factor of 10, 4.4e-13 to 4.4e-11 1/Pa, with oil 4.4e-15 and less" in said
-    assert (tmp_path / "a-wear.png").read_bytes().startswith(b"\x89PNG") and "turns,joint,side,angle,depth" in (tmp_path / "a.csv").read_text()
+    assert (tmp_path / "a-wear.png").read_bytes().startswith(
+        b"\x89PNG"
+    ) and "turns,joint,side,angle,depth" in (tmp_path / "a.csv").read_text()
     assert len(vfife.load_model(tmp_path / "worn.toml").contacts["pin"].wear.bearing_profile) == 15
     assert "2,000 of 2,000 turns" in done.stderr
     request.getfixturevalue("unrendered")
@@ -48,16 +65,25 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
 
 @pytest.mark.usefixtures("unrendered")
 def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_path):
-    """Life is more than the turns that were asked for; the later one is the last slope of the play over turns, drawn on."""
+    """Life is more than the turns that were asked for; the later one is the last slope of the play over
+    turns, drawn on.
+    """
     done = command("wear", worn_pin(tmp_path), *BRIEF, "--clearance", "0.8 mm", "-o", "a.wear")
     assert done.exit_code == 0, done.stderr
     found = vfife.load_wear("a.wear")
-    left = (0.8e-3 - found.play[-1, 0]) / (found.play[-1, 0] - found.play[-2, 0]) * (found.turns[-1] - found.turns[-2])
+    left = (
+        (0.8e-3 - found.play[-1, 0])
+        / (found.play[-1, 0] - found.play[-2, 0])
+        * (found.turns[-1] - found.turns[-2])
+    )
     said = " ".join(done.stdout.split())
     assert "Life: more than 2,000 turns; no limit was reached" in said
     assert f"joint pin would come to 0.8 mm after some {found.turns[-1] + left:.2g} turns." in said
     grown, lost = (
-        float(f) for f in re.search(r"The play of pin grew by (\S+) µm where its deepest places lost (\S+) µm: 8 harmonics", said).groups()
+        float(f)
+        for f in re.search(
+            r"The play of pin grew by (\S+) µm where its deepest places lost (\S+) µm: 8 harmonics", said
+        ).groups()
     )
     assert 0.0 < grown < 0.8 * lost
     assert "less where a limit is reached" in done.stderr
@@ -67,10 +93,16 @@ def test_faults_are_sentences(command, tmp_path):
     model = worn_pin(tmp_path)
     soft = tmp_path / "soft.toml"
     soft.write_text(
-        model.read_text().replace('"1e-6 mm^3/(N m)"', '"ptfe on tool steel"').replace("[joint.pin]", '[joint.pin]\nbearing_material = "ptfe"')
+        model.read_text()
+        .replace('"1e-6 mm^3/(N m)"', '"ptfe on tool steel"')
+        .replace("[joint.pin]", '[joint.pin]\nbearing_material = "ptfe"')
     )
     odd = tmp_path / "odd.toml"
-    odd.write_text(model.read_text().replace('bearing = "1e-6 mm^3/(N m)"', "bearing = -1, bearing_profile = [1e-6, 2e-6]"))
+    odd.write_text(
+        model.read_text().replace(
+            'bearing = "1e-6 mm^3/(N m)"', "bearing = -1, bearing_profile = [1e-6, 2e-6]"
+        )
+    )
     for words, said in (
         ((PIN,), "no journal in a bearing wears"),
         ((model, "--turns", "0"), "greater than or equal to 1"),
@@ -93,7 +125,11 @@ def test_faults_are_sentences(command, tmp_path):
 def test_joints_that_cannot_wear_are_told(command, tmp_path):
     model = worn_pin(tmp_path)
     for old, new, said in (
-        ("clearance = ", 'friction_moment = "off"\nclearance = ', "with friction_moment off the surfaces do not slide by turning"),
+        (
+            "clearance = ",
+            'friction_moment = "off"\nclearance = ',
+            "with friction_moment off the surfaces do not slide by turning",
+        ),
         (WEAR, "wear = { bearing = 1e-15, bearing_profile = [1e-6, 2e-6] }", "a cosine is without its sine"),
         (WEAR, 'wear = { bearing = "steel on butter" }', "mild steel on mild steel"),
     ):
@@ -107,7 +143,10 @@ def test_check_and_run_tell_the_wear(command, tmp_path):
     """Coefficients with their sources, and what a turn takes."""
     model = worn_pin(tmp_path)
     told = " ".join(command("check", model).stdout.split())
-    assert "pin: bearing wears by 1e-15 1/Pa" in told and "mild steel on mild steel (Archard: Contact and rubbing of flat surfaces" in told
+    assert (
+        "pin: bearing wears by 1e-15 1/Pa" in told
+        and "mild steel on mild steel (Archard: Contact and rubbing of flat surfaces" in told
+    )
     done = command("run", model, "--turns", 1, "--step", "10 us", "--companions", 0, "-o", "r")
     assert done.exit_code == 0 and "Wear by Archard's law (last turn)" in done.stdout and "mm³" in done.stdout
 

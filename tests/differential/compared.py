@@ -10,16 +10,19 @@ from differential.constrained import Unfit
 from differential.drawn import drawn
 from differential.pencil import Drawn
 from support import finer
-from vfife.analysis.forces import joint_force, joint_moment, joint_rows
-from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.model.validate import validate
+from vfife.measures.forces import joint_force, joint_moment, joint_rows
+from vfife.measures.motion import velocities
+from vfife.model.validation import validate
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
 
 Array = np.ndarray
-TIGHT, TIGHTER = 1e-10, 1e-12  # of a step of the plain equations: what the first leaves may add up to some 1e-8
+TIGHT, TIGHTER = (
+    1e-10,
+    1e-12,
+)  # of a step of the plain equations: what the first leaves may add up to some 1e-8
 
 
 @dataclass
@@ -33,13 +36,19 @@ class Compared:
 
 
 def seen(one: Drawn, record: Record) -> dict[str, Array]:
-    """Centres of mass and angles, velocities, accelerations, and the force and moment of each joint, at the last output."""
+    """Centres of mass and angles, velocities, accelerations, and the force and moment of each joint, at the
+    last output.
+    """
     where = record.assembly.bodies
     particles = [where[name].particles[0] for name in one.m.bodies]
     v = velocities(record)
-    position = np.stack([record.block(f"particle_{axis}")[-1, particles] for axis in ("x", "y", "theta")], axis=1)
+    position = np.stack(
+        [record.block(f"particle_{axis}")[-1, particles] for axis in ("x", "y", "theta")], axis=1
+    )
     velocity = np.stack([v[axis][-1, particles] for axis in "uvw"], axis=1)
-    acceleration = np.stack([record.block(f"particle_{axis}")[-1, particles] for axis in ("ax", "ay", "aw")], axis=1)
+    acceleration = np.stack(
+        [record.block(f"particle_{axis}")[-1, particles] for axis in ("ax", "ay", "aw")], axis=1
+    )
     arms = np.array([np.subtract(where[name].center, where[name].reference) for name in one.m.bodies])
     c, s = np.cos(position[:, 2]), np.sin(position[:, 2])
     arm = np.stack([c * arms[:, 0] - s * arms[:, 1], s * arms[:, 0] + c * arms[:, 1]], axis=1)
@@ -49,7 +58,9 @@ def seen(one: Drawn, record: Record) -> dict[str, Array]:
     velocity[:, :2] += across * velocity[:, 2:]
     found = {"position": position, "velocity": velocity, "acceleration": acceleration}
     if one.system.touches:
-        found["force"] = joint_force(record)[-1, [list(joint_rows(record)).index(touch.name) for touch in one.system.touches]]
+        found["force"] = joint_force(record)[
+            -1, [list(joint_rows(record)).index(touch.name) for touch in one.system.touches]
+        ]
         return found
     names, force, moment = list(joint_rows(record)), joint_force(record)[-1], joint_moment(record)[-1]
     for name in one.reactions:
@@ -94,9 +105,11 @@ def taken(assembly: Assembly, loop: str) -> Record:
 
 
 def fitting(seed: int, family: str, often: int = 1) -> tuple[Drawn, dict[str, Array]]:
-    """The first mechanism of a seed whose motion leads nowhere singular, and where it leads by the plain equations.
+    """The first mechanism of a seed whose motion leads nowhere singular, and where it leads by the plain
+    equations.
 
-    These look for contacts in steps of a length of their own, and so many times as ``often``; by more than one they are solved more tightly too.
+    These look for contacts in steps of a length of their own, and so many times as ``often``; by more than
+    one they are solved more tightly too.
     """
     for again in range(20):
         one = drawn(seed, family, again)
@@ -111,8 +124,12 @@ def fitting(seed: int, family: str, often: int = 1) -> tuple[Drawn, dict[str, Ar
 def stepped(one: Drawn, exact: dict[str, Array], steps: int, loop: str) -> Compared:
     """The same by the package in a number of steps and in twice as many."""
     validate(one.m)
-    coarse = assemble(one.m, one.duration / (steps * one.finer), duration=one.duration, outputs=1, force_step=True)
-    return Compared(one, exact, *(seen(one, taken(assembly, loop)) for assembly in (coarse, finer(coarse, 2))))
+    coarse = assemble(
+        one.m, one.duration / (steps * one.finer), duration=one.duration, outputs=1, force_step=True
+    )
+    return Compared(
+        one, exact, *(seen(one, taken(assembly, loop)) for assembly in (coarse, finer(coarse, 2)))
+    )
 
 
 def compared(seed: int, family: str, steps: int, loop: str = "data-driven", often: int = 1) -> Compared:

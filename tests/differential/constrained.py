@@ -1,9 +1,12 @@
-"""Rigid bodies in the plane under constraints, forces and contacts, integrated by DOP853. It shares nothing with the package but SI units.
+"""Rigid bodies in the plane under constraints, forces and contacts, integrated by DOP853. It shares nothing
+with the package but SI units.
 
-Places are complex numbers, a body's motion is (x, y, angle) of its centre of mass, body 0 is the ground. Of each constraint three things are
-written down: what it keeps zero, its gradient, and what its second derivative has beyond the gradient times the accelerations. Accelerations are
-those of Gauss' principle: nearest to what the forces alone would give, in the metric of the masses, among those that the constraints allow. A
-constraint more than needed changes nothing of that. Contacts begin and end at roots that the integrator locates.
+Places are complex numbers, a body's motion is (x, y, angle) of its centre of mass, body 0 is the ground. Of
+each constraint three things are written down: what it keeps zero, its gradient, and what its second
+derivative has beyond the gradient times the accelerations. Accelerations are those of Gauss' principle:
+nearest to what the forces alone would give, in the metric of the masses, among those that the constraints
+allow. A constraint more than needed changes nothing of that. Contacts begin and end at roots that the
+integrator locates.
 """
 
 from __future__ import annotations
@@ -50,12 +53,16 @@ class Now:
         self.w = self.v[:, 2].tolist()
 
     def point(self, body: int, at: complex) -> tuple[complex, complex, complex, complex]:
-        """Arm, place, velocity and what the acceleration is when the body's own is zero, of a point of a body."""
+        """Arm, place, velocity and what the acceleration is when the body's own is zero, of a point of a
+        body.
+        """
         arm = at * self.turn[body]
         return arm, self.z[body] + arm, self.u[body] + 1j * self.w[body] * arm, -(self.w[body] ** 2) * arm
 
 
-Row = tuple[dict[int, tuple[float, float, float]], float, float]  # gradient by body, the rate it must have, and the second derivative
+Row = tuple[
+    dict[int, tuple[float, float, float]], float, float
+]  # gradient by body, the rate it must have, and the second derivative
 
 
 @dataclass
@@ -81,7 +88,9 @@ class Pin:
 
 @dataclass
 class Guide:
-    """How far a point of b is from a line through a point of a, or, with ``normal`` along the line, how far along it."""
+    """How far a point of b is from a line through a point of a, or, with ``normal`` along the line, how far
+    along it.
+    """
 
     name: str
     a: int
@@ -119,9 +128,11 @@ class Turn:
 
 @dataclass
 class Touch:
-    """A round of radius ``r`` on b at ``bt`` that meets a bearing around it, a round beside it or a straight line of a.
+    """A round of radius ``r`` on b at ``bt`` that meets a bearing around it, a round beside it or a straight
+    line of a.
 
-    Lankarani and Nikravesh's force, and a friction that grows from v0 to v1, at a point in the middle of the overlap.
+    Lankarani and Nikravesh's force, and a friction that grows from v0 to v1, at a point in the middle of the
+    overlap.
     """
 
     name: str
@@ -150,7 +161,11 @@ class Touch:
         e = abs(d)
         sign = 1.0 if self.kind == "bearing" else -1.0
         n = sign * d / (e or 1.0)
-        return sign * e - (self.other - self.r if self.kind == "bearing" else -self.other - self.r), n, dot(n, v - u)
+        return (
+            sign * e - (self.other - self.r if self.kind == "bearing" else -self.other - self.r),
+            n,
+            dot(n, v - u),
+        )
 
     def force(self, s: Now) -> tuple[complex, complex, float]:
         """Force on the journal's body, where it acts, and its normal part."""
@@ -159,9 +174,17 @@ class Touch:
         where = q + n * (self.r - 0.5 * depth)
         if self.speed <= 0.0 or depth <= 0.0:
             return 0.0j, where, 0.0
-        push = max(self.stiffness * depth**1.5 * (1.0 + 0.75 * (1.0 - self.restitution**2) * rate / self.speed), 0.0)
+        push = max(
+            self.stiffness * depth**1.5 * (1.0 + 0.75 * (1.0 - self.restitution**2) * rate / self.speed), 0.0
+        )
         t = 1j * n
-        slip = dot(t, s.u[self.b] + 1j * s.w[self.b] * (where - s.z[self.b]) - s.u[self.a] - 1j * s.w[self.a] * (where - s.z[self.a]))
+        slip = dot(
+            t,
+            s.u[self.b]
+            + 1j * s.w[self.b] * (where - s.z[self.b])
+            - s.u[self.a]
+            - 1j * s.w[self.a] * (where - s.z[self.a]),
+        )
         coefficient, v0, v1 = self.friction
         share = min(max((abs(slip) - v0) / (v1 - v0), 0.0), 1.0)
         return -push * n - math.copysign(coefficient * share * push, slip) * t, where, push
@@ -189,7 +212,9 @@ class System:
         return np.sqrt(np.array([(m, m, j) for m, j in self.mass[1:]])).ravel()
 
     def gradient(self, s: Now, t: float) -> tuple[Array, Array, Array, list[str]]:
-        """Rows over the free coordinates, the rates and second derivatives that they must have, and whose they are."""
+        """Rows over the free coordinates, the rates and second derivatives that they must have, and whose
+        they are.
+        """
         rows, rate, second, whose = [], [], [], []
         for one in self.constraints:
             for by_body, first, then in one.rows(s, t):
@@ -205,7 +230,9 @@ class System:
         return np.array(rows).reshape(-1, 3 * (len(self.mass) - 1)), np.array(rate), np.array(second), whose
 
     def moved(self, t: float, q: Array, v: Array, root: Array) -> tuple[Array, Array, Array, list[str], Now]:
-        """What ``root`` makes of the accelerations, its part that the constraints give, their scaled gradient, and whose its rows are."""
+        """What ``root`` makes of the accelerations, its part that the constraints give, their scaled
+        gradient, and whose its rows are.
+        """
         s = self._now(np.concatenate([q.ravel(), v.ravel()]), len(q))
         force = np.zeros((len(self.mass), 3))
         for one in self.forces:
@@ -226,14 +253,21 @@ class System:
         return free + held, held, scaled, whose, s
 
     def solved(self, t: float, q: Array, v: Array) -> tuple[Array, Array, dict[str, Array], Now]:
-        """Accelerations, the forces of the constraints on the free coordinates, and the multipliers of each constraint."""
+        """Accelerations, the forces of the constraints on the free coordinates, and the multipliers of each
+        constraint.
+        """
         root = self.root
         moved, held, scaled, whose, s = self.moved(t, q, v, root)
         multipliers = np.linalg.lstsq(scaled.T, held, rcond=SMALLEST_SINGULAR)[0] if whose else ()
         found: dict[str, list[float]] = {}
         for name, value in zip(whose, multipliers, strict=True):
             found.setdefault(name, []).append(float(value))
-        return (moved / root).reshape(-1, 3), (held * root).reshape(-1, 3), {k: np.array(x) for k, x in found.items()}, s
+        return (
+            (moved / root).reshape(-1, 3),
+            (held * root).reshape(-1, 3),
+            {k: np.array(x) for k, x in found.items()},
+            s,
+        )
 
     def projected(self, v: Array, t: float = 0.0) -> Array:
         """The velocities nearest to ``v``, in the metric of the masses, that the constraints allow."""
@@ -259,7 +293,12 @@ class System:
         found, root = {}, self.root
 
         def rates(t: float, y: Array) -> Array:
-            return np.concatenate([y[3 * n :], self.moved(t, y[: 3 * n].reshape(-1, 3), y[3 * n :].reshape(-1, 3), root)[0] / root])
+            return np.concatenate(
+                [
+                    y[3 * n :],
+                    self.moved(t, y[: 3 * n].reshape(-1, 3), y[3 * n :].reshape(-1, 3), root)[0] / root,
+                ]
+            )
 
         def crossing(touch: Touch) -> Callable[[float, Array], float]:
             def depth(t: float, y: Array) -> float:
@@ -271,7 +310,16 @@ class System:
         for stop in stops:
             while t < stop:
                 events = [crossing(touch) for touch in self.touches]
-                done = solve_ivp(rates, (t, stop), y, method="DOP853", rtol=tight, atol=tight, events=events or None, max_step=longest)
+                done = solve_ivp(
+                    rates,
+                    (t, stop),
+                    y,
+                    method="DOP853",
+                    rtol=tight,
+                    atol=tight,
+                    events=events or None,
+                    max_step=longest,
+                )
                 t, y = float(done.t[-1]), done.y[:, -1]
                 for touch, hits in zip(self.touches, done.t_events or (), strict=True):
                     if len(hits):
@@ -321,7 +369,15 @@ def coil(a: int, b: int, stiffness: float, damping: float, free: float) -> Force
     return add
 
 
-def rubber(a: int, at: complex, b: int, bt: complex, stiffness: Sequence[float], damping: Sequence[float], free: float) -> Force:
+def rubber(
+    a: int,
+    at: complex,
+    b: int,
+    bt: complex,
+    stiffness: Sequence[float],
+    damping: Sequence[float],
+    free: float,
+) -> Force:
     """Stiff along and across the axes of a, about the free angle; the force acts where the pin of b is."""
 
     def add(t: float, s: Now, force: Array) -> None:
@@ -329,7 +385,13 @@ def rubber(a: int, at: complex, b: int, bt: complex, stiffness: Sequence[float],
         frame, d = s.turn[a], q - p
         apart = d * frame.conjugate()
         rate = (v - u - 1j * s.w[a] * d) * frame.conjugate()
-        f = -complex(stiffness[0] * apart.real + damping[0] * rate.real, stiffness[1] * apart.imag + damping[1] * rate.imag) * frame
+        f = (
+            -complex(
+                stiffness[0] * apart.real + damping[0] * rate.real,
+                stiffness[1] * apart.imag + damping[1] * rate.imag,
+            )
+            * frame
+        )
         pushed(force, s, b, q, f)
         pushed(force, s, a, q, -f)
         m = -stiffness[2] * (s.q[b, 2] - s.q[a, 2] - free) - damping[2] * (s.w[b] - s.w[a])

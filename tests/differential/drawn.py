@@ -16,9 +16,15 @@ from vfife.laws import Ambrosio, LankaraniNikravesh
 def drawn(seed: int, family: str, again: int = 0) -> Drawn:
     """The mechanism of a seed and a family, or the next one of the same seed."""
     p = Pencil(seed, family, again)
-    found: Drawn = {"chain": chain, "loop": loop, "gears": gears, "redundant": redundant, "contact": contact, "linked": linked, "between": between}[
-        family
-    ](p, seed)
+    found: Drawn = {
+        "chain": chain,
+        "loop": loop,
+        "gears": gears,
+        "redundant": redundant,
+        "contact": contact,
+        "linked": linked,
+        "between": between,
+    }[family](p, seed)
     return found
 
 
@@ -54,9 +60,13 @@ def chain(p: Pencil, seed: int) -> Drawn:
 
 
 def loop(p: Pencil, seed: int) -> Drawn:
-    """Four bars, five bars, slider-cranks: a chain from the ground and back, free or driven, with a body on it."""
+    """Four bars, five bars, slider-cranks: a chain from the ground and back, free or driven, with a body on
+    it.
+    """
     count = int(p.rng.integers(2, 5))
-    corners = [0.5 * cmath.rect(1.0, 2.0 * math.pi * (k + p.real(-0.3, 0.3)) / (count + 1)) for k in range(count + 1)]
+    corners = [
+        0.5 * cmath.rect(1.0, 2.0 * math.pi * (k + p.real(-0.3, 0.3)) / (count + 1)) for k in range(count + 1)
+    ]
     names: list[str] = []
     last = "ground"
     for k in range(count):
@@ -95,7 +105,9 @@ def gears(p: Pencil, seed: int) -> Drawn:
 
 
 def redundant(p: Pencil, seed: int) -> Drawn:
-    """More than is needed: a beam on three parallel cranks, a ring of wheels, a block in two guides, a weld beside a pin."""
+    """More than is needed: a beam on three parallel cranks, a ring of wheels, a block in two guides, a weld
+    beside a pin.
+    """
     kind = ("cranks", "ring", "guides", "welds")[seed % 4]
     if kind == "cranks":
         arm, beam = cmath.rect(0.3, p.real(0.5, 2.6)), p.body()
@@ -140,7 +152,9 @@ def redundant(p: Pencil, seed: int) -> Drawn:
 
 
 def contact(p: Pencil, seed: int) -> Drawn:
-    """A ball on a floor, two balls, a journal in a bearing, or an arm that strikes; friction grows over a range of speeds."""
+    """A ball on a floor, two balls, a journal in a bearing, or an arm that strikes; friction grows over a
+    range of speeds.
+    """
     stiffness, e = SOFT[0] * p.real(0.5, 2.0), SOFT[1]
     friction = (p.real(0.05, 0.4), 0.0, p.real(0.05, 0.3))
     laws: dict[str, Any] = {
@@ -150,8 +164,18 @@ def contact(p: Pencil, seed: int) -> Drawn:
     kind = ("line", "round", "bearing", "arm")[seed % 4]
     r, name = p.real(0.05, 0.1), p.fresh("c")
 
-    def touch(kind: str, one: tuple[str, int, complex], two: tuple[str, int, complex], other: float = 0.0, way: complex = 1.0 + 0j) -> None:
-        p.system.touches.append(plain.Touch(name, kind, one[1], one[2], two[1], two[2], r, other, stiffness, e, friction, way / 1j))
+    def touch(
+        kind: str,
+        one: tuple[str, int, complex],
+        two: tuple[str, int, complex],
+        other: float = 0.0,
+        way: complex = 1.0 + 0j,
+    ) -> None:
+        p.system.touches.append(
+            plain.Touch(
+                name, kind, one[1], one[2], two[1], two[2], r, other, stiffness, e, friction, way / 1j
+            )
+        )
 
     ball = p.body(at=complex(0.0, 0.0))
     middle = p.where(ball)[0]
@@ -159,7 +183,9 @@ def contact(p: Pencil, seed: int) -> Drawn:
         way = cmath.rect(1.0, p.real(-3.0, 3.0))
         up = 1j * way
         ground, journal = p.pin("ground", middle - (r + 0.002) * up + 0.1 * way), p.pin(ball, middle)
-        p.m.external_contact(name, ground[0], journal[0], journal_radius=r, direction=(way.real, way.imag), **laws)
+        p.m.external_contact(
+            name, ground[0], journal[0], journal_radius=r, direction=(way.real, way.imag), **laws
+        )
         touch("line", ground, journal, way=way)
         v = -p.real(0.3, 1.0) * up + p.real(-1.0, 1.0) * way
         if kind == "arm":
@@ -196,13 +222,17 @@ def contact(p: Pencil, seed: int) -> Drawn:
 
 
 def between(p: Pencil, seed: int) -> Drawn:
-    """A chain that swings from the ground, with a motion prescribed between two of its bodies: an angle, or the travel of a slider."""
+    """A chain that swings from the ground, with a motion prescribed between two of its bodies: an angle, or
+    the travel of a slider.
+    """
     names: list[str] = []
     joint, count = "", int(p.rng.integers(2, 5))
     moved, sliding = int(p.rng.integers(1, count)), bool(seed % 2)
     for k in range(count):
         name = p.body()
-        made = p.join(names[-1] if names else "ground", name, "slider" if k == moved and sliding else "revolute")
+        made = p.join(
+            names[-1] if names else "ground", name, "slider" if k == moved and sliding else "revolute"
+        )
         joint = made if k == moved else joint
         names.append(name)
     if sliding:
@@ -214,7 +244,9 @@ def between(p: Pencil, seed: int) -> Drawn:
 
 
 def linked(p: Pencil, seed: int) -> Drawn:
-    """An arm, a rod with play on it, another hung on that without, with play in the ground: forces of one joint with play move the other."""
+    """An arm, a rod with play on it, another hung on that without, with play in the ground: forces of one
+    joint with play move the other.
+    """
     stiffness, e, friction = p.real(2e6, 6e6), 0.7, (p.real(0.05, 0.4), 0.0, p.real(0.1, 0.3))
     arm, rod, last = p.body(), p.body(), p.body()
     p.join("ground", arm, "revolute")
@@ -227,7 +259,19 @@ def linked(p: Pencil, seed: int) -> Drawn:
             contact=LankaraniNikravesh(restitution=e, stiffness=stiffness),
             friction=Ambrosio(coefficient=friction[0], v0=friction[1], v1=friction[2]),
         )  # fmt: skip
-        touch = plain.Touch(name, "bearing", bearing[1], bearing[2], journal[1], journal[2], r, r + play, stiffness, e, friction)
+        touch = plain.Touch(
+            name,
+            "bearing",
+            bearing[1],
+            bearing[2],
+            journal[1],
+            journal[2],
+            r,
+            r + play,
+            stiffness,
+            e,
+            friction,
+        )
         p.system.touches.append(touch)
     found = p.done(seed, "linked")
     found.duration, found.finer, p.system.longest = 0.008, 4, 1e-4

@@ -1,4 +1,6 @@
-"""Draws a mechanism body by body, once in the package's nouns and once as plain equations; both are closed as they are drawn."""
+"""Draws a mechanism body by body, once in the package's nouns and once as plain equations; both are closed as
+they are drawn.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ SOFT = (2e4, 0.7)  # N/m^1.5 and restitution of what touches
 
 @dataclass
 class Drawn:
-    """A mechanism, its equations, the velocities of its free bodies at the start, and which of its joints have reactions of their own."""
+    """A mechanism, its equations, the velocities of its free bodies at the start, and which of its joints
+    have reactions of their own.
+    """
 
     seed: int
     family: str
@@ -42,7 +46,10 @@ class Pencil:
 
     def __init__(self, seed: int, family: str, again: int = 0) -> None:
         self.rng = np.random.default_rng([seed, FAMILIES.index(family), again])
-        self.at_rest = seed % 3 == 0 and family not in ("contact", "linked")  # only then a centre of mass is not at its body's origin
+        self.at_rest = seed % 3 == 0 and family not in (
+            "contact",
+            "linked",
+        )  # only then a centre of mass is not at its body's origin
         g = complex(*self.rng.uniform(-10.0, 10.0, 2))
         self.m = Mechanism(f"{family} {seed}", gravity=(g.real, g.imag))
         self.system = plain.System()
@@ -69,8 +76,19 @@ class Pencil:
     def body(self, at: complex | None = None) -> str:
         """A rigid body somewhere."""
         name, origin, angle = self.fresh("b"), self.spot(1.0) if at is None else at, self.real(-3.0, 3.0)
-        mass, inertia, centre = self.real(0.3, 3.0), self.real(0.05, 0.5), self.spot(0.3) if self.at_rest else 0j
-        self.m.rigid_body(name, mass=mass, inertia=inertia, center=(centre.real, centre.imag), angle=angle, position=(origin.real, origin.imag))
+        mass, inertia, centre = (
+            self.real(0.3, 3.0),
+            self.real(0.05, 0.5),
+            self.spot(0.3) if self.at_rest else 0j,
+        )
+        self.m.rigid_body(
+            name,
+            mass=mass,
+            inertia=inertia,
+            center=(centre.real, centre.imag),
+            angle=angle,
+            position=(origin.real, origin.imag),
+        )
         self.number[name], self.centre[name] = len(self.system.mass), centre
         self.system.mass.append((mass, inertia))
         middle = origin + centre * cmath.rect(1.0, angle)
@@ -85,7 +103,9 @@ class Pencil:
         return (self.where(body)[0] if body != "ground" else 0j) + self.spot(size)
 
     def pin(self, body: str, world: complex) -> tuple[str, int, complex]:
-        """A pin of a body at a place: what the package calls it, the body's number, and the pin seen from the centre of mass."""
+        """A pin of a body at a place: what the package calls it, the body's number, and the pin seen from the
+        centre of mass.
+        """
         name = self.fresh("p")
         middle, angle = self.where(body)
         arm = (world - middle) * cmath.rect(1.0, -angle)
@@ -139,12 +159,16 @@ class Pencil:
         else:
             stiffness, damping = (k, 0.5 * k, 0.1 * k), (c, 2.0 * c, 0.1 * c)
             self.m.bushing(name, first, second, stiffness=stiffness, damping=damping)
-            self.system.forces.append(plain.rubber(a, arm, b, brm, stiffness, damping, self.turned(two) - self.turned(one)))
+            self.system.forces.append(
+                plain.rubber(a, arm, b, brm, stiffness, damping, self.turned(two) - self.turned(one))
+            )
 
     def load(self, body: str) -> None:
         name, (pin, number, arm) = self.fresh("f"), self.pin(body, self.near(body))
         force, moment, follow = 20.0 * self.spot(1.0), self.real(-3.0, 3.0), bool(self.rng.integers(2))
-        self.m.loads[name] = PointForce(name=name, at=pin, force=(force.real, force.imag), moment=moment, follow=follow)
+        self.m.loads[name] = PointForce(
+            name=name, at=pin, force=(force.real, force.imag), moment=moment, follow=follow
+        )
         self.system.forces.append(plain.load(number, arm, force, moment, follow))
 
     def motor(self, body: str) -> None:
@@ -157,7 +181,11 @@ class Pencil:
 
     def drive(self, **target: Any) -> plain.Law:
         """A prescribed motion, and its value, rate and second derivative written out."""
-        kind = self.one_of("ramp", "step") if self.at_rest else self.one_of("constant", "ramp", "step", "harmonic")
+        kind = (
+            self.one_of("ramp", "step")
+            if self.at_rest
+            else self.one_of("constant", "ramp", "step", "harmonic")
+        )
         if kind == "constant":
             speed = self.real(-8.0, 8.0)
             self.m.drivers["motor"] = ConstantSpeed(**target, speed=speed)
@@ -166,7 +194,11 @@ class Pencil:
             size, hertz, phase = self.real(0.02, 0.2), self.real(2.0, 15.0), self.real(-3.0, 3.0)
             self.m.drivers["motor"] = Harmonic(**target, amplitude=size, frequency=hertz, phase=phase)
             w = 2.0 * math.pi * hertz
-            return lambda t: (size * math.sin(w * t + phase), size * w * math.cos(w * t + phase), -size * w * w * math.sin(w * t + phase))
+            return lambda t: (
+                size * math.sin(w * t + phase),
+                size * w * math.cos(w * t + phase),
+                -size * w * w * math.sin(w * t + phase),
+            )
         long = self.real(0.3, 0.8) * DURATION  # a kink is felt for some steps
         self.system.breaks.append(long)
         if kind == "step":
@@ -176,7 +208,11 @@ class Pencil:
             def step(t: float) -> tuple[float, float, float]:
                 s = min(t / long, 1.0)
                 rate, second = 30.0 * s**2 * (1.0 - s) ** 2, 60.0 * s - 180.0 * s**2 + 120.0 * s**3
-                return way * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5), way * rate / long, way * second / long**2
+                return (
+                    way * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5),
+                    way * rate / long,
+                    way * second / long**2,
+                )
 
             return step
         speed = self.real(-8.0, 8.0)
@@ -184,7 +220,11 @@ class Pencil:
 
         def ramp(t: float) -> tuple[float, float, float]:
             s = min(t / long, 1.0)
-            return 0.0, speed * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5), speed * 30.0 * s**2 * (1.0 - s) ** 2 / long
+            return (
+                0.0,
+                speed * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5),
+                speed * 30.0 * s**2 * (1.0 - s) ** 2 / long,
+            )
 
         return ramp
 
@@ -195,15 +235,22 @@ class Pencil:
     def push_by_motor(self, slider: str) -> None:
         guide = next(c for c in self.system.constraints if c.name == slider and isinstance(c, plain.Guide))
         law = self.drive(slider=slider)
-        self.system.constraints.append(plain.Guide("motor", guide.a, guide.at, guide.b, guide.bt, guide.normal / 1j, law))
+        self.system.constraints.append(
+            plain.Guide("motor", guide.a, guide.at, guide.b, guide.bt, guide.normal / 1j, law)
+        )
 
-    # ------------------------------------------------------------------------------------------------------ velocities
+    # ------------------------------------------------------------------------------------------------------
+    # velocities
 
     def done(self, seed: int, family: str) -> Drawn:
-        """With velocities that the constraints allow, those of the bodies that no drive turns being given to the package."""
+        """With velocities that the constraints allow, those of the bodies that no drive turns being given to
+        the package.
+        """
         wish = self.rng.uniform(-3.0, 3.0, (len(self.system.mass) - 1, 3)) * (not self.at_rest)
         velocity = self.system.projected(wish)
-        turned = {driver.body for driver in self.m.drivers.values() if driver.moves and driver.against == "ground"}
+        turned = {
+            driver.body for driver in self.m.drivers.values() if driver.moves and driver.against == "ground"
+        }
         for name, body in list(self.m.bodies.items()):
             if name in turned:
                 continue

@@ -1,4 +1,6 @@
-"""What makes the pages: every key, law, mechanism and public name has its place, and a link that leads nowhere, or elsewhere, is told."""
+"""What makes the pages: every key, law, mechanism and public name has its place, and a link that leads
+nowhere, or elsewhere, is told.
+"""
 
 import importlib
 import json
@@ -31,7 +33,10 @@ Docs = dict[str, ModuleType]
 
 
 def test_the_reference_has_every_table_and_key_of_the_schema(docs: Docs) -> None:
-    page, schema = docs["model_reference"].page(), json.loads(docs["model_reference"].SCHEMA.read_text(encoding="utf-8"))
+    page, schema = (
+        docs["model_reference"].page(),
+        json.loads(docs["model_reference"].SCHEMA.read_text(encoding="utf-8")),
+    )
     told = set(re.findall(r"^\| `(\w+)` \|", page, re.M))
     for table in (one for name, one in schema["definitions"].items() if name.endswith("Table")):
         assert page.count(f"`{table['description'].partition(': ')[0]}`") >= 1
@@ -58,12 +63,15 @@ def test_every_public_name_is_on_one_page_and_every_law_in_the_gallery(docs: Doc
     assert all(f"### {law['name']}\n" in page for law in docs["law_gallery"].told())
 
 
-def test_links_that_lead_nowhere_and_what_is_loaded_from_elsewhere_are_told(docs: Docs, tmp_path: Path) -> None:
+def test_links_that_lead_nowhere_and_what_is_loaded_from_elsewhere_are_told(
+    docs: Docs, tmp_path: Path
+) -> None:
     (tmp_path / "in").mkdir()
     (tmp_path / "in/b.html").write_text('<h1 id="there">b</h1><a href="https://example.org">out</a>')
     (tmp_path / "a.html").write_text(
-        '<a href="in/b.html#there">1</a><a href="in/b.html#not">2</a><a href="c.html">3</a><img src="x.png"><a href="#none">4</a>'
-        '<script src="https://cdn.example.org/x.js"></script><link rel="stylesheet" href="//fonts.example.org/x.css"><link rel="next" href="z">'
+        '<a href="in/b.html#there">1</a><a href="in/b.html#not">2</a><a href="c.html">3</a><img'
+        ' src="x.png"><a href="#none">4</a><script src="https://cdn.example.org/x.js"></script><link'
+        ' rel="stylesheet" href="//fonts.example.org/x.css"><link rel="next" href="z">'
     )
     assert docs["links"].faults(tmp_path) == [
         "a.html: in/b.html#not: there is no such place on in/b.html",

@@ -1,6 +1,7 @@
 """Runs machine code of this process in an emulated processor of another kind.
 
-Code and data lie where they lie in this process: the emulated memory has the same addresses, and what is stored there is seen here.
+Code and data lie where they lie in this process: the emulated memory has the same addresses, and what is
+stored there is seen here.
 """
 
 from __future__ import annotations
@@ -11,15 +12,20 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from vfife.codegen import loops
-from vfife.codegen.native import Called
+from vfife.compiler.runtime import loops
+from vfife.compiler.runtime.native import Called
 
 PAGE, STACK = 4096, 1 << 20  # bytes
-WIDEST, SMALL = 512 << 20, 16 << 20  # bytes of mappings: the widest that is taken in, and those that are so though nobody asks
+WIDEST, SMALL = (
+    512 << 20,
+    16 << 20,
+)  # bytes of mappings: the widest that is taken in, and those that are so though nobody asks
 
 
 class Processor(Protocol):
-    """An emulated processor: its memory is renewed when code is laid somewhere, and it calls functions of whole numbers and addresses."""
+    """An emulated processor: its memory is renewed when code is laid somewhere, and it calls functions of
+    whole numbers and addresses.
+    """
 
     def renewed(self) -> None: ...
     def call(self, function: int, *arguments: Any) -> int: ...
@@ -34,7 +40,9 @@ def mappings() -> Iterator[tuple[int, int, str, bool]]:
 
 
 def wanted(addresses: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Whole mappings of addresses, those that join them, and all small ones that are nobody's file: tables of code lie apart from it."""
+    """Whole mappings of addresses, those that join them, and all small ones that are nobody's file: tables of
+    code lie apart from it.
+    """
     joined = 0
     for begin, end, rights, nobodys in mappings():
         asked = any(begin <= one < end for one in addresses) or begin == joined

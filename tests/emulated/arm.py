@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from emulated import PAGE, STACK, Room, numbers, wanted
-from vfife.codegen import native
+from vfife.compiler.runtime import native
 
 TRIPLE, NAME = "aarch64-unknown-linux-gnu", "neoverse-n1"
 VECTORS = 0b11 << 20  # of the register that allows them
@@ -22,7 +22,9 @@ def machine(effort: int = native.EFFORT) -> Any:
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    return llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=NAME, opt=effort, codemodel="jitdefault", jit=True)
+    return llvm.Target.from_triple(TRIPLE).create_target_machine(
+        cpu=NAME, opt=effort, codemodel="jitdefault", jit=True
+    )
 
 
 def module(text: str) -> Any:

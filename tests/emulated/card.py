@@ -1,8 +1,10 @@
-"""PTX of a law, run without a card: an interpreter of what LLVM writes for a straight line of operations, for many threads at once.
+"""PTX of a law, run without a card: an interpreter of what LLVM writes for a straight line of operations, for
+many threads at once.
 
-It follows NVIDIA's *PTX ISA* (8.x, sections 9.7.3 to 9.7.9): ``.rn`` is IEEE 754's rounding to nearest, ``min`` and ``max`` return the number
-where the other operand is NaN and hold -0.0 to be less than 0.0, comparisons with a ``u`` are true where an operand is NaN. Anything else
-raises, so that nothing is run which is not known.
+It follows NVIDIA's *PTX ISA* (8.x, sections 9.7.3 to 9.7.9): ``.rn`` is IEEE 754's rounding to nearest,
+``min`` and ``max`` return the number where the other operand is NaN and hold -0.0 to be less than 0.0,
+comparisons with a ``u`` are true where an operand is NaN. Anything else raises, so that nothing is run which
+is not known.
 """
 
 from __future__ import annotations
@@ -14,7 +16,9 @@ import numpy as np
 
 BODY = re.compile(r"^\.func (\w+)\(.*?^\{(.*?)^\}", re.M | re.S)
 LINE = re.compile(r"^\s*(?:@(!?%p\d+)\s+)?([a-z][\w.]*)\s*(.*?);\s*$|^\s*(\$\w+):.*$")
-Instruction = tuple[str, str, list[str]]  # condition or nothing, name, operands; of a label the name alone, which begins with $
+Instruction = tuple[
+    str, str, list[str]
+]  # condition or nothing, name, operands; of a label the name alone, which begins with $
 TILE = 32
 
 
@@ -22,11 +26,17 @@ def functions(text: str) -> dict[str, list[Instruction]]:
     """Instructions of each function."""
     found = {}
     for name, body in BODY.findall(text):
-        lines = [one for one in body.splitlines() if one.strip() and not one.strip().startswith((".reg", "//"))]
+        lines = [
+            one for one in body.splitlines() if one.strip() and not one.strip().startswith((".reg", "//"))
+        ]
         matched = [LINE.match(one) for one in lines]
         if None in matched:
             raise ValueError(f"no instruction: {lines[matched.index(None)]}")
-        found[name] = [(one[1] or "", one[2] or one[4], [part.strip() for part in (one[3] or "").split(",")]) for one in matched if one]
+        found[name] = [
+            (one[1] or "", one[2] or one[4], [part.strip() for part in (one[3] or "").split(",")])
+            for one in matched
+            if one
+        ]
     return found
 
 
@@ -60,7 +70,9 @@ ARITHMETIC = {
 
 
 def run(instructions: list[Instruction], states: np.ndarray) -> np.ndarray:
-    """What a function makes of states, (states, rows), row r of which it finds 32 r numbers behind its address."""
+    """What a function makes of states, (states, rows), row r of which it finds 32 r numbers behind its
+    address.
+    """
     memory = states.T.copy()
     names: dict[str, np.ndarray] = {}
 
@@ -85,7 +97,11 @@ def run(instructions: list[Instruction], states: np.ndarray) -> np.ndarray:
             if name[0] == "$":
                 continue
             if name in ("bra", "bra.uni"):
-                goes = value(condition.lstrip("!")) ^ condition.startswith("!") if condition else np.ones(1, bool)
+                goes = (
+                    value(condition.lstrip("!")) ^ condition.startswith("!")
+                    if condition
+                    else np.ones(1, bool)
+                )
                 if goes.all() != goes.any():
                     raise ValueError("threads part")
                 at = labels[operands[0]] if goes.all() else at
@@ -104,7 +120,9 @@ def run(instructions: list[Instruction], states: np.ndarray) -> np.ndarray:
                     continue
                 a, b = double(value(operands[1])), double(value(operands[2]))
                 known = COMPARISONS[kind if kind in COMPARISONS else kind.removesuffix("u")]
-                names[operands[0]] = known(a, b) | ((np.isnan(a) | np.isnan(b)) if kind not in COMPARISONS else False)
+                names[operands[0]] = known(a, b) | (
+                    (np.isnan(a) | np.isnan(b)) if kind not in COMPARISONS else False
+                )
             elif name in ("selp.f64", "selp.b64"):
                 a, b = value(operands[1]), value(operands[2])
                 if a.dtype != b.dtype:
@@ -118,5 +136,7 @@ def run(instructions: list[Instruction], states: np.ndarray) -> np.ndarray:
                 raise ValueError(f"PTX: {name} is no instruction that is known to round")
             else:
                 given = map(value, operands[1:])
-                names[operands[0]] = ARITHMETIC[name](*(map(double, given) if name.endswith("f64") else given))
+                names[operands[0]] = ARITHMETIC[name](
+                    *(map(double, given) if name.endswith("f64") else given)
+                )
     raise ValueError("the function does not end")

@@ -103,9 +103,18 @@ class X86:
         for name, value in zip(REGISTERS, arguments, strict=False):
             setattr(state, name, value)
         state.rip = function
-        for names, selector, attributes in (("cs",), 0x10, 0x209B), (("ds", "ss", "es", "fs", "gs"), 0x18, 0xC93):
+        for names, selector, attributes in (
+            (("cs",), 0x10, 0x209B),
+            (("ds", "ss", "es", "fs", "gs"), 0x18, 0xC93),
+        ):
             segment = self.bochs.Segment()
-            segment.present, segment.selector, segment.base, segment.limit, segment.attr = True, selector, 0, 0xFFFF_FFFF, attributes
+            segment.present, segment.selector, segment.base, segment.limit, segment.attr = (
+                True,
+                selector,
+                0,
+                0xFFFF_FFFF,
+                attributes,
+            )
             for name in names:
                 setattr(state, name, segment)
         return state
@@ -129,7 +138,11 @@ class X86:
         hook.exception = self._stopped
         self.session.run([hook])
         if self.fault:
-            raise RuntimeError("the emulated processor stopped: exception {}, code {}, at {:#x}, of address {:#x}".format(*self.fault))
+            raise RuntimeError(
+                "the emulated processor stopped: exception {}, code {}, at {:#x}, of address {:#x}".format(
+                    *self.fault
+                )
+            )
         return int(self.session.cpu.state.rax)
 
     def _stopped(self, session: Any, _: int, vector: int, code: int) -> None:

@@ -1,4 +1,6 @@
-"""Every script of examples/ runs and says its number; so does the code of the README. The model files are in test_gallery.py."""
+"""Every script of examples/ runs and says its number; so does the code of the README. The model files are in
+test_gallery.py.
+"""
 
 import json
 import re
@@ -15,14 +17,20 @@ from vfife import gallery
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
-TURNS = 1.0  # of the compressor, which makes six so that noise can be told from turn to turn; its number is that of any of them
+# of the compressor, which makes six so that noise can be told from turn to turn; its number is that of any of
+# them
+TURNS = 1.0
 
 
 @pytest.mark.system("runs whole studies")
 @pytest.mark.parametrize(
-    "script", default_cases(SCRIPTS, lambda script: script.stem == SCRIPTS[0].stem, "runs and draws whole studies"), ids=lambda p: p.stem
+    "script",
+    default_cases(SCRIPTS, lambda script: script.stem == SCRIPTS[0].stem, "runs and draws whole studies"),
+    ids=lambda p: p.stem,
 )
-def test_script_runs_and_its_number_holds(script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_script_runs_and_its_number_holds(
+    script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.argv", [str(script)])
     monkeypatch.setattr(gallery, "compressor", partial(gallery.compressor, turns=TURNS))
@@ -40,7 +48,9 @@ def test_readme_code_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_code_of_the_designers_page_runs() -> None:
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "designer.md").read_text(encoding="utf-8"), re.S)
+    blocks = re.findall(
+        r"```python\n(.*?)```", (ROOT / "docs" / "designer.md").read_text(encoding="utf-8"), re.S
+    )
     assert blocks
     for block in blocks:
         exec(compile(block, "designer.md", "exec"), {"__name__": "__main__"})
@@ -48,12 +58,25 @@ def test_code_of_the_designers_page_runs() -> None:
 
 @pytest.mark.system("runs the demo")
 def test_demo_json_is_one_object(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "vfife", "run", str(ROOT / "examples/four_bar_case_c.toml"), "-o", str(tmp_path / "run"), "--json"]
+    command = [
+        sys.executable,
+        "-m",
+        "vfife",
+        "run",
+        str(ROOT / "examples/four_bar_case_c.toml"),
+        "-o",
+        str(tmp_path / "run"),
+        "--json",
+    ]
     done = subprocess.run([*command, "--step", "1e-6"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     assert said["status"] == "complete"
     assert said["step"] == 1e-6
-    assert (said["measures"]["B.impacts"], said["measures"]["C.impacts"], said["measures"]["D.impacts"]) == (4, 7, 5)
+    assert (said["measures"]["B.impacts"], said["measures"]["C.impacts"], said["measures"]["D.impacts"]) == (
+        4,
+        7,
+        5,
+    )
     assert said["measures"]["C.force.max"] == pytest.approx(68842.16, rel=0.01)
     assert said["energy_error"] < 1e-4

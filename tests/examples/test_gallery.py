@@ -1,4 +1,6 @@
-"""Every mechanism of the gallery is the same as function and as model file, and comes to a number that was not made here."""
+"""Every mechanism of the gallery is the same as function and as model file, and comes to a number that was
+not made here.
+"""
 
 import dataclasses
 import math
@@ -15,20 +17,21 @@ from choice import default_cases
 from gallery_runs import run
 from independent import chain_of_springs, circles, contact, double_pendulum, integrate_impacts, jansen_foot
 from vfife import gallery
-from vfife.cli.new import templates
+from vfife.cli.commands.new import templates
 from vfife.files import GALLERY
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def pin(result: Result, body: str, at: str) -> np.ndarray:
-    from vfife.analysis.motion import pin_path
+    from vfife.measures.motion import pin_path
 
     return pin_path(result.record, body, at)
 
 
-# ------------------------------------------------------------------------------------------------------ function and file
+# ------------------------------------------------------------------------------------------------------
+# function and file
 
 
 def plain(value: Any) -> Any:
@@ -42,12 +45,20 @@ def plain(value: Any) -> Any:
 
 
 def differences(a: Any, b: Any, where: str = "") -> list[str]:
-    """Where two of them differ: names exactly, numbers (rounded in the file) by more than a hundred-thousandth."""
+    """Where two of them differ: names exactly, numbers (rounded in the file) by more than a
+    hundred-thousandth.
+    """
     if isinstance(a, dict) and isinstance(b, dict):
         missing = [f"{where}.{key}" for key in a.keys() ^ b.keys()]
-        return missing + [text for key in a.keys() & b.keys() for text in differences(a[key], b[key], f"{where}.{key}")]
+        return missing + [
+            text for key in a.keys() & b.keys() for text in differences(a[key], b[key], f"{where}.{key}")
+        ]
     if isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
-        return [text for k, (one, other) in enumerate(zip(a, b, strict=True)) for text in differences(one, other, f"{where}[{k}]")]
+        return [
+            text
+            for k, (one, other) in enumerate(zip(a, b, strict=True))
+            for text in differences(one, other, f"{where}[{k}]")
+        ]
     if isinstance(a, float | int) and isinstance(b, float | int):
         return [] if a == pytest.approx(b, rel=1e-5, abs=1e-9) else [f"{where}: {a} {b}"]
     if where.endswith("material.name"):
@@ -61,15 +72,24 @@ def test_there_is_a_file_for_every_function_and_a_function_for_every_file():
 
 @pytest.mark.parametrize("name", gallery.__all__)
 def test_function_and_file_are_equal(name: str):
-    assert differences(plain(getattr(gallery, name)()), plain(vfife.load_model(EXAMPLES / f"{name}.toml"))) == []
+    assert (
+        differences(plain(getattr(gallery, name)()), plain(vfife.load_model(EXAMPLES / f"{name}.toml"))) == []
+    )
 
 
 def test_the_slider_crank_to_start_from_is_that_of_the_gallery():
     template = vfife.load_model(templates()["slider-crank"])
-    assert differences(plain(gallery.slider_crank_loose_pin(clearance=5e-5, friction=0.05, turns=3.0)), plain(template)) == []
+    assert (
+        differences(
+            plain(gallery.slider_crank_loose_pin(clearance=5e-5, friction=0.05, turns=3.0)), plain(template)
+        )
+        == []
+    )
     for name in ("slider_crank", "slider_crank_loose_guide"):
         other = getattr(gallery, name)()
-        assert [differences(plain(template.bodies[body]), plain(other.bodies[body])) for body in ("crank", "rod")] == [[], []]
+        assert [
+            differences(plain(template.bodies[body]), plain(other.bodies[body])) for body in ("crank", "rod")
+        ] == [[], []]
 
 
 def test_the_gallery_is_the_examples_and_new_offers_all_of_it():
@@ -116,13 +136,17 @@ def test_a_parameter_replaces_numbers_of_the_file(name: str):
 
 
 def test_any_number_is_set_by_its_path():
-    assert gallery.load("four_bar", {"joint.C.clearance": "0.3 mm"}) == vfife.load(EXAMPLES / "four_bar.toml", {"joint.C.clearance": "0.3 mm"})
+    assert gallery.load("four_bar", {"joint.C.clearance": "0.3 mm"}) == vfife.load(
+        EXAMPLES / "four_bar.toml", {"joint.C.clearance": "0.3 mm"}
+    )
     with pytest.raises(vfife.VfifeError, match="clearence"):
         gallery.load("four_bar", {"joint.C.clearence": 1.0})
 
 
 def test_a_difference_is_seen():
-    assert differences(plain(gallery.slider_crank()), plain(gallery.slider_crank(speed=100.01))) == [".drivers.crank.speed: 100.0 100.01"]
+    assert differences(plain(gallery.slider_crank()), plain(gallery.slider_crank(speed=100.01))) == [
+        ".drivers.crank.speed: 100.0 100.01"
+    ]
 
 
 def test_every_mechanism_has_a_number():
@@ -136,21 +160,32 @@ def block_on_incline() -> tuple[float, float, float]:
     """Uniform acceleration g (sin - f cos)."""
     way = pin(run("block_on_incline"), "block", "center")
     slope = math.radians(30.0)
-    return float(np.linalg.norm(way[-1] - way[0])), 9.81 * (math.sin(slope) - 0.3 * math.cos(slope)) * 0.5**2 / 2.0, 1e-5
+    return (
+        float(np.linalg.norm(way[-1] - way[0])),
+        9.81 * (math.sin(slope) - 0.3 * math.cos(slope)) * 0.5**2 / 2.0,
+        1e-5,
+    )
 
 
 def swinging_twice() -> tuple[float, float, float]:
     """Lagrange's two equations by another integrator."""
-    angles = [run("double_pendulum").data["body_angle"].sel(body=name).values[-1] for name in ("upper", "lower")]
+    angles = [
+        run("double_pendulum").data["body_angle"].sel(body=name).values[-1] for name in ("upper", "lower")
+    ]
     exact = double_pendulum((0.5, 0.4), (1.0, 0.6), (0.0, math.radians(45.0)), 2.0)
     assert angles[0] == pytest.approx(exact[0], rel=1e-4)
     return angles[1], exact[1], 1e-5
 
 
 def soft_rubber() -> tuple[float, float, float]:
-    """A chain of masses with springs along and across, of 20 and 40 pieces, extrapolated to none; the rod of 12 and 24 elements as well."""
+    """A chain of masses with springs along and across, of 20 and 40 pieces, extrapolated to none; the rod of
+    12 and 24 elements as well.
+    """
     found = []
-    for result in (run("elastic_pendulum"), vfife.simulate(gallery.elastic_pendulum(elements=24), reference=False, loop="data-driven")):
+    for result in (
+        run("elastic_pendulum"),
+        vfife.simulate(gallery.elastic_pendulum(elements=24), reference=False, loop="data-driven"),
+    ):
         found.append(float(pin(result, "rod", "end")[np.argmin(np.abs(result.time - 0.5)), 1]))
     coarse, fine = (chain_of_springs(pieces, 0.5)[1] for pieces in (20, 40))
     return (4.0 * found[1] - found[0]) / 3.0, (4.0 * fine - coarse) / 3.0, 2e-5
@@ -186,7 +221,11 @@ def quick_return() -> tuple[float, float, float]:
     share = abs(turned[1] - turned[0]) / len(angle)
     half = math.asin(0.1 / 0.25)
     assert np.ptp(angle) == pytest.approx(2.0 * half, rel=1e-5)
-    return max(share, 1.0 - share) / min(share, 1.0 - share), (math.pi + 2.0 * half) / (math.pi - 2.0 * half), 1e-4
+    return (
+        max(share, 1.0 - share) / min(share, 1.0 - share),
+        (math.pi + 2.0 * half) / (math.pi - 2.0 * half),
+        1e-4,
+    )
 
 
 def _peak(values: np.ndarray) -> float:
@@ -200,7 +239,10 @@ def scissor_lift() -> tuple[float, float, float]:
     """Lagrange's equation of its one motion, x the way of the roller from the fixed foot."""
     t = np.linspace(0.0, 2.0, 4001)
     s = t / 2.0
-    step, rate, second = (-0.3 * v for v in (s**3 * (10 - 15 * s + 6 * s**2), 15 * s**2 * (1 - s) ** 2, 15 * s * (1 - s) * (1 - 2 * s)))
+    step, rate, second = (
+        -0.3 * v
+        for v in (s**3 * (10 - 15 * s + 6 * s**2), 15 * s**2 * (1 - s) ** 2, 15 * s * (1 - s) * (1 - 2 * s))
+    )
     x = math.cos(math.radians(20.0)) + step
 
     def inertia(x):
@@ -240,7 +282,11 @@ def compressed() -> tuple[float, float, float]:
 
 def slider_crank() -> tuple[float, float, float]:
     """At the dead centre r w^2 (1 + r/l)."""
-    return run("slider_crank").data["particle_ax"].sel(particle="block").values[0], -0.05 * 100.0**2 * (1.0 + 0.05 / 0.12), 1e-5
+    return (
+        run("slider_crank").data["particle_ax"].sel(particle="block").values[0],
+        -0.05 * 100.0**2 * (1.0 + 0.05 / 0.12),
+        1e-5,
+    )
 
 
 def loose_pin() -> tuple[float, float, float]:
@@ -253,11 +299,17 @@ def loose_pin() -> tuple[float, float, float]:
         size = float(np.hypot(*away))
         n = away / max(size, 1e-12)
         push = force(0, size - 0.5e-3, float(n @ speed))
-        turn = (_cross(_arm(q[0]), push * n) - 0.21 * 0.5 * _cross(_arm(q[0]), pull)) / (2.5e-4 + 0.21 * 0.06**2)
+        turn = (_cross(_arm(q[0]), push * n) - 0.21 * 0.5 * _cross(_arm(q[0]), pull)) / (
+            2.5e-4 + 0.21 * 0.06**2
+        )
         return [q[2], q[3], turn, -push * n[0] / 0.14]
 
     start = [0.0, 0.17, -0.05 * 100.0 / 0.12, 0.0]
-    return run("slider_crank_loose_pin").measures["pin.force.max"], integrate_impacts(motion, start, 0.01 * math.pi, 1, stiffness, 0.9), 2e-3
+    return (
+        run("slider_crank_loose_pin").measures["pin.force.max"],
+        integrate_impacts(motion, start, 0.01 * math.pi, 1, stiffness, 0.9),
+        2e-3,
+    )
 
 
 def loose_guide() -> tuple[float, float, float]:
@@ -266,7 +318,10 @@ def loose_guide() -> tuple[float, float, float]:
 
     def motion(t, q, force):
         place, rate, pull = _rod(t, q[0], q[2])
-        along, across = np.array([math.cos(q[1]), math.sin(q[1])]), np.array([-math.sin(q[1]), math.cos(q[1])])
+        along, across = (
+            np.array([math.cos(q[1]), math.sin(q[1])]),
+            np.array([-math.sin(q[1]), math.cos(q[1])]),
+        )
         total, moment = 0.0, 0.0
         for k, (front, side) in enumerate(((-1, 1), (1, 1), (-1, -1), (1, -1))):
             at = front * 0.029 * along + side * 0.014 * across  # seen from the middle
@@ -278,7 +333,11 @@ def loose_guide() -> tuple[float, float, float]:
         left = np.array([0.0, total]) - 0.14 * (pull - q[2] ** 2 * arm - 0.01 * q[3] ** 2 * along)
         shared = 0.14 * 0.01 * float(turn @ across)
         inertia = [[2.5e-4 + 0.21 * 0.06**2 + 0.14 * 0.12**2, shared], [shared, 1e-4 + 0.14 * 0.01**2]]
-        return [q[2], q[3], *np.linalg.solve(inertia, [turn @ (left - 0.21 * 0.5 * pull), 0.01 * across @ left + moment])]
+        return [
+            q[2],
+            q[3],
+            *np.linalg.solve(inertia, [turn @ (left - 0.21 * 0.5 * pull), 0.01 * across @ left + moment]),
+        ]
 
     start = [0.0, 0.0, -0.05 * 100.0 / 0.12, 0.0]
     exact = integrate_impacts(motion, start, 0.01 * math.pi, 4, stiffness, 0.9)
@@ -378,7 +437,9 @@ def test_the_measure_holds(name: str):
     assert result.measures[measure] == pytest.approx(value, abs=tolerance)
 
 
-@pytest.mark.parametrize("name", default_cases(NUMBERS, lambda name: name not in LONG, "runs or relaxes a long model"))
+@pytest.mark.parametrize(
+    "name", default_cases(NUMBERS, lambda name: name not in LONG, "runs or relaxes a long model")
+)
 def test_the_number_holds(name: str):
     found, exact, share = NUMBERS[name]()
     assert found == pytest.approx(exact, rel=share)

@@ -1,8 +1,10 @@
-"""Contact-rich runs keep their bits: what a change of the house must not move. A change of the physics takes the hashes anew and says why.
+"""Contact-rich runs keep their bits: what a change of the house must not move. A change of the physics takes
+the hashes anew and says why.
 
-The twelve of ``RICH`` hold for every loop, as many lanes as a register may have, any number of threads and any processor: what takes long of that
-is in `tests/verification`. Examples begin as `vfife run` has them begin: examined, with the forces of their ideal reference, closed and assembled;
-nothing is rounded. ``make golden`` takes the hashes anew.
+The twelve of ``RICH`` hold for every loop, as many lanes as a register may have, any number of threads and
+any processor: what takes long of that is in `tests/verification`. Examples begin as `vfife run` has them
+begin: examined, with the forces of their ideal reference, closed and assembled; nothing is rounded.
+``make golden`` takes the hashes anew.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ import vfife
 from fake_card import rows_on_card
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.simulation import prepare
+from vfife.simulation.simulate import prepare
 from vfife.solvers.arguments import RunArguments
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
@@ -35,13 +37,25 @@ CASES = {
     "gear_train": 0.05, "scotch_yoke": 0.05, "six_bar_press": 0.2, "double_pendulum": 0.2, "jansen_leg": 0.2,
 }  # fmt: skip
 # Mechanisms of one of each kind that no example has: seconds, and the mechanism.
-KINDS = {"every kind": (0.004, "everything"), "every drive": (0.006, "every_drive"), "every law": (0.0006, "every_law")}
+KINDS = {
+    "every kind": (0.004, "everything"),
+    "every drive": (0.006, "every_drive"),
+    "every law": (0.0006, "every_law"),
+}
 # Models that loops are compared by: seconds, and the step (s).
 MODELS = {
     "rigid_bars": (0.01, 2e-6), "two_particle_bars": (0.008, 1e-6), "one_clearance": (0.01, 2e-6), "swing": (0.02, 4e-6), "journals": (0.004, 1e-6),
     "machinery": (0.02, 4e-6), "worn_bars": (0.01, 2e-6),
 }  # fmt: skip
-RICH = ("four_bar", "four_bar_case_b", "four_bar_case_c", "slider_crank_loose_guide", "block_on_incline", "every law", *MODELS)
+RICH = (
+    "four_bar",
+    "four_bar_case_b",
+    "four_bar_case_c",
+    "slider_crank_loose_guide",
+    "block_on_incline",
+    "every law",
+    *MODELS,
+)
 ON_CARD = ("four_bar_case_c", "two_particle_bars", "machinery")
 
 
@@ -50,11 +64,21 @@ def start(name: str) -> Assembly:
     """The case assembled, for a run of so many seconds."""
     if name in KINDS:
         duration, made = KINDS[name]
-        return assemble(getattr(import_module("mechanisms"), made)(), 2e-6, duration=duration, outputs=40, force_step=True)
+        return assemble(
+            getattr(import_module("mechanisms"), made)(), 2e-6, duration=duration, outputs=40, force_step=True
+        )
     if name in MODELS:
         duration, step = MODELS[name]
-        return assemble(getattr(import_module("lane_models"), name)(0), step, duration=duration, outputs=40, force_step=True)
-    return prepare(vfife.load_model(ROOT / "examples" / f"{name}.toml"), RunArguments(duration=CASES[name])).assembly
+        return assemble(
+            getattr(import_module("lane_models"), name)(0),
+            step,
+            duration=duration,
+            outputs=40,
+            force_step=True,
+        )
+    return prepare(
+        vfife.load_model(ROOT / "examples" / f"{name}.toml"), RunArguments(duration=CASES[name])
+    ).assembly
 
 
 def record(name: str, loop: str, companions: int = 0) -> Record:
@@ -78,7 +102,9 @@ def hashed(rows: np.ndarray) -> str:
 
 
 def digest_on_card(name: str, driver: Any = None) -> str:
-    """Hash of what a graphics card records; unless its ``driver`` is given, its text, threads and addresses are carried out by the processor."""
+    """Hash of what a graphics card records; unless its ``driver`` is given, its text, threads and addresses
+    are carried out by the processor.
+    """
     return hashed(rows_on_card(start(name), driver))
 
 
@@ -109,7 +135,9 @@ def test_bits_are_the_same_in_so_many_threads(threads):
     """As many runs at once, of three mechanisms that share neither topology nor laws."""
     names = [("four_bar_case_c", "rigid_bars", "two_particle_bars")[k % 3] for k in range(threads)]
     with ThreadPoolExecutor(threads) as pool:
-        assert list(pool.map(lambda name: digest(name, "generated"), names)) == [known(name) for name in names]
+        assert list(pool.map(lambda name: digest(name, "generated"), names)) == [
+            known(name) for name in names
+        ]
 
 
 @pytest.mark.parametrize("name", RICH)
@@ -126,5 +154,8 @@ def test_zeros_have_no_sign():
 
 
 if __name__ == "__main__":
-    taken = {name: digest(name, "data-driven" if name in CASES else "generated") for name in (*CASES, *KINDS, *MODELS)}
+    taken = {
+        name: digest(name, "data-driven" if name in CASES else "generated")
+        for name in (*CASES, *KINDS, *MODELS)
+    }
     HASHES.write_text(json.dumps(taken, indent=1) + "\n")

@@ -1,4 +1,6 @@
-"""Forecasts count the work that is then done; too much of it has to be confirmed; what Ctrl-C leaves is handed over."""
+"""Forecasts count the work that is then done; too much of it has to be confirmed; what Ctrl-C leaves is
+handed over.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,9 @@ import numpy as np
 import pytest
 
 import vfife
-from study.identification.test_identification import BOUNDS, QUICK, oscillator, swing, written
-from study.studies import BASE, Closed
-from study.tribology.test_wear import GIVEN, loose_pin
+from identification.test_identification import BOUNDS, QUICK, oscillator, swing, written
+from studies.studies import BASE, Closed
+from tribology.test_wear import GIVEN, loose_pin
 from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.job import cost
@@ -22,10 +24,14 @@ from vfife.job.cost import CHUNK_STEPS, Forecast, Stream, cores, timed_step
 from vfife.job.job import Interrupted, Job, job_of
 from vfife.solvers import transient
 from vfife.solvers.status import Progress
-from vfife.study import forecast, run_missing
+from vfife.studies import forecast
+from vfife.studies.engine import run_missing
 
 PLAY = {"play": {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}}
-FITS: dict[str, Any] = {"cost": {"play": {"IT6": 9, "IT7": 5, "IT8": 3, "IT9": 2}}, "limit": {"C.force.max": "0.34 N"}}
+FITS: dict[str, Any] = {
+    "cost": {"play": {"IT6": 9, "IT7": 5, "IT8": 3, "IT9": 2}},
+    "limit": {"C.force.max": "0.34 N"},
+}
 BY = 3.0  # factor between a forecast and the work that is done
 
 
@@ -64,8 +70,19 @@ def test_members_of_a_study_and_of_what_was_added_to_it(closed: Closed, tmp_path
 
 def test_machines_of_an_allocation(closed: Closed) -> None:
     job = Recorder()
-    vfife.allocate(vfife.load_model(BASE), PLAY, "C.force.max", turns=2, allocation={"measure": "C.force.max", "share": 0.9}, progress=job, **FITS)
-    assert 1.0 / BY < job.forecast.count / len(closed.computed) < BY, (job.forecast.count, len(closed.computed))
+    vfife.allocate(
+        vfife.load_model(BASE),
+        PLAY,
+        "C.force.max",
+        turns=2,
+        allocation={"measure": "C.force.max", "share": 0.9},
+        progress=job,
+        **FITS,
+    )
+    assert 1.0 / BY < job.forecast.count / len(closed.computed) < BY, (
+        job.forecast.count,
+        len(closed.computed),
+    )
 
 
 def test_runs_of_a_fit(tmp_path: Path) -> None:
@@ -105,16 +122,22 @@ def test_a_step_is_timed_by_few_steps_however_far_apart_outputs_are(monkeypatch:
 
 LONG: dict[str, Callable[..., Any]] = {
     "simulate": lambda model, **more: vfife.simulate(model, turns=1e7, reference=False, **more),
-    "study": lambda model, **more: vfife.study(model, {"joint.C.clearance": ["0.1 mm"]}, "C.force.max", turns=10**6, **more),
+    "study": lambda model, **more: vfife.study(
+        model, {"joint.C.clearance": ["0.1 mm"]}, "C.force.max", turns=10**6, **more
+    ),
     "compare": lambda model, **more: vfife.compare(model, ["pereira"], turns=1e6, **more),
     "poincare_section": lambda model, **more: vfife.poincare_section(model, turns=10**7, step=1e-5, **more),
-    "waterfall": lambda model, **more: vfife.waterfall(model, "driver.crank.speed", 100.0, 200.0, turns=10**6, step=1e-5, **more),
+    "waterfall": lambda model, **more: vfife.waterfall(
+        model, "driver.crank.speed", 100.0, 200.0, turns=10**6, step=1e-5, **more
+    ),
 }
 
 
 @pytest.mark.parametrize("name", LONG)
 def test_hours_of_work_are_confirmed_in_python(name: str) -> None:
-    with pytest.raises(ModelError, match=r"it takes some \d+ h .*Add confirm=True if that is meant") as refused:
+    with pytest.raises(
+        ModelError, match=r"it takes some \d+ h .*Add confirm=True if that is meant"
+    ) as refused:
         LONG[name](vfife.load_model(BASE))
     assert str(refused.value).startswith(f"{name}()")
 
@@ -135,7 +158,9 @@ def test_a_job_hands_progress_to_the_call_of_a_script() -> None:
     Job("study", None, True, None).begin(much)
 
 
-def test_a_search_that_is_interrupted_leaves_its_study(closed: Closed, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_search_that_is_interrupted_leaves_its_study(
+    closed: Closed, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def broken(*args: Any, **named: Any) -> Any:
         for k, one in enumerate(closed(*args, **named)):
             if k == 5:
@@ -144,5 +169,12 @@ def test_a_search_that_is_interrupted_leaves_its_study(closed: Closed, monkeypat
 
     monkeypatch.setattr(run_missing, "run_members", broken)
     with pytest.raises(Interrupted) as interrupted:
-        vfife.allocate(vfife.load_model(BASE), PLAY, "C.force.max", turns=2, allocation={"measure": "C.force.max", "share": 0.9}, **FITS)
+        vfife.allocate(
+            vfife.load_model(BASE),
+            PLAY,
+            "C.force.max",
+            turns=2,
+            allocation={"measure": "C.force.max", "share": 0.9},
+            **FITS,
+        )
     assert isinstance(interrupted.value, KeyboardInterrupt) and len(interrupted.value.result.outcomes) == 5

@@ -1,6 +1,8 @@
-"""The kernels as they stand, run as plain Python: the bits of the compiled loop, and every line of them under a debugger or a coverage tool.
+"""The kernels as they stand, run as plain Python: the bits of the compiled loop, and every line of them under
+a debugger or a coverage tool.
 
-What is compiled is a text gathered from these functions, so no tool sees the functions themselves at work; here they are called.
+What is compiled is a text gathered from these functions, so no tool sees the functions themselves at work;
+here they are called.
 """
 
 from pathlib import Path
@@ -14,9 +16,9 @@ from mechanisms import beads, every_drive, every_law, everything, geared_ring
 from support import bits, journal_in_bearing, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import bounds, limited_rows
-from vfife.codegen.runner import Runner
-from vfife.codegen.source import Gathered, dispatch, films, regimes
-from vfife.codegen.tables import tables
+from vfife.compiler.runtime.runner import Runner
+from vfife.compiler.trace.source import Gathered, dispatch, films, regimes
+from vfife.compiler.trace.tables import tables
 from vfife.kernels import advance, contact
 from vfife.solvers.record import recorded_rows
 
@@ -25,9 +27,21 @@ FOLDER = Path(__file__).resolve().parents[2] / "examples"
 AHEAD, COMPARED = 200, 20
 
 
-EXAMPLES = ("elastic_pendulum", "four_bar_case_c", "gear_train", "scissor_lift", "slider_crank_loose_guide", "squeezer")
+EXAMPLES = (
+    "elastic_pendulum",
+    "four_bar_case_c",
+    "gear_train",
+    "scissor_lift",
+    "slider_crank_loose_guide",
+    "squeezer",
+)
 CASES = {name: vfife.load_model(FOLDER / f"{name}.toml") for name in EXAMPLES}
-CASES |= {"ring": geared_ring(), "beads": beads(), "worn": worn_bars(1), "touching soon": journal_in_bearing(clearance=2e-6)}
+CASES |= {
+    "ring": geared_ring(),
+    "beads": beads(),
+    "worn": worn_bars(1),
+    "touching soon": journal_in_bearing(clearance=2e-6),
+}
 CASES["coarse"] = with_settings(vfife.load_model(FOLDER / "four_bar_ideal.toml"), step=2.5e-4)
 CASES |= {"every kind": everything(), "every law": every_law(), "every drive": every_drive()}
 
@@ -46,9 +60,17 @@ def laws(monkeypatch: pytest.MonkeyPatch):
     def put(topology) -> None:
         gathered = Gathered()
         for kind, known in (("contact", topology.contact_laws), ("friction", topology.friction_laws)):
-            monkeypatch.setattr(contact, f"{kind}_law", written(dispatch(kind, known, gathered), gathered, f"{kind}_law"))
-        monkeypatch.setattr(contact, "friction_regime", written(regimes(topology.friction_laws, gathered), gathered, "friction_regime"))
-        monkeypatch.setattr(contact, "film_law", written(films(topology.contact_laws, gathered), gathered, "film_law"))
+            monkeypatch.setattr(
+                contact, f"{kind}_law", written(dispatch(kind, known, gathered), gathered, f"{kind}_law")
+            )
+        monkeypatch.setattr(
+            contact,
+            "friction_regime",
+            written(regimes(topology.friction_laws, gathered), gathered, "friction_regime"),
+        )
+        monkeypatch.setattr(
+            contact, "film_law", written(films(topology.contact_laws, gathered), gathered, "film_law")
+        )
 
     return put
 

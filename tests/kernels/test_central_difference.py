@@ -1,4 +1,6 @@
-"""Velocities kept at half steps are algebraically the paper's Eq. 3-5, which keep positions alone; the two agree to rounding."""
+"""Velocities kept at half steps are algebraically the paper's Eq. 3-5, which keep positions alone; the two
+agree to rounding.
+"""
 
 import math
 
@@ -16,7 +18,9 @@ from vfife.solvers.transient import run
 
 
 def positions_only(count, dt, damping, acceleration, d0, v0):
-    """Eq. 3-5 of the paper as printed (Eq. 5 with the whole mass): d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1)."""
+    """Eq. 3-5 of the paper as printed (Eq. 5 with the whole mass): d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2
+    d_(n-1).
+    """
     c1 = 1.0 / (1.0 + damping * dt / 2.0)
     c2 = c1 * (1.0 - damping * dt / 2.0)
     now = np.array(d0)
@@ -48,7 +52,9 @@ def half_steps(count, dt, damping, acceleration, d0, v0):
     st.floats(0.01, 1.5), st.floats(0.0, 1.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0),
 )  # fmt: skip
 def test_half_steps_are_the_papers_equations(turn, damping, d0, v0):
-    """A duffing oscillator, w dt and zeta dt at random; differences of positions lose digits as 1/(w dt)^2, half steps do not."""
+    """A duffing oscillator, w dt and zeta dt at random; differences of positions lose digits as 1/(w dt)^2,
+    half steps do not.
+    """
     args = (200, 1.0, damping, lambda d: -(turn**2) * (d - 0.1 * d**3), [d0], [v0 * turn])
     assert half_steps(*args) == pytest.approx(positions_only(*args), rel=0, abs=1e-10 / turn**2)
 
@@ -76,13 +82,23 @@ LENGTH, AREA, MASS = 0.5, 1e-4, 2.0
 def bar(damping: float) -> Mechanism:
     """A two-particle link whose ends fly apart: an oscillator."""
     m = Mechanism("bar")
-    m.link("bar", length=LENGTH, mass=MASS, model="two-particle", section=Section.square(AREA), release="both", strain="current")
+    m.link(
+        "bar",
+        length=LENGTH,
+        mass=MASS,
+        model="two-particle",
+        section=Section.square(AREA),
+        release="both",
+        strain="current",
+    )
     return with_settings(m, damping=damping)
 
 
 @pytest.mark.parametrize("damping", [0.0, 400.0])
 def test_a_run_keeps_to_the_papers_equations(damping):
-    """The loop itself, element and all, beside Eq. 5 with the same incremental axial force; the start Eq. 4 included."""
+    """The loop itself, element and all, beside Eq. 5 with the same incremental axial force; the start Eq. 4
+    included.
+    """
     dt, count, speed = 2e-6, 2000, 0.8
     a = assemble(bar(damping), dt, duration=count * dt, outputs=count, force_step=True)
     a.state[a.layout["particle_u"][1:]] = -speed, speed
@@ -115,6 +131,8 @@ def test_the_oscillator_swings_at_the_shifted_frequency():
     t = record.steps * dt
     amplitude = 2 * speed / (w * math.sqrt(1 - (w * dt / 2) ** 2))
     expected = amplitude * np.sin(shifted * t)
-    assert np.abs(stretch - expected).max() < 2e-4 * amplitude  # the bar stretches by 2e-5, which changes its frequency by as much
+    assert (
+        np.abs(stretch - expected).max() < 2e-4 * amplitude
+    )  # the bar stretches by 2e-5, which changes its frequency by as much
     plain = amplitude * np.sin(w * t)
     assert np.abs(stretch - plain).max() > 1e-2 * amplitude

@@ -1,4 +1,6 @@
-"""What ideal joints open by in a step and how their rows turn, against the joints' own equations in complex numbers, one kind beside the other."""
+"""What ideal joints open by in a step and how their rows turn, against the joints' own equations in complex
+numbers, one kind beside the other.
+"""
 
 import cmath
 import math
@@ -7,22 +9,47 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from vfife.codegen.tables import tables
+from vfife.compiler.trace.tables import tables
 from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, HEADER, JOINT_INDEX, PARTICLE
 from vfife.kernels.closing import GAIN, linearisation_error, residual
 from vfife.kernels.constraint import levers
 from vfife.kernels.elementary import turned
-from vfife.kernels.topology import ACROSS, ALONG, APART, FREE, GEARED, KEPT, NOWHERE, ON_PATH, PINNED, Topology
+from vfife.kernels.topology import (
+    ACROSS,
+    ALONG,
+    APART,
+    FREE,
+    GEARED,
+    KEPT,
+    NOWHERE,
+    ON_PATH,
+    PINNED,
+    Topology,
+)
 
-KINDS = ((PINNED, FREE), (ACROSS, KEPT), (ALONG, FREE), (ON_PATH, FREE), (APART, FREE), (NOWHERE, GEARED), (PINNED, KEPT))
+KINDS = (
+    (PINNED, FREE),
+    (ACROSS, KEPT),
+    (ALONG, FREE),
+    (ON_PATH, FREE),
+    (APART, FREE),
+    (NOWHERE, GEARED),
+    (PINNED, KEPT),
+)
 MOVED = (2, 4, 6)  # joints with a function
 AIM, FROM, TO = 0.03, 0.11, 0.16  # offset of all, value of their function at t_n and at t_(n+1)
 RATIO, RADIUS = -0.7, 0.8  # of the gears; of the path, an arc about (0, RADIUS) of the bearing's frame
 PINS = {
-    joint: (complex(0.1 + 0.05 * joint, -0.2), complex(-0.15, 0.1 + 0.03 * joint), cmath.rect(1.0, 0.4 + 0.2 * joint))
+    joint: (
+        complex(0.1 + 0.05 * joint, -0.2),
+        complex(-0.15, 0.1 + 0.03 * joint),
+        cmath.rect(1.0, 0.4 + 0.2 * joint),
+    )
     for joint in range(len(KINDS))
 }
-AT = np.array([[0.0, 0.0, 0.0], [0.3, -0.2, 0.7], [0.9, 0.5, -0.4], [0.2, 0.1, 0.3]])  # (x, y, angle) of ground, bearing, journal, carrier
+AT = np.array(
+    [[0.0, 0.0, 0.0], [0.3, -0.2, 0.7], [0.9, 0.5, -0.4], [0.2, 0.1, 0.3]]
+)  # (x, y, angle) of ground, bearing, journal, carrier
 BY = np.array([[0.0, 0.0, 0.0], [0.04, 0.03, 0.09], [-0.05, 0.02, -0.11], [0.01, -0.02, 0.05]])
 
 
@@ -49,7 +76,20 @@ def model() -> Model:
     for i, (x, y, angle) in enumerate(AT.tolist()):
         step = [*BY[i].tolist(), *turned(BY[i, 2])]
         values = (x, y, angle, math.cos(angle), math.sin(angle), *step, 0.8 + 0.1 * i, 3.0 + i)
-        names = ("x", "y", "theta", "c", "s", "step_x", "step_y", "step_turn", "step_sine", "step_versine", "inverse_mass", "inverse_inertia")
+        names = (
+            "x",
+            "y",
+            "theta",
+            "c",
+            "s",
+            "step_x",
+            "step_y",
+            "step_turn",
+            "step_sine",
+            "step_versine",
+            "inverse_mass",
+            "inverse_inertia",
+        )
         for name, value in zip(names, values, strict=True):
             if i or name in ("c",):
                 S[layout.record("particle", i) + getattr(PARTICLE, name)] = value

@@ -1,9 +1,11 @@
-"""How bodies in ideal joints answer to a contact: with the reactions that come with it, so that the joints stay closed."""
+"""How bodies in ideal joints answer to a contact: with the reactions that come with it, so that the joints
+stay closed.
+"""
 
 import numpy as np
 import pytest
 
-from vfife.codegen.tables import tables
+from vfife.compiler.trace.tables import tables
 from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, CONTACT_INDEX, HEADER, PARTICLE
 from vfife.kernels.constraint import apply_response, joint_compliance, levers
 from vfife.kernels.contact import apply_contact_force
@@ -15,7 +17,9 @@ H, NORMAL, FRICTION = 2e-5, 300.0, -80.0
 
 
 def test_velocities_and_forces_change_as_one():
-    """By M^-1 f h with the contact's forces and the reactions, in directions that the joints allow; along n and t as the compliance has it."""
+    """By M^-1 f h with the contact's forces and the reactions, in directions that the joints allow; along n
+    and t as the compliance has it.
+    """
     topology = Topology(
         particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(0, 0, 2), joint_journal=(1, 3, 3), joint_place=(PINNED,) * 3,
         joint_turn=(0, 0, KEPT), contact_bearing=(1,), contact_journal=(2,), contact_form=(0,), friction_form=(0,),
@@ -52,10 +56,20 @@ def test_velocities_and_forces_change_as_one():
         assert moved == pytest.approx(H * np.array(felt) * inverse, rel=1e-11)
     for m in range(I[HEADER.constraint_count]):
         at = I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m
-        q, p, n = I[at + CONSTRAINT_INDEX.row], I[at + CONSTRAINT_INDEX.bearing], I[at + CONSTRAINT_INDEX.journal]
-        along = S[q + CONSTRAINT.nx] * (S[n + PARTICLE.vu] - S[p + PARTICLE.vu]) + S[q + CONSTRAINT.ny] * (S[n + PARTICLE.vv] - S[p + PARTICLE.vv])
-        assert along + S[q + CONSTRAINT.jk] * S[n + PARTICLE.vw] - S[q + CONSTRAINT.jb] * S[p + PARTICLE.vw] == pytest.approx(0.0, abs=1e-16)
+        q, p, n = (
+            I[at + CONSTRAINT_INDEX.row],
+            I[at + CONSTRAINT_INDEX.bearing],
+            I[at + CONSTRAINT_INDEX.journal],
+        )
+        along = S[q + CONSTRAINT.nx] * (S[n + PARTICLE.vu] - S[p + PARTICLE.vu]) + S[q + CONSTRAINT.ny] * (
+            S[n + PARTICLE.vv] - S[p + PARTICLE.vv]
+        )
+        assert along + S[q + CONSTRAINT.jk] * S[n + PARTICLE.vw] - S[q + CONSTRAINT.jb] * S[
+            p + PARTICLE.vw
+        ] == pytest.approx(0.0, abs=1e-16)
     ru, rv = S[k + PARTICLE.vu] - S[b + PARTICLE.vu], S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
     rate = 0.6 * ru + 0.8 * rv + 0.11 * S[k + PARTICLE.vw] - 0.05 * S[b + PARTICLE.vw]
     slip = 0.6 * rv - 0.8 * ru - 0.07 * S[k + PARTICLE.vw] - 0.13 * S[b + PARTICLE.vw]
-    assert (rate, slip) == pytest.approx((H * (gm * FRICTION - gn * NORMAL), H * (gt * FRICTION - gm * NORMAL)), rel=1e-11)
+    assert (rate, slip) == pytest.approx(
+        (H * (gm * FRICTION - gn * NORMAL), H * (gt * FRICTION - gm * NORMAL)), rel=1e-11
+    )

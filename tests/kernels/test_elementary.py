@@ -9,7 +9,9 @@ import pytest
 from support import EPS
 from vfife.kernels import elementary, frame
 
-PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211706798")
+PI = Decimal(
+    "3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211706798"
+)
 
 
 def exact_sincos(angle: float) -> tuple[Decimal, Decimal]:
@@ -27,10 +29,19 @@ def exact_sincos(angle: float) -> tuple[Decimal, Decimal]:
 
 
 def angles() -> np.ndarray:
-    """Angles over the range of a long run and ten times that, and next to multiples of an eighth of a turn, where the reduction has to choose."""
+    """Angles over the range of a long run and ten times that, and next to multiples of an eighth of a turn,
+    where the reduction has to choose.
+    """
     rng = np.random.default_rng(7)
     eighths = rng.integers(-120000, 120001, 300) * (math.pi / 4)
-    near = np.concatenate([eighths, np.nextafter(eighths, np.inf), np.nextafter(eighths, -np.inf), eighths + rng.normal(0, 1e-6, 300)])
+    near = np.concatenate(
+        [
+            eighths,
+            np.nextafter(eighths, np.inf),
+            np.nextafter(eighths, -np.inf),
+            eighths + rng.normal(0, 1e-6, 300),
+        ]
+    )
     every = np.concatenate(
         [
             rng.uniform(-1e5, 1e5, 600),
@@ -144,13 +155,23 @@ def test_reduction_is_exact_and_its_range_kept():
             for x in (np.nextafter(edge, 0), edge, np.nextafter(edge, np.inf)):
                 if x >= 2.0**-95:
                     m, e = elementary.reduced(float(x))
-                    assert m * 2.0**e == x and e == int(e) and math.sqrt(0.5) * (1 - EPS) <= m <= math.sqrt(2.0) * (1 + EPS)
+                    assert (
+                        m * 2.0**e == x
+                        and e == int(e)
+                        and math.sqrt(0.5) * (1 - EPS) <= m <= math.sqrt(2.0) * (1 + EPS)
+                    )
 
 
 def test_logarithm_is_right_to_the_last_digit():
     """Over its range, and about 1, where the relative error is the hard one."""
     rng = np.random.default_rng(11)
-    numbers = np.concatenate([10.0 ** rng.uniform(-28, 9, 1200), rng.uniform(0.5, 2.0, 800), 1.0 + 10.0 ** rng.uniform(-15, -1, 300)])
+    numbers = np.concatenate(
+        [
+            10.0 ** rng.uniform(-28, 9, 1200),
+            rng.uniform(0.5, 2.0, 800),
+            1.0 + 10.0 ** rng.uniform(-15, -1, 300),
+        ]
+    )
     worst = 0.0
     with localcontext() as context:
         context.prec = 40

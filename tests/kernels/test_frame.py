@@ -1,4 +1,6 @@
-"""The plane frame element: rigid motion, stiffness, releases, equilibrium and path units, against matrix structural analysis."""
+"""The plane frame element: rigid motion, stiffness, releases, equilibrium and path units, against matrix
+structural analysis.
+"""
 
 import itertools
 import math
@@ -7,7 +9,7 @@ import numpy as np
 import pytest
 
 from support import EPS
-from vfife.codegen.tables import tables
+from vfife.compiler.trace.tables import tables
 from vfife.kernels import step as loop
 from vfife.kernels.topology import Topology
 
@@ -18,8 +20,20 @@ RELEASED = {"none": 0, "start": 1, "end": 2, "both": 3}
 class Element:
     """One element between two particles, stepped by the data-driven loop's own function, run as plain Python."""
 
-    def __init__(self, release: str = "none", path_unit: int = 1, ends=((0.3, -0.2), (0.3 + LENGTH, -0.2)), theta=(0.0, 0.0)) -> None:
-        topology = Topology(particles=3, free=(1, 2), frame_nodes=((1, 2),), frame_release=(RELEASED[release],), path_unit=path_unit)
+    def __init__(
+        self,
+        release: str = "none",
+        path_unit: int = 1,
+        ends=((0.3, -0.2), (0.3 + LENGTH, -0.2)),
+        theta=(0.0, 0.0),
+    ) -> None:
+        topology = Topology(
+            particles=3,
+            free=(1, 2),
+            frame_nodes=((1, 2),),
+            frame_release=(RELEASED[release],),
+            path_unit=path_unit,
+        )
         integers, self.layout, rows = tables(topology)
         self.I = [int(value) for value in integers]
         self.S = np.zeros(rows)
@@ -46,7 +60,9 @@ class Element:
 
     def inside(self) -> np.ndarray:
         """Axial force and end moments."""
-        return np.array([self.S[self.layout[f"frame_{name}"]][0] for name in ("axial_force", "moment_1", "moment_2")])
+        return np.array(
+            [self.S[self.layout[f"frame_{name}"]][0] for name in ("axial_force", "moment_1", "moment_2")]
+        )
 
 
 def moved(points, turn: float, shift) -> list[tuple[float, float, float]]:
@@ -56,7 +72,9 @@ def moved(points, turn: float, shift) -> list[tuple[float, float, float]]:
 
 
 def beam_matrix(release: str) -> np.ndarray:
-    """Textbook stiffness of a plane frame member along x; released rotations condensed out (Schur complement)."""
+    """Textbook stiffness of a plane frame member along x; released rotations condensed out (Schur
+    complement).
+    """
     l, k = LENGTH, np.zeros((6, 6))
     k[np.ix_([0, 3], [0, 3])] = EA / l * np.array([[1, -1], [-1, 1]])
     k[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = (
@@ -80,7 +98,9 @@ def beam_matrix(release: str) -> np.ndarray:
 @pytest.mark.parametrize("release", RELEASED)
 @pytest.mark.parametrize("angle", [0.0, 0.9, -2.4])
 def test_small_deformation_gives_the_beam_matrix(release, angle):
-    """Every column, in any direction, to the second order that the difference of two opposite displacements leaves."""
+    """Every column, in any direction, to the second order that the difference of two opposite displacements
+    leaves.
+    """
     c, s = math.cos(angle), math.sin(angle)
     turn = np.kron(np.eye(2), [[c, s, 0], [-s, c, 0], [0, 0, 1]])
     expected = turn.T @ beam_matrix(release) @ turn
@@ -91,12 +111,18 @@ def test_small_deformation_gives_the_beam_matrix(release, angle):
             ends = ((0.1, 0.2), (0.1 + LENGTH * c, 0.2 + LENGTH * s))
             place = np.array([*ends[0], angle, *ends[1], angle])
             place[column] += sign * small
-            found[:, column] -= sign * Element(release, ends=ends, theta=(angle, angle)).force(place[:3], place[3:]) / (2 * small)
+            found[:, column] -= (
+                sign
+                * Element(release, ends=ends, theta=(angle, angle)).force(place[:3], place[3:])
+                / (2 * small)
+            )
     assert found == pytest.approx(expected, rel=2e-9, abs=2e-9 * EA / LENGTH)
 
 
 def test_a_cantilever_released_at_its_tip_bends_with_three_ei_over_l():
-    """An end rotation theta against a pin: 3EI/l theta, and 3EI/l^2 theta across (not Eq. 12b with a zero struck in)."""
+    """An end rotation theta against a pin: 3EI/l theta, and 3EI/l^2 theta across (not Eq. 12b with a zero
+    struck in).
+    """
     theta = 1e-3
     force = Element("start", ends=((0, 0), (LENGTH, 0))).force((0, 0, 0), (LENGTH, 0, theta))
     assert force[5] == pytest.approx(-3 * EI / LENGTH * theta, rel=1e-12)
@@ -106,13 +132,17 @@ def test_a_cantilever_released_at_its_tip_bends_with_three_ei_over_l():
 
 @pytest.mark.parametrize(("release", "path_unit"), list(itertools.product(RELEASED, (1, 5))))
 def test_a_rigid_motion_however_large_makes_no_force(release, path_unit):
-    """Three turns and a hundred metres in 4000 steps; a path unit of five turns by 0.024 rad. What is left is rounding."""
+    """Three turns and a hundred metres in 4000 steps; a path unit of five turns by 0.024 rad. What is left is
+    rounding.
+    """
     e = Element(release, path_unit)
     start = [(0.3, -0.2, 0.0), (0.3 + LENGTH, -0.2, 0.0)]
     for share in np.linspace(0.0, 1.0, 4001):
         force = e.force(*moved(start, 6 * math.pi * share, (100 * share, -30 * share**2)))
     axial, *moments = np.abs(e.inside() / [EA, EI / LENGTH, EI / LENGTH])
-    assert axial < 130 * EPS / LENGTH  # a place at 100 m is rounded so; increments of length add up to the length there is
+    assert (
+        axial < 130 * EPS / LENGTH
+    )  # a place at 100 m is rounded so; increments of length add up to the length there is
     assert max(moments) < 1e-12  # what the series of a unit's turn leaves out, 4000 times
     assert np.abs(force[:2]).max() < EA * 260 * EPS / LENGTH
 
@@ -161,7 +191,9 @@ def stretched(units: int, path_unit: int) -> float:
 
 
 def test_a_large_stretch_adds_up_to_the_logarithmic_strain():
-    """Increments EA dl/l over path units: EA ln(l1/l0), with a first-order error of EA/2 (1/l0 - 1/l1) times the length of a unit."""
+    """Increments EA dl/l over path units: EA ln(l1/l0), with a first-order error of EA/2 (1/l0 - 1/l1) times
+    the length of a unit.
+    """
     exact = EA * math.log(1.5)
     for units in (50, 100, 200):
         error = stretched(units, 1) - exact
@@ -174,12 +206,19 @@ def test_the_length_of_a_path_unit_counts_not_its_steps():
 
 
 def test_within_a_path_unit_the_force_depends_on_the_position_alone():
-    """Out and back inside one unit of many steps: the force returns to the bit. Over units of one step half the sum of (dl/l)^2 is left."""
+    """Out and back inside one unit of many steps: the force returns to the bit. Over units of one step half
+    the sum of (dl/l)^2 is left.
+    """
     place = [LENGTH * (1 + 1e-3 * math.sin(0.1 * k)) for k in range(63)]
-    held, renewed = Element("both", 1000, ends=((0.0, 0.0), (LENGTH, 0.0))), Element("both", 1, ends=((0.0, 0.0), (LENGTH, 0.0)))
+    held, renewed = (
+        Element("both", 1000, ends=((0.0, 0.0), (LENGTH, 0.0))),
+        Element("both", 1, ends=((0.0, 0.0), (LENGTH, 0.0))),
+    )
     for e in (held, renewed):
         for x in [*place, LENGTH]:
             e.force((0.0, 0.0, 0.0), (x, 0.0, 0.0))
     assert held.inside()[0] == 0.0
     lengths = np.array([LENGTH, *place, LENGTH])
-    assert renewed.inside()[0] == pytest.approx(EA / 2 * ((np.diff(lengths) / lengths[:-1]) ** 2).sum(), rel=1e-2)
+    assert renewed.inside()[0] == pytest.approx(
+        EA / 2 * ((np.diff(lengths) / lengths[:-1]) ** 2).sum(), rel=1e-2
+    )

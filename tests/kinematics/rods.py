@@ -11,13 +11,17 @@ GRAVITY = 9.81
 
 
 def rods(names, lengths, masses, joints, drives=()):
-    """Uniform rods along their own x axis; ends of a joint are given as (body, fraction of half length) or a point."""
+    """Uniform rods along their own x axis; ends of a joint are given as (body, fraction of half length) or a
+    point.
+    """
     half = [0.0, *(0.5 * length for length in lengths)]
 
     def end(body, at):
         return at if body == 0 else (at * half[body], 0.0)
 
-    pins = [Pin(name, a, np.array(end(a, at_a)), b, np.array(end(b, at_b))) for name, a, at_a, b, at_b in joints]
+    pins = [
+        Pin(name, a, np.array(end(a, at_a)), b, np.array(end(b, at_b))) for name, a, at_a, b, at_b in joints
+    ]
     mass = np.array([0.0, *masses])
     inertia = np.array([0.0, *(m * length**2 / 12.0 for m, length in zip(masses, lengths, strict=True))])
     return RigidSystem(("ground", *names), mass, inertia, pins, drives)

@@ -32,8 +32,16 @@ def test_the_bottom_of_a_bowl_is_found():
         (lambda x, y: 1.0 + x * x - 0.01 * y * y, lambda x, y: (2.0 * x, -0.02 * y), "a saddle"),
         (lambda x, y: 1.0 + x * x - 0.1 * y, lambda x, y: (2.0 * x, -0.1), "a slope that goes on"),
         (lambda x, y: 1.0 + (x - 0.3) ** 2 + y * y, lambda x, y: (2.0 * (x - 0.3), 2.0 * y), "too far"),
-        (lambda x, y: 0.001 + 5.0 * (x - 0.1) ** 2 + y * y, lambda x, y: (10.0 * (x - 0.1), 2.0 * y), "much deeper than here"),
-        (lambda x, y: 1.0 + 2000.0 * x * x - 0.02 * y * y, lambda x, y: (4000.0 * x, -0.04 * y), "a saddle beside a drive's weight"),
+        (
+            lambda x, y: 0.001 + 5.0 * (x - 0.1) ** 2 + y * y,
+            lambda x, y: (10.0 * (x - 0.1), 2.0 * y),
+            "much deeper than here",
+        ),
+        (
+            lambda x, y: 1.0 + 2000.0 * x * x - 0.02 * y * y,
+            lambda x, y: (4000.0 * x, -0.04 * y),
+            "a saddle beside a drive's weight",
+        ),
     ],
 )
 def test_what_is_no_bottom_is_none(function, slopes, why):
@@ -44,9 +52,13 @@ def system_of(mechanism):
     return rigid_system(mechanism), np.array(first_guess(mechanism))
 
 
-@pytest.mark.parametrize(("link", "part"), [("crank", 0.3), ("crank", 3.0), ("coupler", 0.3), ("follower", 3.0)])
+@pytest.mark.parametrize(
+    ("link", "part"), [("crank", 0.3), ("crank", 3.0), ("coupler", 0.3), ("follower", 3.0)]
+)
 def test_links_that_cannot_reach_share_the_gap(link, part):
-    """The crank lies along the ground. Coupler and follower come to lie there too, and all four joints have a quarter of what is missing."""
+    """The crank lies along the ground. Coupler and follower come to lie there too, and all four joints have a
+    quarter of what is missing.
+    """
     four_bar = gallery.four_bar_ideal()
     mechanism = sized(four_bar, link, part * four_bar.bodies[link].length)
     crank, coupler, follower = (mechanism.bodies[name].length for name in ("crank", "coupler", "follower"))

@@ -1,4 +1,6 @@
-"""Where the bodies of an ideal mechanism are: closed on the branch of a guess, mobility, and what does not close, by its joints and gaps."""
+"""Where the bodies of an ideal mechanism are: closed on the branch of a guess, mobility, and what does not
+close, by its joints and gaps.
+"""
 
 from dataclasses import replace
 
@@ -25,7 +27,9 @@ def test_closure_is_the_intersection_of_two_circles(side):
 
 
 def test_a_long_step_stays_on_the_branch_of_the_guess():
-    np.testing.assert_allclose(close(driven(four_bar(), 1.5), at_angle(0.0)).position, at_angle(1.5), atol=1e-13)
+    np.testing.assert_allclose(
+        close(driven(four_bar(), 1.5), at_angle(0.0)).position, at_angle(1.5), atol=1e-13
+    )
 
 
 def test_a_guess_whole_turns_away_takes_the_angle_of_the_drive():
@@ -93,7 +97,9 @@ def test_flat_parallelogram_gains_a_freedom_at_its_change_point():
 
 def test_a_loop_too_short_names_its_joints_and_the_missing_length():
     guess = np.array([[0.0, 0.0, 0.0], [0.0, 0.1, 1.2], [0.3, 0.3, 0.4], [0.9, 0.2, 1.9]])
-    with pytest.raises(AssemblyError, match=r"C by 100 mm \(with A, B, D closed\).*A, B, C, D cannot reach") as info:
+    with pytest.raises(
+        AssemblyError, match=r"C by 100 mm \(with A, B, D closed\).*A, B, C, D cannot reach"
+    ) as info:
         close(four_bar(1.0, 0.2, 0.3, 0.4), guess)
     assert info.value.joints == ("C",)
     assert sum(info.value.gaps) == pytest.approx(0.1, rel=1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vfife.assembly.assemble import assemble
-from vfife.codegen.tables import tables
+from vfife.compiler.trace.tables import tables
 from vfife.kernels import spring as springs_of_a_step
 from vfife.kernels import step as loop
 from vfife.kinematics import forces
@@ -19,11 +19,25 @@ from vfife.model.springs import Bushing, Spring, Stop, TorsionalSpring
 
 
 def two_bodies() -> Mechanism:
-    """Two bodies in flight, turned and turning, their pins off their centres of mass, and a point of the ground."""
+    """Two bodies in flight, turned and turning, their pins off their centres of mass, and a point of the
+    ground.
+    """
     m = Mechanism("in flight")
     m.point("O", 0.1, -0.3)
-    for name, at, angle, velocity in (("a", (0.2, 0.1), 0.4, (1.0, -2.0, 3.0)), ("b", (0.7, 0.5), -0.9, (-0.5, 0.3, -4.0))):
-        m.rigid_body(name, mass=2.0, inertia=0.03, center=(0.05, -0.02), pins={"eye": (0.3, 0.2)}, position=at, angle=angle, velocity=velocity)
+    for name, at, angle, velocity in (
+        ("a", (0.2, 0.1), 0.4, (1.0, -2.0, 3.0)),
+        ("b", (0.7, 0.5), -0.9, (-0.5, 0.3, -4.0)),
+    ):
+        m.rigid_body(
+            name,
+            mass=2.0,
+            inertia=0.03,
+            center=(0.05, -0.02),
+            pins={"eye": (0.3, 0.2)},
+            position=at,
+            angle=angle,
+            velocity=velocity,
+        )
     return m
 
 
@@ -34,13 +48,22 @@ def add(kind: str) -> Mechanism:
     turning = {"name": kind, "first": "a", "second": "b"}
     things = {
         "spring": Spring(**ends, stiffness=400.0, damping=7.0, free_length=0.2),
-        "spring to the ground": Spring(**{**ends, "second": "ground.O"}, stiffness=400.0, damping=7.0, free_length=0.2),
+        "spring to the ground": Spring(
+            **{**ends, "second": "ground.O"}, stiffness=400.0, damping=7.0, free_length=0.2
+        ),
         "torsional spring": TorsionalSpring(**turning, stiffness=5.0, damping=0.3, free_angle=0.1),
         "stop that pushes": Stop(**turning, low=-0.5, high=0.5, stiffness=9.0, damping=0.1),
         "stop that rests": Stop(**turning, low=-2.0, high=0.5, stiffness=9.0, damping=0.1),
         "bushing": Bushing(**ends, stiffness=(300.0, 200.0, 4.0), damping=(5.0, 3.0, 0.2)),
         "load": PointForce(name=kind, at="a.eye", force=(15.0, -4.0), moment=0.4),
-        "following load": PointForce(name=kind, at="a.eye", force=(15.0, -4.0), follow=True, times=(0.0, 1.0, 2.0), factors=(0.7, -0.5, 2.0)),
+        "following load": PointForce(
+            name=kind,
+            at="a.eye",
+            force=(15.0, -4.0),
+            follow=True,
+            times=(0.0, 1.0, 2.0),
+            factors=(0.7, -0.5, 2.0),
+        ),
         "torque": Torque(body="a", against="b", value=1.5),
         "torque over a speed": Torque(body="a", against="b", value=(1.0, -2.0, 5.0), speeds=(-5.0, 0.0, 9.0)),
         "torque over an angle": Torque(body="a", value=(1.0, -2.0, 5.0), angles=(-1.0, 0.0, 1.0)),

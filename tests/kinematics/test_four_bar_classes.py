@@ -30,7 +30,9 @@ def test_classes(lengths, said):
 
 
 def test_a_class_says_which_grounded_links_turn_fully():
-    """A grounded link turns fully if the gap between its tip and the other foot stays within what the other two can reach."""
+    """A grounded link turns fully if the gap between its tip and the other foot stays within what the other
+    two can reach.
+    """
     assembled = 0
     for seed in range(200):
         draw = random.Random(seed)
@@ -38,7 +40,10 @@ def test_a_class_says_which_grounded_links_turn_fully():
         if 2.0 * max(ground, first, coupler, second) > ground + first + coupler + second:
             continue  # it cannot be assembled
         pairs = ((first, second), (second, first))
-        turns = [abs(coupler - other) < abs(ground - link) and ground + link < coupler + other for link, other in pairs]
+        turns = [
+            abs(coupler - other) < abs(ground - link) and ground + link < coupler + other
+            for link, other in pairs
+        ]
         name = classified(ground, first, coupler, second).split(" (")[0].split(",")[0]
         assert sum(turns) == {"double crank": 2, "crank-rocker": 1}.get(name, 0), f"seed {seed}"
         assembled += 1
@@ -60,8 +65,10 @@ def four_bar(ground, first, coupler, second):
 
 
 def test_a_four_bar_is_found_with_its_lengths():
-    assert grashof(four_bar(0.15, 0.4, 0.26, 0.46)) == (
-        "double crank (drag link), a Grashof four-bar: ground 150 mm, crank 400 mm, coupler 260 mm, follower 460 mm"
+    assert (
+        grashof(four_bar(0.15, 0.4, 0.26, 0.46))
+        == "double crank (drag link), a Grashof four-bar: ground 150 mm, crank 400 mm, coupler 260 mm,"
+        " follower 460 mm"
     )
     m = four_bar(0.15, 0.4, 0.26, 0.46)
     del m.joints["C"]

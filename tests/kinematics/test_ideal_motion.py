@@ -1,4 +1,6 @@
-"""The ideal motion of mechanisms with guides, gears, springs and drivers of every kind, against published values and closed forms."""
+"""The ideal motion of mechanisms with guides, gears, springs and drivers of every kind, against published
+values and closed forms.
+"""
 
 import dataclasses
 import math
@@ -13,14 +15,28 @@ from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepT
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.results.restart import start_from
-from vfife.simulation import simulate
+from vfife.simulation.simulate import simulate
 
 
-def slider_crank(crank=0.05, rod=0.12, masses=(0.30, 0.21, 0.14), inertias=(1e-4, 2.5e-4, 1e-4), gravity=0.0, angle=0.0, speed=None):
+def slider_crank(
+    crank=0.05,
+    rod=0.12,
+    masses=(0.30, 0.21, 0.14),
+    inertias=(1e-4, 2.5e-4, 1e-4),
+    gravity=0.0,
+    angle=0.0,
+    speed=None,
+):
     m = Mechanism("slider-crank", gravity=(0.0, -gravity))
     m.point("O", 0.0, 0.0)
     m.link("crank", length=crank, mass=masses[0], inertia=inertias[0], angle=angle)
-    m.link("rod", length=rod, mass=masses[1], inertia=inertias[1], angle=-math.asin(crank / rod * math.sin(angle)))
+    m.link(
+        "rod",
+        length=rod,
+        mass=masses[1],
+        inertia=inertias[1],
+        angle=-math.asin(crank / rod * math.sin(angle)),
+    )
     m.rigid_body("slider", mass=masses[2], inertia=inertias[2])
     m.revolute("A", "ground.O", "crank.start")
     m.revolute("B", "crank.end", "rod.start")
@@ -116,7 +132,9 @@ def test_the_mirror_image_starts_from_the_same_bits():
     ],
 )
 def test_a_driven_slider_counts_from_the_start(driver):
-    """Travel counts from the closed start; velocity and acceleration are its rates; the force's power is that of all bodies."""
+    """Travel counts from the closed start; velocity and acceleration are its rates; the force's power is that
+    of all bodies.
+    """
     m = slider_crank(angle=0.7)
     start = ideal_motion(m).of("slider")[0][0]
     m.drivers["press"] = driver
@@ -132,7 +150,9 @@ def test_a_driven_slider_counts_from_the_start(driver):
     assert ideal_motion(m).of("slider")[0][0] == pytest.approx(start, abs=1e-12)
     _, v, a = now.of("slider")
     assert v[0] == pytest.approx((8 * (x[3] - x[1]) - x[4] + x[0]) / (12 * h), rel=1e-6, abs=1e-9)
-    assert a[0] == pytest.approx((16 * (x[3] + x[1]) - x[4] - x[0] - 30 * x[2]) / (12 * h * h), rel=1e-4, abs=1e-3)
+    assert a[0] == pytest.approx(
+        (16 * (x[3] + x[1]) - x[4] - x[0] - 30 * x[2]) / (12 * h * h), rel=1e-4, abs=1e-3
+    )
     power = 0.0
     for name, mass, inertia in (("crank", 0.30, 1e-4), ("rod", 0.21, 2.5e-4), ("slider", 0.14, 1e-4)):
         _, u, b = now.of(name)
@@ -141,7 +161,9 @@ def test_a_driven_slider_counts_from_the_start(driver):
 
 
 def test_a_driver_between_two_bodies():
-    """A knee driven at constant speed while the thigh is held: the shank turns by it, and the thigh's driver takes the opposite torque."""
+    """A knee driven at constant speed while the thigh is held: the shank turns by it, and the thigh's driver
+    takes the opposite torque.
+    """
     m = Mechanism("leg", gravity=(0.0, -9.81))
     m.point("hip", 0.0, 0.0)
     m.link("thigh", length=0.4, mass=3.0, angle=-1.2)
@@ -160,7 +182,8 @@ def test_a_driver_between_two_bodies():
     assert motion.torque["thigh"] * 2.0 + motion.torque["knee"] * -5.0 == pytest.approx(power, rel=1e-11)
 
 
-# ---------------------------------------------------------------------------------------------------- gears, springs, loads
+# ---------------------------------------------------------------------------------------------------- gears,
+# springs, loads
 
 
 def rod(**options):
@@ -193,18 +216,41 @@ def test_spring_and_damper_at_the_start():
 @pytest.mark.parametrize(
     ("add", "moment"),
     [
-        (lambda m: m.torsional_spring("t", "ground", "rod", stiffness=30.0, damping=2.0, free_angle=0.1), -30.0 * 0.3 - 2.0 * 3.0),
+        (
+            lambda m: m.torsional_spring("t", "ground", "rod", stiffness=30.0, damping=2.0, free_angle=0.1),
+            -30.0 * 0.3 - 2.0 * 3.0,
+        ),
         (lambda m: m.torsional_spring("t", "ground", "rod", stiffness=30.0, damping=2.0), -2.0 * 3.0),
-        (lambda m: m.stop("t", "ground", "rod", low=-1.0, high=0.3, stiffness=100.0, damping=1.0), -100.0 * 0.1 - 3.0),
-        (lambda m: m.stop("t", "ground", "rod", low=0.5, high=0.9, stiffness=100.0, damping=1.0), 100.0 * 0.1 - 3.0),
-        (lambda m: m.stop("t", "ground", "rod", low=0.5, high=0.9, stiffness=20.0, damping=1.0), 0.0),  # it would pull back
+        (
+            lambda m: m.stop("t", "ground", "rod", low=-1.0, high=0.3, stiffness=100.0, damping=1.0),
+            -100.0 * 0.1 - 3.0,
+        ),
+        (
+            lambda m: m.stop("t", "ground", "rod", low=0.5, high=0.9, stiffness=100.0, damping=1.0),
+            100.0 * 0.1 - 3.0,
+        ),
+        (
+            lambda m: m.stop("t", "ground", "rod", low=0.5, high=0.9, stiffness=20.0, damping=1.0),
+            0.0,
+        ),  # it would pull back
         (lambda m: m.stop("t", "ground", "rod", low=-1.0, high=1.0, stiffness=100.0, damping=1.0), 0.0),
-        (lambda m: m.bushing("t", "ground.O", "rod.start", stiffness=(1e3, 1e3, 50.0), damping=(9.0, 9.0, 4.0)), -12.0),
+        (
+            lambda m: m.bushing(
+                "t", "ground.O", "rod.start", stiffness=(1e3, 1e3, 50.0), damping=(9.0, 9.0, 4.0)
+            ),
+            -12.0,
+        ),
         (lambda m: m.drivers.update(t=Torque(body="rod", value=(1.0, 5.0), speeds=(0.0, 4.0))), 4.0),
         (lambda m: m.drivers.update(t=Torque(body="rod", value=(1.0, 5.0), speeds=(0.0, 2.0))), 5.0),
         (lambda m: m.drivers.update(t=Torque(body="rod", value=(1.0, 5.0), angles=(-1.0, 1.0))), 3.0),
-        (lambda m: m.drivers.update(t=Torque(body="", point="rod.end", direction=(0.0, 3.0), value=2.0)), 2.0 * 0.6 * math.cos(0.4)),
-        (lambda m: m.loads.update(t=PointForce(name="t", at="rod.end", force=(1.0, 7.0), follow=True)), 0.6 * 7.0),
+        (
+            lambda m: m.drivers.update(t=Torque(body="", point="rod.end", direction=(0.0, 3.0), value=2.0)),
+            2.0 * 0.6 * math.cos(0.4),
+        ),
+        (
+            lambda m: m.loads.update(t=PointForce(name="t", at="rod.end", force=(1.0, 7.0), follow=True)),
+            0.6 * 7.0,
+        ),
     ],
 )
 def test_moments_at_the_start(add, moment):
@@ -217,14 +263,18 @@ def test_moments_at_the_start(add, moment):
 
 @pytest.mark.parametrize(("damping", "moment"), [(0.1, -0.7), (1.0, 0.0)])
 def test_a_stop_lets_go_of_what_leaves_it_fast(damping, moment):
-    """Beyond the upper end by 0.1 rad and leaving at 3 rad/s: -10 0.1 + 3 c, and nothing where that would pull back."""
+    """Beyond the upper end by 0.1 rad and leaving at 3 rad/s: -10 0.1 + 3 c, and nothing where that would
+    pull back.
+    """
     m = rod(velocity=(0.0, 0.0, -3.0))
     m.stop("t", "ground", "rod", low=-1.0, high=0.3, stiffness=10.0, damping=damping)
     assert ideal_motion(m).of("rod")[2][2] * INERTIA == pytest.approx(moment, abs=1e-11)
 
 
 def test_a_bushing_carries_a_displaced_body():
-    """Two free bodies, pins apart: forces -K d in the first body's axes, equal and opposite, moments about the second pin's place."""
+    """Two free bodies, pins apart: forces -K d in the first body's axes, equal and opposite, moments about
+    the second pin's place.
+    """
     m = Mechanism("bushing")
     m.rigid_body("a", mass=1.0, inertia=0.1, angle=0.5, pins={"p": (0.2, 0.0)}, position=(0.0, 0.0))
     m.rigid_body("b", mass=2.0, inertia=0.3, angle=1.5, pins={"q": (-0.1, 0.1)}, position=(0.5, 0.4))
@@ -252,7 +302,9 @@ def test_gears_between_links_share_a_torque():
     other = 1.0 * 0.3**2 / 3.0
     alpha = 6.0 / (INERTIA + 4.0 * other)
     assert motion.of("rod")[0][2] == pytest.approx(0.4, abs=1e-14)
-    assert [motion.of(name)[2][2] for name in ("rod", "wheel")] == pytest.approx([alpha, -2.0 * alpha], rel=1e-12)
+    assert [motion.of(name)[2][2] for name in ("rod", "wheel")] == pytest.approx(
+        [alpha, -2.0 * alpha], rel=1e-12
+    )
     assert motion.reaction["teeth"] == pytest.approx((0.0, 0.0, -2.0 * alpha * other), rel=1e-12)
 
 
@@ -286,7 +338,8 @@ def test_prestressed_link_carries_its_spring():
     assert shape.axial == pytest.approx(np.full(3, 2e4 * 0.3), rel=1e-3)
 
 
-# ------------------------------------------------------------------------------------------------------------ given starts
+# ------------------------------------------------------------------------------------------------------------
+# given starts
 
 
 def four_bar(speed=10.0):
@@ -326,7 +379,10 @@ def test_a_start_by_name_is_closed_and_its_velocities_projected():
         p, v, _ = exact.of(name)
         half = 0.5 * m.bodies[name].length
         arm = half * np.array([math.cos(p[2]), math.sin(p[2])])
-        state[name] = ((*(p[:2] - arm + 1e-3), p[2] - 2e-3), (*(v[:2] + v[2] * np.array([arm[1], -arm[0]])), v[2]))
+        state[name] = (
+            (*(p[:2] - arm + 1e-3), p[2] - 2e-3),
+            (*(v[:2] + v[2] * np.array([arm[1], -arm[0]])), v[2]),
+        )
     motion = start_from(state, m)
     assert motion.position == pytest.approx(exact.position, abs=5e-3)
     ends = motion.of("crank")[0][:2] * 2.0
@@ -342,14 +398,20 @@ def test_a_given_start_leaves_journals_where_they_are():
     m = four_bar(None)
     from vfife.model.joints import ClearanceRevolute
 
-    m.joints["C"] = ClearanceRevolute(name="C", bearing="coupler.end", journal="follower.end", clearance=5e-4, bearing_radius=0.01)
+    m.joints["C"] = ClearanceRevolute(
+        name="C", bearing="coupler.end", journal="follower.end", clearance=5e-4, bearing_radius=0.01
+    )
     exact = ideal_motion(four_bar(), 0.0)
     state = {}
     for name in ("crank", "coupler", "follower"):
         p = exact.of(name)[0]
         half = 0.5 * m.bodies[name].length
         turn = p[2] + (1e-3 if name == "follower" else 0.0)
-        at = (0.15, 0.0) if name == "follower" else (p[0] - half * math.cos(p[2]), p[1] - half * math.sin(p[2]))
+        at = (
+            (0.15, 0.0)
+            if name == "follower"
+            else (p[0] - half * math.cos(p[2]), p[1] - half * math.sin(p[2]))
+        )
         state[name] = (*at, turn)
     motion = start_from(state, m)
     assert motion.of("follower")[0][2] - exact.of("follower")[0][2] == pytest.approx(1e-3, abs=1e-12)

@@ -1,4 +1,6 @@
-"""Whether a mechanism gets through what its drivers ask for: against Grashof's condition and closed forms of dead positions."""
+"""Whether a mechanism gets through what its drivers ask for: against Grashof's condition and closed forms of
+dead positions.
+"""
 
 import math
 
@@ -71,7 +73,14 @@ sizes = st.floats(0.1, 1.0)
 
 
 @settings(max_examples=often(24), deadline=None)
-@given(ground=sizes, crank=sizes, coupler=sizes, rocker=sizes, angle=st.floats(0.2, 3.0), hand=st.sampled_from([-1.0, 1.0]))
+@given(
+    ground=sizes,
+    crank=sizes,
+    coupler=sizes,
+    rocker=sizes,
+    angle=st.floats(0.2, 3.0),
+    hand=st.sampled_from([-1.0, 1.0]),
+)
 def test_a_crank_turns_fully_where_grashof_says_so(ground, crank, coupler, rocker, angle, hand):
     reach = math.sqrt(ground**2 + crank**2 - 2.0 * ground * crank * math.cos(angle))
     assume(abs(coupler - rocker) + 0.02 < reach < coupler + rocker - 0.02)  # it closes at the start
@@ -81,9 +90,18 @@ def test_a_crank_turns_fully_where_grashof_says_so(ground, crank, coupler, rocke
     turns = "drag link" in kind or ("crank-rocker" in kind and crank < rocker)
     jam, passed = passage(four_bar(ground, crank, coupler, rocker, angle, hand), TURN, lengths=False)
     assert (jam is None, passed) == (turns, ())
-    if jam is not None:  # coupler and rocker in line, stretched or folded: the next such angle of the crank, by the law of cosines
-        cosines = [(ground**2 + crank**2 - (coupler + sign * rocker) ** 2) / (2.0 * ground * crank) for sign in (1.0, -1.0)]
-        ends = [side * math.acos(c) % (2.0 * math.pi) for c in cosines if abs(c) < 1.0 for side in (1.0, -1.0)]
+    if (
+        jam is not None
+        # coupler and rocker in line, stretched or folded: the next such angle of the crank, by the law of
+        # cosines
+    ):
+        cosines = [
+            (ground**2 + crank**2 - (coupler + sign * rocker) ** 2) / (2.0 * ground * crank)
+            for sign in (1.0, -1.0)
+        ]
+        ends = [
+            side * math.acos(c) % (2.0 * math.pi) for c in cosines if abs(c) < 1.0 for side in (1.0, -1.0)
+        ]
         after = min((end - angle) % (2.0 * math.pi) for end in ends)
         assert jam.aims[0] - angle == pytest.approx(after, abs=1e-4)
         assert jam.time == pytest.approx(after / SPEED, abs=1e-4 / SPEED)
@@ -96,7 +114,10 @@ def test_the_nearest_length_is_grashofs(coupler, rocker):
     jam, _ = passage(four_bar(0.3, 0.1, coupler, rocker, 0.9 if coupler < 0.5 else 2.8), TURN)
     lengths = {name: then for name, _, then in jam.lengths}
     short = coupler + rocker < 0.4
-    expected = {"coupler": 0.4 - rocker if short else rocker + 0.2, "rocker": 0.4 - coupler if short else coupler - 0.2}
+    expected = {
+        "coupler": 0.4 - rocker if short else rocker + 0.2,
+        "rocker": 0.4 - coupler if short else coupler - 0.2,
+    }
     assert {name: lengths[name] for name in expected} == pytest.approx(expected, rel=1e-9)
     assert jam.gap == pytest.approx(abs(coupler - expected["coupler"]), rel=1e-8)
     assert jam.joint == "C" and jam.joints == ("A", "B", "C", "D")
@@ -116,10 +137,22 @@ def test_a_slider_crank_that_jams_names_its_small_end_and_the_rod_that_would_do(
     jam, _ = passage(slider_crank(0.05, 0.06, 0.02), TURN)
     assert jam.joint == "small-end" and jam.gap == pytest.approx(0.01, rel=1e-8)
     assert jam.aims[0] == pytest.approx(math.pi + math.asin(0.04 / 0.05), abs=1e-4)
-    assert {name: then for name, _, then in jam.lengths} == pytest.approx({"rod": 0.07, "crank": 0.04}, rel=1e-9)
+    assert {name: then for name, _, then in jam.lengths} == pytest.approx(
+        {"rod": 0.07, "crank": 0.04}, rel=1e-9
+    )
 
 
-@pytest.mark.parametrize("name", ["jansen_leg", "six_bar_press", "quick_return", "scotch_yoke", "scissor_lift", "slider_crank_loose_guide"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "jansen_leg",
+        "six_bar_press",
+        "quick_return",
+        "scotch_yoke",
+        "scissor_lift",
+        "slider_crank_loose_guide",
+    ],
+)
 def test_mechanisms_that_get_through_are_let_through(name):
     mechanism = getattr(gallery, name)()
     assert passage(mechanism, 1.0) == (None, ())
@@ -128,24 +161,34 @@ def test_mechanisms_that_get_through_are_let_through(name):
 
 def test_a_leg_with_a_short_rod_is_told_which_one():
     m = gallery.jansen_leg()
-    m.bodies["upper-rod"] = type(m.bodies["upper-rod"])(name="upper-rod", length=0.38, mass=0.2, angle=math.radians(141.0))
+    m.bodies["upper-rod"] = type(m.bodies["upper-rod"])(
+        name="upper-rod", length=0.38, mass=0.2, angle=math.radians(141.0)
+    )
     jam, _ = passage(m, 1.0)
     assert jam.joint == "I" and "upper-rod" in jam.bodies
     _, now, then = next(one for one in jam.lengths if one[0] == "upper-rod")
     assert now == 0.38 and then > now
-    m.bodies["upper-rod"] = type(m.bodies["upper-rod"])(name="upper-rod", length=then, mass=0.2, angle=math.radians(141.0))
+    m.bodies["upper-rod"] = type(m.bodies["upper-rod"])(
+        name="upper-rod", length=then, mass=0.2, angle=math.radians(141.0)
+    )
     assert passage(m, 1.0, lengths=False)[0] is None
-    m.bodies["upper-rod"] = type(m.bodies["upper-rod"])(name="upper-rod", length=now + 0.8 * (then - now), mass=0.2, angle=math.radians(141.0))
+    m.bodies["upper-rod"] = type(m.bodies["upper-rod"])(
+        name="upper-rod", length=now + 0.8 * (then - now), mass=0.2, angle=math.radians(141.0)
+    )
     assert passage(m, 1.0, lengths=False)[0] is not None
 
 
-@pytest.mark.parametrize(("coupler", "rocker", "angles"), [(0.3, 0.1, (180.0, 0.0)), (0.18, 0.22, (180.0,)), (0.42, 0.22, (0.0,))])
+@pytest.mark.parametrize(
+    ("coupler", "rocker", "angles"), [(0.3, 0.1, (180.0, 0.0)), (0.18, 0.22, (180.0,)), (0.42, 0.22, (0.0,))]
+)
 def test_change_points_are_passed_with_a_caution(coupler, rocker, angles):
     """A parallelogram, and cranks as long as Grashof's limit allows; s + l = p + q."""
     m = four_bar(0.3, 0.1, coupler, rocker, 0.4)
     jam, passed = passage(m, TURN)
     assert jam is None
-    assert [math.degrees(one.aims[0]) % 360.0 for one in passed] == pytest.approx([angle % 360.0 or 360.0 for angle in angles], abs=0.02)
+    assert [math.degrees(one.aims[0]) % 360.0 for one in passed] == pytest.approx(
+        [angle % 360.0 or 360.0 for angle in angles], abs=0.02
+    )
     (note,) = outlook(m, turns=1.0).notes
     assert "change point" in note and f"crank angle {angles[0]:g}°" in note
 
@@ -155,7 +198,9 @@ def test_a_part_of_a_turn_that_stays_clear_is_let_through():
     end = math.acos((0.09 + 0.01 - 0.35**2) / 0.06)
     assert passage(m, 0.99 * (end - 0.4) / SPEED) == (None, ())
     assert passage(m, 1.01 * (end - 0.4) / SPEED, lengths=False)[0].aims[0] == pytest.approx(end, abs=1e-4)
-    swing = Harmonic(body="crank", amplitude=-0.5, frequency=2.0)  # back first, through the line of the pivots: it closes there
+    swing = Harmonic(
+        body="crank", amplitude=-0.5, frequency=2.0
+    )  # back first, through the line of the pivots: it closes there
     m.drivers["crank"] = swing
     assert passage(m, 10.0) == (None, ())
     m.drivers["crank"] = Harmonic(body="crank", amplitude=-2.5, frequency=2.0)
@@ -170,12 +215,16 @@ def test_the_mirror_image_jams_alike():
     two.drivers.clear()
     two.drive("crank", speed=-SPEED)
     one, two = (passage(m, TURN, lengths=False)[0] for m in (one, two))
-    assert one.aims[0] == pytest.approx(-two.aims[0], abs=1e-9) and one.time == pytest.approx(two.time, abs=1e-9)
+    assert one.aims[0] == pytest.approx(-two.aims[0], abs=1e-9) and one.time == pytest.approx(
+        two.time, abs=1e-9
+    )
     assert one.gap == pytest.approx(two.gap, rel=1e-6)
 
 
 def test_two_drivers_are_followed_through_time():
-    """Two cranks of a five-bar: the pins are apart by more than both rods where the cranks point away from each other."""
+    """Two cranks of a five-bar: the pins are apart by more than both rods where the cranks point away from
+    each other.
+    """
 
     def five_bar(rod):
         m = Mechanism("five-bar")
@@ -197,7 +246,9 @@ def test_two_drivers_are_followed_through_time():
 
     def apart(t):
         left, right = 1.2 + SPEED * t, 1.8 - SPEED * t
-        return math.hypot(0.3 + 0.1 * (math.cos(right) - math.cos(left)), 0.1 * (math.sin(right) - math.sin(left)))
+        return math.hypot(
+            0.3 + 0.1 * (math.cos(right) - math.cos(left)), 0.1 * (math.sin(right) - math.sin(left))
+        )
 
     assert apart(jam.time) == pytest.approx(0.46, rel=1e-4)
 
@@ -218,7 +269,14 @@ def test_play_may_bridge_what_is_open_and_elastic_links_give_way():
 
 
 def test_what_drivers_do_not_determine_is_left_alone():
-    for name in ("double_pendulum", "squeezer", "gear_train", "block_on_incline", "toggle_press", "lee_frame"):
+    for name in (
+        "double_pendulum",
+        "squeezer",
+        "gear_train",
+        "block_on_incline",
+        "toggle_press",
+        "lee_frame",
+    ):
         assert outlook(getattr(gallery, name)()).notes == ()
     m = four_bar(0.3, 0.1, 0.13, 0.22, 0.4)
     m.drivers.clear()
@@ -228,19 +286,32 @@ def test_what_drivers_do_not_determine_is_left_alone():
 @pytest.mark.parametrize("name", ["jansen_leg", "six_bar_press", "quick_return", "scissor_lift", "squeezer"])
 def test_rows_at_once_are_those_one_by_one(name):
     motion = ideal_motion(getattr(gallery, name)())
-    aside = motion.position * (1.0, motion.hand, motion.hand) + 0.01 * np.cos(np.arange(motion.position.size)).reshape(motion.position.shape)
+    aside = motion.position * (1.0, motion.hand, motion.hand) + 0.01 * np.cos(
+        np.arange(motion.position.size)
+    ).reshape(motion.position.shape)
     aside[0] = 0.0
     gathered = Gathered(motion.system)
-    phi, jacobian = gathered.at(aside, gathered.aimed(np.array([drive.aim for drive in motion.system.drives])))
+    phi, jacobian = gathered.at(
+        aside, gathered.aimed(np.array([drive.aim for drive in motion.system.drives]))
+    )
     wanted = equations(motion.system, aside)
-    assert phi == pytest.approx(wanted.phi, abs=1e-15) and jacobian == pytest.approx(wanted.jacobian, abs=1e-15)
+    assert phi == pytest.approx(wanted.phi, abs=1e-15) and jacobian == pytest.approx(
+        wanted.jacobian, abs=1e-15
+    )
 
 
 def test_a_closed_position_is_closed_to_round_off():
     motion = ideal_motion(gallery.jansen_leg())
     follower = Follower.of(motion.system, motion.position * (1.0, motion.hand, motion.hand))
     position, _ = follower.closed(motion.position + 1e-3, np.array([motion.system.drives[0].aim]))
-    assert np.abs(follower.gathered.at(position, follower.gathered.aimed(np.array([motion.system.drives[0].aim])))[0]).max() < 1e-9
+    assert (
+        np.abs(
+            follower.gathered.at(position, follower.gathered.aimed(np.array([motion.system.drives[0].aim])))[
+                0
+            ]
+        ).max()
+        < 1e-9
+    )
 
 
 def test_a_massless_link_has_a_nearest_length_too():
@@ -253,14 +324,18 @@ def test_a_massless_link_has_a_nearest_length_too():
 
 @pytest.mark.parametrize("excess", [3e-8, 1e-10, 1e-12, -1e-8, -1e-10])
 def test_a_hair_beside_a_change_point_is_no_jam(excess):
-    """Less than a micron in a metre is no length of a workshop's, and round-off decides which side it lies on."""
+    """Less than a micron in a metre is no length of a workshop's, and round-off decides which side it lies
+    on.
+    """
     for m in (four_bar(0.3, 0.1, 0.18 + excess, 0.22, 0.4), slider_crank(0.05, 0.07 + excess, 0.02)):
         assert passage(m, TURN)[0] is None
 
 
 @pytest.mark.system("follows a thousand mechanisms round")
 def test_what_surely_makes_a_turn_is_of_grashof_s_crank_rockers():
-    """Seen as a whole, walked or from that of a neighbour: only what Grashof's condition lets through, and all that is far from its limit."""
+    """Seen as a whole, walked or from that of a neighbour: only what Grashof's condition lets through, and
+    all that is far from its limit.
+    """
     rng = np.random.default_rng(5)
     sides = np.array([0.15, 0.4, 0.26, 0.46]) * (1.0 + 0.14 * rng.uniform(-1.0, 1.0, (60, 4)))
     spare = sides.sum(axis=1) - 2.0 * (sides.max(axis=1) + sides.min(axis=1))

@@ -1,11 +1,23 @@
-"""Velocities, accelerations and reactions of ideal mechanisms, against published maxima, closed forms and balances they do not use themselves."""
+"""Velocities, accelerations and reactions of ideal mechanisms, against published maxima, closed forms and
+balances they do not use themselves.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from kinematics.rods import GRAVITY, along, at_angle, double_crank, driven, four_bar, rods, rough_guess, weight
+from kinematics.rods import (
+    GRAVITY,
+    along,
+    at_angle,
+    double_crank,
+    driven,
+    four_bar,
+    rods,
+    rough_guess,
+    weight,
+)
 from kinematics.turns import extremes
 from rigid import Drive
 from vfife.errors import AssemblyError
@@ -39,7 +51,9 @@ def test_four_bar_reaches_the_published_maxima(speed, follower, maxima):
     def at(angle, guess):
         system = driven(four_bar(), angle, speed)
         position = close(system, rough_guess() if guess is None else guess).position
-        acceleration, reactions, _ = accelerations(system, position, velocities(system, position), np.zeros((4, 3)))
+        acceleration, reactions, _ = accelerations(
+            system, position, velocities(system, position), np.zeros((4, 3))
+        )
         return [acceleration[3, 2], *np.hypot(*reactions.T[:2])[1:]], position
 
     least, largest = extremes(at)
@@ -100,7 +114,9 @@ def test_held_pendulum_needs_the_torque_of_its_weight():
 
 def test_double_pendulum_obeys_lagranges_equations():
     (l1, l2), (m1, m2), (q1, q2), (w1, w2) = (0.5, 0.3), (1.2, 0.9), (-0.4, -1.9), (3.0, -7.0)
-    system = rods(("upper", "lower"), (l1, l2), (m1, m2), (("O", 0, (0.0, 0.0), 1, -1.0), ("K", 1, 1.0, 2, -1.0)))
+    system = rods(
+        ("upper", "lower"), (l1, l2), (m1, m2), (("O", 0, (0.0, 0.0), 1, -1.0), ("K", 1, 1.0, 2, -1.0))
+    )
     knee = l1 * np.array([np.cos(q1), np.sin(q1)])
     tip = knee + l2 * np.array([np.cos(q2), np.sin(q2)])
     position = np.array([[0.0, 0.0, 0.0], along((0.0, 0.0), knee), along(knee, tip)])
@@ -123,7 +139,11 @@ def test_double_pendulum_obeys_lagranges_equations():
 
 def test_velocity_and_acceleration_are_the_time_derivatives_along_a_path():
     def state(time):
-        angle, speed, rate = 0.8 + 0.5 * np.sin(3.0 * time), 1.5 * np.cos(3.0 * time), -4.5 * np.sin(3.0 * time)
+        angle, speed, rate = (
+            0.8 + 0.5 * np.sin(3.0 * time),
+            1.5 * np.cos(3.0 * time),
+            -4.5 * np.sin(3.0 * time),
+        )
         system = driven(four_bar(), angle, speed, rate)
         position = close(system, start).position
         velocity = velocities(system, position)
@@ -143,7 +163,11 @@ def test_reactions_balance_every_body_and_the_drive_supplies_the_power():
     velocity = velocities(system, position)
     force = weight(system)
     acceleration, reactions, torque = accelerations(system, position, velocity, force)
-    np.testing.assert_allclose(left_over(system, position, acceleration, force, reactions, torque), 0.0, atol=1e-12 * np.abs(reactions).max())
+    np.testing.assert_allclose(
+        left_over(system, position, acceleration, force, reactions, torque),
+        0.0,
+        atol=1e-12 * np.abs(reactions).max(),
+    )
     inertial = np.column_stack([system.mass, system.mass, system.inertia]) * acceleration
     power = np.sum((inertial - force) * velocity)
     assert torque[0] * 9.0 == pytest.approx(power, rel=1e-12)
@@ -155,7 +179,9 @@ def test_a_caught_rod_keeps_its_angular_momentum_about_the_pin():
     position = np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 0.0]])
     flying = np.array([[9.0, 9.0, 9.0], [5.0, 2.0, -1.5]])
     speed = (mass * 0.4 * 2.0 - mass * length**2 / 12.0 * 1.5) / (mass * length**2 / 3.0)
-    np.testing.assert_allclose(velocities(system, position, flying), [[0.0, 0.0, 0.0], [0.0, 0.4 * speed, speed]], atol=1e-14)
+    np.testing.assert_allclose(
+        velocities(system, position, flying), [[0.0, 0.0, 0.0], [0.0, 0.4 * speed, speed]], atol=1e-14
+    )
     np.testing.assert_array_equal(velocities(system, position), np.zeros((2, 3)))
 
 
@@ -165,11 +191,18 @@ def test_redundant_pins_share_the_load_without_self_stress():
     velocity, force = velocities(moving, position), weight(system)
     acceleration, reactions, torque = accelerations(moving, position, velocity, force)
     largest = np.abs(reactions).max()
-    np.testing.assert_allclose(left_over(moving, position, acceleration, force, reactions, torque), 0.0, atol=1e-13 * largest)
+    np.testing.assert_allclose(
+        left_over(moving, position, acceleration, force, reactions, torque), 0.0, atol=1e-13 * largest
+    )
     self_stress = np.repeat([0.2, -0.5, 0.3], 2)[:, None] * [np.cos(angle), np.sin(angle)]
-    alone = []  # what a unit force would move in a pin by itself, along x and y; the driven crank gives way to nothing
+    # what a unit force would move in a pin by itself, along x and y; the driven crank gives way to nothing
+    alone = []
     for k, (x, mass) in enumerate(zip((0.0, 0.3, 0.5), (1.0, 1.5, 0.7), strict=True)):
-        crank = np.zeros(2) if k == 0 else 1.0 / mass + 12.0 / mass * 0.25 * np.array([np.sin(angle), np.cos(angle)]) ** 2
+        crank = (
+            np.zeros(2)
+            if k == 0
+            else 1.0 / mass + 12.0 / mass * 0.25 * np.array([np.sin(angle), np.cos(angle)]) ** 2
+        )
         alone += [crank, crank + 0.5 + np.array([0.0, (x - 0.25) ** 2]) * 6.0 / 0.25]
     assert abs(np.sum(np.array(alone) * self_stress * reactions[:, :2])) < 1e-13 * largest * np.max(alone)
 
@@ -207,6 +240,8 @@ def test_a_loose_body_moves_as_its_force_says():
     assert close(system, position).iterations == 0
     assert mobility(system, position).free == 3
     np.testing.assert_allclose(velocities(system, position, position), position, rtol=1e-15)
-    acceleration, reactions, _ = accelerations(system, position, position, np.array([[1.0, 1.0, 1.0], [4.0, 6.0, 0.3]]))
+    acceleration, reactions, _ = accelerations(
+        system, position, position, np.array([[1.0, 1.0, 1.0], [4.0, 6.0, 0.3]])
+    )
     np.testing.assert_allclose(acceleration, [[0.0, 0.0, 0.0], [2.0, 3.0, 5.0]], rtol=1e-14)
     assert reactions.shape == (0, 3)

@@ -13,7 +13,9 @@ def parabola(left: float, middle: float, right: float) -> tuple[float, float]:
 
 
 def extremes(at: Callable[[float, Any], tuple[Sequence[float], Any]], points: int = 48) -> np.ndarray:
-    """Least and largest of each number, shape (2, numbers); ``at(angle, guess)`` gives them and the position that is the next guess."""
+    """Least and largest of each number, shape (2, numbers); ``at(angle, guess)`` gives them and the position
+    that is the next guess.
+    """
     angles, rows, places, guess = np.linspace(0.0, 2.0 * np.pi, points, endpoint=False), [], [], None
     for angle in angles:
         row, guess = at(angle, guess)

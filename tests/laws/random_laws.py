@@ -1,4 +1,5 @@
-"""Laws that nobody wrote: random texts in the language of laws, and texts with one thing in them that is not in it.
+"""Laws that nobody wrote: random texts in the language of laws, and texts with one thing in them that is not
+in it.
 
 A file of laws has some dozens of classes; every text depends on the seed alone.
 """
@@ -60,7 +61,24 @@ def with_default(x, y=2.0):
 def endless(x):
     return endless(x)
 """
-LITERALS = ("math.inf", "0.0", "-0.0", "1.0", "-1.0", "0.5", "2.0", "3.7", "1e-6", "1e-300", "1e300", "1e6", "SHARE", "NEGATIVE", "BIG", "math.pi")
+LITERALS = (
+    "math.inf",
+    "0.0",
+    "-0.0",
+    "1.0",
+    "-1.0",
+    "0.5",
+    "2.0",
+    "3.7",
+    "1e-6",
+    "1e-300",
+    "1e300",
+    "1e6",
+    "SHARE",
+    "NEGATIVE",
+    "BIG",
+    "math.pi",
+)
 WHOLES = ("0", "1", "2", "3", "7", "ROUNDS", "2 ** 3", "-1")
 # What is not in the language; {n} is a number, {t} a truth value, {w} a whole number.
 FOREIGN = (
@@ -92,7 +110,11 @@ class Writer:
         """An expression that is a number."""
         pick = self.chance.random()
         if depth <= 0 or pick < 0.15:
-            return self.chance.choice(LITERALS) if self.chance.random() < 0.25 else self.chance.choice(self.numbers)
+            return (
+                self.chance.choice(LITERALS)
+                if self.chance.random() < 0.25
+                else self.chance.choice(self.numbers)
+            )
         n = lambda: self.number(depth - 1)  # noqa: E731
         if pick < 0.5:
             sign = self.chance.choice(("+", "-", "*", "*", "+"))
@@ -105,10 +127,20 @@ class Writer:
         if pick < 0.8:
             return f"-({n()})"
         if pick < 0.9:
-            return self.chance.choice((f"abs({n()})", f"math.sqrt(abs({n()}))", f"p[{self.chance.randrange(-self.slots, self.slots)}]"))
+            return self.chance.choice(
+                (
+                    f"abs({n()})",
+                    f"math.sqrt(abs({n()}))",
+                    f"p[{self.chance.randrange(-self.slots, self.slots)}]",
+                )
+            )
         if self.chance.random() < 0.2:
             return f"limited({n()}, {n()})[1]"
-        own = (f"clipped({n()}, {n()}, {n()})", f"ordered({n()}, {n()})[{self.chance.randrange(2)}]", f"summed({self.whole(1)}, {n()})")
+        own = (
+            f"clipped({n()}, {n()}, {n()})",
+            f"ordered({n()}, {n()})[{self.chance.randrange(2)}]",
+            f"summed({self.whole(1)}, {n()})",
+        )
         theirs = (f"nearest({n()})", f"approach(abs({n()}))", f"turned({n()})[1]", f"power(abs({n()}), 1.5)")
         return self.chance.choice((*own, *own, *theirs))
 
@@ -128,7 +160,11 @@ class Writer:
             return f"({t()} if {t()} else {self.chance.choice((t(), 'True', 'False'))})"
         if pick < 0.93:
             return f"limited({self.number(1)}, {self.number(0)})[0]"
-        return self.chance.choice(self.truths) if pick < 0.96 else f"inside({self.number(1)}, {self.number(0)}, {self.number(0)})"
+        return (
+            self.chance.choice(self.truths)
+            if pick < 0.96
+            else f"inside({self.number(1)}, {self.number(0)}, {self.number(0)})"
+        )
 
     def whole(self, depth: int) -> str:
         """An expression that is a whole number."""
@@ -147,7 +183,9 @@ class Writer:
         if pick < 0.45 or loops > 1:
             expression, name = self.number(3), (self.chance.random() < 0.3 and self.local()) or self.fresh()
             self.numbers.append(name)
-            return [f"{name}: float = {expression}" if self.chance.random() < 0.1 else f"{name} = {expression}"]
+            return [
+                f"{name}: float = {expression}" if self.chance.random() < 0.1 else f"{name} = {expression}"
+            ]
         if pick < 0.55:
             expression, name = self.truth(2), f"t{self.count}"
             self.truths.append(name)
@@ -164,7 +202,9 @@ class Writer:
         if not name:
             return ["pass"]
         counter = self.fresh()
-        over = self.chance.choice((f"range({self.chance.randrange(1, 4)})", "range(ROUNDS)", "range(4, 0, -2)", "p"))
+        over = self.chance.choice(
+            (f"range({self.chance.randrange(1, 4)})", "range(ROUNDS)", "range(4, 0, -2)", "p")
+        )
         known = list(self.numbers), list(self.truths), list(self.wholes)
         (self.numbers if over == "p" else self.wholes).append(counter)
         body = [f"{name} = {self.number(2)}", *(line for _ in range(2) for line in self.statement(loops + 1))]
@@ -183,7 +223,11 @@ class Writer:
         whole = self.chance.random() < 0.4
         text = self.chance.choice(FOREIGN_STATEMENTS) if whole else f"{{v}} = {self.chance.choice(FOREIGN)}"
         while "{n}" in text or "{t}" in text or "{w}" in text:
-            text = text.replace("{n}", self.safe(name), 1).replace("{t}", f"({self.safe(name)} > 0.5)", 1).replace("{w}", "1", 1)
+            text = (
+                text.replace("{n}", self.safe(name), 1)
+                .replace("{t}", f"({self.safe(name)} > 0.5)", 1)
+                .replace("{w}", "1", 1)
+            )
         return [f"{name} = 0.5", *text.replace("{v}", name).splitlines()]
 
     def safe(self, name: str) -> str:
@@ -211,7 +255,11 @@ def law_text(number: int, chance: random.Random, foreign: bool) -> str:
     rest = "memory" if not memories else results[1] if memories == 1 else f"({', '.join(results[1:])})"
     lines.append(f"return {results[0]}, {results[1] if contact else rest}")
     body = "\n".join(f"        {line}" for line in lines)
-    memory = "" if contact else f"\n    memory: ClassVar[tuple[str, ...]] = {tuple(f'm{k} (1)' for k in range(memories))!r}"
+    memory = (
+        ""
+        if contact
+        else f"\n    memory: ClassVar[tuple[str, ...]] = {tuple(f'm{k} (1)' for k in range(memories))!r}"
+    )
     return f"""
 
 class Law{number}({"ContactLaw" if contact else "FrictionLaw"}):

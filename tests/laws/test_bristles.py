@@ -1,4 +1,6 @@
-"""What bristles solve inside a step: Dahl's, LuGre's and Gonthier's, against their own equations and against independent integrations."""
+"""What bristles solve inside a step: Dahl's, LuGre's and Gonthier's, against their own equations and against
+independent integrations.
+"""
 
 import math
 
@@ -23,7 +25,14 @@ positive = st.floats(1e-3, 1e6)
 def test_bristles_solve_their_relation(normal, mobility, free, last, before, bent, dt):
     """The step of the deflection as told, the velocity that the force leaves, and the force at both."""
     mu, s0, s1, s2 = 0.15, 2e4, 20.0, 0.1
-    law = LuGre(coefficient=mu, static_coefficient=mu, stribeck_speed=1e-3, bristle_stiffness=s0, bristle_damping=s1, viscous=s2)
+    law = LuGre(
+        coefficient=mu,
+        static_coefficient=mu,
+        stribeck_speed=1e-3,
+        bristle_stiffness=s0,
+        bristle_damping=s1,
+        viscous=s2,
+    )
     z = bent * mu / s0
     force, (after, v, kept) = law.force(normal, free, mobility, (z, last, before), dt, law.parameters(PAIR))
     y = abs(1.5 * last - 0.5 * before) * dt * s0 / mu
@@ -40,7 +49,9 @@ def test_bristles_solve_their_relation(normal, mobility, free, last, before, ben
 
 @pytest.mark.parametrize("v", [3e-4, 0.02, 4.0])
 def test_bristles_bend_as_they_should_at_constant_velocity(v):
-    """z from nothing to steady sliding: second order to the closed solution, never past it, and the right end in steps of any size."""
+    """z from nothing to steady sliding: second order to the closed solution, never past it, and the right end
+    in steps of any size.
+    """
     law, g = LuGre(), 0.1 + 0.05 * math.exp(-((v / 1e-3) ** 2))
     p, time, errors = law.parameters(PAIR), g / (1e4 * v), []
     for n in (8, 16, 32, 64):
@@ -58,10 +69,14 @@ def test_bristles_bend_as_they_should_at_constant_velocity(v):
 
 
 @pytest.mark.parametrize(
-    "law", [Dahl(coefficient=0.2, bristle_stiffness=3e4), LuGre(bristle_stiffness=3e4, bristle_damping=0.0)], ids=lambda law: law.name
+    "law",
+    [Dahl(coefficient=0.2, bristle_stiffness=3e4), LuGre(bristle_stiffness=3e4, bristle_damping=0.0)],
+    ids=lambda law: law.name,
 )
 def test_presliding_is_a_spring(law):
-    """Slow and short: force over displacement is the bristles' stiffness times the normal force, and it gives back what it took."""
+    """Slow and short: force over displacement is the bristles' stiffness times the normal force, and it gives
+    back what it took.
+    """
     dt, memory, way, work = 1e-4, tuple(0.0 for _ in law.memory), 0.0, 0.0
     for k in range(2000):
         v = 1e-9 * math.cos(math.pi * k / 1000) * math.pi / (1000 * dt)
@@ -77,7 +92,9 @@ def oscillation(law, dt, end=0.2):
     """Deflections under a prescribed to and fro, in steps."""
     memory, found = tuple(0.0 for _ in law.memory), []
     for n in range(1, round(end / dt) + 1):
-        force, memory = law.force(100.0, 0.01 * math.sin(40.0 * n * dt), 0.0, memory, dt, law.parameters(PAIR))
+        force, memory = law.force(
+            100.0, 0.01 * math.sin(40.0 * n * dt), 0.0, memory, dt, law.parameters(PAIR)
+        )
         found.append((memory[0], force))
     return np.array(found)
 
@@ -87,13 +104,23 @@ def oscillation(law, dt, end=0.2):
     [
         Dahl(),
         LuGre(),
-        LuGre(coefficient=0.1, static_coefficient=0.3, stribeck_speed=0.004, bristle_stiffness=5e3, bristle_damping=10.0, viscous=0.2),
+        LuGre(
+            coefficient=0.1,
+            static_coefficient=0.3,
+            stribeck_speed=0.004,
+            bristle_stiffness=5e3,
+            bristle_damping=10.0,
+            viscous=0.2,
+        ),
     ],
     ids=["dahl", "lugre", "lugre steep"],
 )
 def test_bristles_follow_their_differential_equation(law):
     """SciPy's solution of dz/dt = v - sigma_0 |v| z/g: the deflection converges with the second order."""
-    p = [getattr(law, name, 0.0) for name in ("coefficient", "static_coefficient", "stribeck_speed", "bristle_stiffness")]
+    p = [
+        getattr(law, name, 0.0)
+        for name in ("coefficient", "static_coefficient", "stribeck_speed", "bristle_stiffness")
+    ]
     p[1] = max(p[1], p[0])
 
     def rate(t, z):
@@ -101,7 +128,16 @@ def test_bristles_follow_their_differential_equation(law):
         g = p[0] + (p[1] - p[0]) * math.exp(-((v / p[2]) ** 2)) if p[2] else p[0]
         return v - p[3] * abs(v) * z / g
 
-    exact = solve_ivp(rate, (0, 0.2), [0.0], method="DOP853", rtol=1e-12, atol=1e-18, max_step=2e-3, t_eval=np.arange(1, 21) * 0.01).y[0]
+    exact = solve_ivp(
+        rate,
+        (0, 0.2),
+        [0.0],
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-18,
+        max_step=2e-3,
+        t_eval=np.arange(1, 21) * 0.01,
+    ).y[0]
     errors = []
     for dt in (1e-4, 5e-5, 2.5e-5):
         every = round(0.01 / dt)
@@ -111,7 +147,9 @@ def test_bristles_follow_their_differential_equation(law):
 
 
 def pulled(law, dt, end):
-    """Positions at steps of 1 kg on a plane (10 N) pulled by a spring of 2 N/m whose end moves at 0.1 m/s, central differences."""
+    """Positions at steps of 1 kg on a plane (10 N) pulled by a spring of 2 N/m whose end moves at 0.1 m/s,
+    central differences.
+    """
     p, x, v, memory, places = law.parameters(PAIR), 0.0, 0.0, (0.0, 0.0, 0.0), [0.0]
     for n in range(round(end / dt)):
         half, gain = (0.5 * dt, dt) if n else (0.0, 0.5 * dt)
@@ -125,10 +163,17 @@ def pulled(law, dt, end):
 
 @pytest.mark.system("integrates a stiff law with SciPy")
 def test_lugre_stick_slip_is_that_of_scipy():
-    """The example of the 1995 paper (mass, spring, speed and parameters are its own): four slips in 40 s, stiff for SciPy, not for us."""
+    """The example of the 1995 paper (mass, spring, speed and parameters are its own): four slips in 40 s,
+    stiff for SciPy, not for us.
+    """
     law, end = (
         LuGre(
-            coefficient=0.1, static_coefficient=0.15, stribeck_speed=1e-3, bristle_stiffness=1e4, bristle_damping=math.sqrt(1e5) / 10, viscous=0.04
+            coefficient=0.1,
+            static_coefficient=0.15,
+            stribeck_speed=1e-3,
+            bristle_stiffness=1e4,
+            bristle_damping=math.sqrt(1e5) / 10,
+            viscous=0.04,
         ),
         40.0,
     )
@@ -154,10 +199,22 @@ def test_lugre_stick_slip_is_that_of_scipy():
 # ---------------------------------------------------------------------------------------------------------------- Gonthier
 
 DWELLING = GonthierFriction(
-    coefficient=0.1, static_coefficient=0.25, stribeck_speed=0.004, bristle_stiffness=5e3, bristle_damping=10.0, viscous=0.2, dwell_time=0.02
+    coefficient=0.1,
+    static_coefficient=0.25,
+    stribeck_speed=0.004,
+    bristle_stiffness=5e3,
+    bristle_damping=10.0,
+    viscous=0.2,
+    dwell_time=0.02,
 )
 STIFF = GonthierFriction(
-    coefficient=0.1, static_coefficient=0.25, stribeck_speed=0.004, bristle_stiffness=5e5, bristle_damping=100.0, viscous=0.2, dwell_time=0.02
+    coefficient=0.1,
+    static_coefficient=0.25,
+    stribeck_speed=0.004,
+    bristle_stiffness=5e5,
+    bristle_damping=100.0,
+    viscous=0.2,
+    dwell_time=0.02,
 )
 
 
@@ -165,7 +222,10 @@ def gonthier(v, z, dwelt):
     """Force per normal force and rates of deflection and dwell, as printed."""
     law = DWELLING
     s = math.exp(-((v / law.stribeck_speed) ** 2))
-    rate = s * v + (1 - s) * (law.coefficient * math.copysign(1.0, v) / law.bristle_damping - law.bristle_stiffness / law.bristle_damping * z)
+    rate = s * v + (1 - s) * (
+        law.coefficient * math.copysign(1.0, v) / law.bristle_damping
+        - law.bristle_stiffness / law.bristle_damping * z
+    )
     most = law.coefficient + (law.static_coefficient - law.coefficient) * dwelt
     bristles = min(max(law.bristle_stiffness * z + law.bristle_damping * rate, -most), most)
     tau = law.dwell_time if s >= dwelt else law.bristle_damping / law.bristle_stiffness
@@ -173,21 +233,32 @@ def gonthier(v, z, dwelt):
 
 
 def test_gonthier_follows_its_differential_equation():
-    """A prescribed to and fro through v_S: deflection, dwell and force converge to SciPy's with the first order."""
+    """A prescribed to and fro through v_S: deflection, dwell and force converge to SciPy's with the first
+    order.
+    """
 
     def velocity(t):
         return 0.01 * math.sin(40.0 * t)
 
     times = np.arange(1, 41) * 0.005
     exact = solve_ivp(
-        lambda t, y: gonthier(velocity(t), *y)[1:], (0, 0.2), [0.0, 0.0], rtol=1e-10, atol=1e-14, max_step=1e-4, t_eval=times, method="LSODA"
+        lambda t, y: gonthier(velocity(t), *y)[1:],
+        (0, 0.2),
+        [0.0, 0.0],
+        rtol=1e-10,
+        atol=1e-14,
+        max_step=1e-4,
+        t_eval=times,
+        method="LSODA",
     ).y.T
     forces = np.array([gonthier(velocity(t), *y)[0] for t, y in zip(times, exact, strict=True)])
     errors = []
     for n in (50, 100, 200):
         dt, memory, found = 0.005 / n, (0.0, 0.0), []
         for k in range(1, 40 * n + 1):
-            force, memory = DWELLING.force(100.0, velocity(k * dt), 0.0, memory, dt, DWELLING.parameters(PAIR))
+            force, memory = DWELLING.force(
+                100.0, velocity(k * dt), 0.0, memory, dt, DWELLING.parameters(PAIR)
+            )
             if k % n == 0:
                 found.append((*memory, -force / 100.0))
         wanted = np.column_stack([exact, forces])
@@ -198,7 +269,9 @@ def test_gonthier_follows_its_differential_equation():
 
 @pytest.mark.parametrize("rest", [0.0, 0.01, 0.1])
 def test_gonthier_breaks_away_the_harder_the_longer_it_stood(rest):
-    """The largest force after a rest of so long: mu_c + (mu_s - mu_c)(1 - exp(-rest/tau_dw)), and a little for the break-away itself."""
+    """The largest force after a rest of so long: mu_c + (mu_s - mu_c)(1 - exp(-rest/tau_dw)), and a little
+    for the break-away itself.
+    """
     dt, memory, peak, p = 1e-5, (0.0, 0.0), 0.0, STIFF.parameters(PAIR)
     for _ in range(round(rest / dt)):
         _, memory = STIFF.force(100.0, 0.0, 0.0, memory, dt, p)
@@ -210,7 +283,9 @@ def test_gonthier_breaks_away_the_harder_the_longer_it_stood(rest):
 
 
 def test_gonthier_sticks_and_slips_as_scipy_says():
-    """1 kg on a plane pulled by a spring whose end moves: the positions of SciPy's stiff solution, first order in the step."""
+    """1 kg on a plane pulled by a spring whose end moves: the positions of SciPy's stiff solution, first
+    order in the step.
+    """
     push, stiff, normal = 0.02, 300.0, 20.0
 
     def rate(t, y):
@@ -219,7 +294,9 @@ def test_gonthier_sticks_and_slips_as_scipy_says():
         return [v, stiff * (push * t - x) - normal * force, *rates]
 
     times = np.linspace(0.0, 1.0, 101)
-    exact = odeint(rate, [0.0] * 4, times, tfirst=True, rtol=1e-9, atol=1e-12, hmax=1e-3, mxstep=100_000)[:, 0]
+    exact = odeint(rate, [0.0] * 4, times, tfirst=True, rtol=1e-9, atol=1e-12, hmax=1e-3, mxstep=100_000)[
+        :, 0
+    ]
     errors, p = [], DWELLING.parameters(PAIR)
     for dt in (2e-4, 1e-4, 5e-5):
         x, v, memory, every, places = 0.0, 0.0, (0.0, 0.0), round(0.01 / dt), []

@@ -1,4 +1,6 @@
-"""Every normal contact law that is registered: found and not listed. Published numbers of single laws stand at the end."""
+"""Every normal contact law that is registered: found and not listed. Published numbers of single laws stand
+at the end.
+"""
 
 import dataclasses
 import math
@@ -21,14 +23,18 @@ RESTITUTIONS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 
 
 def proportional(law: type[ContactLaw]) -> bool:
-    """Whether the damping is the elastic force times a number, at every depth: the form that the oracle holds for."""
+    """Whether the damping is the elastic force times a number, at every depth: the form that the oracle holds
+    for.
+    """
     p = contact_law(law, restitution=0.5).parameters(PAIRS[1])
     elastic, damping = np.transpose([law.force(depth, 1.0, p) for depth in (1e-7, 1e-6, 1e-5, 1e-4)])
     return bool(np.ptp(damping / elastic) <= 1e-12 * damping[0] / elastic[0])
 
 
 each_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
-each_proportional_law = pytest.mark.parametrize("law", [law for law in LAWS if proportional(law)], ids=lambda law: law.name)
+each_proportional_law = pytest.mark.parametrize(
+    "law", [law for law in LAWS if proportional(law)], ids=lambda law: law.name
+)
 
 
 def with_restitution(law: type[ContactLaw], value: float) -> ContactLaw:
@@ -47,25 +53,39 @@ def damping_factor(law: type[ContactLaw], p: tuple[float, ...]) -> float:
 
 
 def oracle(chi: float) -> float:
-    """Restitution that a free impact delivers: chi (1 + e) = ln[(1 + chi)/(1 - chi e)], for any mass, stiffness and exponent."""
+    """Restitution that a free impact delivers: chi (1 + e) = ln[(1 + chi)/(1 - chi e)], for any mass,
+    stiffness and exponent.
+    """
     if chi == 0.0:
         return 1.0
-    return brentq(lambda e: chi * (1 + e) - math.log((1 + chi) / (1 - chi * e)), 1e-9, min(1.0, (1 - 1e-15) / chi), xtol=1e-14)
+    return brentq(
+        lambda e: chi * (1 + e) - math.log((1 + chi) / (1 - chi * e)),
+        1e-9,
+        min(1.0, (1 - 1e-15) / chi),
+        xtol=1e-14,
+    )
 
 
 def test_there_are_laws():
-    assert {"lankarani-nikravesh", "pereira"} <= set(ContactLaw.registry) and vfife.laws.ContactLaw is ContactLaw
+    assert {"lankarani-nikravesh", "pereira"} <= set(
+        ContactLaw.registry
+    ) and vfife.laws.ContactLaw is ContactLaw
     others = {law.name for law in LAWS if not proportional(law)}
-    assert others == {"kelvin-voigt", "anagnostopoulos", "impact"}, "a law of another form needs an oracle of its own, below"
+    assert others == {"kelvin-voigt", "anagnostopoulos", "impact"}, (
+        "a law of another form needs an oracle of its own, below"
+    )
 
 
-# ------------------------------------------------------------------------------------------------------- what a law says
+# ------------------------------------------------------------------------------------------------------- what
+# a law says
 
 
 @each_law
 def test_says_where_it_comes_from(law):
     assert law.name and law.formula and law.formula.startswith("F =")
-    assert law.source and (law.source == "definition" or any(c.isdigit() for c in law.source)), "name authors and year"
+    assert law.source and (law.source == "definition" or any(c.isdigit() for c in law.source)), (
+        "name authors and year"
+    )
     assert law.__doc__ and "F" in law.__doc__
 
 
@@ -95,7 +115,8 @@ def test_is_a_frozen_value(law):
             setattr(contact_law(law), field.name, 0.5)
 
 
-# ------------------------------------------------------------------------------------------------------ shape of the force
+# ------------------------------------------------------------------------------------------------------ shape
+# of the force
 
 
 @each_law
@@ -107,11 +128,14 @@ def test_nothing_at_zero_penetration(law):
 
 @each_law
 def test_rises_continuously_and_stays_finite(law):
-    """From nothing, without a step: where the depth changes by a part in 10^9 the force changes by a few parts in 10^9 (eleven where
-    the classical line contacts stiffen before they end)."""
+    """From nothing, without a step: where the depth changes by a part in 10^9 the force changes by a few
+    parts in 10^9 (eleven where the classical line contacts stiffen before they end).
+    """
     for pair in PAIRS:
         p = contact_law(law).parameters(pair)
-        depths = np.concatenate([np.geomspace(1e-15, pair.clearance, 1200), np.linspace(1e-9, pair.clearance, 300)])
+        depths = np.concatenate(
+            [np.geomspace(1e-15, pair.clearance, 1200), np.linspace(1e-9, pair.clearance, 300)]
+        )
         before = 0.0
         for depth in np.sort(depths):
             elastic, damping = law.force(float(depth), 2.0, p)
@@ -135,7 +159,9 @@ def test_never_pulls_and_solves_its_own_relation(law, depth, speed, rate, mobili
     elastic, damping = law.force(depth, 1.0 / speed, contact_law(law).parameters(which))
     force, solved = normal_force(elastic, damping, rate, mobility)
     assert force >= 0.0
-    assert solved == pytest.approx(rate - mobility * force, rel=1e-9, abs=1e-9 * max(abs(rate), mobility * elastic))
+    assert solved == pytest.approx(
+        rate - mobility * force, rel=1e-9, abs=1e-9 * max(abs(rate), mobility * elastic)
+    )
     size = elastic + damping * max(abs(rate), abs(solved))
     if force > 0.0:
         assert force == pytest.approx(elastic + damping * solved, rel=0, abs=1e-9 * size)
@@ -148,16 +174,22 @@ def test_stored_energy_is_the_integral_of_the_elastic_force(law):
     for pair in PAIRS:
         p = contact_law(law).parameters(pair)
         depths = np.array([1e-6, 1e-5, 5e-5, 1e-4])
-        work = [quad(lambda d, p=p: law.force(d, 0.0, p)[0], 0.0, depth, epsabs=0, epsrel=1e-11, limit=500)[0] for depth in depths]
+        work = [
+            quad(lambda d, p=p: law.force(d, 0.0, p)[0], 0.0, depth, epsabs=0, epsrel=1e-11, limit=500)[0]
+            for depth in depths
+        ]
         assert contact_law(law).elastic_energy(depths, p) == pytest.approx(work, rel=1e-9)
         assert contact_law(law).elastic_energy(float(depths[1]), p) == pytest.approx(work[1], rel=1e-9)
         assert contact_law(law).elastic_energy(0.0, p) == 0.0
 
 
-# ---------------------------------------------------------------------------------------------------- what an impact loses
+# ---------------------------------------------------------------------------------------------------- what an
+# impact loses
 
 
-def free_impact(law: type[ContactLaw], p: tuple[float, ...], mass: float, speed: float) -> tuple[float, float]:
+def free_impact(
+    law: type[ContactLaw], p: tuple[float, ...], mass: float, speed: float
+) -> tuple[float, float]:
     """Rebound speed and energy lost by m d'' = -F until the two part, integrated by SciPy to 2e-8."""
 
     def motion(t, y):
@@ -195,7 +227,9 @@ def test_delivers_the_restitution_of_the_oracle(law, subtests):
             expected = oracle(damping_factor(law, p))
             rebound, lost = free_impact(law, p, mass, speed)
             assert rebound / speed == pytest.approx(expected, abs=1e-6)
-            assert lost == pytest.approx(0.5 * mass * speed**2 * (1 - expected**2), abs=1e-6 * mass * speed**2)
+            assert lost == pytest.approx(
+                0.5 * mass * speed**2 * (1 - expected**2), abs=1e-6 * mass * speed**2
+            )
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.9])
@@ -207,7 +241,9 @@ def test_the_oracle_bites(restitution):
 
 
 def rebound_in_a_run(law: ContactLaw) -> float:
-    """Share of its speed that a journal of 2 kg, thrown against its bearing at 0.7 m/s, gets back in the step itself."""
+    """Share of its speed that a journal of 2 kg, thrown against its bearing at 0.7 m/s, gets back in the step
+    itself.
+    """
     m = journal_in_bearing(0.7, mass=2.0, contact=law, friction=Frictionless(), clearance=2e-4)
     record = go(m, 1e-7, duration=2e-3, outputs=100)
     onsets, depth = record.block("contact_onsets")[:, 0], record.block("contact_penetration")[:, 0]
@@ -219,7 +255,9 @@ def rebound_in_a_run(law: ContactLaw) -> float:
 
 @each_proportional_law
 def test_delivers_it_in_a_run(law, subtests):
-    """The step itself, dissipation solved in closed form and the onset located: a journal thrown against its bearing."""
+    """The step itself, dissipation solved in closed form and the onset located: a journal thrown against its
+    bearing.
+    """
     for restitution in [0.5, 0.9]:
         with subtests.test(restitution=restitution):
             chosen = with_restitution(law, restitution)
@@ -227,7 +265,8 @@ def test_delivers_it_in_a_run(law, subtests):
             assert rebound_in_a_run(chosen) == pytest.approx(expected, abs=1e-4)
 
 
-# ----------------------------------------------------------------------------------------------------- published numbers
+# -----------------------------------------------------------------------------------------------------
+# published numbers
 
 # chi as the literature prints it, for every restitution coefficient e.
 PRINTED = {
@@ -275,7 +314,8 @@ def test_delivered_restitution_of_the_literature(name, restitution, delivered):
     assert free_impact(law, p, 1.0, 1.0)[0] == pytest.approx(delivered, abs=1.5e-5)
 
 
-# Elastic force (N) at 10 and 50 micrometres: dR = 0.5 mm, R_B = 10 mm, L = 20 mm, steel of 207 GPa; printed to four digits.
+# Elastic force (N) at 10 and 50 micrometres: dR = 0.5 mm, R_B = 10 mm, L = 20 mm, steel of 207 GPa; printed
+# to four digits.
 FORCES = {
     "hertz": (2090, 23370), "lankarani-nikravesh": (2090, 23370), "pereira": (12460, 80930), "johnson": (11700, 87150),
     "radzimovsky": (9861, 67030), "esdu-78035": (8477, 54370), "goldsmith": (4202, 23370), "dubowsky-freudenstein": (8419, 53880),
@@ -291,7 +331,9 @@ def test_forces_of_the_literature(name):
 
 
 def test_hertz_stiffness_of_the_papers_joint():
-    """K = 4/[3(s_i + s_j)] sqrt(R_i R_j/(R_i - R_j)): 6.6e10 N/m^1.5 at 10 and 9.5 mm, steel; Section 4.1 of the paper."""
+    """K = 4/[3(s_i + s_j)] sqrt(R_i R_j/(R_i - R_j)): 6.6e10 N/m^1.5 at 10 and 9.5 mm, steel; Section 4.1 of
+    the paper.
+    """
     sigma = (1 - 0.3**2) / 207e9
     exact = 4 / (3 * 2 * sigma) * math.sqrt(0.01 * 0.0095 / 0.0005)
     p = LankaraniNikravesh().parameters(Pair(0.01, 5e-4, 0.02))
@@ -307,7 +349,9 @@ def test_unlike_materials_add_their_compliances():
 
 
 def test_a_stiffness_that_is_given_is_taken():
-    assert LankaraniNikravesh(restitution=0.9, stiffness=5e9).parameters(PAIRS[0]) == pytest.approx((5e9, 0.75 * (1 - 0.81)), rel=1e-15)
+    assert LankaraniNikravesh(restitution=0.9, stiffness=5e9).parameters(PAIRS[0]) == pytest.approx(
+        (5e9, 0.75 * (1 - 0.81)), rel=1e-15
+    )
 
 
 # Exponent n and stiffness (N/m^n) of Pereira's law, L = 20 mm, 207 GPa: method.md, section 3.
@@ -336,5 +380,7 @@ def test_pereiras_two_branches_meet():
 
 
 def test_force_grows_with_the_length_of_a_cylinder():
-    forces = [Pereira.force(1e-5, 0.0, Pereira().parameters(Pair(0.01, 2e-4, length)))[0] for length in (0.01, 0.03)]
+    forces = [
+        Pereira.force(1e-5, 0.0, Pereira().parameters(Pair(0.01, 2e-4, length)))[0] for length in (0.01, 0.03)
+    ]
     assert forces[1] == pytest.approx(3 * forces[0], rel=1e-12)

@@ -19,7 +19,11 @@ numbers = {
     "normal": st.floats(1e-3, 1e6) | st.just(0.0), "free": st.floats(-50.0, 50.0) | st.floats(-1e-2, 1e-2) | st.just(0.0),
     "mobility": st.floats(1e-9, 1e-3) | st.just(0.0),
 }  # fmt: skip
-RANGES = {"(m)": st.floats(-1e-5, 1e-5), "(m/s)": st.floats(-10.0, 10.0) | st.floats(-1e-3, 1e-3), "(1)": st.floats(0.0, 1.0)}
+RANGES = {
+    "(m)": st.floats(-1e-5, 1e-5),
+    "(m/s)": st.floats(-10.0, 10.0) | st.floats(-1e-3, 1e-3),
+    "(1)": st.floats(0.0, 1.0),
+}
 
 
 def shaped(values):
@@ -39,7 +43,12 @@ def remembered(law):
 
 def mirrored(law, memory):
     """What has a direction, turned round; a pure number has none."""
-    return shaped([part if name.endswith("(1)") else -part for name, part in zip(law.memory, parts(memory), strict=False)])
+    return shaped(
+        [
+            part if name.endswith("(1)") else -part
+            for name, part in zip(law.memory, parts(memory), strict=False)
+        ]
+    )
 
 
 def parts(memory):
@@ -58,14 +67,28 @@ def top(law):
 
 
 def test_there_are_laws():
-    given = {"ambrosio", "none", "coulomb", "karnopp", "stribeck", "dahl", "lugre", "brown-mcphee", "threlfall", "bengisu-akay", "gonthier"}
+    given = {
+        "ambrosio",
+        "none",
+        "coulomb",
+        "karnopp",
+        "stribeck",
+        "dahl",
+        "lugre",
+        "brown-mcphee",
+        "threlfall",
+        "bengisu-akay",
+        "gonthier",
+    }
     assert given <= set(FrictionLaw.registry)
 
 
 @each_law
 def test_says_where_it_comes_from(law):
     assert law.name and law.formula and law.formula.startswith("F =")
-    assert law.source and (law.source == "definition" or any(c.isdigit() for c in law.source)), "name authors and year"
+    assert law.source and (law.source == "definition" or any(c.isdigit() for c in law.source)), (
+        "name authors and year"
+    )
 
 
 @each_law
@@ -95,15 +118,17 @@ def test_static_friction_is_no_weaker_than_kinetic(law):
             law(coefficient=0.3, static_coefficient=0.2)
 
 
-# ------------------------------------------------------------------------------------------------------- any state, one step
+# ------------------------------------------------------------------------------------------------------- any
+# state, one step
 
 
 @each_law
 @settings(deadline=None, max_examples=often(300))
 @given(**numbers)
 def test_opposes_the_sliding_that_is_left(law, normal, free, mobility):
-    """Power -F v is never negative, v the velocity that the force itself causes: it does not turn the sliding round. (Nothing remembered:
-    a bristle that was bent before may push.)"""
+    """Power -F v is never negative, v the velocity that the force itself causes: it does not turn the sliding
+    round. (Nothing remembered: a bristle that was bent before may push.)
+    """
     force, after = law.force(normal, free, mobility, nothing(law), DT, law().parameters(PAIR))
     assert math.isfinite(force) and all(map(math.isfinite, parts(after)))
     sliding = free + mobility * force
@@ -118,7 +143,9 @@ def test_is_bounded_by_its_coefficient(law, data, normal, free, mobility):
     """By the static one where there is one; a bristle may be bent further only if it was before."""
     memory = data.draw(remembered(law))
     dried = dry(law)
-    assert hasattr(dried, "coefficient") or not dataclasses.fields(law), "a law with another bound needs a test of its own"
+    assert hasattr(dried, "coefficient") or not dataclasses.fields(law), (
+        "a law with another bound needs a test of its own"
+    )
     force, after = law.force(normal, free, mobility, memory, DT, dried.parameters(PAIR))
     bent = abs(parts(memory)[0]) * getattr(dried, "bristle_stiffness", 0.0)
     assert abs(force) <= max(top(dried), bent) * normal * (1 + 64 * EPS)
@@ -173,7 +200,9 @@ def steady(law, v):
     """Force per normal force in steady sliding at v > 0, written anew from the publications."""
 
     def stribeck(shape):
-        return law.coefficient + (law.static_coefficient - law.coefficient) * math.exp(-((v / law.stribeck_speed) ** shape))
+        return law.coefficient + (law.static_coefficient - law.coefficient) * math.exp(
+            -((v / law.stribeck_speed) ** shape)
+        )
 
     match type(law).name:
         case "none":
@@ -190,9 +219,16 @@ def steady(law, v):
             return stribeck(2.0) + law.viscous * v
         case "brown-mcphee":
             x = v / law.transition_speed
-            return law.coefficient * math.tanh(4 * x) + (law.static_coefficient - law.coefficient) * x / (x * x / 4 + 0.75) ** 2
+            return (
+                law.coefficient * math.tanh(4 * x)
+                + (law.static_coefficient - law.coefficient) * x / (x * x / 4 + 0.75) ** 2
+            )
         case "threlfall":
-            return law.coefficient * (1 - math.exp(-3 * v / law.v1)) / (1 - math.exp(-3)) if v <= law.v1 else law.coefficient
+            return (
+                law.coefficient * (1 - math.exp(-3 * v / law.v1)) / (1 - math.exp(-3))
+                if v <= law.v1
+                else law.coefficient
+            )
         case "bengisu-akay":
             kinetic, static = law.coefficient, law.static_coefficient
             return (
@@ -202,14 +238,21 @@ def steady(law, v):
             )
         case "gonthier":
             s = math.exp(-((v / law.stribeck_speed) ** 2))
-            bristles = law.coefficient - s * law.bristle_damping * v / math.expm1(-((v / law.stribeck_speed) ** 2))
-            return min(bristles, law.coefficient + (law.static_coefficient - law.coefficient) * s) + law.viscous * v
+            bristles = law.coefficient - s * law.bristle_damping * v / math.expm1(
+                -((v / law.stribeck_speed) ** 2)
+            )
+            return (
+                min(bristles, law.coefficient + (law.static_coefficient - law.coefficient) * s)
+                + law.viscous * v
+            )
     pytest.fail(f"{type(law).name}: write down its curve in steady sliding here", pytrace=False)
 
 
 @each_law
 def test_its_curve_in_steady_sliding(law, subtests):
-    """Against the closed form, both ways; bristles have come to rest long before the twelve steps of 10 s end."""
+    """Against the closed form, both ways; bristles have come to rest long before the twelve steps of 10 s
+    end.
+    """
     for v in [1e-5, 3e-4, 1e-3, 2.7e-3, 0.02, 0.5, 9.0]:
         with subtests.test(v=v):
             fields = {field.name for field in dataclasses.fields(law)}
@@ -225,7 +268,10 @@ def test_dissipates_over_a_closed_cycle(law, subtests):
     for amplitude in [1e-6, 1e-4, 0.3]:
         with subtests.test(amplitude=amplitude):
             per_cycle, dt = 400, 1e-4
-            velocity = [amplitude * 2 * math.pi / (per_cycle * dt) * math.cos(2 * math.pi * (k + 0.5) / per_cycle) for k in range(4 * per_cycle)]
+            velocity = [
+                amplitude * 2 * math.pi / (per_cycle * dt) * math.cos(2 * math.pi * (k + 0.5) / per_cycle)
+                for k in range(4 * per_cycle)
+            ]
             forces = run(dry(law), velocity, dt=dt)
             lost = [-force * v * dt for force, v in zip(forces, velocity, strict=True)]
             for cycle in range(1, 4):
@@ -261,11 +307,17 @@ def test_ambrosio_solves_its_own_relation(coefficient, v0, ramp, normal, free, m
     assert force == pytest.approx(ambrosio(sliding, normal, *dataclasses.astuple(law)), rel=0, abs=rounding)
 
 
-@pytest.mark.parametrize(("speed", "share"), [(0.0, 0.0), (0.9e-4, 0.0), (1e-4, 0.0), (5.05e-3, 0.5), (1e-2, 1.0), (3.0, 1.0)])
+@pytest.mark.parametrize(
+    ("speed", "share"), [(0.0, 0.0), (0.9e-4, 0.0), (1e-4, 0.0), (5.05e-3, 0.5), (1e-2, 1.0), (3.0, 1.0)]
+)
 def test_ambrosio_at_marked_speeds(speed, share):
-    """No force below v_0, half of it in the middle of the ramp, all of it from v_1: nothing is moved (mobility 0)."""
+    """No force below v_0, half of it in the middle of the ramp, all of it from v_1: nothing is moved
+    (mobility 0).
+    """
     for sign in (1.0, -1.0):
-        force, _ = Ambrosio.force(2000.0, sign * speed, 0.0, 0.0, DT, Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2).parameters(PAIR))
+        force, _ = Ambrosio.force(
+            2000.0, sign * speed, 0.0, 0.0, DT, Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2).parameters(PAIR)
+        )
         assert force == pytest.approx(-sign * 200.0 * share, rel=1e-12)
 
 

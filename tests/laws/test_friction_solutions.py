@@ -1,4 +1,6 @@
-"""What a law of friction without bristles solves inside a step, against its own equation and against independent integrations."""
+"""What a law of friction without bristles solves inside a step, against its own equation and against
+independent integrations.
+"""
 
 import math
 
@@ -20,7 +22,9 @@ positive = st.floats(1e-3, 1e6)
 # ------------------------------------------------------------------------------------------------------------- elementary
 
 
-@pytest.mark.parametrize("x", [0.0, 1e-300, 1e-8, 0.3, *np.linspace(0.55, 0.65, 21), 1.0, 7.3, 39.9, 40.0, 1e3, 1e300])
+@pytest.mark.parametrize(
+    "x", [0.0, 1e-300, 1e-8, 0.3, *np.linspace(0.55, 0.65, 21), 1.0, 7.3, 39.9, 40.0, 1e3, 1e300]
+)
 def test_approach(x):
     assert approach(x) == pytest.approx(-math.expm1(-x), rel=1e-14, abs=0)
 
@@ -29,7 +33,12 @@ def test_approach(x):
 
 
 @settings(deadline=None, max_examples=often(500))
-@given(mu=st.floats(1e-6, 2.0) | st.just(0.0), normal=positive, free=st.floats(-5.0, 5.0), mobility=st.floats(1e-9, 1e-2))
+@given(
+    mu=st.floats(1e-6, 2.0) | st.just(0.0),
+    normal=positive,
+    free=st.floats(-5.0, 5.0),
+    mobility=st.floats(1e-9, 1e-2),
+)
 def test_coulomb_sticks_or_slides(mu, normal, free, mobility):
     force, _ = Coulomb.force(normal, free, mobility, 0.0, 1e-6, (mu,))
     if abs(free) <= mobility * mu * normal:
@@ -64,7 +73,9 @@ def test_stribeck_solves_its_relation(normal, free, mobility, last, before, shap
     rest = force / normal + viscous * 0.5 * (last + left)
     assert kept == last
     size = limit + viscous * (abs(last) + abs(left)) + abs(free) / (mobility * normal)
-    assert free + mobility * force == pytest.approx(left, rel=0, abs=1e-14 * (abs(free) + mobility * normal * size))
+    assert free + mobility * force == pytest.approx(
+        left, rel=0, abs=1e-14 * (abs(free) + mobility * normal * size)
+    )
     if left == 0.0:
         assert abs(rest) <= limit + 1e-14 * size
     else:
@@ -72,8 +83,15 @@ def test_stribeck_solves_its_relation(normal, free, mobility, last, before, shap
 
 
 def block(law, steps, dt, speed, push, normal=9.81, sliding=False):
-    """Velocities at half steps of a block of 1 kg on a plane: one mass, kicked as the loop does by a constant push (N)."""
-    p, v, memory, speeds = law.parameters(PAIR), speed, tuple(speed if sliding else 0.0 for _ in law.memory), [speed]
+    """Velocities at half steps of a block of 1 kg on a plane: one mass, kicked as the loop does by a constant
+    push (N).
+    """
+    p, v, memory, speeds = (
+        law.parameters(PAIR),
+        speed,
+        tuple(speed if sliding else 0.0 for _ in law.memory),
+        [speed],
+    )
     for n in range(steps):
         gain = dt if n else 0.5 * dt
         force, memory = law.force(normal, v + gain * push, gain, memory or 0.0, dt, p)
@@ -85,7 +103,11 @@ def block(law, steps, dt, speed, push, normal=9.81, sliding=False):
 
 @pytest.mark.parametrize(
     "law",
-    [Coulomb(coefficient=0.3), Karnopp(coefficient=0.2, static_coefficient=0.3, band=1e-4), Stribeck(coefficient=0.2, static_coefficient=0.3)],
+    [
+        Coulomb(coefficient=0.3),
+        Karnopp(coefficient=0.2, static_coefficient=0.3, band=1e-4),
+        Stribeck(coefficient=0.2, static_coefficient=0.3),
+    ],
     ids=lambda law: law.name,
 )
 def test_block_on_an_incline_stays_to_rounding(law):
@@ -99,10 +121,16 @@ def test_block_on_an_incline_stays_to_rounding(law):
 def test_block_on_an_incline_slides_above_the_friction_angle():
     angle, dt, steps = math.atan(0.301), 1e-5, 20_000
     speeds = block(Coulomb(coefficient=0.3), steps, dt, 0.0, 9.81 * math.sin(angle), 9.81 * math.cos(angle))
-    assert speeds[-1] == pytest.approx((steps - 0.5) * dt * 9.81 * (math.sin(angle) - 0.3 * math.cos(angle)), rel=1e-11)
+    assert speeds[-1] == pytest.approx(
+        (steps - 0.5) * dt * 9.81 * (math.sin(angle) - 0.3 * math.cos(angle)), rel=1e-11
+    )
 
 
-@pytest.mark.parametrize("law", [Coulomb(coefficient=0.3), Karnopp(coefficient=0.3, static_coefficient=0.3, band=0.0)], ids=lambda law: law.name)
+@pytest.mark.parametrize(
+    "law",
+    [Coulomb(coefficient=0.3), Karnopp(coefficient=0.3, static_coefficient=0.3, band=0.0)],
+    ids=lambda law: law.name,
+)
 def test_a_block_that_slides_stops_and_rests(law):
     """After v^2/(2 mu g), to half a step's path, and then at exactly no speed."""
     dt = 4e-6
@@ -113,7 +141,9 @@ def test_a_block_that_slides_stops_and_rests(law):
 
 
 def test_stribeck_curve_converges_to_its_differential_equation():
-    """A block slowed down through the Stribeck curve: second order, while an implicit half-step value would have the first."""
+    """A block slowed down through the Stribeck curve: second order, while an implicit half-step value would
+    have the first.
+    """
     law = Stribeck(coefficient=0.1, static_coefficient=0.3, stribeck_speed=0.02, shape=2.0, viscous=0.5)
 
     def rate(t, v):
@@ -138,21 +168,33 @@ def test_karnopp_band_ends_at_its_speed(share, coefficient):
         assert force == pytest.approx(-sign * coefficient * 500.0, rel=1e-15)
 
 
-# ---------------------------------------------------------------------------------------------------- curves of the speed
+# ---------------------------------------------------------------------------------------------------- curves
+# of the speed
 
 
 def threlfall(law, v):
-    return law.coefficient * (1 - math.exp(-3 * v / law.v1)) / (1 - math.exp(-3)) if v < law.v1 else law.coefficient
+    return (
+        law.coefficient * (1 - math.exp(-3 * v / law.v1)) / (1 - math.exp(-3))
+        if v < law.v1
+        else law.coefficient
+    )
 
 
 def bengisu_akay(law, v):
     kinetic, static = law.coefficient, law.static_coefficient
-    return static - static / law.v0**2 * (v - law.v0) ** 2 if v < law.v0 else kinetic + (static - kinetic) * math.exp(-law.decay * (v - law.v0))
+    return (
+        static - static / law.v0**2 * (v - law.v0) ** 2
+        if v < law.v0
+        else kinetic + (static - kinetic) * math.exp(-law.decay * (v - law.v0))
+    )
 
 
 def brown_mcphee(law, v):
     x = v / law.transition_speed
-    return law.coefficient * math.tanh(4 * x) + (law.static_coefficient - law.coefficient) * x / (x * x / 4 + 0.75) ** 2
+    return (
+        law.coefficient * math.tanh(4 * x)
+        + (law.static_coefficient - law.coefficient) * x / (x * x / 4 + 0.75) ** 2
+    )
 
 
 CURVES = [
@@ -180,18 +222,29 @@ def test_a_curve_opposes_whatever_it_remembers(law, curve, normal, mobility, fre
 
 @each_curve
 @settings(deadline=None, max_examples=often(500))
-@given(normal=positive, mobility=any_state["mobility"], v=st.floats(1e-7, 1.0) | st.floats(1e-4, 5e-2), sign=st.sampled_from([1.0, -1.0]))
+@given(
+    normal=positive,
+    mobility=any_state["mobility"],
+    v=st.floats(1e-7, 1.0) | st.floats(1e-4, 5e-2),
+    sign=st.sampled_from([1.0, -1.0]),
+)
 def test_steady_sliding_is_exact(law, curve, normal, mobility, v, sign):
-    """The free velocity that the printed curve leaves at v, found by last and before at v, gives that curve's force: at any steepness."""
+    """The free velocity that the printed curve leaves at v, found by last and before at v, gives that curve's
+    force: at any steepness.
+    """
     exact = normal * curve(law, v)
-    force, (left, _) = law.force(normal, sign * (v + mobility * exact), mobility, (sign * v, sign * v), 1e-6, law.parameters(PAIR))
+    force, (left, _) = law.force(
+        normal, sign * (v + mobility * exact), mobility, (sign * v, sign * v), 1e-6, law.parameters(PAIR)
+    )
     assert force == pytest.approx(-sign * exact, rel=1e-9)
     assert left == pytest.approx(sign * v, rel=1e-9, abs=1e-9 * mobility * exact)
 
 
 @each_curve
 def test_a_steep_curve_creeps_to_the_speed_that_holds(law, curve):
-    """A push below the peak, and steps in which the curve would change the speed by 400 of its own: one solution, found in a few steps."""
+    """A push below the peak, and steps in which the curve would change the speed by 400 of its own: one
+    solution, found in a few steps.
+    """
     p, memory, normal, push = law.parameters(PAIR), (0.0, 0.0), 1e4, 0.6 * 0.2 * 1e4
     v, mobility = 0.0, 5e-3
     for _ in range(60):
@@ -213,7 +266,9 @@ def test_a_curve_converges_to_its_differential_equation(law, curve, start):
     def rate(t, y):
         return push(t) - 9.81 * math.copysign(curve(law, abs(y[0])), y[0])
 
-    exact = solve_ivp(rate, (0, 0.04), [start], method="DOP853", rtol=1e-12, atol=1e-15, max_step=5e-5).y[0, -1]
+    exact = solve_ivp(rate, (0, 0.04), [start], method="DOP853", rtol=1e-12, atol=1e-15, max_step=5e-5).y[
+        0, -1
+    ]
     errors, p = [], law.parameters(PAIR)
     for n in (800, 1600, 3200):
         dt, v, memory = 0.04 / n, start, (start, start)
@@ -229,5 +284,8 @@ def test_a_curve_converges_to_its_differential_equation(law, curve, start):
 
 def test_threlfall_is_whole_without_a_jump():
     law = Threlfall(coefficient=0.3, v1=0.05)
-    forces = [law.force(100.0, v, 0.0, (0.0, 0.0), 1e-6, law.parameters(PAIR))[0] for v in (0.05 * (1 - 1e-12), 0.05 * (1 + 1e-12), 3.0)]
+    forces = [
+        law.force(100.0, v, 0.0, (0.0, 0.0), 1e-6, law.parameters(PAIR))[0]
+        for v in (0.05 * (1 - 1e-12), 0.05 * (1 + 1e-12), 3.0)
+    ]
     assert forces == pytest.approx([-30.0] * 3, rel=1e-11)

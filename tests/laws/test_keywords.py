@@ -14,7 +14,9 @@ from vfife.laws import FrictionLaw, LankaraniNikravesh
 @pytest.mark.parametrize("law", [*CONTACT_LAWS, *FrictionLaw.registry.values()], ids=lambda law: law.name)
 def test_numbers_without_names_are_refused(law: type) -> None:
     """Lankarani and Nikravesh with (6.6e10, 0.9) would have a restitution of 6.6e10."""
-    with pytest.raises(TypeError, match=rf"the law '{law.name}' takes its parameters by name, as in {law.__name__}\("):
+    with pytest.raises(
+        TypeError, match=rf"the law '{law.name}' takes its parameters by name, as in {law.__name__}\("
+    ):
         law(0.5)
 
 

@@ -1,5 +1,5 @@
-"""What the function of a law may say: each thing that some loop once computed otherwise than Python is refused, with line and replacement,
-or computed as Python computes it.
+"""What the function of a law may say: each thing that some loop once computed otherwise than Python is
+refused, with line and replacement, or computed as Python computes it.
 """
 
 import itertools
@@ -13,7 +13,7 @@ from laws.random_laws import HEAD, classes
 from support import bits, four_bar, lanes
 from vfife import Pair
 from vfife.assembly.assemble import assemble
-from vfife.codegen.lawloops import Loops, Single
+from vfife.compiler.runtime.lawloops import Loops, Single
 from vfife.errors import LawError
 from vfife.laws import ContactLaw, FrictionLaw, agreement, check, user
 from vfife.laws.agreement import agreement_of, compared
@@ -167,22 +167,34 @@ COMPUTED = {
     "a sign of zero that is chosen": "return elastic, -0.0 if share > 0.0 else 0.0",
     "nothing less nothing": "return 0 - elastic, 0.0 / (elastic + 1.0) * -1.0",
     "a whole number without sign": "m = 0\nreturn elastic * -m, share * -0",
-    "whole numbers and numbers compared": "return elastic, (1.0 if share < 2 else 0.0) + (1.0 if 3 >= share else 0.0)",
+    "whole numbers and numbers compared": (
+        "return elastic, (1.0 if share < 2 else 0.0) + (1.0 if 3 >= share else 0.0)"
+    ),
     "2 ** 3": "return elastic, 2 ** 3 * share",
     "counters": "for k in range(1, 8, 2):\n    elastic += share * (k - 3) / (k + 1)\nreturn elastic, share",
-    "counting down": "for k in range(4, 0, -1):\n    elastic = elastic * 0.5 + k * share\nreturn elastic, share",
+    "counting down": (
+        "for k in range(4, 0, -1):\n    elastic = elastic * 0.5 + k * share\nreturn elastic, share"
+    ),
     "parts in a loop": "for x in p:\n    elastic += x\nreturn elastic, share",
     "parts of two": "for x in ordered(share, 2.5):\n    elastic += x\nreturn elastic, x",
     "tuples that are chosen": "a, b = (share, 2.0) if share < 2.0 else (2.0, share)\nreturn elastic * a, b",
     "tuples within a tuple": "(a, b), c = ordered(share, 2.0), 3.0\nreturn elastic * a, b + c",
     "an annotation": "factor: float = 2.0 * share\nreturn elastic, factor",
     "the last part": "return elastic, p[-1] + p[-2]",
-    "truth values": "on = share > 0.0 and penetration > 0.0\noff = (share < 1.0 or on) if on else False\nreturn elastic, 1.0 if off else share",
+    "truth values": (
+        "on = share > 0.0 and penetration > 0.0\noff = (share < 1.0 or on) if on else False\nreturn elastic,"
+        " 1.0 if off else share"
+    ),
     "a truth value from a function": "return elastic, 1.0 if inside(share, -1.0, 1.0) else 0.0",
-    "infinity": "least = math.inf\nleast = share if share < least else least\nreturn elastic, least if least > -math.inf else 0.0",
+    "infinity": (
+        "least = math.inf\nleast = share if share < least else least\nreturn elastic, least if least >"
+        " -math.inf else 0.0"
+    ),
     "a root of nothing": "return elastic, math.sqrt(share * 0.0) + math.sqrt(2)",
     "a helper that counts": "return elastic, summed(3, share) + summed(0, share)",
-    "an elementary function": "return elastic, power(abs(share), 1.5) + approach(abs(share)) + nearest(share)",
+    "an elementary function": (
+        "return elastic, power(abs(share), 1.5) + approach(abs(share)) + nearest(share)"
+    ),
     "names of other letters": "härte = share\nreturn elastic, härte * 2",
     "a value for two names": "a = b = share\nreturn elastic * a, b",
     "another name of the module": "return elastic, m.sqrt(share * share) + m.pi",
@@ -193,7 +205,10 @@ COMPUTED = {
 @pytest.mark.parametrize("case", COMPUTED)
 def test_what_is_in_the_language_is_python_to_the_bit(case):
     """In all loops of this machine, in JavaScript where node is there."""
-    more = {"another name of the module": "import math as m\n", "a root beside math.sqrt": "from math import sqrt\n"}.get(case, "")
+    more = {
+        "another name of the module": "import math as m\n",
+        "a root beside math.sqrt": "from math import sqrt\n",
+    }.get(case, "")
     law = law_of(COMPUTED[case], more)
     assert faults_of_functions(law, "contact") == []
     found = agreement_of("contact", law, (1e9, 0.3), javascript=True)
@@ -211,7 +226,9 @@ def test_a_law_for_a_card_alone_is_said_to_be_not_compared_without_node(monkeypa
 def test_the_run_of_the_issue_is_refused_and_its_replacement_computes_what_python_does():
     body = "stiffness = stiffness * 1.0\nreturn elastic, elastic * slowness * ({})"
     with pytest.raises(LawError, match=r"line \d+: `share or 0.5`.*write `share if share != 0.0 else 0.5`"):
-        assemble(four_bar("C", contact=law_of(body.format("share or 0.5"))()), 2e-6, duration=1e-3, force_step=True)
+        assemble(
+            four_bar("C", contact=law_of(body.format("share or 0.5"))()), 2e-6, duration=1e-3, force_step=True
+        )
     right = law_of(body.format("share if share != 0.0 else 0.5"))
     model = assemble(four_bar("C", contact=right()), 2e-6, duration=1e-3, force_step=True)
     rows = [bits(lanes([model], loop).advance(100, 5)) for loop in ("interpreted", "generated")]
@@ -223,7 +240,9 @@ def test_the_run_of_the_issue_is_refused_and_its_replacement_computes_what_pytho
 
 @pytest.mark.slow("compiles every law")
 def test_every_law_of_vfife_is_in_the_language_and_is_python_in_every_loop():
-    """But for signs of zeros, and for what terms that drop out make of infinity. A table is not: the kernels' own text computes it."""
+    """But for signs of zeros, and for what terms that drop out make of infinity. A table is not: the kernels'
+    own text computes it.
+    """
     values = {"exponent": 1.5, "full_damping_depth": 1e-5}
     pair = Pair(0.01, 2e-4, 0.02, effective_mass=1.0)
     parts: dict[str, list] = {}
@@ -237,8 +256,12 @@ def test_every_law_of_vfife_is_in_the_language_and_is_python_in_every_loop():
             parts.setdefault(name, []).append((Single(name, law), [float(value) for value in slots]))
     assert sum(map(len, parts.values())) >= 40
     for found in parts.values():
-        agreement_of_all = compared(Loops([one for one, _ in found]), [slots for _, slots in found], 128, True)
-        assert agreement_of_all.faults == () and ("in node" in agreement_of_all.javascript) == (shutil.which("node") is not None)
+        agreement_of_all = compared(
+            Loops([one for one, _ in found]), [slots for _, slots in found], 128, True
+        )
+        assert agreement_of_all.faults == () and ("in node" in agreement_of_all.javascript) == (
+            shutil.which("node") is not None
+        )
 
 
 REMEMBERS = """
@@ -264,7 +287,9 @@ class Law0(FrictionLaw):
 
 def remembering(first: str, second: str):
     number = next(COUNT)
-    return classes(f"language_{number}", HEAD + REMEMBERS.format(name=f"law-{number}", first=first, second=second))["Law0"]
+    return classes(
+        f"language_{number}", HEAD + REMEMBERS.format(name=f"law-{number}", first=first, second=second)
+    )["Law0"]
 
 
 def test_a_friction_law_with_memory_and_regime():
@@ -272,7 +297,10 @@ def test_a_friction_law_with_memory_and_regime():
     assert "is a number and no condition" in faults(remembering("free_velocity if last else 0.0", "0.0"))[0]
     told = faults(remembering("free_velocity", "1.0 if sliding_velocity else 0.0"))
     assert "function regime, line" in told[0] and "no condition" in told[0]
-    assert "the friction force (N) and a tuple of 2 numbers to remember" in faults(remembering("(free_velocity, last)", "0.0"))[0]
+    assert (
+        "the friction force (N) and a tuple of 2 numbers to remember"
+        in faults(remembering("(free_velocity, last)", "0.0"))[0]
+    )
 
 
 def test_parameters_that_do_not_end_are_stopped(monkeypatch):
@@ -301,7 +329,9 @@ def test_parameters_that_do_not_end_are_stopped(monkeypatch):
 def test_a_law_is_compared_once_and_anew_when_a_number_of_its_file_changes(monkeypatch):
     law = law_of("return elastic, share * SHARE")
     counted = []
-    monkeypatch.setattr(agreement, "compared", lambda *given, real=agreement.compared: counted.append(1) or real(*given))
+    monkeypatch.setattr(
+        agreement, "compared", lambda *given, real=agreement.compared: counted.append(1) or real(*given)
+    )
     for _ in range(3):
         try_out([(law(), PAIR)])
     assert counted == [1]
@@ -324,7 +354,9 @@ def test_a_step_is_made_anew_when_a_number_of_the_file_changes():
 
 
 def test_a_text_that_python_does_not_run_is_refused():
-    """A file that has changed since it was read: the step would be made of the new text, and Python would run the old one."""
+    """A file that has changed since it was read: the step would be made of the new text, and Python would run
+    the old one.
+    """
     import linecache
 
     law = law_of("return elastic, share * 2.0")
@@ -336,8 +368,10 @@ def test_a_text_that_python_does_not_run_is_refused():
 
 
 def test_a_loop_that_differs_is_told(monkeypatch):
-    """Should a loop ever differ, the law cannot be used, and the sentence says which loop, where and by how much."""
-    from vfife.codegen import python
+    """Should a loop ever differ, the law cannot be used, and the sentence says which loop, where and by how
+    much.
+    """
+    from vfife.compiler.backends import python
 
     monkeypatch.setitem(python.PATTERNS, "abs", "-abs({})")
     told = faults_of_loops(law_of("return elastic, abs(share) + 1.0")(), PAIR)
@@ -347,7 +381,16 @@ def test_a_loop_that_differs_is_told(monkeypatch):
 def test_numbers_of_the_text_that_python_cannot_divide():
     law = law_of("return elastic, share * (1.0 / (SHARE - SHARE) if share > 9.0 else 1.0)")
     first = (HEAD + FORCE).splitlines().index("{body}") + 1
-    assert f"function force, line {first}: numbers of its text are divided by zero; both arms" in faults_of_loops(law(), PAIR)[0]
-    more = "def halved(x):\n    y = 2.0 * x\n    return y / (SHARE - SHARE) if x > SHARE else math.sqrt(NEGATIVE)\n"
+    assert (
+        f"function force, line {first}: numbers of its text are divided by zero; both arms"
+        in faults_of_loops(law(), PAIR)[0]
+    )
+    more = (
+        "def halved(x):\n    y = 2.0 * x\n    return y / (SHARE - SHARE) if x > SHARE else"
+        " math.sqrt(NEGATIVE)\n"
+    )
     law = law_of("return elastic, halved(share)", more)
-    assert f"line {len(HEAD.splitlines()) + 3}: numbers of its text give none (math domain error)" in faults_of_loops(law(), PAIR)[0]
+    assert (
+        f"line {len(HEAD.splitlines()) + 3}: numbers of its text give none (math domain error)"
+        in faults_of_loops(law(), PAIR)[0]
+    )

@@ -45,7 +45,9 @@ def printed(name: str, force: float, pair: Pair) -> float:
 
 
 def test_they_are_found():
-    assert {"johnson", "radzimovsky", "goldsmith", "dubowsky-freudenstein", "esdu-78035"} <= {law.name for law in LINES}
+    assert {"johnson", "radzimovsky", "goldsmith", "dubowsky-freudenstein", "esdu-78035"} <= {
+        law.name for law in LINES
+    }
 
 
 @each_line
@@ -58,7 +60,13 @@ def test_force_is_the_root_of_the_printed_relation(law, pair):
     for depth in np.geomspace(1e-9, 0.995 * fold, 200):
         force = law.force(float(depth), 0.0, p)[0]
         top = 0.9999 * fold / p[0]  # more than any force before the fold
-        root = brentq(lambda f, d=depth: printed(law.name, f, pair) - d, 1e-6 * force, min(top, 1.5 * force), xtol=1e-300, rtol=1e-13)
+        root = brentq(
+            lambda f, d=depth: printed(law.name, f, pair) - d,
+            1e-6 * force,
+            min(top, 1.5 * force),
+            xtol=1e-300,
+            rtol=1e-13,
+        )
         worst = max(worst, abs(force / root - 1))
     assert worst < 1e-10
 
@@ -88,13 +96,17 @@ def test_johnson_has_no_force_beyond_0_5413_clearances():
 
 
 def test_two_cylinders_side_by_side():
-    """Johnson's relation with the sum of the radii: f/(pi E*) [ln(4 R_1/a) + ln(4 R_2/a) - 1] x 1 with a^2 = 4 f R/(pi E*), his Eq. 5.57."""
+    """Johnson's relation with the sum of the radii: f/(pi E*) [ln(4 R_1/a) + ln(4 R_2/a) - 1] x 1 with a^2 =
+    4 f R/(pi E*), his Eq. 5.57.
+    """
     pair = Pair(0.03, 0.0, 0.02, opposite_radius=0.01)
     modulus, r = pair.composite_modulus, 0.03 * 0.01 / 0.04
     for depth in (1e-6, 1e-5):
         f = Johnson.force(depth, 0.0, Johnson().parameters(pair))[0] / 0.02
         a = math.sqrt(4 * f * r / (math.pi * modulus))
-        assert f / (math.pi * modulus) * (math.log(4 * 0.03 / a) + math.log(4 * 0.01 / a) - 1) == pytest.approx(depth, rel=1e-10)
+        assert f / (math.pi * modulus) * (
+            math.log(4 * 0.03 / a) + math.log(4 * 0.01 / a) - 1
+        ) == pytest.approx(depth, rel=1e-10)
 
 
 def test_lower_branch_of_lamberts_function():

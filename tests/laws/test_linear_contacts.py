@@ -1,4 +1,6 @@
-"""Laws whose damping is not the elastic force times a number: Kelvin and Voigt, Anagnostopoulos, IMPACT. They never pull."""
+"""Laws whose damping is not the elastic force times a number: Kelvin and Voigt, Anagnostopoulos, IMPACT. They
+never pull.
+"""
 
 import math
 
@@ -14,7 +16,9 @@ MASS, SPEED = 2.0, 0.7
 
 
 def rebound(force, mass: float, speed: float, pulls: bool = False) -> float:
-    """Share of the speed that is given back: m d'' = -F(d, d') until F comes down to zero, or where it may pull until d does."""
+    """Share of the speed that is given back: m d'' = -F(d, d') until F comes down to zero, or where it may
+    pull until d does.
+    """
 
     def ended(t, y):
         return y[0] if pulls else force(max(y[0], 1e-300), y[1])
@@ -29,7 +33,9 @@ def rebound(force, mass: float, speed: float, pulls: bool = False) -> float:
 
 
 def rebound_in_a_run(law) -> float:
-    """The same in the step: a journal of 2 kg thrown against its bearing. The jump of the force at onset makes this first order in the step."""
+    """The same in the step: a journal of 2 kg thrown against its bearing. The jump of the force at onset
+    makes this first order in the step.
+    """
     m = journal_in_bearing(SPEED, mass=MASS, contact=law, friction=Frictionless(), clearance=2e-4)
     record = go(m, 2e-8, duration=2e-3, outputs=100)
     onsets, depth = record.block("contact_onsets")[:, 0], record.block("contact_penetration")[:, 0]
@@ -49,7 +55,9 @@ def test_anagnostopoulos_delivers_its_restitution_where_it_may_pull(restitution)
     """As the source has it; cut at zero it gives back what the closed form says."""
     stiffness, damping = Anagnostopoulos(stiffness=2e9, restitution=restitution).parameters(PAIR)
     ratio = damping / (2 * math.sqrt(stiffness * MASS))
-    assert ratio == pytest.approx(-math.log(restitution) / math.hypot(math.pi, math.log(restitution)), rel=1e-14)
+    assert ratio == pytest.approx(
+        -math.log(restitution) / math.hypot(math.pi, math.log(restitution)), rel=1e-14
+    )
 
     def force(depth, rate):
         return stiffness * depth + damping * rate
@@ -62,12 +70,16 @@ def test_anagnostopoulos_delivers_its_restitution_where_it_may_pull(restitution)
 def test_anagnostopoulos_in_a_run(restitution):
     law = Anagnostopoulos(stiffness=2e9, restitution=restitution)
     stiffness, damping = law.parameters(PAIR)
-    assert rebound_in_a_run(law) == pytest.approx(closed_form(damping / (2 * math.sqrt(stiffness * MASS))), abs=2e-4)
+    assert rebound_in_a_run(law) == pytest.approx(
+        closed_form(damping / (2 * math.sqrt(stiffness * MASS))), abs=2e-4
+    )
 
 
 def test_anagnostopoulos_takes_the_mass_of_the_bodies_or_its_own():
     own = Anagnostopoulos(stiffness=2e9, restitution=0.5, effective_mass=8.0).parameters(PAIR)[1]
-    assert own == pytest.approx(2 * Anagnostopoulos(stiffness=2e9, restitution=0.5).parameters(PAIR)[1], rel=1e-14)
+    assert own == pytest.approx(
+        2 * Anagnostopoulos(stiffness=2e9, restitution=0.5).parameters(PAIR)[1], rel=1e-14
+    )
     with pytest.raises(ValueError, match="effective mass"):
         Anagnostopoulos(stiffness=2e9).parameters(Pair(0.01, 2e-4, 0.02))
 
@@ -79,7 +91,9 @@ def test_kelvin_voigt_in_a_run():
 
 
 def adams(depth: float, rate: float, k: float, e: float, c: float, d: float) -> float:
-    """max(0, k (x1 - x)^e - STEP(x, x1 - d, c, x1, 0) x') with x1 - x = depth and x' = -rate; STEP as the Adams help prints it."""
+    """max(0, k (x1 - x)^e - STEP(x, x1 - d, c, x1, 0) x') with x1 - x = depth and x' = -rate; STEP as the
+    Adams help prints it.
+    """
     x, x0, x1 = -depth, -d, 0.0
     share = (x - x0) / (x1 - x0)
     step = c if x <= x0 else 0.0 if x >= x1 else c + (0.0 - c) * share**2 * (3 - 2 * share)
@@ -100,7 +114,9 @@ def test_impact_is_the_function_of_adams(law):
     for depth in np.geomspace(1e-9, 1e-3, 60):
         elastic, damping = law.force(float(depth), 0.0, p)
         for rate in (-0.01, 0.0, 2.0):
-            assert max(elastic + damping * rate, 0.0) == pytest.approx(adams(depth, rate, k, e, c, d), rel=1e-12, abs=4e-15 * c * abs(rate))
+            assert max(elastic + damping * rate, 0.0) == pytest.approx(
+                adams(depth, rate, k, e, c, d), rel=1e-12, abs=4e-15 * c * abs(rate)
+            )
 
 
 @pytest.mark.parametrize("law", IMPACTS, ids=lambda law: f"{law.exponent:g}")

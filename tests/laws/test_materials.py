@@ -18,11 +18,24 @@ def test_steel_is_what_it_was():
 def test_each_has_a_source_and_numbers_that_nature_allows(name):
     material, (*_, meaning, source) = MATERIALS[name], TABLE[name]
     assert material.name == name and meaning and ("(19" in source or "(20" in source)
-    assert 1e6 < material.youngs_modulus < 5e11 and 0.0 < material.poissons_ratio < 0.5 and 900.0 < material.density < 9000.0
+    assert (
+        1e6 < material.youngs_modulus < 5e11
+        and 0.0 < material.poissons_ratio < 0.5
+        and 900.0 < material.density < 9000.0
+    )
 
 
-# Speed of sound along a bar, sqrt(E/rho) (m/s): CRC Handbook of Chemistry and Physics, "Speed of sound in various media".
-BAR = {"aluminium": 5000, "brass": 3480, "copper": 3750, "steel": 5200, "stainless-steel": 5000, "magnesium": 4940, "titanium": 5080}
+# Speed of sound along a bar, sqrt(E/rho) (m/s): CRC Handbook of Chemistry and Physics, "Speed of sound in
+# various media".
+BAR = {
+    "aluminium": 5000,
+    "brass": 3480,
+    "copper": 3750,
+    "steel": 5200,
+    "stainless-steel": 5000,
+    "magnesium": 4940,
+    "titanium": 5080,
+}
 
 
 @pytest.mark.parametrize("name", BAR)
@@ -41,8 +54,14 @@ def test_a_model_names_one_without_a_table():
 
 def test_a_table_takes_its_place():
     mine = "[material.bronze]\nyoungs_modulus = 1e11\npoissons_ratio = 0.3\ndensity = 8000\n"
-    assert loads(FOUR_BAR + mine, [("body.coupler.material", "bronze")]).bodies["coupler"].material == Material("bronze", 1e11, 0.3, 8000.0)
-    one = loads(FOUR_BAR, [("body.coupler.material", "bronze"), ("material.bronze.youngs_modulus", "90 GPa")]).bodies["coupler"].material
+    assert loads(FOUR_BAR + mine, [("body.coupler.material", "bronze")]).bodies[
+        "coupler"
+    ].material == Material("bronze", 1e11, 0.3, 8000.0)
+    one = (
+        loads(FOUR_BAR, [("body.coupler.material", "bronze"), ("material.bronze.youngs_modulus", "90 GPa")])
+        .bodies["coupler"]
+        .material
+    )
     assert one == Material("bronze", 90e9, 0.341, 8860.0)
 
 

@@ -1,4 +1,6 @@
-"""Laws from the user's own file: what they compute, what is told of those that cannot be used, and what a run file keeps of them."""
+"""Laws from the user's own file: what they compute, what is told of those that cannot be used, and what a run
+file keeps of them.
+"""
 
 import linecache
 import subprocess
@@ -84,10 +86,13 @@ def loaded(tmp_path: Path, text: str = COPY, name: str = "my_laws.py") -> list:
     return load_laws(path)
 
 
-# -------------------------------------------------------------------------------------------------------- what they compute
+# --------------------------------------------------------------------------------------------------------
+# what they compute
 
 
-@pytest.mark.parametrize("loop", ["interpreted", "generated", pytest.param("data-driven", marks=pytest.mark.verify)])
+@pytest.mark.parametrize(
+    "loop", ["interpreted", "generated", pytest.param("data-driven", marks=pytest.mark.verify)]
+)
 def test_a_copy_of_a_built_in_law_takes_the_same_steps(tmp_path, loop):
     """To the bit, in each loop. (The data-driven one takes half a minute to compile for a law of one's own.)"""
     (mine,) = loaded(tmp_path)
@@ -99,7 +104,9 @@ def test_a_copy_of_a_built_in_law_takes_the_same_steps(tmp_path, loop):
 
 
 def test_a_changed_file_is_noticed(tmp_path):
-    """However quickly it is changed, and though it keeps its length: the step is compiled from what was read last."""
+    """However quickly it is changed, and though it keeps its length: the step is compiled from what was read
+    last.
+    """
     forces = []
     for share in ("0.75", "0.15"):
         (mine,) = loaded(tmp_path, COPY.replace("SHARE = 0.75", f"SHARE = {share}"))
@@ -115,7 +122,9 @@ def test_a_text_that_is_no_longer_on_disk_is_compiled_as_it_was_read(tmp_path):
     (tmp_path / "my_laws.py").write_text("# another text\n" * 50)
     linecache.checkcache()
     assert faults(mine) == []
-    lanes([assemble(four_bar("C", contact=mine()), 2e-6, duration=1e-3, force_step=True)], "interpreted").advance(1, 1)
+    lanes(
+        [assemble(four_bar("C", contact=mine()), 2e-6, duration=1e-3, force_step=True)], "interpreted"
+    ).advance(1, 1)
 
 
 SCRIPT = """
@@ -143,12 +152,15 @@ def test_a_law_in_a_script(tmp_path):
             "exec(compile(text, '<cell 1>', 'exec'))",
         )
     )
-    done = subprocess.run([sys.executable, "-"], input=f"{cell}\n{COPY}{SCRIPT}", capture_output=True, text=True)  # a shell: neither file nor cell
+    done = subprocess.run(
+        [sys.executable, "-"], input=f"{cell}\n{COPY}{SCRIPT}", capture_output=True, text=True
+    )  # a shell: neither file nor cell
     assert done.stdout.strip() == "2.0", done.stderr
     assert "write the law in a file" in done.stderr
 
 
-# ----------------------------------------------------------------------------------------------- what cannot be used, in words
+# ----------------------------------------------------------------------------------------------- what cannot
+# be used, in words
 
 BODY = "elastic = stiffness * penetration * math.sqrt(penetration)"
 ANSWER = "return elastic, hysteresis(elastic, factor, slowness)"
@@ -163,8 +175,16 @@ REFUSED = {
     "an end": ("SHARE = 0.75", "raise SystemExit", "line 8: SystemExit"),
     "no dataclass": ("@dataclass(frozen=True)\n", "", "no dataclass"),
     "not static": ("    @staticmethod\n", "", "@staticmethod"),
-    "arguments": ("force(penetration, slowness, p)", "force(penetration, p)", "takes 2 arguments .penetration, p.; a contact law takes 3"),
-    "if": (BODY, f"{BODY}\n        if penetration > 1.0:\n            elastic = 0.0", "line 35: an `if` statement"),
+    "arguments": (
+        "force(penetration, slowness, p)",
+        "force(penetration, p)",
+        "takes 2 arguments .penetration, p.; a contact law takes 3",
+    ),
+    "if": (
+        BODY,
+        f"{BODY}\n        if penetration > 1.0:\n            elastic = 0.0",
+        "line 35: an `if` statement",
+    ),
     "exp": (BODY, f"{BODY} * math.exp(penetration)", "math.exp differs between machines.*exp2"),
     "numpy": ("import math", "import math\nimport numpy as np", "numpy.sqrt cannot be compiled"),
     "power": (BODY, "elastic = stiffness * penetration**1.5", r"`\*\*` differs.*power"),
@@ -179,10 +199,18 @@ REFUSED = {
     "no number": ("return self.stiffness, SHARE", "return float('nan'), SHARE", "stiffness = nan"),
     "one answer": (ANSWER, "return elastic", "two numbers, the elastic force"),
     "infinite": (ANSWER, "return elastic, elastic * math.inf", "have to be finite"),
-    "apart": (ANSWER, "return elastic, factor", "damping coefficient is 0.1425 N s/m while the surfaces are apart"),
+    "apart": (
+        ANSWER,
+        "return elastic, factor",
+        "damping coefficient is 0.1425 N s/m while the surfaces are apart",
+    ),
     "division": (ANSWER, "return elastic, elastic / slowness", "divides by zero"),
     "pulls": (BODY, f"{BODY} * (1.0 - penetration * 1e5)", "elastic force is -.* 0 or more"),
-    "gives energy": (ANSWER, "return elastic, -hysteresis(elastic, factor, slowness)", "damping coefficient is -"),
+    "gives energy": (
+        ANSWER,
+        "return elastic, -hysteresis(elastic, factor, slowness)",
+        "damping coefficient is -",
+    ),
     "at nothing": (BODY, f"{BODY} + 2.0", "is 2 N; it has to be 0 where nothing is pressed in"),
 }
 
@@ -200,14 +228,28 @@ def test_what_is_wrong_is_told(tmp_path, case):
     with pytest.raises(LawError, match=r"my_laws\.py.*(?s:.*)" + expected):
         found = [fault for law in loaded(tmp_path, text) for fault in faults(law)]
         raise LawError("\n".join(found))
-    if case not in ("slots", "no number", "one answer", "infinite", "apart", "division", "pulls", "gives energy", "at nothing"):
+    if case not in (
+        "slots",
+        "no number",
+        "one answer",
+        "infinite",
+        "apart",
+        "division",
+        "pulls",
+        "gives energy",
+        "at nothing",
+    ):
         assert ContactLaw.registry == before, "a file that is refused leaves no law"
 
 
 def test_all_faults_at_once_before_a_run(tmp_path):
     """assemble itself looks, so that a law in a script is told as well as one in a file; nothing is compiled."""
     (mine,) = loaded(tmp_path, COPY.replace(ANSWER, "return elastic, -factor"))
-    (rubbing,) = loaded(tmp_path, RUBBING.replace("limit = p[0] * normal_force", "limit = p[0] * (normal_force + 1.0)"), "rubbing.py")
+    (rubbing,) = loaded(
+        tmp_path,
+        RUBBING.replace("limit = p[0] * normal_force", "limit = p[0] * (normal_force + 1.0)"),
+        "rubbing.py",
+    )
     with pytest.raises(LawError) as told:
         assemble(four_bar("BC", contact=mine(), friction=rubbing()))
     assert "damping coefficient" in str(told.value) and "without a normal force" in str(told.value)
@@ -226,11 +268,14 @@ def test_two_files_may_not_share_a_name(tmp_path):
     assert ContactLaw.registry["mine"].__module__ == "own_laws_my_laws"
 
 
-# ------------------------------------------------------------------------------------------------------ what a run file keeps
+# ------------------------------------------------------------------------------------------------------ what
+# a run file keeps
 
 
 def test_a_run_file_opens_without_the_law(tmp_path):
-    """It keeps the text, runs none of it, and gives the same numbers, the energies to the accuracy of a table."""
+    """It keeps the text, runs none of it, and gives the same numbers, the energies to the accuracy of a
+    table.
+    """
     marker = tmp_path / "was run"
     (mine,) = loaded(tmp_path, COPY + f"\nopen({str(marker)!r}, 'a').write('x')\n")
     (rubbing,) = loaded(tmp_path, RUBBING, "rubbing.py")
@@ -252,13 +297,20 @@ def test_a_run_file_opens_without_the_law(tmp_path):
     third = Result.load(tmp_path / "second.sqlite")
     assert (third.ledger.terms["contact"] == table).all()
     with pytest.raises(LawError, match="known from a run file only.*my_laws.py"):
-        simulate(again.record.assembly.mechanism, turns=0.25, reference=False, step=again.record.assembly.choice.step)
+        simulate(
+            again.record.assembly.mechanism,
+            turns=0.25,
+            reference=False,
+            step=again.record.assembly.choice.step,
+        )
 
 
 def test_a_law_that_changed_since_does_not_stand_for_the_recorded_one(tmp_path):
     (mine,) = loaded(tmp_path)
     simulate(four_bar("C", contact=mine()), turns=0.05, reference=False).save(tmp_path / "run.sqlite")
-    assert type(Result.load(tmp_path / "run.sqlite").record.assembly.mechanism.clearances["C"].contact) is mine
+    assert (
+        type(Result.load(tmp_path / "run.sqlite").record.assembly.mechanism.clearances["C"].contact) is mine
+    )
     (other,) = loaded(tmp_path, COPY.replace("0.75", "0.25"))
     law = type(Result.load(tmp_path / "run.sqlite").record.assembly.mechanism.clearances["C"].contact)
     assert law not in (mine, other) and law.name == "mine"
@@ -267,14 +319,25 @@ def test_a_law_that_changed_since_does_not_stand_for_the_recorded_one(tmp_path):
 
 @pytest.mark.system("compiles a film in every loop")
 def test_a_film_of_ones_own_is_tried_out_too(tmp_path):
-    film = "    film: ClassVar[bool] = True\n\n    @staticmethod\n    def film_force(penetration, turning, sense, p):\n        return {answer}\n"
+    film = (
+        "    film: ClassVar[bool] = True\n\n    @staticmethod\n    def film_force(penetration, turning,"
+        " sense, p):\n        return {answer}\n"
+    )
     text = COPY + "\n" + film
     (mine,) = loaded(tmp_path, text.format(answer="0.0, 0.0, 1.0, 1.0, 0.5 * sense"))
     assert faults(mine) == []
     assemble(four_bar("C", contact=mine()), 2e-6, duration=1e-3, force_step=True)
-    for answer, expected in (("0.0, 0.0", "five finite numbers"), ("0.0, 0.0, 1.0, 1.0, 2.0", "gives energy"), ("max(1.0, turning)", "max")):
+    for answer, expected in (
+        ("0.0, 0.0", "five finite numbers"),
+        ("0.0, 0.0, 1.0, 1.0, 2.0", "gives energy"),
+        ("max(1.0, turning)", "max"),
+    ):
         with pytest.raises(LawError, match=expected):
-            raise LawError("\n".join(fault for law in loaded(tmp_path, text.format(answer=answer)) for fault in faults(law)))
+            raise LawError(
+                "\n".join(
+                    fault for law in loaded(tmp_path, text.format(answer=answer)) for fault in faults(law)
+                )
+            )
     with pytest.raises(LawError, match="static function film_force"):
         loaded(tmp_path, COPY + "\n    film: ClassVar[bool] = True\n")
 
@@ -289,7 +352,9 @@ def test_a_film_of_ones_own_is_tried_out_too(tmp_path):
         ("while True:\n    pass\n", "does not end; a file of laws defines them"),
     ],
 )
-def test_what_a_file_does_instead_of_defining_laws_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, said: str) -> None:
+def test_what_a_file_does_instead_of_defining_laws_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, said: str
+) -> None:
     import os
     import signal
 

@@ -1,4 +1,6 @@
-"""Random laws: what the language has is computed in every loop as Python computes it; what it has not is refused in a sentence."""
+"""Random laws: what the language has is computed in every loop as Python computes it; what it has not is
+refused in a sentence.
+"""
 
 import random
 import re
@@ -12,10 +14,10 @@ import pytest
 from choice import default_cases
 from emulated import card
 from laws.random_laws import laws, source
-from vfife.codegen import expressions, javascript, llvm, python
-from vfife.codegen import native as compiling
-from vfife.codegen.lawloops import WIDTHS, Loops, Single, traced
-from vfife.codegen.traceable import Traceable
+from vfife.compiler.backends import expressions, javascript, llvm, python
+from vfife.compiler.runtime import native as compiling
+from vfife.compiler.runtime.lawloops import WIDTHS, Loops, Single, traced
+from vfife.compiler.trace.traceable import Traceable
 from vfife.laws.agreement import STATES, by_python, compared, first_difference, same, states_of
 from vfife.laws.check import faults_of_functions, kind_of
 
@@ -33,7 +35,10 @@ def nothing_kept(monkeypatch):
 def slots_of(singles: list[Single], seed: int) -> list[list[float]]:
     """Parameters of the laws."""
     chance = random.Random(seed)
-    return [[chance.choice((0.0, -0.0, 0.5, 1.0, -1.0, 2.5, 1e5, 1e-7)) for _ in single.law.slots] for single in singles]
+    return [
+        [chance.choice((0.0, -0.0, 0.5, 1.0, -1.0, 2.5, 1e5, 1e-7)) for _ in single.law.slots]
+        for single in singles
+    ]
 
 
 def accepted(seed: int, count: int, foreign: float = 0.0) -> dict[str, list[Single]]:
@@ -41,7 +46,10 @@ def accepted(seed: int, count: int, foreign: float = 0.0) -> dict[str, list[Sing
     found: dict[str, list[Single]] = {"contact": [], "friction": []}
     for law in laws(seed, count, foreign):
         faults = faults_of_functions(law, kind_of(law))
-        assert all(re.match(r"function \w+(, line \d+)?: .{10,}[;.,] ?.{5,}|function \w+ (returns|takes) .*", fault) for fault in faults), faults
+        assert all(
+            re.match(r"function \w+(, line \d+)?: .{10,}[;.,] ?.{5,}|function \w+ (returns|takes) .*", fault)
+            for fault in faults
+        ), faults
         assert foreign or not faults, f"{faults}\n{source(law)}"
         if not faults:
             single = Single(kind_of(law), law)
@@ -53,7 +61,9 @@ def accepted(seed: int, count: int, foreign: float = 0.0) -> dict[str, list[Sing
     return found
 
 
-def differences(seed: int, count: int, foreign: float = 0.0, states: int = 48, widths: tuple[int, ...] = WIDTHS) -> Counter[str]:
+def differences(
+    seed: int, count: int, foreign: float = 0.0, states: int = 48, widths: tuple[int, ...] = WIDTHS
+) -> Counter[str]:
     """Laws of a seed by what is wrong with them; '' for those with which nothing is."""
     found: Counter[str] = Counter()
     for singles in accepted(seed, count, foreign).values():
@@ -98,7 +108,8 @@ def none_differs(seeds: range, foreign: float) -> int:
     ],
 )
 def test_random_laws_are_computed_as_python_computes_them(seeds, foreign, least):
-    """250 laws, 50 of them by default, in every loop, in JavaScript where node is there, and as PTX in an interpreter.
+    """250 laws, 50 of them by default, in every loop, in JavaScript where node is there, and as PTX in an
+    interpreter.
 
     Of the last 50 some have what is not in the language.
     """
@@ -106,7 +117,9 @@ def test_random_laws_are_computed_as_python_computes_them(seeds, foreign, least)
 
 
 def test_what_is_not_in_the_language_is_refused():
-    """60 laws, each with one thing that is not; those few that pass (a part of a tuple that is written out) agree."""
+    """60 laws, each with one thing that is not; those few that pass (a part of a tuple that is written out)
+    agree.
+    """
     found = accepted(30, 60, 1.0)
     assert sum(map(len, found.values())) <= 6
     assert not [fault for singles in found.values() if singles for fault in compared(Loops(singles, (8,)), slots_of(singles, 1), 48, False).faults
@@ -117,7 +130,9 @@ def test_what_is_not_in_the_language_is_refused():
 def test_ten_thousand_random_laws():
     seed = random.SystemRandom().randrange(10**6)
     print(f"seed {seed}")
-    assert none_differs(range(seed, seed + 160), 0.0) + none_differs(range(seed + 160, seed + 240), 0.5) >= 9000
+    assert (
+        none_differs(range(seed, seed + 160), 0.0) + none_differs(range(seed + 160, seed + 240), 0.5) >= 9000
+    )
 
 
 def fused(monkeypatch):
@@ -133,7 +148,9 @@ def fused(monkeypatch):
 
 def whole_turned(monkeypatch):
     """Whole numbers compare the other way."""
-    monkeypatch.setattr(expressions, "WHOLE", {"<": "sge", ">": "sle", "<=": "sgt", ">=": "slt", "==": "ne", "!=": "eq"})
+    monkeypatch.setattr(
+        expressions, "WHOLE", {"<": "sge", ">": "sle", "<=": "sgt", ">=": "slt", "==": "ne", "!=": "eq"}
+    )
 
 
 def folded(monkeypatch):
@@ -141,7 +158,9 @@ def folded(monkeypatch):
 
 
 def without_sign(module):
-    return lambda monkeypatch: monkeypatch.setattr(module, "literal", lambda x, real=module.literal: real(abs(x) if x == 0.0 else x))
+    return lambda monkeypatch: monkeypatch.setattr(
+        module, "literal", lambda x, real=module.literal: real(abs(x) if x == 0.0 else x)
+    )
 
 
 def entry(name, key, value):
@@ -153,8 +172,14 @@ PLANTED = {
     "a product with zero is left out": (folded, "Python computes"),
     "-0.0 becomes 0.0 in LLVM's text": (without_sign(llvm), "generated"),
     "-0.0 becomes 0.0 in the data-driven loop": (without_sign(expressions), "data-driven"),
-    "branches of the straight line are swapped": (entry(python.PATTERNS, "select", "{2} if {0} else {1}"), "straight line as Python"),
-    "branches of JavaScript are swapped": (entry(javascript.PATTERNS, "select", "{0} ? {2} : {1}"), "JavaScript"),
+    "branches of the straight line are swapped": (
+        entry(python.PATTERNS, "select", "{2} if {0} else {1}"),
+        "straight line as Python",
+    ),
+    "branches of JavaScript are swapped": (
+        entry(javascript.PATTERNS, "select", "{0} ? {2} : {1}"),
+        "JavaScript",
+    ),
     "a value at which a comparison turns": (entry(llvm.ORDER, ">=", "ogt"), "generated"),
     "the same in the data-driven loop": (entry(expressions.ORDER, "<", "ole"), "data-driven"),
     "a comparison that NaN passes": (entry(llvm.ORDER, "!=", "one"), "generated"),
@@ -162,11 +187,16 @@ PLANTED = {
     "a difference of whole numbers": (entry(expressions.INTEGER, "-", "add nsw"), "data-driven"),
     "and for or": (entry(llvm.BINARY, "or", "and"), "generated"),
     "a product that is fused": (fused, "PTX"),
-    "a root in single precision": (entry(javascript.PATTERNS, "sqrt", "Math.fround(Math.sqrt({}))"), "JavaScript"),
+    "a root in single precision": (
+        entry(javascript.PATTERNS, "sqrt", "Math.fround(Math.sqrt({}))"),
+        "JavaScript",
+    ),
 }
 
 
-@pytest.mark.parametrize("fault", default_cases(PLANTED, lambda fault: fault == "and for or", "compiles thirty laws in every loop"))
+@pytest.mark.parametrize(
+    "fault", default_cases(PLANTED, lambda fault: fault == "and for or", "compiles thirty laws in every loop")
+)
 def test_a_planted_fault_is_found(monkeypatch, fault):
     """By 30 laws."""
     plant, loop = PLANTED[fault]
@@ -194,5 +224,10 @@ def test_states_are_not_beside_the_point():
 
 
 def test_bits_are_compared():
-    assert same(np.array([0.0, -0.0, 1.0, np.nan]), np.array([0.0, 0.0, 1.0 + 2**-52, -np.nan])).tolist() == [True, False, False, True]
+    assert same(np.array([0.0, -0.0, 1.0, np.nan]), np.array([0.0, 0.0, 1.0 + 2**-52, -np.nan])).tolist() == [
+        True,
+        False,
+        False,
+        True,
+    ]
     assert sys.float_info.mant_dig == 53

@@ -1,4 +1,6 @@
-"""Where laws leave the range of their source, what they say there, surfaces they are not for, and words they do not know."""
+"""Where laws leave the range of their source, what they say there, surfaces they are not for, and words they
+do not know.
+"""
 
 import math
 
@@ -6,10 +8,22 @@ import pytest
 
 from support import CONTACT_LAWS, contact_law, four_bar, go, journal_in_bearing
 from vfife.assembly.assemble import assemble
-from vfife.laws import Flores, Frictionless, Goldsmith, Hertz, Johnson, LankaraniNikravesh, LeeWang, Liu, Material, Pair, Pereira
+from vfife.laws import (
+    Flores,
+    Frictionless,
+    Goldsmith,
+    Hertz,
+    Johnson,
+    LankaraniNikravesh,
+    LeeWang,
+    Liu,
+    Material,
+    Pair,
+    Pereira,
+)
 from vfife.laws.contact.damping import DAMPING, delivered
 from vfife.model.surfaces import remarks
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 PAIR = Pair(0.01, 5e-4, 0.02, effective_mass=1.0)
 OUTSIDE = Pair(0.03, 0.0, 0.02, opposite_radius=0.01, effective_mass=1.0)
@@ -27,7 +41,9 @@ def test_a_pair_inside_outside_and_on_a_plane():
 def test_hertz_outside():
     """K = 4/[3 (s_i + s_j)] sqrt(R_i R_j/(R_i + R_j)); a sphere on a plane: 4/3 E* sqrt(R)."""
     sigma = 2 * (1 - 0.3**2) / 207e9
-    assert Hertz().parameters(OUTSIDE)[0] == pytest.approx(4 / (3 * sigma) * math.sqrt(0.03 * 0.01 / 0.04), rel=1e-12)
+    assert Hertz().parameters(OUTSIDE)[0] == pytest.approx(
+        4 / (3 * sigma) * math.sqrt(0.03 * 0.01 / 0.04), rel=1e-12
+    )
     assert Hertz().parameters(PLANE)[0] == pytest.approx(4 / (3 * sigma) * math.sqrt(0.01), rel=1e-12)
 
 
@@ -73,7 +89,9 @@ def test_an_unknown_damping_factor_is_told():
 def test_gonthiers_relation_solved_delivers_what_it_is_given(restitution):
     """Here by the closed form; test_contact_laws integrates it for each law."""
     chi = DAMPING["gonthier-exact"](restitution)
-    assert chi * (1 + restitution) == pytest.approx(math.log((1 + chi) / (1 - chi * restitution)) if chi else 0.0, rel=1e-9)
+    assert chi * (1 + restitution) == pytest.approx(
+        math.log((1 + chi) / (1 - chi * restitution)) if chi else 0.0, rel=1e-9
+    )
     assert delivered(chi) == pytest.approx(restitution, abs=1e-9)
 
 
@@ -98,7 +116,11 @@ def test_hertz_has_a_range_where_a_line_will_do_and_warns_beyond():
     """1e-5 sqrt(E/rho) and 1e-3 sqrt(E/rho), of the slower material: steel 0.0515 and 5.15 m/s."""
     law = LankaraniNikravesh()
     assert law.usual(PAIR) == (pytest.approx(0.05151, rel=1e-3), pytest.approx(5.151, rel=1e-3))
-    assert law.cautions(PAIR, 1e-5, 5.1) == () and Flores().usual(PAIR) == law.usual(PAIR) and Johnson().usual(PAIR) is None
+    assert (
+        law.cautions(PAIR, 1e-5, 5.1) == ()
+        and Flores().usual(PAIR) == law.usual(PAIR)
+        and Johnson().usual(PAIR) is None
+    )
     (said,) = law.cautions(PAIR, 1e-5, 5.2)
     assert "5.2 m/s" in said and "5.15 m/s" in said
     lead = Material("lead", 16e9, 0.44, 11340.0)
@@ -116,7 +138,11 @@ def test_a_damping_factor_says_what_it_delivers():
     (said,) = LeeWang(restitution=0.5).cautions(PAIR)
     e = delivered(0.375)
     assert 0.375 * (1 + e) == pytest.approx(math.log(1.375 / (1 - 0.375 * e)), rel=1e-12)
-    assert '"lee-wang"' in said and f"0.5 and delivers {e:.4g}" in said and 'the law "hertz" with damping = "gonthier-exact"' in said
+    assert (
+        '"lee-wang"' in said
+        and f"0.5 and delivers {e:.4g}" in said
+        and 'the law "hertz" with damping = "gonthier-exact"' in said
+    )
     assert "hertz" not in Liu(restitution=0.5, damping="lee-wang").cautions(PAIR)[0]
     assert DAMPING["gonthier-exact"](1e-3) <= 1000.0 and delivered(1000.0) <= 1e-3
     assert Flores(restitution=0.9).cautions(PAIR) == () and Hertz().cautions(PAIR) == ()
@@ -130,15 +156,27 @@ def test_assembly_and_result_say_it_once_for_joints_that_are_alike():
 
 
 def test_a_run_tells_its_fastest_impact():
-    record = go(journal_in_bearing(0.7, friction=Frictionless(), contact=LankaraniNikravesh(restitution=0.8)), 1e-6, duration=4e-3, outputs=10)
+    record = go(
+        journal_in_bearing(0.7, friction=Frictionless(), contact=LankaraniNikravesh(restitution=0.8)),
+        1e-6,
+        duration=4e-3,
+        outputs=10,
+    )
     assert record.block("contact_fastest")[-1] == pytest.approx(0.7, rel=1e-6)
     assert record.block("contact_onsets")[-1] > 1
     told = Result(record).summary
-    assert [one for one in told["remarks"] if one.startswith("J: impacts of up to 0.7 m/s")] and not told["warnings"]
+    assert [one for one in told["remarks"] if one.startswith("J: impacts of up to 0.7 m/s")] and not told[
+        "warnings"
+    ]
 
 
 def test_a_slow_run_is_silent():
-    record = go(journal_in_bearing(0.04, friction=Frictionless(), contact=LankaraniNikravesh(restitution=0.8)), 1e-6, duration=3e-2, outputs=10)
+    record = go(
+        journal_in_bearing(0.04, friction=Frictionless(), contact=LankaraniNikravesh(restitution=0.8)),
+        1e-6,
+        duration=3e-2,
+        outputs=10,
+    )
     assert record.block("contact_onsets")[-1] >= 1
     told = Result(record).summary
     assert not told["remarks"] and not [one for one in told["warnings"] if "lankarani" in one]

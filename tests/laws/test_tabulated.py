@@ -1,4 +1,6 @@
-"""A law that is a table: what an impact loses is the area between its branches, and nothing of it gives energy."""
+"""A law that is a table: what an impact loses is the area between its branches, and nothing of it gives
+energy.
+"""
 
 import dataclasses
 import math
@@ -25,7 +27,9 @@ LOADING = tuple((d, STIFFNESS * d * (1.0 + 1e4 * d)) for d in np.linspace(0.0, 1
 UNLOADING = tuple((d, force * (0.5 + 0.5 * (1e4 * d) ** 2)) for d, force in LOADING)
 
 
-def parted(law: vfife.ContactLaw, speed: float = 1.0, step: float = 2e-7, duration: float | None = None) -> tuple[float, float]:
+def parted(
+    law: vfife.ContactLaw, speed: float = 1.0, step: float = 2e-7, duration: float | None = None
+) -> tuple[float, float]:
     """Speed of parting and deepest penetration (m) of a free impact of 1 kg."""
     duration = 2e-4 / speed + 4e-4 if duration is None else duration
     m = journal_in_bearing(speed, clearance=2e-4, contact=law, friction=Frictionless())
@@ -45,16 +49,22 @@ def test_a_straight_line_is_the_linear_law_to_the_bit(loop):
 
 @pytest.mark.parametrize("speed", [0.3, 0.9])
 def test_two_lines_give_the_root_of_their_slopes_at_any_speed(speed):
-    """Loading k d, unloading r k d: the area below one over that below the other is r, so the restitution is its root; closed form."""
+    """Loading k d, unloading r k d: the area below one over that below the other is r, so the restitution is
+    its root; closed form.
+    """
     law = Tabulated(loading=LINE, unloading=((0.0, 0.0), (1e-4, 0.6e4)), transition=0.01)
     there, deepest = parted(law, speed)
     assert there / speed == pytest.approx(math.sqrt(0.6), rel=1e-4)
-    assert deepest == pytest.approx(speed * math.sqrt(1.0 / STIFFNESS), rel=1e-3), "m v^2 = k d^2 on the way in"
+    assert deepest == pytest.approx(speed * math.sqrt(1.0 / STIFFNESS), rel=1e-3), (
+        "m v^2 = k d^2 on the way in"
+    )
 
 
 @pytest.mark.parametrize("share", [0.4, 0.8])
 def test_an_impact_loses_the_area_between_the_branches_wherever_it_turns(share):
-    """Areas of the points' own cubics, by scipy; the transition costs some of its square, and the error of a step goes with its square."""
+    """Areas of the points' own cubics, by scipy; the transition costs some of its square, and the error of a
+    step goes with its square.
+    """
     up, down = (PchipInterpolator(*np.transpose(points)) for points in (LOADING, UNLOADING))
     deep = share * 1e-4
     speed = math.sqrt(2.0 * up.integrate(0.0, deep))
@@ -69,7 +79,7 @@ def test_an_impact_loses_the_area_between_the_branches_wherever_it_turns(share):
 
 
 def test_a_free_impact_by_itself_says_the_same():
-    from vfife.analysis.impact import free_impact
+    from vfife.measures.impact import free_impact
 
     law = Tabulated(loading=LINE, unloading=((0.0, 0.0), (1e-4, 0.25e4)), transition=0.01)
     assert free_impact(law, PAIR, 2.0, 0.5).restitution == pytest.approx(0.5, rel=1e-4)
@@ -85,9 +95,11 @@ def test_without_unloading_nothing_is_lost():
 def test_no_table_gives_energy(shares, seed):
     """Whatever is measured, what is used of it has a damping coefficient that is not negative, or is refused.
 
-    A piece between coefficients h and H >= 0 leaves neither in exact numbers. Rounding takes away at most 150 EPS max(h, H) where both are
+    A piece between coefficients h and H >= 0 leaves neither in exact numbers. Rounding takes away at most 150
+    EPS max(h, H) where both are
     on it: with D = |H - h|, slopes of Fritsch and Carlson are at most 3 D, so the terms of the cubic are at most h, 3 D, 12 D and 8 D; each of
-    the upper two coefficients comes from six operations on 8 D to 12 D (36 EPS D + 24 EPS D), and Horner's seven take 3.5 EPS (h + 23 D).
+    the upper two coefficients comes from six operations on 8 D to 12 D (36 EPS D + 24 EPS D), and Horner's
+    seven take 3.5 EPS (h + 23 D).
     """
     places = np.cumsum(np.random.default_rng(seed).uniform(1e-7, 1e-5, len(shares)))
     force = 1e8 * places
@@ -103,7 +115,10 @@ def test_no_table_gives_energy(shares, seed):
     assert len(law.knots()) <= MOST_PIECES + 1
     begins, ends = law.pieces, [*(piece[0] for piece in law.pieces[1:]), 1.5 * law.end]
     for piece, end in zip(begins, ends, strict=True):
-        coefficients = [law.force(d, 1.0, p)[1] for d in (*np.linspace(piece[0], end, 16).tolist()[:-1], np.nextafter(end, 0.0))]
+        coefficients = [
+            law.force(d, 1.0, p)[1]
+            for d in (*np.linspace(piece[0], end, 16).tolist()[:-1], np.nextafter(end, 0.0))
+        ]
         largest = max(coefficients[0], coefficients[-1])
         assert largest >= 0.0 and min(coefficients) >= -150.0 * EPS * largest
 
@@ -131,7 +146,9 @@ def test_beyond_its_end_it_goes_on_straight_and_a_run_says_so():
     p = law.parameters(PAIR)
     end, slope = LOADING[-1][1], PchipInterpolator(*np.transpose(LOADING)).derivative()(1e-4)
     assert law.force(1.5e-4, 0.0, p)[0] == pytest.approx(end + 0.5e-4 * slope, rel=1e-7)
-    assert "beyond the table" in " ".join(law.cautions(PAIR, 1.2e-4, 1.0)) and not law.cautions(PAIR, 0.9e-4, 1.0)
+    assert "beyond the table" in " ".join(law.cautions(PAIR, 1.2e-4, 1.0)) and not law.cautions(
+        PAIR, 0.9e-4, 1.0
+    )
     energy = law.elastic_energy(np.array([0.0, 1e-4, 1.5e-4]), p)
     mean = [0.5 * (law.force(x, 0.0, p)[0] + law.force(x, 0.0, p)[0]) for x in np.linspace(0.0, 1e-4, 20001)]
     assert energy[0] == 0.0 and energy[1] == pytest.approx(np.trapezoid(mean, dx=5e-9), rel=1e-7)
@@ -142,14 +159,26 @@ def test_factors_stretch_it():
     law = Tabulated(loading=LOADING, unloading=UNLOADING)
     wide = dataclasses.replace(law, force_factor=3.0, penetration_factor=2.0)
     for depth in (1e-6, 4.4e-5, 1e-4, 2e-4):
-        one, other = law.force(depth, 2.0, law.parameters(PAIR)), wide.force(2.0 * depth, 2.0, wide.parameters(PAIR))
+        one, other = (
+            law.force(depth, 2.0, law.parameters(PAIR)),
+            wide.force(2.0 * depth, 2.0, wide.parameters(PAIR)),
+        )
         assert other == pytest.approx([3.0 * value for value in one], rel=1e-12)
 
 
 def test_derivatives_are_carried_through_it():
-    """F = v sqrt(k m), d = v sqrt(m/k): half a per cent of force a per cent of stiffness, and half of one less of penetration."""
+    """F = v sqrt(k m), d = v sqrt(m/k): half a per cent of force a per cent of stiffness, and half of one
+    less of penetration.
+    """
     m = journal_in_bearing(1.0, clearance=2e-4, contact=Tabulated(loading=LINE), friction=Frictionless())
-    found = vfife.sensitivity(m, ["J.force.max", "J.penetration.max"], ["joint.J.contact.*_factor"], duration=5e-4, step=1e-6, companions=0)
+    found = vfife.sensitivity(
+        m,
+        ["J.force.max", "J.penetration.max"],
+        ["joint.J.contact.*_factor"],
+        duration=5e-4,
+        step=1e-6,
+        companions=0,
+    )
     for path, force, depth in (("force", 0.5, -0.5), ("penetration", -0.5, 0.5)):
         where = f"joint.J.contact.{path}_factor"
         assert found.elasticity("J.force.max", where) == pytest.approx(force, abs=2e-3)
@@ -189,7 +218,11 @@ def model(folder: Path, loading: str = '"out.csv"', curve: str = CURVE, back: st
 def test_curves_stand_in_files_or_in_the_model(tmp_path):
     m = load(model(tmp_path))
     law = m.joints["J"].contact
-    assert law.loading == ((0.0, 0.0), (5e-5, 4e3), (1e-4, 1e4)) and law.unloading == ((0.0, 0.0), (5e-5, 2e3), (1e-4, 1e4))
+    assert law.loading == ((0.0, 0.0), (5e-5, 4e3), (1e-4, 1e4)) and law.unloading == (
+        (0.0, 0.0),
+        (5e-5, 2e3),
+        (1e-4, 1e4),
+    )
     assert load(model(tmp_path, '[["0 um", 0], ["50 um", "4 kN"], ["0.1 mm", 1e4]]')) == m
     (tmp_path / "out.csv").unlink()
     assert loads(dump(m)) == m, "what is written holds the points, and needs no file"

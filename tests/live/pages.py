@@ -8,8 +8,8 @@ import subprocess
 import numpy as np
 import pytest
 
-from vfife.live.page import BROWSER, written
-from vfife.live.patches import patched
+from vfife.live.page.page import BROWSER, written
+from vfife.live.page.patches import patched
 
 needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="needs node, which runs JavaScript")
 
@@ -32,7 +32,9 @@ def bits_of(text: str, width: int) -> np.ndarray:
 
 
 def run_by_node(page: str, body: str, tmp_path, worker=lambda text: text):
-    """What ``body`` returns where the page's numbers are at hand: ``step(setting, outputs)`` gives the rows of both simulations."""
+    """What ``body`` returns where the page's numbers are at hand: ``step(setting, outputs)`` gives the rows
+    of both simulations.
+    """
     given = scripts_of(page)
     parts = [
         f"const document = {{ getElementById: () => ({{ textContent: {json.dumps(json.dumps(given))} }}) }};",
@@ -63,6 +65,8 @@ const bits = (values) => Buffer.from(Float64Array.from(values).buffer).toString(
     ]
     path = tmp_path / "page.js"
     path.write_text("\n".join(parts), "utf-8")
-    found = subprocess.run(["node", "--max-old-space-size=2000", str(path)], capture_output=True, text=True, check=False)
+    found = subprocess.run(
+        ["node", "--max-old-space-size=2000", str(path)], capture_output=True, text=True, check=False
+    )
     assert found.returncode == 0, found.stderr[-3000:]
     return json.loads(found.stdout)

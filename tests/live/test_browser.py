@@ -1,4 +1,5 @@
-"""The page in a browser: opened from disk with no way to the network, run, moved, read, taken away; by keys alone, and on a phone.
+"""The page in a browser: opened from disk with no way to the network, run, moved, read, taken away; by keys
+alone, and on a phone.
 
 Where there is no Chromium, or no Playwright to drive it, these tests are skipped and the rest runs.
 """
@@ -13,10 +14,10 @@ import pytest
 from live.browsers import needs_browser
 from live.pages import page_of
 from vfife import gallery
-from vfife.codegen.runner import Runner
-from vfife.live.page import written
-from vfife.live.patches import patched
-from vfife.live.sliders import asked_slides
+from vfife.compiler.runtime.runner import Runner
+from vfife.live.page.page import written
+from vfife.live.page.patches import patched
+from vfife.live.page.sliders import asked_slides
 from vfife.modelfile import loads
 from vfife.solvers.record import recorded_rows
 
@@ -59,7 +60,10 @@ def opened(browser, tmp_path):
 
 def with_ends(slides):
     """Sliders with three positions: the ends and the model's own."""
-    return [dataclasses.replace(one, values=(one.values[0], one.values[one.here], one.values[-1]), here=1) for one in slides]
+    return [
+        dataclasses.replace(one, values=(one.values[0], one.values[one.here], one.values[-1]), here=1)
+        for one in slides
+    ]
 
 
 def outputs_of(page, until: int) -> np.ndarray:
@@ -81,7 +85,14 @@ def outputs_of(page, until: int) -> np.ndarray:
 def bits_of(both, until: int) -> np.ndarray:
     """What Python makes of the same outputs."""
     own = both.own
-    runner = Runner(own.topology, own.state[:, None], own.tables, "data-driven", recorded_rows(own), parts=own.mechanism.settings.parts)
+    runner = Runner(
+        own.topology,
+        own.state[:, None],
+        own.tables,
+        "data-driven",
+        recorded_rows(own),
+        parts=own.mechanism.settings.parts,
+    )
     rows = np.concatenate([runner.advance(1, 1), runner.advance(own.choice.outputs_every, until)])[:, :, 0]
     return np.ascontiguousarray(rows).view(np.uint64)  # the page keeps more behind these
 
@@ -147,12 +158,25 @@ def test_everything_goes_by_keys(opened):
     for _ in range(40):
         page.keyboard.press("Tab")
         reached.add(page.evaluate("() => document.activeElement.id"))
-    assert {"play", "back", "forth", "scrub", "speed", "magnify", "slide-0", "keep", "theme", "help"} <= reached
+    assert {
+        "play",
+        "back",
+        "forth",
+        "scrub",
+        "speed",
+        "magnify",
+        "slide-0",
+        "keep",
+        "theme",
+        "help",
+    } <= reached
 
 
 @pytest.mark.system("a browser")
 def test_what_is_taken_away(opened):
-    """Model, numbers and pictures: the numbers are those of the outputs, in as many lines; pictures are well-formed."""
+    """Model, numbers and pictures: the numbers are those of the outputs, in as many lines; pictures are
+    well-formed.
+    """
     from xml.etree import ElementTree
 
     mechanism = gallery.slider_crank_loose_guide()
@@ -172,14 +196,24 @@ def test_what_is_taken_away(opened):
     head, first = lines[0].split(","), lines[1].split(",")
     assert len(head) == len(first) and head[0] == "time (s)" and float(first[0]) == 0.0
     assert taken("#get-png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-    for selector, opener in (("#get-svg", True), ("#forces button:has-text('SVG')", False), ("#orbits button:has-text('SVG')", False)):
+    for selector, opener in (
+        ("#get-svg", True),
+        ("#forces button:has-text('SVG')", False),
+        ("#orbits button:has-text('SVG')", False),
+    ):
         text = taken(selector, opener).read_text("utf-8")
         assert ElementTree.fromstring(text).tag.endswith("svg") and "NaN" not in text
 
 
 @pytest.mark.system("a browser")
 def test_it_fits_a_phone_in_light_and_dark_and_drawing_does_not_wait_for_steps(opened):
-    page = opened(page_of(gallery.quick_return()), viewport={"width": 360, "height": 740}, color_scheme="light", has_touch=True, is_mobile=True)
+    page = opened(
+        page_of(gallery.quick_return()),
+        viewport={"width": 360, "height": 740},
+        color_scheme="light",
+        has_touch=True,
+        is_mobile=True,
+    )
     drawn = page.evaluate("() => live.frames.count")
     page.wait_for_function(f"() => live.frames.count > {drawn} + 20 && live.running.store.end > 800")
     assert page.evaluate("() => document.documentElement.scrollWidth <= window.innerWidth")

@@ -1,4 +1,6 @@
-"""A mechanism in the cell of a notebook: the page in a frame without access, also where the notebook is exported to."""
+"""A mechanism in the cell of a notebook: the page in a frame without access, also where the notebook is
+exported to.
+"""
 
 import re
 from html import unescape
@@ -37,7 +39,9 @@ def test_a_cell_shows_the_page_and_keeps_it_apart(tmp_path):
 
 
 def test_a_result_runs_with_its_step():
-    result = vfife.simulate(gallery.four_bar_case_b(), turns=0.02, step=2e-6, companions=0, reference=False, loop="data-driven")
+    result = vfife.simulate(
+        gallery.four_bar_case_b(), turns=0.02, step=2e-6, companions=0, reference=False, loop="data-driven"
+    )
     given = scripts_of(result.live().page)
     assert given["step"] == result.record.assembly.choice.step and given["slides"] == []
 
@@ -49,8 +53,15 @@ def test_cells_run_on_a_page_that_is_opened_from_disk(browser, tmp_path: Path):
     path = tmp_path / "notebook.html"
     path.write_text("<!doctype html>" + "".join(cell._repr_html_() for cell in cells), "utf-8")
     faults: list[str] = []
-    context = browser.new_context(viewport={"width": 900, "height": 1600})  # frames out of sight are not drawn
-    context.route("**/*", lambda route: route.continue_() if route.request.url.startswith(("file:", "blob:", "about:")) else route.abort())
+    context = browser.new_context(
+        viewport={"width": 900, "height": 1600}
+    )  # frames out of sight are not drawn
+    context.route(
+        "**/*",
+        lambda route: (
+            route.continue_() if route.request.url.startswith(("file:", "blob:", "about:")) else route.abort()
+        ),
+    )
     page = context.new_page()
     page.on("pageerror", lambda error: faults.append(str(error)))
     page.on("console", lambda told: faults.append(told.text) if told.type == "error" else None)

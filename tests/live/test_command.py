@@ -15,7 +15,9 @@ def told(*arguments: str):
 def test_a_model_becomes_a_page(tmp_path):
     model, page = tmp_path / "crank.toml", tmp_path / "page.html"
     model.write_text(dump(gallery.four_bar_case_b()), "utf-8")
-    done = told(model, "-o", page, "--slide", "joint.C.clearance=0.15..0.25mm", "--set", "joint.C.clearance=0.2 mm")
+    done = told(
+        model, "-o", page, "--slide", "joint.C.clearance=0.15..0.25mm", "--set", "joint.C.clearance=0.2 mm"
+    )
     assert done.exit_code == 0, done.output
     assert "joint.C.clearance" in done.output
     given = scripts_of(page.read_text("utf-8"))
@@ -23,7 +25,9 @@ def test_a_model_becomes_a_page(tmp_path):
 
 
 def test_a_run_becomes_a_page_with_its_step(tmp_path):
-    result = simulate(gallery.four_bar_case_b(), turns=0.05, step=2e-6, companions=0, reference=False, loop="data-driven")
+    result = simulate(
+        gallery.four_bar_case_b(), turns=0.05, step=2e-6, companions=0, reference=False, loop="data-driven"
+    )
     result.save(tmp_path / "run.sqlite")
     done = told(tmp_path / "run.sqlite", "-o", tmp_path / "page.html", "--no-sliders")
     assert done.exit_code == 0, done.output
@@ -51,4 +55,7 @@ def test_what_cannot_be_a_page_is_told_in_a_sentence(tmp_path):
 
 def test_a_folder_that_is_not_there_is_told_before_the_work(tmp_path):
     done = told(tmp_path / "no.toml", "-o", tmp_path / "away" / "page.html")
-    assert done.exit_code == 2 and f"there is no folder {tmp_path / 'away'}; make it first" in done.output.replace("\n", "")
+    assert (
+        done.exit_code == 2
+        and f"there is no folder {tmp_path / 'away'}; make it first" in done.output.replace("\n", "")
+    )

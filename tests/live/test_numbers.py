@@ -1,4 +1,6 @@
-"""What a page computes is what Python computes: rows to the bit, measures to the bit, forces and energies to round-off."""
+"""What a page computes is what Python computes: rows to the bit, measures to the bit, forces and energies to
+round-off.
+"""
 
 import dataclasses
 
@@ -9,13 +11,13 @@ import mechanisms
 from live.pages import bits_of, needs_node, page_of, run_by_node
 from support import with_settings
 from vfife import gallery, simulate
-from vfife.analysis.forces import joint_force, joint_rows
-from vfife.codegen.runner import Runner
-from vfife.live.page import written
-from vfife.live.page_model import page_model
-from vfife.live.patches import patched
-from vfife.live.payload import left
-from vfife.live.sliders import asked_slides, default_slides
+from vfife.compiler.runtime.runner import Runner
+from vfife.live.page.page import written
+from vfife.live.page.page_model import page_model
+from vfife.live.page.patches import patched
+from vfife.live.page.payload import left
+from vfife.live.page.sliders import asked_slides, default_slides
+from vfife.measures.forces import joint_force, joint_rows
 from vfife.model.functions import turn_of
 from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump, loads
@@ -27,12 +29,28 @@ pytestmark = needs_node
 def steps_of(assembly, outputs: int) -> np.ndarray:
     """Rows that Python keeps, shape (outputs, rows)."""
     kept = recorded_rows(assembly)
-    runner = Runner(assembly.topology, assembly.state[:, None], assembly.tables, "data-driven", kept, parts=assembly.mechanism.settings.parts)
-    return np.concatenate([runner.advance(1, 1), runner.advance(assembly.choice.outputs_every, outputs - 1)])[:, :, 0]
+    runner = Runner(
+        assembly.topology,
+        assembly.state[:, None],
+        assembly.tables,
+        "data-driven",
+        kept,
+        parts=assembly.mechanism.settings.parts,
+    )
+    return np.concatenate([runner.advance(1, 1), runner.advance(assembly.choice.outputs_every, outputs - 1)])[
+        :, :, 0
+    ]
 
 
-# A turn each: three loose joints with friction, a block with play, springs or gears with tables, an elastic link.
-RUNS = {"four_bar_case_c": 721, "slider_crank_loose_guide": 61, "gear_train": 60, "elastic_pendulum": 30, "quick_return": 721}
+# A turn each: three loose joints with friction, a block with play, springs or gears with tables, an elastic
+# link.
+RUNS = {
+    "four_bar_case_c": 721,
+    "slider_crank_loose_guide": 61,
+    "gear_train": 60,
+    "elastic_pendulum": 30,
+    "quick_return": 721,
+}
 
 
 @pytest.mark.system("runs the page's text beside Python's")
@@ -41,7 +59,9 @@ def test_the_page_steps_with_the_bits_of_python(name, tmp_path):
     mechanism = getattr(gallery, name)()
     page = page_of(mechanism)
     both = patched(mechanism, []).base
-    there = run_by_node(page, f"const [a, b] = step(new Setting(), {RUNS[name]}); return [bits(a), bits(b)];", tmp_path)
+    there = run_by_node(
+        page, f"const [a, b] = step(new Setting(), {RUNS[name]}); return [bits(a), bits(b)];", tmp_path
+    )
     for texts, assembly, outputs in zip(there, (both.own, both.ideal), (RUNS[name], 721), strict=True):
         if assembly is None:
             assert not texts
@@ -54,11 +74,16 @@ def test_the_page_steps_with_the_bits_of_python(name, tmp_path):
 
 
 def test_another_step_is_seen(tmp_path):
-    """The comparison is of what the page holds: one number of its step changed by a part in 10^15 is another run."""
+    """The comparison is of what the page holds: one number of its step changed by a part in 10^15 is another
+    run.
+    """
     mechanism = gallery.quick_return()
     same = run_by_node(page_of(mechanism), "return bits(step(new Setting(), 40)[0]);", tmp_path)
     other = run_by_node(
-        page_of(mechanism), "return bits(step(new Setting(), 40)[0]);", tmp_path, lambda text: text.replace("(0.5)", "(0.50000000000000011)")
+        page_of(mechanism),
+        "return bits(step(new Setting(), 40)[0]);",
+        tmp_path,
+        lambda text: text.replace("(0.5)", "(0.50000000000000011)"),
     )
     assert same != other
 
@@ -84,14 +109,25 @@ return { turns: turns.shown, start, end, forces, turned, ideally };
 """
 
 
-COMPARED = [("four_bar_case_c", 1.0), ("slider_crank_loose_guide", 0.5), ("elastic_pendulum", None), ("beads", None)]
+COMPARED = [
+    ("four_bar_case_c", 1.0),
+    ("slider_crank_loose_guide", 0.5),
+    ("elastic_pendulum", None),
+    ("beads", None),
+]
 
 
 @pytest.mark.system("runs the page's numbers beside Python's")
 @pytest.mark.parametrize(("name", "turns"), COMPARED)
 def test_peaks_and_energies_are_those_of_a_run(name, turns, tmp_path):
-    """Peaks from the extremes of every step: the same numbers; the ledger and forces at the end of the run to round-off."""
-    mechanism = with_settings(mechanisms.beads(), duration=0.004, outputs=80) if name == "beads" else getattr(gallery, name)()
+    """Peaks from the extremes of every step: the same numbers; the ledger and forces at the end of the run to
+    round-off.
+    """
+    mechanism = (
+        with_settings(mechanisms.beads(), duration=0.004, outputs=80)
+        if name == "beads"
+        else getattr(gallery, name)()
+    )
     result = simulate(mechanism, turns=turns, companions=0, loop="data-driven")
     record, measures = result.record, result.measures
     found = run_by_node(page_of(mechanism), TURNS % len(record.steps), tmp_path)
@@ -113,24 +149,43 @@ def test_peaks_and_energies_are_those_of_a_run(name, turns, tmp_path):
     names = {"kinetic": "kinetic", "strain": "strain", "contact": "contact", "spring": "spring", "lost in contacts": "contact_loss",
              "lost in friction": "friction_loss", "lost in damping": "damping_loss", "loads": "external", "drivers": "driver"}  # fmt: skip
     for here, there in names.items():
-        assert found["end"][here] == pytest.approx(terms[there][-1], rel=2e-3 if here == "contact" else 1e-9, abs=1e-9 * result.ledger.largest)
-        assert found["start"][here] == pytest.approx(terms[there][0], rel=1e-9, abs=1e-9 * result.ledger.largest)
+        assert found["end"][here] == pytest.approx(
+            terms[there][-1], rel=2e-3 if here == "contact" else 1e-9, abs=1e-9 * result.ledger.largest
+        )
+        assert found["start"][here] == pytest.approx(
+            terms[there][0], rel=1e-9, abs=1e-9 * result.ledger.largest
+        )
     for k, body in enumerate(record.assembly.bodies):
         x, y, _, _, angle, rate = found["turned"][body]
         if not record.assembly.bodies[body].elements:
-            assert (x, y) == pytest.approx([result.channels[f"body_{axis}"].values[-1, k] for axis in "xy"], rel=1e-12, abs=1e-15)
+            assert (x, y) == pytest.approx(
+                [result.channels[f"body_{axis}"].values[-1, k] for axis in "xy"], rel=1e-12, abs=1e-15
+            )
         assert np.cos(angle) == pytest.approx(np.cos(result.channels["body_angle"].values[-1, k]), abs=1e-12)
-        assert rate == pytest.approx(result.channels["body_angular_velocity"].values[-1, k], rel=1e-10, abs=1e-10)
+        assert rate == pytest.approx(
+            result.channels["body_angular_velocity"].values[-1, k], rel=1e-10, abs=1e-10
+        )
 
 
 def test_a_setting_of_the_page_is_the_model_with_these_values(tmp_path):
-    """Sliders moved in the page: the numbers that it begins with, and the model that it hands out, are what Python makes of them."""
+    """Sliders moved in the page: the numbers that it begins with, and the model that it hands out, are what
+    Python makes of them.
+    """
     mechanism = gallery.four_bar_case_b()
     slides = asked_slides(mechanism, ["joint.C.clearance=0.15..0.3mm", "driver.crank.speed=1200..1500rpm"])
-    slides = [dataclasses.replace(slide, values=(slide.values[0], slide.values[slide.here], slide.values[-1]), here=1) for slide in slides]
+    slides = [
+        dataclasses.replace(
+            slide, values=(slide.values[0], slide.values[slide.here], slide.values[-1]), here=1
+        )
+        for slide in slides
+    ]
     page = page_of(mechanism, slides)
     positions = [0, 2]
-    found = run_by_node(page, f"const one = new Setting({positions}); return [bits(one.vector), one.model, own.every];", tmp_path)
+    found = run_by_node(
+        page,
+        f"const one = new Setting({positions}); return [bits(one.vector), one.model, own.every];",
+        tmp_path,
+    )
     settings = [pair for slide, k in zip(slides, positions, strict=True) for pair in slide.set(k)]
     wanted = loads(dump(mechanism), set=settings)
     assert loads(found[1]) == wanted
@@ -139,11 +194,21 @@ def test_a_setting_of_the_page_is_the_model_with_these_values(tmp_path):
 
 
 def test_sliders_of_which_one_moves_at_a_time_do_so_in_the_page(tmp_path):
-    """A seated start: every position of every slider has the numbers of its own, and moving one puts the others of its group back."""
+    """A seated start: every position of every slider has the numbers of its own, and moving one puts the
+    others of its group back.
+    """
     mechanism = gallery.four_bar_case_c()
     mechanism.start = StartSettings(journals="seated")
-    slides = [dataclasses.replace(one, values=one.values[-2:] + (one.values[one.here],), here=2) for one in default_slides(mechanism)[:4]]
-    slides = [dataclasses.replace(one, values=tuple(sorted(one.values)), here=sorted(one.values).index(one.values[2])) for one in slides]
+    slides = [
+        dataclasses.replace(one, values=one.values[-2:] + (one.values[one.here],), here=2)
+        for one in default_slides(mechanism)[:4]
+    ]
+    slides = [
+        dataclasses.replace(
+            one, values=tuple(sorted(one.values)), here=sorted(one.values).index(one.values[2])
+        )
+        for one in slides
+    ]
     found = patched(mechanism, slides)
     assert [group.singly for group in found.groups] == [True]
     there = run_by_node(
@@ -164,10 +229,16 @@ def test_sliders_of_which_one_moves_at_a_time_do_so_in_the_page(tmp_path):
 def test_names_of_javascript_are_names_like_others(tmp_path):
     mechanism = gallery.four_bar_case_b()
     strange = ("constructor", "__proto__", "toString", "7")
-    mechanism.joints = {new: dataclasses.replace(joint, name=new) for new, joint in zip(strange, mechanism.joints.values(), strict=True)}
+    mechanism.joints = {
+        new: dataclasses.replace(joint, name=new)
+        for new, joint in zip(strange, mechanism.joints.values(), strict=True)
+    }
     result = simulate(mechanism, turns=0.1, companions=0, reference=False, loop="data-driven")
     page = page_of(mechanism, step=result.record.assembly.choice.step)
     found = run_by_node(
-        page, TURNS.replace("shown, start", "shown.map((one) => Object.entries(one.force)), start") % len(result.record.steps), tmp_path
+        page,
+        TURNS.replace("shown, start", "shown.map((one) => Object.entries(one.force)), start")
+        % len(result.record.steps),
+        tmp_path,
     )
     assert dict(found["turns"][0]) == {name: result.measures[f"{name}.force.max"] for name in strange}

@@ -1,4 +1,6 @@
-"""Positions of sliders as patches: what is laid together is what assembly gives, to the bit, and what is not is put into a group."""
+"""Positions of sliders as patches: what is laid together is what assembly gives, to the bit, and what is not
+is put into a group.
+"""
 
 import dataclasses
 import itertools
@@ -8,8 +10,8 @@ import pytest
 
 from vfife import gallery
 from vfife.errors import VfifeError
-from vfife.live.patches import Assembler, patched
-from vfife.live.sliders import Slide, asked_slides, default_slides, value_at
+from vfife.live.page.patches import Assembler, patched
+from vfife.live.page.sliders import Slide, asked_slides, default_slides, value_at
 from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump
 
@@ -17,7 +19,9 @@ from vfife.modelfile import dump
 def few(slide: Slide) -> Slide:
     """A slider with two positions: the model's own and an end."""
     places = sorted({slide.here, len(slide.values) - 1 if slide.here == 0 else 0})
-    return dataclasses.replace(slide, values=tuple(slide.values[k] for k in places), here=places.index(slide.here))
+    return dataclasses.replace(
+        slide, values=tuple(slide.values[k] for k in places), here=places.index(slide.here)
+    )
 
 
 def same(one, other) -> bool:
@@ -81,7 +85,13 @@ def test_one_step_serves_all_positions_and_is_as_fine_as_each_asks_for():
     mechanism = gallery.four_bar_case_c()
     alone = patched(mechanism, []).base.own.choice
     found = patched(
-        mechanism, [few(slide) for slide in asked_slides(mechanism, ["driver.crank.speed=500..1500rpm", "joint.C.clearance=0.02..0.2mm"])]
+        mechanism,
+        [
+            few(slide)
+            for slide in asked_slides(
+                mechanism, ["driver.crank.speed=500..1500rpm", "joint.C.clearance=0.02..0.2mm"]
+            )
+        ],
     )
     assert found.base.own.choice.outputs_every > alone.outputs_every
     assert found.base.own.choice.outputs == alone.outputs
@@ -102,7 +112,9 @@ def test_ranges_are_read_with_their_units():
     assert (one.values[0], one.values[-1], one.values[one.here]) == (1e-5, 5e-4, 2e-4)
     (two,) = asked_slides(mechanism, ["joint.C.clearance = 10 µm .. 0.5 mm"])
     assert two.values == one.values
-    (three,) = asked_slides(mechanism, ["joint.C.clearance=0.2..0.21mm"])  # the last digit is none of the unit
+    (three,) = asked_slides(
+        mechanism, ["joint.C.clearance=0.2..0.21mm"]
+    )  # the last digit is none of the unit
     assert (three.values[0], three.values[-1]) == (2e-4, 2.1e-4)
     (speed,) = asked_slides(mechanism, ["driver.crank.speed=1000..2000 rpm"])
     assert speed.values[0] == pytest.approx(1000 * np.pi / 30, rel=1e-2)

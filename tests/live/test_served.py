@@ -1,4 +1,6 @@
-"""The served page as programs see it: who is answered, what may be opened and written, what is told when a file or a model changes."""
+"""The served page as programs see it: who is answered, what may be opened and written, what is told when a
+file or a model changes.
+"""
 
 import asyncio
 import http.client
@@ -24,8 +26,8 @@ from vfife.modelfile import dump, load, loads
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
-from vfife.live.served.serving import served
-from vfife.live.served.session import MOST_BROWSERS, Mailbox, Session, text_of
+from vfife.live.server.serving import served
+from vfife.live.server.session import MOST_BROWSERS, Mailbox, Session, text_of
 
 TEXT = "# kept\n" + dump(gallery.four_bar_case_b())
 
@@ -51,11 +53,20 @@ class Client:
         connection = http.client.HTTPConnection("127.0.0.1", self.serving.port, timeout=20)
         body = None if sent is None else json.dumps(sent)
         given = {"Content-Type": "application/json"} if sent is not None else {}
-        connection.request(method or ("GET" if sent is None else "POST"), f"/{secret or self.secret}/{where}", body, given | headers)
+        connection.request(
+            method or ("GET" if sent is None else "POST"),
+            f"/{secret or self.secret}/{where}",
+            body,
+            given | headers,
+        )
         answer = connection.getresponse()
         content = answer.read()
         connection.close()
-        return answer.status, json.loads(content) if answer.getheader("content-type", "").startswith("application/json") else content.decode()
+        return answer.status, (
+            json.loads(content)
+            if answer.getheader("content-type", "").startswith("application/json")
+            else content.decode()
+        )
 
     def opened(self, name="bar.toml"):
         status, found = self.ask("open", {"file": name})
@@ -94,7 +105,11 @@ def test_only_whoever_knows_the_address_is_answered(client):
         for where, sent in (("", None), ("shelf", None), ("open", {"gallery": "squeezer"}), ("events", None)):
             status, said = client.ask(where, sent, secret, **headers)
             assert status == 403 and "four" not in said, (secret, headers, where)
-    assert client.ask("", Origin=f"http://{here}")[0] == client.ask("", **{"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Dest": "document"})[0] == 200
+    assert (
+        client.ask("", Origin=f"http://{here}")[0]
+        == client.ask("", **{"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Dest": "document"})[0]
+        == 200
+    )
     assert client.ask("open", {"gallery": "squeezer"}, **{"Content-Type": "text/plain"})[0] == 403
     assert "gallery-squeezer" not in client.session.shelf.documents
 
@@ -108,9 +123,9 @@ def test_it_is_reached_from_this_machine_alone(client):
 
 def test_what_may_be_opened_is_the_gallery_and_the_models_of_the_folder(client):
     _, shelf = client.ask("shelf")
-    assert shelf["files"] == [{"name": "bar.toml", "title": "four-bar, case b"}] and {one["name"] for one in shelf["gallery"]} == set(
-        gallery.__all__
-    )
+    assert shelf["files"] == [{"name": "bar.toml", "title": "four-bar, case b"}] and {
+        one["name"] for one in shelf["gallery"]
+    } == set(gallery.__all__)
     for name in ("pyproject.toml", "out.toml", "../secret.toml", "/etc/passwd", "", "bar.toml/"):
         assert client.ask("open", {"file": name})[0] == 404
     for where in ("shell.py", "..%2fpage.css", "model/none", "model/none/page", "drawing/os"):
@@ -121,13 +136,26 @@ def test_what_may_be_opened_is_the_gallery_and_the_models_of_the_folder(client):
 def test_what_may_be_written_is_a_new_model_of_the_folder(client, folder):
     _, found = client.ask("open", {"name": "mine.toml", "text": TEXT})
     before = sorted(folder.iterdir())
-    for name in ("../mine.toml", "/tmp/mine.toml", "sub/mine", ".hidden", "a\x00b", "mine.py/../x", "pyproject", "bar.toml", "out.toml", "x" * 200):
+    for name in (
+        "../mine.toml",
+        "/tmp/mine.toml",
+        "sub/mine",
+        ".hidden",
+        "a\x00b",
+        "mine.py/../x",
+        "pyproject",
+        "bar.toml",
+        "out.toml",
+        "x" * 200,
+    ):
         status, said = client.ask(f"model/{found['id']}/save", {"name": name})
         assert status == 409, name
         assert said["faults"][0]["said"]
     assert sorted(folder.iterdir()) == before and (folder / "bar.toml").read_text("utf-8") == TEXT
     status, saved = client.ask(f"model/{found['id']}/save", {"name": "mine"})
-    assert status == 200 and saved["file"] == "mine.toml" and (folder / "mine.toml").read_text("utf-8") == TEXT
+    assert (
+        status == 200 and saved["file"] == "mine.toml" and (folder / "mine.toml").read_text("utf-8") == TEXT
+    )
     (folder / "mine.toml").unlink()
 
 
@@ -135,12 +163,18 @@ def test_a_changed_value_runs_and_a_wrong_one_gets_the_sentence_of_the_model(cli
     found = client.opened()
     where = f"model/{found['id']}"
     status, changed = client.ask(
-        f"{where}/set", {"changes": [{"path": ["joint", "C", "clearance"], "value": "0.31 mm"}], "version": found["version"]}
+        f"{where}/set",
+        {"changes": [{"path": ["joint", "C", "clearance"], "value": "0.31 mm"}], "version": found["version"]},
     )
     assert status == 200 and changed["text"].startswith("# kept") and not changed["saved"]
     status, page = client.ask(f"{where}/page")
-    assert status == 200 and loads(scripts_of(page)["model"]).joints["C"].clearance == pytest.approx(0.31e-3, rel=1e-12)
-    status, said = client.ask(f"{where}/set", {"changes": [{"path": ["joint", "C", "clearance"], "value": "-1 mm"}], "version": changed["version"]})
+    assert status == 200 and loads(scripts_of(page)["model"]).joints["C"].clearance == pytest.approx(
+        0.31e-3, rel=1e-12
+    )
+    status, said = client.ask(
+        f"{where}/set",
+        {"changes": [{"path": ["joint", "C", "clearance"], "value": "-1 mm"}], "version": changed["version"]},
+    )
     assert status == 422
     (fault,) = said["faults"]
     assert fault["where"] == "[joint.C] clearance"
@@ -160,17 +194,32 @@ def test_changes_that_are_sound_together_are_taken_together(client):
     asked = {"changes": [law], "version": found["version"]}
     status, said = client.ask(f"model/{found['id']}/set", asked)
     assert status == 422 and said["draft"]["values"]["joint"]["C"]["contact"]["law"] == "kelvin-voigt"
-    missing = [{"path": ["joint", "C", "contact", one["where"].split()[-1]], "value": "100"} for one in said["faults"]]
+    missing = [
+        {"path": ["joint", "C", "contact", one["where"].split()[-1]], "value": "100"}
+        for one in said["faults"]
+    ]
     assert missing
     status, said = client.ask(f"model/{found['id']}/set", {**asked, "changes": [law, *missing]})
     assert status == 200
     assert client.ask(f"model/{found['id']}/undo", {})[1]["text"] == TEXT
 
 
-@pytest.mark.parametrize("sent", [None, [], "text", {"changes": 3, "version": 1}, {"changes": [{"path": [], "value": "1"}], "version": 1}, {}])
+@pytest.mark.parametrize(
+    "sent",
+    [
+        None,
+        [],
+        "text",
+        {"changes": 3, "version": 1},
+        {"changes": [{"path": [], "value": "1"}], "version": 1},
+        {},
+    ],
+)
 def test_what_makes_no_sense_is_refused(client, sent):
     found = client.opened()
-    status, said = client.ask(f"model/{found['id']}/set", sent, method="POST", **{"Content-Type": "application/json"})
+    status, said = client.ask(
+        f"model/{found['id']}/set", sent, method="POST", **{"Content-Type": "application/json"}
+    )
     assert status in (400, 404, 422) and said["faults"]
 
 
@@ -183,7 +232,10 @@ def test_what_is_no_text_is_refused_in_words(client, wrong):
         ("open", {"file": wrong}),
         ("open", {"gallery": wrong}),
     ]
-    asked += [(f"{where}/text", {"text": wrong, "version": 1}), *([(f"{where}/save", {"name": wrong})] if wrong is not None else [])]
+    asked += [
+        (f"{where}/text", {"text": wrong, "version": 1}),
+        *([(f"{where}/save", {"name": wrong})] if wrong is not None else []),
+    ]
     for place, sent in asked:
         status, said = client.ask(place, sent)
         assert status == 422 and "is to be a text" in said["faults"][0]["said"], (place, sent, said)
@@ -207,8 +259,14 @@ def test_quick_changes_start_no_more_threads(folder, monkeypatch):
 
 def test_a_page_that_was_waited_for_is_that_of_the_last_change(folder, monkeypatch):
     session, first, last = Session(folder, sliders=False), "the first", "the last"
-    document, made = session.shelf.from_text("quick", re.sub(r'name = ".*"', f'name = "{first}"', TEXT, count=1)), []
-    monkeypatch.setattr("vfife.live.served.pages.live_page", lambda mechanism, *more: made.append(mechanism.name) or mechanism.name)
+    document, made = (
+        session.shelf.from_text("quick", re.sub(r'name = ".*"', f'name = "{first}"', TEXT, count=1)),
+        [],
+    )
+    monkeypatch.setattr(
+        "vfife.live.server.pages.live_page",
+        lambda mechanism, *more: made.append(mechanism.name) or mechanism.name,
+    )
     with session.pages.building:
         waiting = [threading.Thread(target=session.pages.page, args=(document,)) for _ in range(20)]
         for one in waiting:
@@ -216,7 +274,9 @@ def test_a_page_that_was_waited_for_is_that_of_the_last_change(folder, monkeypat
         document.take(re.sub(r'name = ".*"', f'name = "{last}"', TEXT, count=1))
     for one in waiting:
         one.join(10.0)
-    assert [name for name in made if name in (first, last)] == [last]  # another session may make pages of others meanwhile
+    assert [name for name in made if name in (first, last)] == [
+        last
+    ]  # another session may make pages of others meanwhile
     session.close()
 
 
@@ -232,7 +292,9 @@ def test_a_browser_that_does_not_read_costs_one_event_of_each_kind():
 
 
 def test_more_browsers_than_there_can_be_are_refused(folder):
-    """In a session of its own: what of a browser that has gone is noticed with the next sign of life at the latest."""
+    """In a session of its own: what of a browser that has gone is noticed with the next sign of life at the
+    latest.
+    """
     sockets, answers = [], []
     session = Session(folder, sliders=False)
     with served(session) as serving:
@@ -284,13 +346,21 @@ def test_a_model_that_cannot_run_in_a_page_gets_a_sentence(client):
 @pytest.mark.system("runs a model in a server")
 def test_a_saved_model_is_run_beside_its_file(client, folder):
     found = client.opened()
-    small = {"changes": [{"path": ["run", "turns"], "value": "0.02"}, {"path": ["run", "companions"], "value": "0"}], "version": found["version"]}
+    small = {
+        "changes": [
+            {"path": ["run", "turns"], "value": "0.02"},
+            {"path": ["run", "companions"], "value": "0"},
+        ],
+        "version": found["version"],
+    }
     where = f"model/{found['id']}"
     assert client.ask(f"{where}/set", small)[0] == 200
     assert client.ask(f"{where}/run", {})[0] == 409
     assert client.ask(f"{where}/save", {})[0] == 200
     event = client.heard("run", lambda: client.ask(f"{where}/run", {}))
-    assert event["code"] == 0 and "bar" in event["said"] and (folder / "runs" / "bar" / "run.sqlite").is_file()
+    assert (
+        event["code"] == 0 and "bar" in event["said"] and (folder / "runs" / "bar" / "run.sqlite").is_file()
+    )
     assert load(folder / "runs" / "bar" / "model.toml").settings.turns == 0.02
     client.ask(f"{where}/undo", {})
     client.ask(f"{where}/save", {})
@@ -312,7 +382,15 @@ def test_sliders_come_when_the_mechanism_already_runs(folder):
 @pytest.mark.system("starts a process and sends it a signal")
 def test_ctrl_c_ends_it_with_browsers_connected(folder):
     command = [sys.executable, "-m", "vfife", "live", str(folder / "bar.toml"), "--no-browser"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder, env=os.environ, preexec_fn=hear)
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+        env=os.environ,
+        preexec_fn=hear,
+    )
     address = process.stdout.readline()
     port, where = re.search(r":(\d+)(/.*/)#", address).groups()
     connection = http.client.HTTPConnection("127.0.0.1", int(port), timeout=20)
@@ -320,7 +398,12 @@ def test_ctrl_c_ends_it_with_browsers_connected(folder):
     assert connection.getresponse().readline().startswith(b"retry")
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=20)
-    assert process.returncode == 130 and "Stopped by Ctrl-C" in said and "Traceback" not in said and "terminate" not in said
+    assert (
+        process.returncode == 130
+        and "Stopped by Ctrl-C" in said
+        and "Traceback" not in said
+        and "terminate" not in said
+    )
 
 
 def told(*arguments):
@@ -336,6 +419,6 @@ def test_what_keeps_it_from_being_served_is_a_sentence(folder, monkeypatch, clie
     code, said = told("--no-browser", "--set", "joint.C.clearance=1 mm")
     assert code == 2 and "for a model that is named" in said
     monkeypatch.setitem(sys.modules, "uvicorn", None)
-    monkeypatch.delitem(sys.modules, "vfife.live.served.serving")
+    monkeypatch.delitem(sys.modules, "vfife.live.server.serving")
     code, said = told(folder / "bar.toml", "--no-browser")
     assert code == 2 and "vfife[live]" in said and "-o PAGE.html" in said

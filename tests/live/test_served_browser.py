@@ -1,4 +1,6 @@
-"""The served page in browsers: fields and their sentences, files and other browsers followed, saved, and closed to pages from elsewhere."""
+"""The served page in browsers: fields and their sentences, files and other browsers followed, saved, and
+closed to pages from elsewhere.
+"""
 
 import re
 
@@ -11,8 +13,8 @@ from vfife.modelfile import dump, load, loads
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
-from vfife.live.served.serving import served
-from vfife.live.served.session import Session
+from vfife.live.server.serving import served
+from vfife.live.server.session import Session
 
 pytestmark = needs_browser
 EVIL = '<img src=x onerror="window.struck=1"><b>bold</b>'
@@ -31,7 +33,9 @@ def bar(tmp_path):
 
 @pytest.fixture
 def visit(browser, bar):
-    """Opens the page that is served; what goes wrong in it, and whatever it asks of another address, fails the test."""
+    """Opens the page that is served; what goes wrong in it, and whatever it asks of another address, fails
+    the test.
+    """
     faults, contexts = [], []
     session = Session(bar.parent, slide=["joint.C.clearance=0.15..0.3mm"], sliders=False)
     first = session.shelf.from_file(bar)
@@ -43,8 +47,22 @@ def visit(browser, bar):
             contexts.append(context)
             page = context.new_page()
             page.on("pageerror", lambda error: faults.append(str(error)))
-            page.on("console", lambda told: faults.append(told.text) if told.type == "error" and not re.search(WRONG, told.text) else None)
-            page.on("request", lambda one: faults.append(one.url) if not one.url.startswith((serving.address, "blob:", "data:")) else None)
+            page.on(
+                "console",
+                lambda told: (
+                    faults.append(told.text)
+                    if told.type == "error" and not re.search(WRONG, told.text)
+                    else None
+                ),
+            )
+            page.on(
+                "request",
+                lambda one: (
+                    faults.append(one.url)
+                    if not one.url.startswith((serving.address, "blob:", "data:"))
+                    else None
+                ),
+            )
             page.set_default_timeout(12000)
             page.goto(serving.address + where)
             return page
@@ -58,9 +76,12 @@ def visit(browser, bar):
 
 def runs(page, wanted):
     """Waits until the model that is seen to run has a clearance (m) of C."""
-    page.wait_for_function("() => shell.frame && !shell.next && shell.frame.contentWindow.live.running.store.end > 1")
     page.wait_for_function(
-        "(wanted) => JSON.parse(shell.frame?.contentDocument.getElementById('given').textContent ?? '{}').model?.includes(wanted)",
+        "() => shell.frame && !shell.next && shell.frame.contentWindow.live.running.store.end > 1"
+    )
+    page.wait_for_function(
+        "(wanted) => JSON.parse(shell.frame?.contentDocument.getElementById('given').textContent ??"
+        " '{}').model?.includes(wanted)",
         arg=f"\nclearance = {wanted}\n",
     )
 
@@ -84,7 +105,9 @@ def test_a_field_is_edited_and_wrong_values_get_the_sentence_of_the_model_there(
     try:
         loads(bar.read_text("utf-8"), [("joint.C.clearance", "2 kg")])
     except ValueError as error:
-        assert row.locator(".fault").inner_text() == str(error).split(", ", 1)[1].replace(" (given by set)", "")
+        assert row.locator(".fault").inner_text() == str(error).split(", ", 1)[1].replace(
+            " (given by set)", ""
+        )
     assert field.get_attribute("aria-invalid") == "true"
     runs(page, "0.00024")
     assert load(bar).joints["C"].clearance == 0.0002
@@ -126,18 +149,34 @@ def test_browsers_follow_the_file_and_one_another(visit, bar):
 
 def test_a_page_from_elsewhere_gets_nothing(visit):
     context = visit.browser.new_context()
-    context.route("http://elsewhere.example/**", lambda route: route.fulfill(body="<p>another page</p>", content_type="text/html"))
+    context.route(
+        "http://elsewhere.example/**",
+        lambda route: route.fulfill(body="<p>another page</p>", content_type="text/html"),
+    )
     page = context.new_page()
     page.goto("http://elsewhere.example/")
-    asked = "async ([url, how]) => { try { const a = await fetch(url, how); return a.type + a.status; } catch { return 'refused'; } }"
+    asked = (
+        "async ([url, how]) => { try { const a = await fetch(url, how); return a.type + a.status; } catch {"
+        " return 'refused'; } }"
+    )
     address = visit.serving.address
     assert page.evaluate(asked, [f"{address}shelf", {}]) == "refused"
-    sent = {"method": "POST", "mode": "no-cors", "body": '{"gallery": "squeezer"}', "headers": {"content-type": "text/plain"}}
+    sent = {
+        "method": "POST",
+        "mode": "no-cors",
+        "body": '{"gallery": "squeezer"}',
+        "headers": {"content-type": "text/plain"},
+    }
     assert page.evaluate(asked, [f"{address}open", sent]) in ("opaque0", "refused")
     assert "gallery-squeezer" not in visit.session.shelf.documents
-    page.evaluate("(url) => { document.body.append(Object.assign(document.createElement('iframe'), { src: url })); }", address)
+    page.evaluate(
+        "(url) => { document.body.append(Object.assign(document.createElement('iframe'), { src: url })); }",
+        address,
+    )
     page.wait_for_timeout(300)
-    assert all("vfife" not in (frame.content() if frame.url.startswith("http") else "") for frame in page.frames[1:])
+    assert all(
+        "vfife" not in (frame.content() if frame.url.startswith("http") else "") for frame in page.frames[1:]
+    )
     context.close()
 
 

@@ -1,4 +1,6 @@
-"""A reader of a study's report picks a member, and it runs with the numbers that assembly gives for it, to the bit; every text is text."""
+"""A reader of a study's report picks a member, and it runs with the numbers that assembly gives for it, to
+the bit; every text is text.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +12,12 @@ import pytest
 
 import vfife
 from live.browsers import needs_browser
-from study.studies import BASE
+from studies.studies import BASE
 from vfife.errors import VfifeError
-from vfife.live import reports as studied
-from vfife.live.page_model import page_model, turned
-from vfife.live.patches import Patched, patched
-from vfife.live.reports import mechanism, study_page
+from vfife.live.page.page import reports as studied
+from vfife.live.page.page_model import page_model, turned
+from vfife.live.page.patches import Patched, patched
+from vfife.live.page.reports import mechanism, study_page
 from vfife.model.functions import turn_of
 from vfife.report.pages import study_page as document
 
@@ -26,7 +28,10 @@ EVIL = "</script><script>alert(1)</script><b>"
 def grid() -> vfife.Study:
     base = vfife.load(BASE)
     base.name = EVIL
-    vary = {"play": {"path": "joint.C.clearance", "values": [1e-4, 2e-4]}, "speed": {"path": "driver.crank.speed", "values": [100.0, 150.0]}}
+    vary = {
+        "play": {"path": "joint.C.clearance", "values": [1e-4, 2e-4]},
+        "speed": {"path": "driver.crank.speed", "values": [100.0, 150.0]},
+    }
     return vfife.study(base, vary, ["C.force.max"], turns=1, note=EVIL)
 
 
@@ -40,7 +45,9 @@ def samples() -> vfife.Study:
 
 
 @pytest.mark.parametrize("kind", ["grid", "samples"])
-def test_positions_have_the_numbers_of_their_members(kind: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_positions_have_the_numbers_of_their_members(
+    kind: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
     study: vfife.Study = request.getfixturevalue(kind)
     seen: list[Patched] = []
     monkeypatch.setattr(studied, "patched", lambda *given: seen.append(patched(*given)) or seen[-1])
@@ -55,7 +62,9 @@ def test_positions_have_the_numbers_of_their_members(kind: str, request: pytest.
         wanted = page_model(alone, turned(own, turn_of(alone)), ideal, force=True)
         assert np.array_equal(found.laid(at).view(np.uint64), wanted.vector.view(np.uint64))
     steps = max(one["steps"] / one["turns"] for one in study.outcomes.values())
-    assert own.choice.turn is not None and own.choice.turn / own.choice.step >= steps - 0.5, "as fine as the finest member"
+    assert own.choice.turn is not None and own.choice.turn / own.choice.step >= steps - 0.5, (
+        "as fine as the finest member"
+    )
 
 
 def test_every_text_is_text_and_nothing_is_fetched(grid: vfife.Study) -> None:
@@ -83,7 +92,9 @@ def test_a_reader_picks_a_member_and_it_runs(browser, grid: vfife.Study, tmp_pat
         inside.wait_for_function("() => live.running.store.end > 1")
         assert page.locator("#picked").text_content() == "3: play 200 µm, speed 150 rad/s"
         inside.evaluate("() => window.postMessage({ positions: { play: 7, speed: 'x' } }, '*')")
-        assert inside.evaluate("() => live.sliders.setting.positions") == [1, 1], "what is no position changes nothing"
+        assert inside.evaluate("() => live.sliders.setting.positions") == [1, 1], (
+            "what is no position changes nothing"
+        )
         assert faults == []
     finally:
         context.close()

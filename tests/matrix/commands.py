@@ -1,11 +1,14 @@
-"""Commands that a user types for every example, and what they answer, in a form that two machines can compare to the bit.
+"""Commands that a user types for every example, and what they answer, in a form that two machines can compare
+to the bit.
 
-``python commands.py FOLDER`` carries all of them out, in one process, through the entry function of the command line, and writes
-``FOLDER/answers.json``: for each command its exit code, every number and text that it prints, and a digest of every row of its run file.
-Left out is what differs between two runs of the same command on one machine: times of the clock, sizes of files, paths.
+``python commands.py FOLDER`` carries all of them out, in one process, through the entry function of the
+command line, and writes ``FOLDER/answers.json``: for each command its exit code, every number and text that
+it prints, and a digest of every row of its run file. Left out is what differs between two runs of the same
+command on one machine: times of the clock, sizes of files, paths.
 
-``--processor`` has steps compiled for another processor of this kind, with its width of registers; ``--cores`` has so many cores reported;
-``--other-libraries`` has the last bit of what libraries compute come out otherwise (``libraries.py``).
+``--processor`` has steps compiled for another processor of this kind, with its width of registers;
+``--cores`` has so many cores reported; ``--other-libraries`` has the last bit of what libraries compute come
+out otherwise (``libraries.py``).
 """
 
 from __future__ import annotations
@@ -24,7 +27,8 @@ from pathlib import Path
 from typing import Any
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-# Examples with a crank run for two turns, however long they are by themselves; the others as long as they say.
+# Examples with a crank run for two turns, however long they are by themselves; the others as long as they
+# say.
 CRANKED = (
     "compressor", "four_bar", "four_bar_case_b", "four_bar_case_c", "four_bar_ideal", "jansen_leg", "quick_return", "scotch_yoke",
     "six_bar_press", "slider_crank", "slider_crank_loose_guide", "slider_crank_loose_pin",
@@ -66,23 +70,56 @@ def commands(folder: Path) -> dict[str, list[list[str]]]:
     for name in examples():
         model, length = str(EXAMPLES / f"{name}.toml"), ["--turns", str(TURNS)] if name in CRANKED else []
         found[f"check {name}"] = [["check", model, "--json"]]
-        found[f"run {name}"] = [["run", model, "-o", str(folder / name), "--force", "--quiet", "--json", *length]]
+        found[f"run {name}"] = [
+            ["run", model, "-o", str(folder / name), "--force", "--quiet", "--json", *length]
+        ]
     crank = str(EXAMPLES / "slider_crank.toml")
-    found["sensitivity slider_crank"] = [["sensitivity", crank, "--turns", "1", "--of", "*.moment.max", "--json", "--quiet"]]
+    found["sensitivity slider_crank"] = [
+        ["sensitivity", crank, "--turns", "1", "--of", "*.moment.max", "--json", "--quiet"]
+    ]
     bars = str(EXAMPLES / "four_bar_case_b.toml")
     found["sensitivity four_bar_case_b"] = [
-        ["sensitivity", bars, "--turns", "1", "--of", "*.force.max", "--to", "body.coupler.*", "--json", "--quiet"]
+        [
+            "sensitivity",
+            bars,
+            "--turns",
+            "1",
+            "--of",
+            "*.force.max",
+            "--to",
+            "body.coupler.*",
+            "--json",
+            "--quiet",
+        ]
     ]
     study, plan = str(folder / "few.study"), str(folder / "few.toml")
-    found["study four_bar_case_c"] = [["study", plan, "-o", study, "--quiet"], ["study", "show", study, "--json"]]
-    over = ["--over", "joint.pin.clearance=0.2..0.3mm", "--count", "2", "--turns", "4", "--drop", "2", "--companions", "1"]
+    found["study four_bar_case_c"] = [
+        ["study", plan, "-o", study, "--quiet"],
+        ["study", "show", study, "--json"],
+    ]
+    over = [
+        "--over",
+        "joint.pin.clearance=0.2..0.3mm",
+        "--count",
+        "2",
+        "--turns",
+        "4",
+        "--drop",
+        "2",
+        "--companions",
+        "1",
+    ]
     pin, target = str(EXAMPLES / "slider_crank_loose_pin.toml"), str(folder / "few.map")
-    found["map slider_crank_loose_pin"] = [["map", pin, *over, "-o", target, "--csv", str(folder / "map.csv"), "--quiet"]]
+    found["map slider_crank_loose_pin"] = [
+        ["map", pin, *over, "-o", target, "--csv", str(folder / "map.csv"), "--quiet"]
+    ]
     return found
 
 
 def carry_out(folder: Path, names: list[str] | None = None, options: list[str] | None = None) -> Numbers:
-    """The answers of the commands whose names are there, all of them if none is; ``options`` are added to each ``run``."""
+    """The answers of the commands whose names are there, all of them if none is; ``options`` are added to
+    each ``run``.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "few.toml").write_text(STUDY.format(model=EXAMPLES / "four_bar_case_c.toml"))
     answers = {}
@@ -129,16 +166,22 @@ def read(printed: str) -> Any:
 def flat(value: Any, path: str = "") -> Numbers:
     """Every number and text of nested JSON by its path, but those of ``CLOCKED``."""
     if isinstance(value, Mapping):
-        inner: Iterator[tuple[str, Any]] = ((str(key), one) for key, one in value.items() if key not in CLOCKED)
+        inner: Iterator[tuple[str, Any]] = (
+            (str(key), one) for key, one in value.items() if key not in CLOCKED
+        )
     elif isinstance(value, list):
         inner = ((str(key), one) for key, one in enumerate(value))
     else:
         return {path: value}
-    return {name: one for key, part in inner for name, one in flat(part, f"{path}/{key}" if path else key).items()}
+    return {
+        name: one for key, part in inner for name, one in flat(part, f"{path}/{key}" if path else key).items()
+    }
 
 
 def recorded(folder: Path, name: str, code: int) -> Numbers:
-    """Digests of what the files of a command hold: rows by name, those of companions with them; a table as text."""
+    """Digests of what the files of a command hold: rows by name, those of companions with them; a table as
+    text.
+    """
     kind, what = name.split(" ")
     if kind == "map" and not code:
         return {"table": flat(list((folder / "map.csv").read_text().splitlines()))}
@@ -151,13 +194,17 @@ def rows(run: Path) -> dict[str, Any]:
     """Each recorded row of a run by its name, shape (outputs,), and of companions and their turns."""
     import numpy as np
 
-    from vfife.result import Result
-    from vfife.results.provenance import named_rows
+    from vfife.simulation.result import Result
+    from vfife.store.provenance import named_rows
 
     record = Result.load(run).record
 
     def names(kept: Any) -> list[str]:
-        return [f"{block}[{first + k}]" for block, (first, count) in named_rows(record.assembly, kept) for k in range(count)]
+        return [
+            f"{block}[{first + k}]"
+            for block, (first, count) in named_rows(record.assembly, kept)
+            for k in range(count)
+        ]
 
     found = {"step number": np.asarray(record.steps)}
     found |= {name: record.rows[:, k] for k, name in enumerate(names(record.kept))}
@@ -179,16 +226,23 @@ def digest(values: Any) -> str:
 
 
 def pretend(processor: str, cores: int, other_libraries: bool) -> None:
-    """Has the machine look like another one: its libraries, the processor that code is made for, and how many cores there are."""
+    """Has the machine look like another one: its libraries, the processor that code is made for, and how many
+    cores there are.
+    """
     if other_libraries:
         sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
         from matrix.libraries import imitate
 
         imitate()
     if processor:
-        from vfife.codegen import native
+        from vfife.compiler.runtime import native
 
-        widths = {"x86-64": "", "x86-64-v2": "", "x86-64-v3": "+avx,+avx2", "x86-64-v4": "+avx,+avx2,+avx512f"}
+        widths = {
+            "x86-64": "",
+            "x86-64-v2": "",
+            "x86-64-v3": "+avx,+avx2",
+            "x86-64-v4": "+avx,+avx2,+avx512f",
+        }
         native.processor = lambda: (processor, widths[processor])
     if cores:
         os.cpu_count = lambda: cores
@@ -199,7 +253,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--name", action="append", help="commands of this name, or of this example")
-    parser.add_argument("--option", action="append", help="one more word of each run, such as --option=--companions --option=3")
+    parser.add_argument(
+        "--option",
+        action="append",
+        help="one more word of each run, such as --option=--companions --option=3",
+    )
     parser.add_argument("--processor", default="")
     parser.add_argument("--cores", type=int, default=0)
     parser.add_argument("--other-libraries", action="store_true")

@@ -26,7 +26,9 @@ class Difference:
 
 
 def differences(here: Mapping[str, Any], there: Mapping[str, Any]) -> Iterator[Difference]:
-    """Of each command that does not answer the same. What no file can lack comes first: exit code, rows, then what is printed."""
+    """Of each command that does not answer the same. What no file can lack comes first: exit code, rows, then
+    what is printed.
+    """
     for command in here:
         if command not in there:
             yield Difference(command, "answer", "present", "absent", 1)
@@ -50,7 +52,9 @@ def unequal(here: Mapping[str, Any], there: Mapping[str, Any]) -> Iterator[tuple
 
 
 def first_row(here: Path, there: Path) -> str:
-    """Of two runs of one command, the first output at which rows differ, and the first of these rows; empty where there is none to read."""
+    """Of two runs of one command, the first output at which rows differ, and the first of these rows; empty
+    where there is none to read.
+    """
     from matrix.commands import rows
 
     try:
@@ -62,14 +66,22 @@ def first_row(here: Path, there: Path) -> str:
         return f"steps differ: {len(steps)} and {len(others)} outputs, the last {steps[-1]} and {others[-1]}"
     at = {}
     for name, values in first.items():
-        if name in other and values.ndim == 1 and values.shape == other[name].shape and (apart := unlike(values, other[name])).any():
+        if (
+            name in other
+            and values.ndim == 1
+            and values.shape == other[name].shape
+            and (apart := unlike(values, other[name])).any()
+        ):
             at[name] = int(np.argmax(apart))
     if not at:
         return ""
     name = min(at, key=at.__getitem__)
     k = at[name]
     some = sum(one == k for one in at.values())
-    return f"first at output {k}: {name} = {first[name][k]!r} here, {other[name][k]!r} there; {some} rows differ there"
+    return (
+        f"first at output {k}: {name} = {first[name][k]!r} here, {other[name][k]!r} there; {some} rows differ"
+        " there"
+    )
 
 
 def unlike(first: Any, other: Any) -> Any:

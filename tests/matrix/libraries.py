@@ -1,8 +1,10 @@
-"""Libraries of another machine, imitated: what BLAS, LAPACK, the C library and NumPy may round otherwise is one unit in the last place larger.
+"""Libraries of another machine, imitated: what BLAS, LAPACK, the C library and NumPy may round otherwise is
+one unit in the last place larger.
 
-A machine of another kind (macOS, musl, AArch64, MKL) cannot be had here. What its libraries decide can: every function whose last bit no standard
-fixes is wrapped, in :mod:`math` and in NumPy, before the package is imported. A result that changes then depends on one of them. Left
-alone are + - * / and square roots, remainders and roundings, which are the same everywhere, and ``@``, which cannot be replaced and which
+A machine of another kind (macOS, musl, AArch64, MKL) cannot be had here. What its libraries decide can: every
+function whose last bit no standard fixes is wrapped, in :mod:`math` and in NumPy, before the package is
+imported. A result that changes then depends on one of them. Left alone are + - * / and square roots,
+remainders and roundings, which are the same everywhere, and ``@``, which cannot be replaced and which
 ``tests/architecture`` forbids.
 """
 
@@ -24,7 +26,23 @@ NUMPY = (
     "hypot", "sinh", "cosh", "tanh", "arcsinh", "arccosh", "arctanh", "cbrt", "logaddexp", "sinc", "dot", "vdot", "inner", "outer", "tensordot",
     "einsum", "matmul", "interp", "convolve", "correlate", "polyfit", "polyval", "corrcoef", "cov", "vander", "kron",
 )  # fmt: skip
-LINEAR = ("norm", "solve", "inv", "pinv", "lstsq", "svd", "eig", "eigh", "eigvals", "eigvalsh", "qr", "det", "slogdet", "cholesky", "cond")
+LINEAR = (
+    "norm",
+    "solve",
+    "inv",
+    "pinv",
+    "lstsq",
+    "svd",
+    "eig",
+    "eigh",
+    "eigvals",
+    "eigvalsh",
+    "qr",
+    "det",
+    "slogdet",
+    "cholesky",
+    "cond",
+)
 FOURIER = ("fft", "ifft", "rfft", "irfft", "hfft", "ihfft")
 
 
@@ -49,7 +67,9 @@ def replaced(module: ModuleType, names: tuple[str, ...]) -> None:
 
 
 def higher(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function with every result one unit in the last place further from zero; what is zero, infinite or whole numbers stays."""
+    """The function with every result one unit in the last place further from zero; what is zero, infinite or
+    whole numbers stays.
+    """
 
     @wraps(function)
     def wrapped(*arguments: Any, **named: Any) -> Any:
@@ -66,7 +86,9 @@ def raised(found: Any) -> Any:
     import numpy as np
 
     if isinstance(found, float) and not isinstance(found, np.floating):
-        return math.nextafter(found, math.copysign(math.inf, found)) if found and math.isfinite(found) else found
+        return (
+            math.nextafter(found, math.copysign(math.inf, found)) if found and math.isfinite(found) else found
+        )
     if isinstance(found, np.ndarray | np.floating) and found.dtype == float:
         next_one = np.nextafter(found, np.copysign(np.inf, found))
         unchanged = (np.asarray(found) == 0.0) | ~np.isfinite(np.asarray(found))

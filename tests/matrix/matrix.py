@@ -1,8 +1,9 @@
 """Every example under every setting: do all of them answer the commands of a user to the bit?
 
-``make matrix`` carries it out. The exit code is 1 where anything differs; the first quantity of each command that does is printed.
-``python tests/matrix/matrix.py --example compressor --setting Nehalem`` takes some; ``--option=--companions --option=0`` adds words to each run.
-``--take`` writes what this machine answers into ``answers.json``, which the tests hold every machine to.
+``make matrix`` carries it out. The exit code is 1 where anything differs; the first quantity of each command
+that does is printed. ``python tests/matrix/matrix.py --example compressor --setting Nehalem`` takes some;
+``--option=--companions --option=0`` adds words to each run. ``--take`` writes what this machine answers into
+``answers.json``, which the tests hold every machine to.
 """
 
 from __future__ import annotations
@@ -27,7 +28,9 @@ DIGITS = 6  # of a digest, in hexadecimal
 
 
 def compacted(answers: dict[str, dict[str, object]]) -> dict[str, dict[str, object]]:
-    """Answers with one short digest of every measure with its range, of every block of rows, and of what else is printed together."""
+    """Answers with one short digest of every measure with its range, of every block of rows, and of what else
+    is printed together.
+    """
 
     def short(values: object) -> object:
         if not isinstance(values, dict):
@@ -35,9 +38,17 @@ def compacted(answers: dict[str, dict[str, object]]) -> dict[str, dict[str, obje
         groups: dict[str, list[object]] = {}
         for key, value in values.items():
             parts = key.split("/")
-            group = parts[1] if parts[0] in ("measures", "ranges") else key.partition("[")[0] if "[" in key else parts[0]
+            group = (
+                parts[1]
+                if parts[0] in ("measures", "ranges")
+                else key.partition("[")[0]
+                if "[" in key
+                else parts[0]
+            )
             groups.setdefault(group, []).append((key, value))
-        return {name: hashlib.sha256(repr(some).encode()).hexdigest()[:DIGITS] for name, some in groups.items()}
+        return {
+            name: hashlib.sha256(repr(some).encode()).hexdigest()[:DIGITS] for name, some in groups.items()
+        }
 
     return {name: {kind: short(values) for kind, values in one.items()} for name, one in answers.items()}
 
@@ -45,12 +56,16 @@ def compacted(answers: dict[str, dict[str, object]]) -> dict[str, dict[str, obje
 def take(folder: Path) -> None:
     """Writes the answers of this machine as those that all machines are held to, a line for each command."""
     every = compacted(answers(carried_out(settings()[0], folder), folder))
-    lines = ",\n".join(f"{json.dumps(name)}: {json.dumps(one, separators=(',', ':'))}" for name, one in every.items())
+    lines = ",\n".join(
+        f"{json.dumps(name)}: {json.dumps(one, separators=(',', ':'))}" for name, one in every.items()
+    )
     KEPT.write_text(f"{{\n{lines}\n}}\n")
     print(f"{len(every)} answers kept in {KEPT}")
 
 
-def compared(some: list[Setting], names: list[str] | None, options: list[str] | None, folder: Path) -> dict[str, list[str]]:
+def compared(
+    some: list[Setting], names: list[str] | None, options: list[str] | None, folder: Path
+) -> dict[str, list[str]]:
     """What differs from the first setting, by the name of each other one."""
     waiting, running, found = list(enumerate(some)), {}, {}
     base: dict[str, dict[str, object]] | None = None
@@ -69,7 +84,11 @@ def compared(some: list[Setting], names: list[str] | None, options: list[str] | 
             base = heard
             continue
         found[setting.name] = [told(one, folder, done) for one in differences(base, heard)]
-        print(f"{setting.name}: {len(found[setting.name])} of {len(base)} commands differ  ({time.monotonic() - began:.0f} s)", flush=True)
+        print(
+            f"{setting.name}: {len(found[setting.name])} of {len(base)} commands differ "
+            f" ({time.monotonic() - began:.0f} s)",
+            flush=True,
+        )
         for line in found[setting.name]:
             print(f"    {line}", flush=True)
         shutil.rmtree(folder / str(done))
@@ -86,7 +105,9 @@ def told(difference: object, folder: Path, k: int) -> str:
 def main() -> int:
     """The script."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--example", action="append", help="some commands only: of this example, or of this kind")
+    parser.add_argument(
+        "--example", action="append", help="some commands only: of this example, or of this kind"
+    )
     parser.add_argument("--setting", action="append", help="settings whose names hold this text")
     parser.add_argument("--option", action="append", help="one more word of each run")
     parser.add_argument("--take", action="store_true", help="write answers.json")
@@ -96,12 +117,18 @@ def main() -> int:
             take(Path(folder))
         return 0
     every = settings()
-    some = [every[0], *(one for one in every[1:] if not given.setting or any(word in one.name for word in given.setting))]
+    some = [
+        every[0],
+        *(one for one in every[1:] if not given.setting or any(word in one.name for word in given.setting)),
+    ]
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="vfife-matrix-") as folder:
         found = compared(some, given.example, given.option, Path(folder))
     unlike = {name: lines for name, lines in found.items() if lines}
-    print(f"{len(found)} settings beside this machine as it is: {len(unlike)} answer otherwise  ({time.monotonic() - began:.0f} s)")
+    print(
+        f"{len(found)} settings beside this machine as it is: {len(unlike)} answer otherwise "
+        f" ({time.monotonic() - began:.0f} s)"
+    )
     return 1 if unlike else 0
 
 

@@ -1,4 +1,6 @@
-"""Settings that make one machine compute like others: kernels of BLAS, instructions of NumPy and of the C library, lanes, cores, versions."""
+"""Settings that make one machine compute like others: kernels of BLAS, instructions of NumPy and of the C
+library, lanes, cores, versions.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,13 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 OLDEST = ROOT / ".venv-oldest" / "bin" / "python"
 X86 = platform.machine().lower() in ("x86_64", "amd64")
-# Kernels of OpenBLAS by the processors that they are written for, from SSE3 to AVX-512; all sum in other orders.
-KERNELS = ("Prescott", "Nehalem", "Sandybridge", "Haswell", "SkylakeX") if X86 else ("ARMV8", "NEOVERSEN1", "THUNDERX2T99")
+# Kernels of OpenBLAS by the processors that they are written for, from SSE3 to AVX-512; all sum in other
+# orders.
+KERNELS = (
+    ("Prescott", "Nehalem", "Sandybridge", "Haswell", "SkylakeX")
+    if X86
+    else ("ARMV8", "NEOVERSEN1", "THUNDERX2T99")
+)
 # Functions of the C library that have a variant with fused products or with wide registers.
 GLIBC = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-AVX512F"
 FEATURES = """
@@ -29,7 +36,9 @@ print(json.dumps([name for name in umath.__cpu_dispatch__ if umath.__cpu_feature
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to make this machine another one: variables of its environment, words of the script, and the Python that runs it."""
+    """One way to make this machine another one: variables of its environment, words of the script, and the
+    Python that runs it.
+    """
 
     name: str
     variables: dict[str, str] = field(default_factory=dict)
@@ -45,38 +54,71 @@ def features(python: str = sys.executable) -> list[str]:
 
 
 def settings() -> list[Setting]:
-    """All of them; the first changes nothing. Two changes share a process where each has one of its own elsewhere, too, or could hide nothing."""
+    """All of them; the first changes nothing. Two changes share a process where each has one of its own
+    elsewhere, too, or could hide nothing.
+    """
     some = {"NPY_DISABLE_CPU_FEATURES": " ".join(features())}
     library = {"GLIBC_TUNABLES": GLIBC} if X86 else {}
-    beside = {KERNELS[0]: ("C library without AVX2 and FMA", library), KERNELS[2]: (f"NumPy without {', '.join(features())}", some)}
+    beside = {
+        KERNELS[0]: ("C library without AVX2 and FMA", library),
+        KERNELS[2]: (f"NumPy without {', '.join(features())}", some),
+    }
     found = [Setting("as it is")]
     for name in KERNELS:
         what, variables = beside.get(name, ("", {}))
-        found.append(Setting(f"BLAS kernel {name}" + (f", {what}" if variables else ""), {"OPENBLAS_CORETYPE": name, **variables}))
+        found.append(
+            Setting(
+                f"BLAS kernel {name}" + (f", {what}" if variables else ""),
+                {"OPENBLAS_CORETYPE": name, **variables},
+            )
+        )
     found.append(Setting("all of these", {"OPENBLAS_CORETYPE": KERNELS[1], **some, **library}))
     if X86:
         found += [Setting(f"processor {name}", words=("--processor", name)) for name in processors()]
     found.append(Setting("other libraries", words=("--other-libraries",)))
-    found.append(Setting("1 core, 1 thread of BLAS", {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}, ("--cores", "1")))
+    found.append(
+        Setting(
+            "1 core, 1 thread of BLAS",
+            {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            ("--cores", "1"),
+        )
+    )
     found.append(Setting("8 cores", words=("--cores", "8")))
     if OLDEST.exists():
         found.append(Setting("oldest NumPy", python=str(OLDEST)))
-        without = {"NPY_DISABLE_CPU_FEATURES": " ".join(features(str(OLDEST))), "OPENBLAS_CORETYPE": KERNELS[1]}
-        found.append(Setting("oldest NumPy without its own code for this processor", without, python=str(OLDEST)))
+        without = {
+            "NPY_DISABLE_CPU_FEATURES": " ".join(features(str(OLDEST))),
+            "OPENBLAS_CORETYPE": KERNELS[1],
+        }
+        found.append(
+            Setting("oldest NumPy without its own code for this processor", without, python=str(OLDEST))
+        )
     return found
 
 
 def processors() -> list[str]:
     """Kinds of x86 processor that this one can stand in for: registers of two, four and eight numbers."""
     flags = set(Path("/proc/cpuinfo").read_text().split()) if Path("/proc/cpuinfo").exists() else set()
-    return ["x86-64", *(["x86-64-v3"] if "avx2" in flags else []), *(["x86-64-v4"] if {"avx512f", "avx512dq", "avx512vl"} <= flags else [])]
+    return [
+        "x86-64",
+        *(["x86-64-v3"] if "avx2" in flags else []),
+        *(["x86-64-v4"] if {"avx512f", "avx512dq", "avx512vl"} <= flags else []),
+    ]
 
 
-def carried_out(setting: Setting, folder: Path, names: list[str] | None = None, options: list[str] | None = None) -> subprocess.Popen[str]:
+def carried_out(
+    setting: Setting, folder: Path, names: list[str] | None = None, options: list[str] | None = None
+) -> subprocess.Popen[str]:
     """The process that carries out the commands under a setting; its answers come into the folder."""
     words = [setting.python, str(Path(__file__).with_name("commands.py")), str(folder), *setting.words]
     words += [f"--name={name}" for name in names or ()] + [f"--option={word}" for word in options or ()]
-    return subprocess.Popen(words, env={**os.environ, **setting.variables}, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    return subprocess.Popen(
+        words,
+        env={**os.environ, **setting.variables},
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+    )
 
 
 def answers(process: subprocess.Popen[str], folder: Path) -> dict[str, dict[str, object]]:

@@ -1,4 +1,6 @@
-"""Write src/vfife/model/builders.pyi, the signatures of the builders for editors and type checkers: ``python tests/model/stubs.py``."""
+"""Write src/vfife/model/builders.pyi, the signatures of the builders for editors and type checkers:
+``python tests/model/stubs.py``.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,9 @@ def stub() -> str:
         for one in found.parameters.values():
             if one.kind is one.KEYWORD_ONLY and "*" not in words:
                 words.append("*")
-            default = "" if one.default is one.empty else f" = {one.default!r}" if one.default != {} else " = ..."
+            default = (
+                "" if one.default is one.empty else f" = {one.default!r}" if one.default != {} else " = ..."
+            )
             words.append(one.name + (f": {one.annotation}" if one.name != "self" else "") + default)
         lines.append(f"    def {name}({', '.join(words)}) -> {found.return_annotation}: ...\n")
     return "".join(lines)

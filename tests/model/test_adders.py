@@ -1,4 +1,6 @@
-"""The builders of a mechanism are made of the fields of its kinds; a stub writes them out for editors and type checkers."""
+"""The builders of a mechanism are made of the fields of its kinds; a stub writes them out for editors and
+type checkers.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,9 @@ import pytest
 import vfife
 from model.stubs import STUB, stub
 from vfife.errors import ModelError
-from vfife.fields import required
 from vfife.model.builders import builders
 from vfife.model.mechanism import Mechanism
+from vfife.schema import required
 
 BUILDERS = builders()
 
@@ -25,7 +27,9 @@ def test_the_stub_is_that_of_the_kinds() -> None:
 def test_a_builder_takes_what_its_kind_has(name: str) -> None:
     builder = getattr(Mechanism, name)
     given = {one.name: one for one in inspect.signature(builder).parameters.values() if one.name != "self"}
-    assert all(one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY) for one in given.values()), "a misspelt keyword is an error"
+    assert all(one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY) for one in given.values()), (
+        "a misspelt keyword is an error"
+    )
     for key, field in BUILDERS[name].fields.items():
         assert required(field) <= (given[key].default is inspect.Parameter.empty), key
         if given[key].kind is inspect.Parameter.KEYWORD_ONLY:

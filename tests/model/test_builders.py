@@ -1,4 +1,6 @@
-"""Builders take what a model file takes, and say the same of it: nouns and sentences of both are compared, key by key."""
+"""Builders take what a model file takes, and say the same of it: nouns and sentences of both are compared,
+key by key.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +13,25 @@ import pytest
 
 import vfife
 from vfife.modelfile import dump, loads
-from vfife.simulation import RunArguments, prepare
+from vfife.simulation.simulate import RunArguments, prepare
 
 HEAD = 'name = "machine"\n'
 # What a builder is given; the same as a table of a model file.
 SAME: list[tuple[str, dict[str, Any], str]] = [
     (
         "link",
-        {"length": "100 mm", "mass": "200 g", "section": {"round": "20 mm"}, "model": "elastic", "angle": "30 deg", "material": "aluminium"},
-        'length = "100 mm"\nmass = "200 g"\nsection = { round = "20 mm" }\nmodel = "elastic"\nangle = "30 deg"\nmaterial = "aluminium"',
+        {
+            "length": "100 mm",
+            "mass": "200 g",
+            "section": {"round": "20 mm"},
+            "model": "elastic",
+            "angle": "30 deg",
+            "material": "aluminium",
+        },
+        (
+            'length = "100 mm"\nmass = "200 g"\nsection = { round = "20 mm" }\nmodel = "elastic"\nangle = "30'
+            ' deg"\nmaterial = "aluminium"'
+        ),
     ),
     (
         "rigid_body",
@@ -33,8 +45,10 @@ SAME: list[tuple[str, dict[str, Any], str]] = [
             "members": [{"start": "A", "end": "B", "elements": 3}],
             "section": {"tube": ("20 mm", "16 mm")},
         },
-        'model = "frame"\nnodes = { A = [0, 0], B = ["1 m", 0] }\nmembers = [{ start = "A", end = "B", elements = 3 }]\n'
-        'section = { tube = ["20 mm", "16 mm"] }',
+        (
+            'model = "frame"\nnodes = { A = [0, 0], B = ["1 m", 0] }\nmembers = [{ start = "A", end = "B",'
+            ' elements = 3 }]\nsection = { tube = ["20 mm", "16 mm"] }'
+        ),
     ),
 ]
 
@@ -58,9 +72,18 @@ def test_joints_and_springs_take_texts_laws_and_materials_by_name() -> None:
     assert m.points["P"] == (0.3, -0.4)
     assert m.drivers["arm"].largest_speed == pytest.approx(50.0 * math.pi, rel=1e-15)
     joint = m.contacts["C"]
-    assert (joint.contact.name, joint.friction.name, joint.bearing_material) == ("flores", "none", vfife.MATERIALS["bronze"])
+    assert (joint.contact.name, joint.friction.name, joint.bearing_material) == (
+        "flores",
+        "none",
+        vfife.MATERIALS["bronze"],
+    )
     back = loads(m.to_toml())
-    assert (back.joints, back.springs, back.drivers, back.points) == (m.joints, m.springs, m.drivers, m.points)
+    assert (back.joints, back.springs, back.drivers, back.points) == (
+        m.joints,
+        m.springs,
+        m.drivers,
+        m.points,
+    )
 
 
 def test_numbers_of_numpy_are_numbers() -> None:
@@ -81,11 +104,27 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     ("link", {"length": 1}, "length = 1"),
     ("link", {"length": 1, "mass": True}, "length = 1\nmass = true"),
     ("link", {"length": 1, "section": {"tube": (1, 2)}}, "length = 1\nsection = { tube = [1, 2] }"),
-    ("link", {"length": 1, "section": {"round": 1, "square": 1}}, "length = 1\nsection = { round = 1, square = 1 }"),
+    (
+        "link",
+        {"length": 1, "section": {"round": 1, "square": 1}},
+        "length = 1\nsection = { round = 1, square = 1 }",
+    ),
     ("link", {"length": 1, "mass": 1, "model": "elastic"}, 'length = 1\nmass = 1\nmodel = "elastic"'),
-    ("link", {"length": 1, "mass": 1, "model": "rigid", "elements": 7}, 'length = 1\nmass = 1\nmodel = "rigid"\nelements = 7'),
-    ("rigid_body", {"mass": 1, "inertia": 1, "pins": {"center": (0.5, 0.5)}}, "mass = 1\ninertia = 1\npins = { center = [0.5, 0.5] }"),
-    ("rigid_body", {"mass": 1, "inertia": 1, "masses": {"eye": 0.5}}, "mass = 1\ninertia = 1\nmasses = { eye = 0.5 }"),
+    (
+        "link",
+        {"length": 1, "mass": 1, "model": "rigid", "elements": 7},
+        'length = 1\nmass = 1\nmodel = "rigid"\nelements = 7',
+    ),
+    (
+        "rigid_body",
+        {"mass": 1, "inertia": 1, "pins": {"center": (0.5, 0.5)}},
+        "mass = 1\ninertia = 1\npins = { center = [0.5, 0.5] }",
+    ),
+    (
+        "rigid_body",
+        {"mass": 1, "inertia": 1, "masses": {"eye": 0.5}},
+        "mass = 1\ninertia = 1\nmasses = { eye = 0.5 }",
+    ),
     ("rigid_body", {"mass": 1, "inertia": 1, "center": (1,)}, "mass = 1\ninertia = 1\ncenter = [1]"),
 ]
 
@@ -135,7 +174,11 @@ def test_a_mechanism_is_checked_drawn_and_shown() -> None:
     assert {"B", "C", "D"} <= names
     m.name = "<b>&"
     page = m._repr_html_()
-    assert "data:image/svg+xml;base64," in page and "<b>&" not in page.replace("<b>Bodies", "") and "&lt;b&gt;&amp;" in page
+    assert (
+        "data:image/svg+xml;base64," in page
+        and "<b>&" not in page.replace("<b>Bodies", "")
+        and "&lt;b&gt;&amp;" in page
+    )
     assert all(f">{name}<" in page for name in (*m.bodies, *m.joints))
 
 
@@ -157,7 +200,15 @@ def test_a_mechanism_with_faults_is_shown_with_them() -> None:
 def test_what_a_mechanism_asks_of_other_rooms_is_loaded_when_it_asks() -> None:
     import subprocess
 
-    code = "import sys, vfife; m = vfife.Mechanism('m'); m.point('O', 0, '1 m'); m.link('a', length='1 m', mass=1)\n"
-    code += "print(sorted({'numba', 'llvmlite', 'matplotlib', 'scipy', 'xarray', 'pandas', 'pint'} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
+    code = (
+        "import sys, vfife; m = vfife.Mechanism('m'); m.point('O', 0, '1 m'); m.link('a', length='1 m',"
+        " mass=1)\n"
+    )
+    code += (
+        "print(sorted({'numba', 'llvmlite', 'matplotlib', 'scipy', 'xarray', 'pandas', 'pint'} &"
+        " set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "[]"

@@ -1,4 +1,6 @@
-"""Expressions: the grammar against Python's own arithmetic, what is refused, and how far polynomials miss them."""
+"""Expressions: the grammar against Python's own arithmetic, what is refused, and how far polynomials miss
+them.
+"""
 
 import math
 
@@ -9,8 +11,8 @@ from hypothesis import strategies as st
 
 from support import often
 from vfife.errors import Fault
-from vfife.model.expression import FUNCTIONS, parse
-from vfife.model.tabulated import SamplingError, held, sampled
+from vfife.model.geometry.expression import FUNCTIONS, parse
+from vfife.model.geometry.tabulated import SamplingError, held, sampled
 
 X = np.array([-1.7, -0.3, 0.2, 0.9, 2.5])
 PYTHON = {name: getattr(np, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "abs")}
@@ -20,13 +22,20 @@ PYTHON |= {"min": np.minimum, "max": np.maximum, "step": lambda a: np.where(a < 
 def python(text: str, x: np.ndarray) -> np.ndarray:
     """What Python makes of the text."""
     with np.errstate(all="ignore"):
-        return eval(text.replace("^", "**").replace("[kN]", "e3"), {"__builtins__": {}}, PYTHON | {"x": x}) + 0.0 * x
+        return (
+            eval(text.replace("^", "**").replace("[kN]", "e3"), {"__builtins__": {}}, PYTHON | {"x": x})
+            + 0.0 * x
+        )
 
 
 def atoms():
     """Numbers, the variable, and a function of it."""
     numbers = st.floats(0.01, 9.0).map(lambda value: f"{value:.3g}")
-    return numbers | st.sampled_from(["x", "pi"]) | st.sampled_from(sorted(set(FUNCTIONS) - {"min", "max"})).map(lambda name: f"{name}(x)")
+    return (
+        numbers
+        | st.sampled_from(["x", "pi"])
+        | st.sampled_from(sorted(set(FUNCTIONS) - {"min", "max"})).map(lambda name: f"{name}(x)")
+    )
 
 
 def grown(part):
@@ -40,7 +49,9 @@ def grown(part):
 @given(st.recursive(atoms(), grown, max_leaves=12))
 def test_it_means_what_python_means(text):
     found, wanted = parse(text)(X), python(text, X)
-    wanted = np.where(np.isreal(wanted), np.real(wanted), np.nan)  # Python goes on with complex numbers: (-1)^0.5
+    wanted = np.where(
+        np.isreal(wanted), np.real(wanted), np.nan
+    )  # Python goes on with complex numbers: (-1)^0.5
     assert found == pytest.approx(wanted, rel=1e-12, nan_ok=True)
 
 
@@ -56,7 +67,9 @@ def test_any_text_is_read_or_refused_with_its_place(text):
 def test_units_and_precedence():
     assert parse("2.5[kN] + 30[N]").constant == 2530.0
     assert parse("90 [deg]").constant == pytest.approx(math.pi / 2)
-    assert parse("-2^2").constant == -4.0 and parse("2^3^2").constant == 512.0 and parse("2^-1").constant == 0.5
+    assert (
+        parse("-2^2").constant == -4.0 and parse("2^3^2").constant == 512.0 and parse("2^-1").constant == 0.5
+    )
     assert parse("1[bar]*(0.1/(0.1 + x))^1.4").variable == "x" and parse("3").variable == ""
 
 
@@ -73,7 +86,9 @@ REFUSED = {
 def test_what_is_none_is_refused_where_it_goes_wrong(text):
     with pytest.raises(Fault) as told:
         parse(text)
-    assert (told.value.where, REFUSED[text][1] in told.value.what) == (f"column {REFUSED[text][0]}", True), told.value
+    assert (told.value.where, REFUSED[text][1] in told.value.what) == (f"column {REFUSED[text][0]}", True), (
+        told.value
+    )
 
 
 @pytest.mark.parametrize(
@@ -86,7 +101,10 @@ def test_what_is_none_is_refused_where_it_goes_wrong(text):
     ],
 )  # fmt: skip
 def test_pieces_are_right_to_a_billionth_of_the_largest_value(text, kinks):
-    function, x = held(sampled(text, 0.0, 2.0)), np.append(np.random.default_rng(3).uniform(0.0, 2.0, 5000), 0.74)
+    function, x = (
+        held(sampled(text, 0.0, 2.0)),
+        np.append(np.random.default_rng(3).uniform(0.0, 2.0, 5000), 0.74),
+    )
     wanted = python(text, x)
     assert np.abs(function.sampled(x)[:, 0] - wanted).max() <= 3e-9 * np.abs(wanted).max()
     assert function.kinks == pytest.approx(kinks, abs=1e-15), "it leaps there, and nowhere else"

@@ -1,6 +1,8 @@
-"""A kind of joint, spring or driver is one file. Each kind that there is goes all the way here: file, start, steps, measures, drawing, words.
+"""A kind of joint, spring or driver is one file. Each kind that there is goes all the way here: file, start,
+steps, measures, drawing, words.
 
-A kind is found by its presence, as a law is. Its ``sample`` gives sizes to those of its fields that have no default.
+A kind is found by its presence, as a law is. Its ``sample`` gives sizes to those of its fields that have no
+default.
 """
 
 import ast
@@ -13,19 +15,19 @@ import pytest
 from matplotlib.figure import Figure
 
 import vfife
-from vfife.analysis.forces import joint_rows
 from vfife.assembly.assemble import assemble
 from vfife.kinematics.initial import ideal_motion
+from vfife.measures.forces import joint_rows
 from vfife.model.drivers import Driver
 from vfife.model.joints import Contact, Joint
 from vfife.model.loads import Load, PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.model.springs import ForceElement
-from vfife.model.validate import validate
+from vfife.model.validation import validate
 from vfife.modelfile import dump, loads
 from vfife.plots import figures
 from vfife.report import check as described
-from vfife.result import Result
+from vfife.simulation.result import Result
 from vfife.solvers.transient import run
 
 SOURCE = Path(vfife.__file__).parent
@@ -38,7 +40,11 @@ def with_joint(kind: str) -> Mechanism:
     x, y = joint.first_place
     if isinstance(joint, Contact):
         beside = (y + gap for gap in (0.0, 1e-3, 1e-2, 0.1, 1.0))
-        y = next(at for at in beside if all(one.depth(x + one.offset[0], at + one.offset[1]) <= 0.0 for one in joint.touchings(0.0)))
+        y = next(
+            at
+            for at in beside
+            if all(one.depth(x + one.offset[0], at + one.offset[1]) <= 0.0 for one in joint.touchings(0.0))
+        )
     m = Mechanism(kind, gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
     m.rigid_body("body", mass=1.0, inertia=0.02, position=(x, y))
@@ -59,7 +65,11 @@ def pendulum() -> Mechanism:
 def with_spring(kind: str) -> Mechanism:
     """A link on a pivot and a spring."""
     m, made = pendulum(), SPRINGS[kind]
-    ends = ("ground.P", "arm.end") if made(name="spring", first="", second="", **made.sample).between_pins else ("ground", "arm")
+    ends = (
+        ("ground.P", "arm.end")
+        if made(name="spring", first="", second="", **made.sample).between_pins
+        else ("ground", "arm")
+    )
     m.springs["spring"] = made(name="spring", first=ends[0], second=ends[1], **made.sample)
     return m
 
@@ -77,14 +87,26 @@ def with_load(kind: str) -> Mechanism:
     if "guide" in LOADS[kind].sample.values():
         m.rigid_body("block", mass=0.1, inertia=1e-4, position=(0.5 * np.cos(0.3), -0.5 * np.sin(0.3)))
         m.revolute("pin", "arm.end", "block.center")
-        m.slider("guide", "ground.P", "block.center", direction=(0.5 * np.cos(0.3) - 0.3, 0.4 - 0.5 * np.sin(0.3)), turning=True)
+        m.slider(
+            "guide",
+            "ground.P",
+            "block.center",
+            direction=(0.5 * np.cos(0.3) - 0.3, 0.4 - 0.5 * np.sin(0.3)),
+            turning=True,
+        )
     m.loads["load"] = LOADS[kind](name="load", **LOADS[kind].sample)
     return m
 
 
-CASES = [(with_joint, kind) for kind in JOINTS] + [(with_spring, kind) for kind in SPRINGS] + [(with_driver, kind) for kind in DRIVERS]
+CASES = (
+    [(with_joint, kind) for kind in JOINTS]
+    + [(with_spring, kind) for kind in SPRINGS]
+    + [(with_driver, kind) for kind in DRIVERS]
+)
 CASES += [(with_load, kind) for kind in LOADS]
-EVERY = pytest.mark.parametrize(("make", "kind"), CASES, ids=[f"{make.__name__[5:]} {kind}" for make, kind in CASES])
+EVERY = pytest.mark.parametrize(
+    ("make", "kind"), CASES, ids=[f"{make.__name__[5:]} {kind}" for make, kind in CASES]
+)
 
 
 @cache
@@ -96,7 +118,11 @@ def result(make, kind) -> Result:
 
 
 def test_there_are_kinds_to_walk_with():
-    assert {"ideal", "clearance", "curved-slot"} <= set(JOINTS) and {"linear", "stop"} <= set(SPRINGS) and {"ramp", "effort"} <= set(DRIVERS)
+    assert (
+        {"ideal", "clearance", "curved-slot"} <= set(JOINTS)
+        and {"linear", "stop"} <= set(SPRINGS)
+        and {"ramp", "effort"} <= set(DRIVERS)
+    )
 
 
 @EVERY
@@ -121,11 +147,15 @@ def test_it_starts_closed_and_runs(make, kind):
 @EVERY
 def test_it_has_channels_and_measures(make, kind):
     found = result(make, kind)
-    names = set(joint_rows(found.record)) | set(found.record.assembly.springs) | set(found.record.assembly.pivots)
+    names = (
+        set(joint_rows(found.record)) | set(found.record.assembly.springs) | set(found.record.assembly.pivots)
+    )
     assert {"joint", "spring", "pivot"} & names
     if make is with_joint:
         assert "joint.force.max" in found.measures
-        assert {"joint"} == set(found.record.assembly.contact_joints) or found.record.assembly.ideals == ("joint",)
+        assert {"joint"} == set(found.record.assembly.contact_joints) or found.record.assembly.ideals == (
+            "joint",
+        )
     if make is with_driver and DRIVERS[kind].moves:
         assert found.measures["arm.torque.max"] > 0.0
 
@@ -177,9 +207,11 @@ def test_a_load_and_a_gear_go_the_same_way():
     assert {"gears, pitch circles", "load"} <= legend(figures(found)["mechanism"])
 
 
-# ------------------------------------------------------------------------------------------------- who may name a kind
+# ------------------------------------------------------------------------------------------------- who may
+# name a kind
 
-# Files, or whole rooms, that may name the class of a kind, and why. Its own file and the import lines may anyway.
+# Files, or whole rooms, that may name the class of a kind, and why. Its own file and the import lines may
+# anyway.
 ALLOWED = {
     "__init__.py": "public names",
     "model/mechanism.py": "which joints have play",
@@ -192,16 +224,23 @@ ALLOWED = {
 
 
 def named(text: str, kinds: Iterable[str]) -> set[str]:
-    """Names that a file uses, import lines aside; one that has not even the letters of a kind is not taken apart."""
+    """Names that a file uses, import lines aside; one that has not even the letters of a kind is not taken
+    apart.
+    """
     if not any(kind in text for kind in kinds):
         return set()
     nodes = list(ast.walk(ast.parse(text)))
-    return {node.id for node in nodes if isinstance(node, ast.Name)} | {node.attr for node in nodes if isinstance(node, ast.Attribute)}
+    return {node.id for node in nodes if isinstance(node, ast.Name)} | {
+        node.attr for node in nodes if isinstance(node, ast.Attribute)
+    }
 
 
 def test_no_other_file_names_a_kind():
     kinds = {
-        cls.__name__: cls.__module__ for base in (JOINTS, SPRINGS, DRIVERS, LOADS) for cls in base.values() if cls.__module__.startswith("vfife.")
+        cls.__name__: cls.__module__
+        for base in (JOINTS, SPRINGS, DRIVERS, LOADS)
+        for cls in base.values()
+        if cls.__module__.startswith("vfife.")
     }
     offenders, used = [], set()
     for path in sorted(SOURCE.rglob("*.py")):
@@ -210,7 +249,9 @@ def test_no_other_file_names_a_kind():
         there = {kind for kind in named(path.read_text(), kinds) if kind in kinds and kinds[kind] != module}
         if name.endswith("__init__.py") and name.startswith("model/"):
             continue
-        pardon = next((one for one in ALLOWED if name == one or (one.endswith("/") and name.startswith(one))), None)
+        pardon = next(
+            (one for one in ALLOWED if name == one or (one.endswith("/") and name.startswith(one))), None
+        )
         used |= {pardon} if there and pardon else set()
         offenders += [f"{name}: {', '.join(sorted(there))}"] if there and not pardon else []
     assert offenders == [], "ask the kind; it says what it is in its own file"

@@ -7,7 +7,7 @@ from vfife.errors import ModelError
 from vfife.model.drivers import AngleTable, Harmonic, Ramp, StepTo, Torque
 from vfife.model.loads import GuideForce, PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.model.validate import validate
+from vfife.model.validation import validate
 from vfife.modelfile import dump, loads
 
 
@@ -29,12 +29,31 @@ def test_loads_are_the_nouns_of_a_file():
     m = crank()
     m.drive("crank", speed="600 rpm")
     m.force("push", "rod.end", force=("1 kN", 0), angles=["0 deg", "180 deg", "360 deg"], factors=[0, 1, 0])
-    m.moment("twist", "rod.end", moment="2 N m", times=["0 s", "10 ms"], factors=[0, 1], interpolation="linear")
-    m.guide_force("gas", "guide", pressure=["1 bar", "5 bar"], travels=["150 mm", "250 mm"], bore="50 mm", reverse=True)
+    m.moment(
+        "twist", "rod.end", moment="2 N m", times=["0 s", "10 ms"], factors=[0, 1], interpolation="linear"
+    )
+    m.guide_force(
+        "gas", "guide", pressure=["1 bar", "5 bar"], travels=["150 mm", "250 mm"], bore="50 mm", reverse=True
+    )
     assert m.loads == {
-        "push": PointForce(name="push", at="rod.end", force=(1000.0, 0.0), angles=m.loads["push"].angles, factors=(0.0, 1.0, 0.0)),
-        "twist": PointForce(name="twist", at="rod.end", moment=2.0, times=(0.0, 0.01), factors=(0.0, 1.0), interpolation="linear"),
-        "gas": GuideForce(name="gas", slider="guide", pressure=(1e5, 5e5), travels=(0.15, 0.25), bore=0.05, reverse=True),
+        "push": PointForce(
+            name="push",
+            at="rod.end",
+            force=(1000.0, 0.0),
+            angles=m.loads["push"].angles,
+            factors=(0.0, 1.0, 0.0),
+        ),
+        "twist": PointForce(
+            name="twist",
+            at="rod.end",
+            moment=2.0,
+            times=(0.0, 0.01),
+            factors=(0.0, 1.0),
+            interpolation="linear",
+        ),
+        "gas": GuideForce(
+            name="gas", slider="guide", pressure=(1e5, 5e5), travels=(0.15, 0.25), bore=0.05, reverse=True
+        ),
     }
     assert m.loads["push"].repeats
     assert [(one.words, one.place) for one in m.loads.values()] == [

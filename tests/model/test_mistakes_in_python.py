@@ -1,4 +1,6 @@
-"""Mistakes that people make in scripts: each is told in words, none passes in silence, and none is an accident of ours."""
+"""Mistakes that people make in scripts: each is told in words, none passes in silence, and none is an
+accident of ours.
+"""
 
 from __future__ import annotations
 
@@ -44,42 +46,100 @@ def forgotten_pivot() -> Any:
 
 
 MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
-    "a misspelt keyword": (lambda: machine().link("bar", lenght=0.1, mass=1.0), ("[body.bar] lenght", "no such keyword", 'mean "length"')),
-    "a keyword left out": (lambda: machine().rigid_body("plate", mass=1.0), ("[body.plate] inertia", "is missing", "inertia=...")),
-    "a mass for a length": (lambda: machine().link("bar", length="3 kg", mass=1.0), ("[body.bar] length", "this is a mass", "a length")),
-    "a length below zero": (lambda: machine().link("bar", length=-0.1, mass=1.0), ("[body.bar] length = -0.1", "negative", "above 0 m")),
+    "a misspelt keyword": (
+        lambda: machine().link("bar", lenght=0.1, mass=1.0),
+        ("[body.bar] lenght", "no such keyword", 'mean "length"'),
+    ),
+    "a keyword left out": (
+        lambda: machine().rigid_body("plate", mass=1.0),
+        ("[body.plate] inertia", "is missing", "inertia=..."),
+    ),
+    "a mass for a length": (
+        lambda: machine().link("bar", length="3 kg", mass=1.0),
+        ("[body.bar] length", "this is a mass", "a length"),
+    ),
+    "a length below zero": (
+        lambda: machine().link("bar", length=-0.1, mass=1.0),
+        ("[body.bar] length = -0.1", "negative", "above 0 m"),
+    ),
     "millimetres as metres": (
         lambda: machine().clearance("C", "rod.end", "ground.O", clearance=0.2, bearing_radius="10 mm"),
         ("[joint.C] clearance = 0.2", "no journal is left", "check the units"),
     ),
     "a misspelt law": (
-        lambda: machine().clearance("C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", contact="hertzz"),
+        lambda: machine().clearance(
+            "C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", contact="hertzz"
+        ),
         ("[joint.C.contact] law", "no contact law is called so", 'mean "hertz"'),
     ),
     "a law that was not made": (
-        lambda: machine().clearance("C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", friction=vfife.Coulomb),
+        lambda: machine().clearance(
+            "C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", friction=vfife.Coulomb
+        ),
         ("[joint.C] friction = Coulomb", "the law's class", "write Coulomb()"),
     ),
-    "a misspelt pin": (lambda: machine().revolute("elbow", "rod.nd", "ground.O"), ("[joint.elbow] bearing", "rod has no pin", 'mean "rod.end"')),
-    "a body without its pin": (lambda: machine().revolute("elbow", "rod", "ground.O"), ("[joint.elbow] bearing", "the pin is missing", "rod.end")),
-    "a name given twice": (lambda: machine().link("rod", length=0.1, mass=1.0), ("[body.rod]", 'called "rod" already', "another name")),
-    "a misspelt material": (lambda: machine().link("bar", length=0.1, mass=1.0, material="stel"), ("material", "no material", 'mean "steel"')),
+    "a misspelt pin": (
+        lambda: machine().revolute("elbow", "rod.nd", "ground.O"),
+        ("[joint.elbow] bearing", "rod has no pin", 'mean "rod.end"'),
+    ),
+    "a body without its pin": (
+        lambda: machine().revolute("elbow", "rod", "ground.O"),
+        ("[joint.elbow] bearing", "the pin is missing", "rod.end"),
+    ),
+    "a name given twice": (
+        lambda: machine().link("rod", length=0.1, mass=1.0),
+        ("[body.rod]", 'called "rod" already', "another name"),
+    ),
+    "a misspelt material": (
+        lambda: machine().link("bar", length=0.1, mass=1.0, material="stel"),
+        ("material", "no material", 'mean "steel"'),
+    ),
     "gravity as a number": (set_gravity, ("gravity = 9.81", "this is a number", "a list")),
     "a body that nobody made": (forgotten_pivot, ("[joint.elbow] journal", "there is no body 'crank'")),
-    "a file instead of a mechanism": (lambda: vfife.simulate("machine.toml"), ("mechanism", "a text", "load_model")),  # type: ignore[arg-type]
-    "turns and a duration": (lambda: vfife.simulate(machine(), turns=1, duration=1), ("turns", "exclude each other", "leave out one")),
-    "turns where nothing turns": (lambda: vfife.simulate(machine(), turns=1), ("turns = 1", "no driver", "duration")),
+    "a file instead of a mechanism": (
+        lambda: vfife.simulate("machine.toml"),
+        ("mechanism", "a text", "load_model"),
+    ),  # type: ignore[arg-type]
+    "turns and a duration": (
+        lambda: vfife.simulate(machine(), turns=1, duration=1),
+        ("turns", "exclude each other", "leave out one"),
+    ),
+    "turns where nothing turns": (
+        lambda: vfife.simulate(machine(), turns=1),
+        ("turns = 1", "no driver", "duration"),
+    ),
     "a misspelt setting": (lambda: vfife.Settings(turn=2), ("[run] turn", "no such keyword", 'mean "turns"')),  # type: ignore[call-arg]
-    "a misspelt path": (lambda: vfife.load(EXAMPLES / "slider_crank.toml", {"run.turn": 2}), ("run.turn", "no 'turn' in run", "run.turns")),
-    "a file that is not there": (lambda: vfife.load("nowhere.toml"), ("nowhere.toml", "cannot be read", "check the name")),
+    "a misspelt path": (
+        lambda: vfife.load(EXAMPLES / "slider_crank.toml", {"run.turn": 2}),
+        ("run.turn", "no 'turn' in run", "run.turns"),
+    ),
+    "a file that is not there": (
+        lambda: vfife.load("nowhere.toml"),
+        ("nowhere.toml", "cannot be read", "check the name"),
+    ),
     "a misspelt figure": (lambda: result().plot("force"), ("no figure", 'mean "forces"')),
     "names in a list": (lambda: result().to_dataframe(["pivot"]), ("is a list", "one by one")),  # type: ignore[arg-type]
-    "a torque where a speed is": (lambda: machine().drive("rod", torque=1.0), ("no such keyword", "use torque() for it")),  # type: ignore[call-arg]
-    "a body where nothing is set": (lambda: vfife.Simulation(machine()).set("rod", 1.0), ("no such input", "add a torque", "steered=")),
-    "a unit spelt wrong": (lambda: machine().link("bar", length="3 milimeter", mass=1.0), ("this is a text whose unit", 'mean "millimeter"')),
-    "a step too long": (lambda: vfife.simulate(vfife.gallery.slider_crank(), turns=1, step=1.0), ("too large", "force_step=True")),
+    "a torque where a speed is": (
+        lambda: machine().drive("rod", torque=1.0),
+        ("no such keyword", "use torque() for it"),
+    ),  # type: ignore[call-arg]
+    "a body where nothing is set": (
+        lambda: vfife.Simulation(machine()).set("rod", 1.0),
+        ("no such input", "add a torque", "steered="),
+    ),
+    "a unit spelt wrong": (
+        lambda: machine().link("bar", length="3 milimeter", mass=1.0),
+        ("this is a text whose unit", 'mean "millimeter"'),
+    ),
+    "a step too long": (
+        lambda: vfife.simulate(vfife.gallery.slider_crank(), turns=1, step=1.0),
+        ("too large", "force_step=True"),
+    ),
     "a misspelt joint of a result": (lambda: result().joint("pivott"), ("no joint", 'mean "pivot"')),
-    "a folder that is not there": (lambda: result().export("nowhere/out.csv"), ("no folder", "nowhere", "make it first")),
+    "a folder that is not there": (
+        lambda: result().export("nowhere/out.csv"),
+        ("no folder", "nowhere", "make it first"),
+    ),
     "a misspelt law to compare": (
         lambda: vfife.compare(vfife.gallery.journal_in_bearing(), contact=["hertzz"]),
         ("no contact law", 'mean "hertz"'),
@@ -110,7 +170,9 @@ def test_a_misspelt_keyword_is_a_type_error_too() -> None:
 def test_a_misspelt_measure_is_a_key_error_that_reads_as_a_sentence() -> None:
     with pytest.raises(KeyError) as told:
         result().measures["pivot.force.mx"]
-    assert str(told.value) == str(told.value).strip("'\"") and 'did you mean "pivot.force.max"' in str(told.value)
+    assert str(told.value) == str(told.value).strip("'\"") and 'did you mean "pivot.force.max"' in str(
+        told.value
+    )
     assert result().measures.get("pivot.force.mx") is None and "pivot.force.mx" not in result().measures
 
 

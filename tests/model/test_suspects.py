@@ -1,4 +1,6 @@
-"""What may be a mistake though it could be meant: told once, with the likely cause; nothing is said of mechanisms that are meant."""
+"""What may be a mistake though it could be meant: told once, with the likely cause; nothing is said of
+mechanisms that are meant.
+"""
 
 import dataclasses
 import math
@@ -10,7 +12,7 @@ from vfife.errors import AssemblyError
 from vfife.model.drivers import Harmonic
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.model.plausibility import suspects
+from vfife.model.validation.plausibility import suspects
 
 
 def linkage(coupler: float = 0.28, unit: float = 1.0) -> Mechanism:
@@ -60,14 +62,30 @@ def swinging(m: Mechanism) -> Mechanism:
         (without(linkage(), "B", "D"), ["Nothing ties coupler, rocker to the ground", "pivot forgotten?"]),
         (
             without(linkage(), "C"),
-            ["chain is open: coupler.end and rocker.end are joined", "between rocker.end and coupler.end forgotten?"],
+            [
+                "chain is open: coupler.end and rocker.end are joined",
+                "between rocker.end and coupler.end forgotten?",
+            ],
         ),
         (
             without(linkage(), "D"),
-            ["rocker.start is joined to nothing, and ground.D", "between ground.D and rocker.start forgotten?"],
+            [
+                "rocker.start is joined to nothing, and ground.D",
+                "between ground.D and rocker.start forgotten?",
+            ],
         ),
     ],
-    ids=["metres", "tiny", "all in millimetres", "radians", "amplitude", "body on nothing", "group on nothing", "two ends", "pivot"],
+    ids=[
+        "metres",
+        "tiny",
+        "all in millimetres",
+        "radians",
+        "amplitude",
+        "body on nothing",
+        "group on nothing",
+        "two ends",
+        "pivot",
+    ],
 )
 def test_a_suspect_is_told(mechanism, words):
     told = suspects(mechanism)
@@ -82,7 +100,9 @@ def test_nothing_is_said_of_what_is_meant(name):
 @pytest.mark.parametrize(("factor", "radius"), [(1e-6, "0.02887 mm"), (1e6, "2.887e+04 mm")])
 def test_an_inertia_in_another_unit_is_told_with_its_radius(factor, radius):
     m = linkage()
-    m.bodies["coupler"] = dataclasses.replace(m.bodies["coupler"], length=0.1, mass=2.0, inertia=factor * 2.0 * 0.1**2 / 12.0)
+    m.bodies["coupler"] = dataclasses.replace(
+        m.bodies["coupler"], length=0.1, mass=2.0, inertia=factor * 2.0 * 0.1**2 / 12.0
+    )
     (told,) = suspects(m)
     assert "body.coupler.inertia" in told and radius in told and "check its unit" in told
 

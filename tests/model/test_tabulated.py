@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from vfife.model.polynomials import Polynomials, moved
-from vfife.model.tabulated import closes, held, repeated, table, two_ways, whole_turns
+from vfife.model.geometry.polynomials import Polynomials, moved
+from vfife.model.geometry.tabulated import closes, held, repeated, table, two_ways, whole_turns
 
 PLACES, VALUES = (0.0, 0.1, 0.3, 0.35, 0.6), (0.0, 2.0, 2.1, 9.0, 0.0)
 INTERPOLANTS = {
@@ -49,7 +49,11 @@ def test_a_repeated_table_is_periodic_wherever_it_begins(how, begin):
     if how == "spline":
         wanted = CubicSpline(PLACES, VALUES, bc_type="periodic")(x - begin)
     else:
-        wanted = (PchipInterpolator(places, values) if how == "monotone" else lambda at: np.interp(at, places, values))(x - begin)
+        wanted = (
+            PchipInterpolator(places, values)
+            if how == "monotone"
+            else lambda at: np.interp(at, places, values)
+        )(x - begin)
     assert one == pytest.approx(wanted, abs=1e-11)
 
 
@@ -74,11 +78,17 @@ def test_two_ways_lie_a_gap_apart_with_a_kink_between_them():
 
 def test_what_closes_and_what_goes_round():
     assert closes((1.0, 5.0, 1.0 + 1e-12)) and not closes((1.0, 5.0, 1.1))
-    assert whole_turns((0.5, 1.0, 0.5 + 4.0 * math.pi)) and not whole_turns((0.0, 3.0)) and not whole_turns((0.0, 6.0))
+    assert (
+        whole_turns((0.5, 1.0, 0.5 + 4.0 * math.pi))
+        and not whole_turns((0.0, 3.0))
+        and not whole_turns((0.0, 6.0))
+    )
 
 
 def test_a_long_table_is_as_one_through_few_points_of_it():
-    """Of 20,000 places, which are looked at once each: a search through all of them for each would take minutes."""
+    """Of 20,000 places, which are looked at once each: a search through all of them for each would take
+    minutes.
+    """
     places = np.linspace(0.0, 1.0, 20_001)
     function = held(table(places.tolist(), np.sin(3.0 * places).tolist()))
     assert function(0.37)[0] == pytest.approx(math.sin(1.11), abs=1e-8) and function.kinks == ()

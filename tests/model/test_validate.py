@@ -1,4 +1,6 @@
-"""What cannot be meant is told of nouns as of files: all at once, with place, value and limit, before anything is run."""
+"""What cannot be meant is told of nouns as of files: all at once, with place, value and limit, before
+anything is run.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ from vfife.model.joints import ClearanceRevolute, Slider
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings, StartSettings
 from vfife.model.springs import Bushing
-from vfife.model.validate import faults, validate
+from vfife.model.validation import faults, validate
 
 
 def crank() -> Mechanism:
@@ -144,12 +146,20 @@ def test_a_faulty_noun_is_checked_for_the_rest_and_gives_no_second_fault() -> No
         name="truss", nodes={"A": (0.0, 0.0), "B": (1.0, None)}, section=section,  # type: ignore[dict-item]
         members=(Member("A", "B", mass=-1.0), Member("B", "X")),
     )  # fmt: skip
-    m.joints["T"] = ClearanceRevolute(name="T", bearing="ground.O", journal="truss.B", clearance=math.nan, bearing_radius=0.01)
+    m.joints["T"] = ClearanceRevolute(
+        name="T", bearing="ground.O", journal="truss.B", clearance=math.nan, bearing_radius=0.01
+    )
     m.bodies["plate"] = RigidBody(name="plate", mass=0.0, inertia=1.0, pins={"p": (0.0, "x")})  # type: ignore[dict-item]
     m.revolute("P", "rod.end", "plate.p")
     places = sorted(line.partition(" = ")[0].partition(":")[0] for line in told(m))
     assert places == sorted(
-        ["[body.truss.nodes] B[1]", "[body.truss] members[0].mass", "[body.truss] members[1].end", "[joint.T] clearance", "[body.plate] mass"]
+        [
+            "[body.truss.nodes] B[1]",
+            "[body.truss] members[0].mass",
+            "[body.truss] members[1].end",
+            "[joint.T] clearance",
+            "[body.plate] mass",
+        ]
         + ["[body.plate.pins] p[1]"]
     )
 
@@ -180,7 +190,9 @@ def test_a_law_tells_all_its_faults_at_once() -> None:
     assert "above 0 and at most 1" in str(caught.value)
 
 
-@pytest.mark.parametrize("law", [*ContactLaw.registry.values(), *FrictionLaw.registry.values()], ids=lambda law: law.name)
+@pytest.mark.parametrize(
+    "law", [*ContactLaw.registry.values(), *FrictionLaw.registry.values()], ids=lambda law: law.name
+)
 def test_every_number_of_every_law_is_checked(law: Any) -> None:
     """Whatever it is, no parameter may be nan."""
     needed = {field.name: 1e-3 for field in dataclasses.fields(law) if field.default is dataclasses.MISSING}
@@ -191,7 +203,9 @@ def test_every_number_of_every_law_is_checked(law: Any) -> None:
 
 
 def test_parameters_that_do_not_go_together() -> None:
-    with pytest.raises(LawError, match=r"v1 = 0.01: friction would have no ramp between v0 and v1; allowed: above v0 = 1 m/s"):
+    with pytest.raises(
+        LawError, match=r"v1 = 0.01: friction would have no ramp between v0 and v1; allowed: above v0 = 1 m/s"
+    ):
         Ambrosio(v0=1.0)
     with pytest.raises(LawError, match="coefficient = -0.1"):
         Coulomb(coefficient=-0.1)
@@ -219,5 +233,9 @@ def test_a_second_one_of_a_name_is_refused(what: str) -> None:
 def test_fields_of_a_link_are_those_of_the_table() -> None:
     """Unit, meaning and limits stand beside the field."""
     told = {field.name: field.metadata for field in dataclasses.fields(Link) if field.name != "name"}
-    assert (told["length"]["unit"], told["length"]["above"], told["length"]["meaning"]) == ("m", 0.0, "distance from start to end")
+    assert (told["length"]["unit"], told["length"]["above"], told["length"]["meaning"]) == (
+        "m",
+        0.0,
+        "distance from start to end",
+    )
     assert all(one["meaning"] for one in told.values())

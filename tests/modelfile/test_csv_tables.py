@@ -1,4 +1,6 @@
-"""Tables in CSV files beside a model: their numbers become the model's, faults name line and column, and nothing outside the folder is read."""
+"""Tables in CSV files beside a model: their numbers become the model's, faults name line and column, and
+nothing outside the folder is read.
+"""
 
 import math
 from pathlib import Path
@@ -10,7 +12,7 @@ import vfife
 from model_texts import COMPRESSOR as MODEL
 from model_texts import GAS
 from vfife.cli.app import app
-from vfife.cli.check import filled_in
+from vfife.cli.commands.check import filled_in
 from vfife.errors import ModelError
 from vfife.modelfile import csvtables, dump, load, loads
 
@@ -28,7 +30,9 @@ def model(folder: Path, text: str, table: str | bytes = TABLE, name: str = "gas.
 def test_its_numbers_are_the_models(tmp_path):
     path = model(tmp_path, GAS + 'table = "gas.csv"\n')
     m = load(path)
-    inline = loads(MODEL + GAS + 'angles = ["0 deg", "90 deg", "180 deg", "360 deg"]\nforce = [0, "1.5 kN", "2 kN", 0]\n')
+    inline = loads(
+        MODEL + GAS + 'angles = ["0 deg", "90 deg", "180 deg", "360 deg"]\nforce = [0, "1.5 kN", "2 kN", 0]\n'
+    )
     assert m.loads == inline.loads
     (tmp_path / "gas.csv").unlink()
     assert loads(dump(m)) == m, "what is written holds the numbers, and needs no file"
@@ -55,7 +59,11 @@ def test_drivers_have_tables_too(tmp_path):
     path = model(tmp_path, "", "time (s), angle (deg)\n0, 0\n1, 90\n2, 360\n", "way.csv")
     path.write_text(text)
     driver = load(path).drivers["crank"]
-    assert driver.values == pytest.approx((0.0, math.pi / 2, 2.0 * math.pi)) and driver.times == (0.0, 1.0, 2.0)
+    assert driver.values == pytest.approx((0.0, math.pi / 2, 2.0 * math.pi)) and driver.times == (
+        0.0,
+        1.0,
+        2.0,
+    )
     (tmp_path / "way.csv").write_text("speed (rpm), torque (N m)\n0, 3\n3000, 0\n")
     assert load(path).drivers["crank"].speeds == pytest.approx((0.0, 100.0 * math.pi))
 
@@ -72,7 +80,8 @@ FAULTS = {
     "no such column": (TABLE.replace("force", "forze"), 'Did you mean "force"'),
     "twice": (TABLE.replace("angle (deg), force (kN)", "force (kN), force (kN)"), "names a column twice"),
     "no head": ("0, 0\n1, 2\n", "line 1, column 1: this names no column"),
-    "a head of many spaces": ("angle" + " " * 3000 + "!, force\n0, 0\n", "line 1, column 1: this names no column"),  # hours, by a careless pattern
+    # hours, by a careless pattern
+    "a head of many spaces": ("angle" + " " * 3000 + "!, force\n0, 0\n", "line 1, column 1: this names no column"),
     "one row": ("angle (deg), force (kN)\n0, 0\n", "has 1 rows of numbers"),
     "empty": ("", "does not name two columns"),
     "not UTF-8": (TABLE.encode() + b"\xff\xfe", "line 8 is not UTF-8"),
@@ -90,7 +99,18 @@ def test_a_fault_is_told_with_its_line_and_column(tmp_path, name):
     assert len(told.value.faults) == 1, said
 
 
-@pytest.mark.parametrize("name", ["/etc/hostname", "../outside.csv", "sub/../../outside.csv", "link.csv", "C:\\\\x.csv", "a\\u0000b", "x" * 5000])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "/etc/hostname",
+        "../outside.csv",
+        "sub/../../outside.csv",
+        "link.csv",
+        "C:\\\\x.csv",
+        "a\\u0000b",
+        "x" * 5000,
+    ],
+)
 def test_nothing_outside_the_folder_is_read(tmp_path, name):
     folder = tmp_path / "model"
     (folder / "sub").mkdir(parents=True)
@@ -103,7 +123,11 @@ def test_nothing_outside_the_folder_is_read(tmp_path, name):
 def test_what_is_no_file_or_too_large_is_told(tmp_path, monkeypatch):
     (tmp_path / "folder.csv").mkdir()
     (tmp_path / "round.csv").symlink_to(tmp_path / "round.csv")
-    for name, what in (("folder.csv", "no such file"), ("round.csv", "no such file|no name of a file"), ("gaz.csv", 'Did you mean "gas.csv"')):
+    for name, what in (
+        ("folder.csv", "no such file"),
+        ("round.csv", "no such file|no name of a file"),
+        ("gaz.csv", 'Did you mean "gas.csv"'),
+    ):
         with pytest.raises(ModelError, match=what):
             load(model(tmp_path, GAS + f'table = "{name}"\n'))
     with pytest.raises(ModelError, match="this is a whole number"):
@@ -130,7 +154,10 @@ def test_check_tells_its_defaults(tmp_path):
 
 def test_other_faults_are_told_beside_it(tmp_path):
     with pytest.raises(ModelError) as told:
-        load(model(tmp_path, GAS + 'table = "gone.csv"\n').with_name("model.toml"), [("body.rod.length", "-1 m")])
+        load(
+            model(tmp_path, GAS + 'table = "gone.csv"\n').with_name("model.toml"),
+            [("body.rod.length", "-1 m")],
+        )
     assert len(told.value.faults) == 2
 
 
@@ -138,7 +165,9 @@ def test_a_run_goes_on_without_the_file(tmp_path):
     """The run's copy of the model has the numbers."""
     m = load(model(tmp_path, GAS + 'table = "gas.csv"\n'))
     run = tmp_path / "run"
-    vfife.simulate(m, turns=0.1, step=1e-4, outputs=100, force_step=True, reference=False, loop="data-driven").save(run)
+    vfife.simulate(
+        m, turns=0.1, step=1e-4, outputs=100, force_step=True, reference=False, loop="data-driven"
+    ).save(run)
     (tmp_path / "gas.csv").unlink()
     again = vfife.load_result(run)
     assert again.record.assembly.mechanism.loads == m.loads

@@ -1,4 +1,6 @@
-"""One value of a model file changed where it stands: what tomllib reads is what was asked for, and no other sign of the text has moved."""
+"""One value of a model file changed where it stands: what tomllib reads is what was asked for, and no other
+sign of the text has moved.
+"""
 
 import tomllib
 from pathlib import Path
@@ -8,7 +10,9 @@ import pytest
 from vfife.errors import ModelError
 from vfife.modelfile.edited import edited
 
-TEMPLATES = sorted((Path(__file__).resolve().parents[2] / "src" / "vfife" / "modelfile" / "templates").glob("*.toml"))
+TEMPLATES = sorted(
+    (Path(__file__).resolve().parents[2] / "src" / "vfife" / "modelfile" / "templates").glob("*.toml")
+)
 TEXT = """\
 # a comment
 name = "four # bar"  # another
@@ -66,7 +70,9 @@ def test_one_line_changes(path, written, gone, come):
 
 def test_a_list_over_lines_keeps_its_lines_and_comments():
     assert changed(TEXT, ("body", "crank", "moments", 1), "[2, 4]") == (["  [2, 3]"], ["  [2, 4]"])
-    assert "[[0, 1], [2, 4], [5, 6]]" in edited(TEXT, ("body", "crank", "moments"), "[[0, 1], [2, 4], [5, 6]]")
+    assert "[[0, 1], [2, 4], [5, 6]]" in edited(
+        TEXT, ("body", "crank", "moments"), "[[0, 1], [2, 4], [5, 6]]"
+    )
 
 
 def test_a_key_stands_before_the_comment_of_the_next_table():
@@ -79,14 +85,20 @@ def test_a_new_law_takes_away_what_it_has_no_use_for():
     assert tomllib.loads(text)["joint"]["D"]["contact"] == {"law": "kelvin-voigt"}
 
 
-@pytest.mark.parametrize(("path", "written"), [(("name", "x"), "1"), (("gone",), None), (("body", "crank", "pins", 5), "1")])
+@pytest.mark.parametrize(
+    ("path", "written"), [(("name", "x"), "1"), (("gone",), None), (("body", "crank", "pins", 5), "1")]
+)
 def test_what_cannot_be_changed_alone_is_told(path, written):
     with pytest.raises(ModelError, match="in the text of the file") as error:
         edited(TEXT, path, written)
     assert len(error.value.faults) == 1
 
 
-@pytest.mark.parametrize("path", [path for path in TEMPLATES if path.stem in ("cantilever", "compressor", "frame")], ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [path for path in TEMPLATES if path.stem in ("cantilever", "compressor", "frame")],
+    ids=lambda path: path.stem,
+)
 def test_values_of_a_template_can_be_changed(path):
     """Numbers and texts by themselves: one line is another, and what is read differs there alone."""
     text = path.read_text("utf-8")
@@ -99,7 +111,9 @@ def test_values_of_a_template_can_be_changed(path):
         if at[-1] in ("law", "kind", "model"):
             continue
         found = edited(text, at, "17")
-        assert sum(one != other for one, other in zip(text.splitlines(), found.splitlines(), strict=False)) >= 1
+        assert (
+            sum(one != other for one, other in zip(text.splitlines(), found.splitlines(), strict=False)) >= 1
+        )
         here = tomllib.loads(found)
         for part in at[:-1]:
             here = here[part]

@@ -1,4 +1,6 @@
-"""Model texts with anything in them: a mechanism, or faults in sentences, soon; never a traceback, and no number that is none."""
+"""Model texts with anything in them: a mechanism, or faults in sentences, soon; never a traceback, and no
+number that is none.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,16 @@ def test_quantities_are_numbers_or_told() -> None:
 def test_anything_may_be_set(value: str) -> None:
     """What --set gives, for a place of each kind."""
     path = EXAMPLES[0].parent / "four_bar_case_c.toml"
-    for place in ("joint.C.clearance", "run.step", "run.outputs", "body.coupler.length", "driver.crank.speed", "gravity", "name", "joint.C.kind"):
+    for place in (
+        "joint.C.clearance",
+        "run.step",
+        "run.outputs",
+        "body.coupler.length",
+        "driver.crank.speed",
+        "gravity",
+        "name",
+        "joint.C.kind",
+    ):
         try:
             vfife.load_model(path, set=[(place, value.strip('"'))])
         except VfifeError as error:

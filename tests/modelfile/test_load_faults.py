@@ -50,25 +50,35 @@ def test_a_fault_of_a_load_is_told(name):
 
 def test_an_angle_without_a_crank_is_told():
     with pytest.raises(ModelError, match="no driver turns a body"):
-        loads(MODEL.replace('[driver.crank]\nspeed = "600 rpm"\n', "") + '[load.p]\nat = "rod.end"\nangles = [0, 1]\nfactors = [0, 1]\n')
+        loads(
+            MODEL.replace('[driver.crank]\nspeed = "600 rpm"\n', "")
+            + '[load.p]\nat = "rod.end"\nangles = [0, 1]\nfactors = [0, 1]\n'
+        )
 
 
 def test_a_moving_guide_whose_journal_turns_is_told():
-    text = MODEL.replace('kind = "slider"\nbearing = "ground.O"', 'kind = "slider"\nturning = true\nbearing = "crank.start"')
+    text = MODEL.replace(
+        'kind = "slider"\nbearing = "ground.O"', 'kind = "slider"\nturning = true\nbearing = "crank.start"'
+    )
     with pytest.raises(ModelError, match="does not turn with it"):
         loads(text + GAS + "force = 3\n")
 
 
 def test_loads_are_read_and_written():
     m = loads(
-        MODEL + GAS + TABLE + 'pressure = ["1 bar", "5 bar"]\npressure_back = [1e5, 5e5]\nbore = "50 mm"\nambient = "1 bar"\nreverse = true\n'
-        '[load.p]\nat = "rod.end"\nforce = ["1 kN", 0]\nangles = ["0 deg", "90 deg", "360 deg"]\nfactors = [0, 1, 0]\nzero_angle = "10 deg"\n'
-        'interpolation = "linear"\nrepeat = true\n'
+        MODEL
+        + GAS
+        + TABLE
+        + 'pressure = ["1 bar", "5 bar"]\npressure_back = [1e5, 5e5]\nbore = "50 mm"\nambient = "1'
+        ' bar"\nreverse = true\n[load.p]\nat = "rod.end"\nforce = ["1 kN", 0]\nangles = ["0 deg", "90 deg",'
+        ' "360 deg"]\nfactors = [0, 1, 0]\nzero_angle = "10 deg"\ninterpolation = "linear"\nrepeat = true\n'
     )
     gas, p = m.loads["gas"], m.loads["p"]
     assert isinstance(gas, GuideForce) and isinstance(p, PointForce)
     assert (gas.travels, gas.pressure_back, gas.values) == ((0.15, 0.25), (1e5, 5e5), (0.0, 4e5))
-    assert gas.unit == pytest.approx(-1.9634954e-3) and p.repeats and p.over == "angle" and gas.over == "travel"
+    assert (
+        gas.unit == pytest.approx(-1.9634954e-3) and p.repeats and p.over == "angle" and gas.over == "travel"
+    )
     assert loads(dump(m)) == m
 
 

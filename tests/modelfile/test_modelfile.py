@@ -23,7 +23,9 @@ def test_a_file_means_what_it_says() -> None:
     model = read(FOUR_BAR)
     assert model.name == "four-bar"
     assert model.points == {"A": (0.0, 0.0), "D": (0.15, 0.0)}
-    assert model.bodies["coupler"] == bodies.Link(name="coupler", length=0.26, mass=2.028, angle=51 / 180 * math.pi)
+    assert model.bodies["coupler"] == bodies.Link(
+        name="coupler", length=0.26, mass=2.028, angle=51 / 180 * math.pi
+    )
     assert model.joints["B"] == joints.IdealRevolute(name="B", bearing="crank.end", journal="coupler.start")
     assert model.joints["C"] == joints.ClearanceRevolute(
         name="C",
@@ -126,9 +128,16 @@ def test_other_bodies_materials_and_loads() -> None:
     assert model.settings == Settings(duration=0.5, step=1e-6)
     assert model.start == StartSettings("rough", "seated")
     assert model.bodies["plate"] == bodies.RigidBody(
-        name="plate", mass=2.0, inertia=0.01, center=(1e-3, 0.0), velocity=(1.0, 0.0, 2.0), pins={"P": (0.1, 0.02)}
+        name="plate",
+        mass=2.0,
+        inertia=0.01,
+        center=(1e-3, 0.0),
+        velocity=(1.0, 0.0, 2.0),
+        pins={"P": (0.1, 0.02)},
     )
-    assert model.bodies["weight"] == bodies.PointMass(name="weight", mass=1.0, position=(0.0, 1.0), material=bronze)
+    assert model.bodies["weight"] == bodies.PointMass(
+        name="weight", mass=1.0, position=(0.0, 1.0), material=bronze
+    )
     joint = model.clearances["O"]
     assert (joint.bearing_material, joint.journal_material) == (bronze, None)
     assert (joint.contact, joint.friction) == (LankaraniNikravesh(), Frictionless())
@@ -155,7 +164,8 @@ def test_steel_can_be_redefined_for_bodies_and_ground() -> None:
     assert read(FOUR_BAR, [("material.steel.density", 7000)]).bodies["crank"].material.density == 7000.0
 
 
-# ------------------------------------------------------------------------------------------------------------ examples
+# ------------------------------------------------------------------------------------------------------------
+# examples
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -170,11 +180,15 @@ def test_all_examples_are_there() -> None:
     assert names <= {path.stem for path in FILES}
 
 
-@pytest.mark.parametrize("path", [path for path in FILES if path.stem.startswith("four_bar")], ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [path for path in FILES if path.stem.startswith("four_bar")], ids=lambda path: path.stem
+)
 def test_four_bars_are_that_of_table_1(path: Path) -> None:
     model = load(path)
     assert model.points == {"A": (0.0, 0.0), "D": (0.15, 0.0)}
-    lengths = {name: (body.length, body.mass) for name, body in model.bodies.items() if isinstance(body, bodies.Link)}
+    lengths = {
+        name: (body.length, body.mass) for name, body in model.bodies.items() if isinstance(body, bodies.Link)
+    }
     assert lengths == {"crank": (0.4, 3.12), "coupler": (0.26, 2.028), "follower": (0.46, 3.588)}
     assert {name: (joint.bearing, joint.journal) for name, joint in model.joints.items()} == {
         "A": ("ground.A", "crank.start"),
@@ -193,14 +207,19 @@ def test_the_demo_is_the_first_inferred_set_and_says_so() -> None:
     assert "INFERRED" in model.note
     assert "INFERRED" in DEMO.read_text(encoding="utf-8")
     for joint in model.clearances.values():
-        assert (joint.contact, joint.friction) == (Pereira(restitution=0.5), Ambrosio(coefficient=0.1, v0=0.01, v1=0.1))
+        assert (joint.contact, joint.friction) == (
+            Pereira(restitution=0.5),
+            Ambrosio(coefficient=0.1, v0=0.01, v1=0.1),
+        )
         assert (joint.axial_length, joint.friction_moment) == (0.005, "off")
     for name in ("coupler", "follower"):
         link = model.bodies[name]
         assert isinstance(link, bodies.Link)
         assert (link.model, link.release) == ("two-particle", "both")
         assert link.section is not None
-        assert link.material.youngs_modulus * link.stiffness_factor * link.section.area == pytest.approx(2.07e11, rel=1e-14)
+        assert link.material.youngs_modulus * link.stiffness_factor * link.section.area == pytest.approx(
+            2.07e11, rel=1e-14
+        )
 
 
 def test_reference_cases_have_their_laws() -> None:
@@ -219,5 +238,7 @@ def test_examples_need_neither_pint_nor_numba() -> None:
         "heavy = {'pint', 'numba', 'scipy', 'xarray', 'matplotlib'} & set(sys.modules)\n"
         "sys.exit(' '.join(heavy) or 0)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
     assert done.returncode == 0, done.stderr

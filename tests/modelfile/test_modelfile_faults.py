@@ -93,7 +93,9 @@ def test_all_faults_of_a_file_are_told_at_once(tmp_path: Path) -> None:
     assert told[0] == f"{path} has {len(EXPECTED)} faults:"
     assert all(str(path) in line for line in told)
     for words in EXPECTED:
-        found = [line for line in told[1:] if f"{path}, {words[0]}" in line and all(word in line for word in words)]
+        found = [
+            line for line in told[1:] if f"{path}, {words[0]}" in line and all(word in line for word in words)
+        ]
         assert len(found) == 1, (words, told)
     assert len(caught.value.faults) == len(EXPECTED)
 
@@ -186,7 +188,11 @@ def test_one_fault_is_told_once_with_its_place(case: str) -> None:
         ),
         ("[material.wood]\ndensity = 500\npoissons_ratio = 0.3", "[material.wood] youngs_modulus", "missing"),
         ('[body.p]\nmodel = "particle"\nmass = 1\nlength = 2', "[body.p] length", "no such key"),
-        ('[body.p]\nmodel = "rigid"\nmass = 1\npins = {P = [0, 0]}', "[body.p] inertia", "a link has a length"),
+        (
+            '[body.p]\nmodel = "rigid"\nmass = 1\npins = {P = [0, 0]}',
+            "[body.p] inertia",
+            "a link has a length",
+        ),
     ],
 )
 def test_more_faults(lines: str, where: str, words: str) -> None:

@@ -1,4 +1,6 @@
-"""Model files of any planar mechanism: what the tables of frames, guides, gears, springs and drivers mean, and their faults."""
+"""Model files of any planar mechanism: what the tables of frames, guides, gears, springs and drivers mean,
+and their faults.
+"""
 
 from __future__ import annotations
 
@@ -34,22 +36,32 @@ def test_every_table_means_what_it_says() -> None:
     assert beam.section.area == pytest.approx(math.pi * (0.01**2 - 0.008**2), rel=1e-14)
     assert beam.section.second_moment == pytest.approx(math.pi / 4 * (0.01**4 - 0.008**4), rel=1e-14)
     assert beam.section.extreme_fibre == 0.01
-    assert model.joints["guide"] == joints.Slider(name="guide", bearing="ground.P", journal="block.left", direction=(0.0, 1.0))
+    assert model.joints["guide"] == joints.Slider(
+        name="guide", bearing="ground.P", journal="block.left", direction=(0.0, 1.0)
+    )
     assert model.joints["clamp"] == joints.Weld(name="clamp", bearing="ground.Q", journal="beam.start")
     assert model.joints["rail"] == joints.ClearanceSlider(
         name="rail", bearing="ground.P", journal="truss.A", clearance=1e-4, length=0.05, height=0.02
     )
-    assert model.joints["cam"] == joints.ExternalContact(name="cam", bearing="truss.B", journal="bar.end", journal_radius=0.01)
+    assert model.joints["cam"] == joints.ExternalContact(
+        name="cam", bearing="truss.B", journal="bar.end", journal_radius=0.01
+    )
     assert model.gears["wheels"] == joints.Gear(name="wheels", first="arm", second="bar", ratio=-2.5)
     assert model.springs == {
         "coil": springs.Spring(name="coil", first="ground.O", second="block.right", stiffness=2000.0),
         "twist": springs.TorsionalSpring(name="twist", first="arm", second="bar", stiffness=3.0),
-        "bump": springs.Stop(name="bump", first="ground", second="bar", low=-math.pi / 6, high=math.pi / 6, stiffness=100.0),
-        "mount": springs.Bushing(name="mount", first="beam.end", second="truss.C", stiffness=(1e6, 1e6, 10.0)),
+        "bump": springs.Stop(
+            name="bump", first="ground", second="bar", low=-math.pi / 6, high=math.pi / 6, stiffness=100.0
+        ),
+        "mount": springs.Bushing(
+            name="mount", first="beam.end", second="truss.C", stiffness=(1e6, 1e6, 10.0)
+        ),
     }
     assert model.drivers == {
         "lift": drivers.StepTo(slider="guide", travel=0.02, duration=0.1),
-        "shake": drivers.Harmonic(point="truss.C", direction=(0.0, 1.0), amplitude=1e-3, frequency=50.0, phase=math.pi / 2),
+        "shake": drivers.Harmonic(
+            point="truss.C", direction=(0.0, 1.0), amplitude=1e-3, frequency=50.0, phase=math.pi / 2
+        ),
         "motor": drivers.Torque(body="arm", value=(3.0, 0.0), speeds=(0.0, 100 * math.pi)),
     }
     assert model.loads["wind"].follow
@@ -58,9 +70,21 @@ def test_every_table_means_what_it_says() -> None:
 
 DRIVERS = {
     "body": ("[driver.arm]", {"body": "arm"}, "angles", '"180 deg"', math.pi),
-    "against": ('[driver.x]\nbody = "bar"\nagainst = "arm"', {"body": "bar", "against": "arm"}, "angles", '"180 deg"', math.pi),
+    "against": (
+        '[driver.x]\nbody = "bar"\nagainst = "arm"',
+        {"body": "bar", "against": "arm"},
+        "angles",
+        '"180 deg"',
+        math.pi,
+    ),
     "slider": ('[driver.x]\nslider = "guide"', {"slider": "guide"}, "travels", '"30 mm"', 0.03),
-    "point": ('[driver.x]\npoint = "bar.end"\ndirection = [0, 2]', {"point": "bar.end", "direction": (0.0, 2.0)}, "travels", '"30 mm"', 0.03),
+    "point": (
+        '[driver.x]\npoint = "bar.end"\ndirection = [0, 2]',
+        {"point": "bar.end", "direction": (0.0, 2.0)},
+        "travels",
+        '"30 mm"',
+        0.03,
+    ),
 }
 
 
@@ -74,40 +98,75 @@ def test_units_of_a_driver_are_those_of_what_it_drives(case: str) -> None:
         return made
 
     assert driver(f"speed = {written[:-1]}/s{written[-1]}") == drivers.ConstantSpeed(**target, speed=size)
-    assert driver(f'speed = {written[:-1]}/s{written[-1]}\nramp = "20 ms"') == drivers.Ramp(**target, speed=size, duration=0.02)
-    assert driver(f"travel = {written}\nduration = 2\nbegin = 1") == drivers.StepTo(**target, travel=size, duration=2.0, begin=1.0)
-    assert driver(f'amplitude = {written}\nfrequency = "50 Hz"') == drivers.Harmonic(**target, amplitude=size, frequency=50.0)
-    assert driver(f"times = [0, 1]\n{places} = [0, {written}]") == drivers.AngleTable(**target, times=(0.0, 1.0), values=(0.0, size))
+    assert driver(f'speed = {written[:-1]}/s{written[-1]}\nramp = "20 ms"') == drivers.Ramp(
+        **target, speed=size, duration=0.02
+    )
+    assert driver(f"travel = {written}\nduration = 2\nbegin = 1") == drivers.StepTo(
+        **target, travel=size, duration=2.0, begin=1.0
+    )
+    assert driver(f'amplitude = {written}\nfrequency = "50 Hz"') == drivers.Harmonic(
+        **target, amplitude=size, frequency=50.0
+    )
+    assert driver(f"times = [0, 1]\n{places} = [0, {written}]") == drivers.AngleTable(
+        **target, times=(0.0, 1.0), values=(0.0, size)
+    )
     if case == "slider":
         return
     effort = "force" if case == "point" else "torque"
     assert driver(f"{effort} = 3") == drivers.Torque(**target, value=3.0)
-    for over, more, noun in (("times", "2", "times"), (places, written, "angles"), ("speeds", f"{written[:-1]}/s{written[-1]}", "speeds")):
+    for over, more, noun in (
+        ("times", "2", "times"),
+        (places, written, "angles"),
+        ("speeds", f"{written[:-1]}/s{written[-1]}", "speeds"),
+    ):
         last = 2.0 if over == "times" else size
         made = driver(f"{effort} = [0, 3]\n{over} = [0, {more}]")
         assert made == drivers.Torque(**target, value=(0.0, 3.0), **{noun: (0.0, last)})  # type: ignore[arg-type]
 
 
 def test_a_static_analysis_has_its_keys() -> None:
-    lines = 'analysis = "static"\nload_factors = [0.5, 1]\nresidual = 1e-8\nkinetic_energy = 1e-9\niterations = 500'
-    model = read(played(("duration = 1", lines), ("torque = [3, 0]\n", "torque = 3\n"), ('speeds = ["0 rpm", "3000 rpm"]', "")))
-    expected = Settings(analysis="static", load_factors=(0.5, 1.0), residual=1e-8, kinetic_energy=1e-9, iterations=500)
+    lines = (
+        'analysis = "static"\nload_factors = [0.5, 1]\nresidual = 1e-8\nkinetic_energy = 1e-9\niterations'
+        " = 500"
+    )
+    model = read(
+        played(
+            ("duration = 1", lines),
+            ("torque = [3, 0]\n", "torque = 3\n"),
+            ('speeds = ["0 rpm", "3000 rpm"]', ""),
+        )
+    )
+    expected = Settings(
+        analysis="static", load_factors=(0.5, 1.0), residual=1e-8, kinetic_energy=1e-9, iterations=500
+    )
     assert model.settings == expected
 
 
 def test_members_have_materials_and_paths() -> None:
     text = played(('{ start = "C", end = "A" }', '{ start = "C", end = "A", material = "wood" }'))
     text += "[material.wood]\nyoungs_modulus = 1e10\npoissons_ratio = 0.3\ndensity = 500\n"
-    model = read(text, [("body.truss.members.2.elements", 7), ("body.truss.nodes.B", "[2, 0]"), ("spring.coil.stiffness", "5 N/mm")])
+    model = read(
+        text,
+        [
+            ("body.truss.members.2.elements", 7),
+            ("body.truss.nodes.B", "[2, 0]"),
+            ("spring.coil.stiffness", "5 N/mm"),
+        ],
+    )
     frame = model.bodies["truss"]
     assert isinstance(frame, bodies.Frame)
-    assert frame.members[2] == bodies.Member("C", "A", elements=7, material=Material("wood", 1e10, 0.3, 500.0))
+    assert frame.members[2] == bodies.Member(
+        "C", "A", elements=7, material=Material("wood", 1e10, 0.3, 500.0)
+    )
     assert frame.nodes["B"] == (2.0, 0.0)
     assert model.springs["coil"].stiffness == 5000.0
 
 
 def test_setting_a_kind_drops_what_the_new_kind_has_no_use_for() -> None:
-    model = read(PLAYGROUND, [("joint.rail.kind", "slider"), ("joint.guide.kind", "ideal"), ("joint.cam.kind", "weld")] + NO_LIFT)
+    model = read(
+        PLAYGROUND,
+        [("joint.rail.kind", "slider"), ("joint.guide.kind", "ideal"), ("joint.cam.kind", "weld")] + NO_LIFT,
+    )
     assert model.joints["rail"] == joints.Slider(name="rail", bearing="ground.P", journal="truss.A")
     assert isinstance(model.joints["cam"], joints.Weld)
 
@@ -227,7 +286,11 @@ def test_a_fault_is_told_with_its_place_and_remedy(case: str) -> None:
 
 def test_speeds_have_no_meaning_in_a_static_analysis() -> None:
     told = faults(
-        played(("duration = 1", 'analysis = "static"\nturns = 3'), ('travel = "20 mm"', "speed = 1"), ('duration = "0.1 s"', 'ramp = "0.1 s"'))
+        played(
+            ("duration = 1", 'analysis = "static"\nturns = 3'),
+            ('travel = "20 mm"', "speed = 1"),
+            ('duration = "0.1 s"', 'ramp = "0.1 s"'),
+        )
     )
     places = sorted(line.partition(" = ")[0] for line in told)
     assert places == sorted(["[run] turns", "[driver.lift] speed", "[driver.motor] speeds"])
@@ -235,8 +298,13 @@ def test_speeds_have_no_meaning_in_a_static_analysis() -> None:
 
 
 def test_beams_and_frames_may_be_held_twice() -> None:
-    """Two pins between bodies that do not deform weld them; a beam or a portal frame on two hinges is what it is."""
-    portal = '[joint.h1]\nbearing = "ground.O"\njournal = "truss.B"\n[joint.h2]\nbearing = "ground.P"\njournal = "truss.C"\n[gear.wheels]'
+    """Two pins between bodies that do not deform weld them; a beam or a portal frame on two hinges is what it
+    is.
+    """
+    portal = (
+        '[joint.h1]\nbearing = "ground.O"\njournal = "truss.B"\n[joint.h2]\nbearing = "ground.P"\njournal ='
+        ' "truss.C"\n[gear.wheels]'
+    )
     read(played(("[gear.wheels]", portal)))
     beam = '[joint.h1]\nbearing = "ground.O"\njournal = "beam.end"\n[gear.wheels]'
     read(played(("[gear.wheels]", beam)))
@@ -245,21 +313,28 @@ def test_beams_and_frames_may_be_held_twice() -> None:
 
 
 def test_two_drivers_of_geared_bodies_fight() -> None:
-    lines = '[driver.arm]\nspeed = 1\n[joint.more]\nbearing = "ground.Q"\njournal = "bar.end"\n[driver.bar]\nspeed = 2\n[driver.lift]'
+    lines = (
+        '[driver.arm]\nspeed = 1\n[joint.more]\nbearing = "ground.Q"\njournal ='
+        ' "bar.end"\n[driver.bar]\nspeed = 2\n[driver.lift]'
+    )
     told = faults(played(("[driver.lift]", lines)))
     assert any("drivers arm and bar turn both bodies" in line for line in told), told
 
 
-# ------------------------------------------------------------------------------------------------------ large models
+# ------------------------------------------------------------------------------------------------------ large
+# models
 
 
 def grid(bays: int, elements: int) -> str:
     """A frame of a chain of bays, two members each."""
     nodes = ", ".join(f"N{k} = [{k}, {k % 2}]" for k in range(bays + 1))
-    members = ",\n".join(f'{{ start = "N{k}", end = "N{k + 1}", elements = {elements} }}' for k in range(bays))
+    members = ",\n".join(
+        f'{{ start = "N{k}", end = "N{k + 1}", elements = {elements} }}' for k in range(bays)
+    )
     return (
-        f'[run]\nduration = 1\n[ground]\nO = [0, 0]\n[body.f]\nmodel = "frame"\nsection = {{ round = 0.1 }}\nmembers = [{members}]\n'
-        f'nodes = {{ {nodes} }}\n[joint.a]\nkind = "weld"\nbearing = "ground.O"\njournal = "f.N0"\n'
+        '[run]\nduration = 1\n[ground]\nO = [0, 0]\n[body.f]\nmodel = "frame"\nsection = { round = 0.1'
+        f' }}\nmembers = [{members}]\nnodes = {{ {nodes} }}\n[joint.a]\nkind = "weld"\nbearing ='
+        ' "ground.O"\njournal = "f.N0"\n'
     )
 
 
@@ -281,7 +356,9 @@ def test_the_elements_of_a_frame_are_counted_together() -> None:
 
 
 def test_many_faults_are_told_soon() -> None:
-    """Each of some thousand members names a node that is not there, and each could be a slip of any of some thousand names."""
+    """Each of some thousand members names a node that is not there, and each could be a slip of any of some
+    thousand names.
+    """
     text = grid(3000, 1).replace('end = "N', 'end = "M')
     began = time.process_time()
     told = faults(text)

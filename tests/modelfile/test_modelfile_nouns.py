@@ -12,7 +12,6 @@ import pytest
 
 from model_texts import faults, only, with_lines
 from support import CONTACT_LAWS, contact_law
-from vfife.fields import PLACE, Many, Value, described, meaning_of
 from vfife.laws import ContactLaw, quantity
 from vfife.model import joints, mechanism
 from vfife.model.mechanism import Settings, StartSettings
@@ -20,6 +19,7 @@ from vfife.modelfile import dump
 from vfife.modelfile import loads as read
 from vfife.modelfile.jsonschema import model_schema
 from vfife.modelfile.tables import NAMED, Table, tables
+from vfife.schema import PLACE, Many, Value, described, meaning_of
 
 
 @pytest.fixture
@@ -84,13 +84,24 @@ def test_surfaces_that_a_law_is_not_for_are_told_in_its_words() -> None:
 
 
 SECTIONS = [("run", Settings), ("start", StartSettings), ("top", mechanism.Mechanism)]
-EVERY = [*((section, table) for section in NAMED for table in tables(section)), *((name, Table(noun)) for name, noun in SECTIONS)]
+EVERY = [
+    *((section, table) for section in NAMED for table in tables(section)),
+    *((name, Table(noun)) for name, noun in SECTIONS),
+]
 
 
-@pytest.mark.parametrize(("section", "table"), EVERY, ids=lambda one: one if isinstance(one, str) else f"{one.noun.__name__} {one.target}")
+@pytest.mark.parametrize(
+    ("section", "table"),
+    EVERY,
+    ids=lambda one: one if isinstance(one, str) else f"{one.noun.__name__} {one.target}",
+)
 def test_every_field_of_a_noun_has_its_key(section: str, table: Table) -> None:
-    """A field added to a noun must not get lost between file and mechanism: it says unit, meaning and what it holds."""
-    header = {"name"} if section in NAMED else {"source"}  # the name is the table's; the source is not in the file
+    """A field added to a noun must not get lost between file and mechanism: it says unit, meaning and what it
+    holds.
+    """
+    header = (
+        {"name"} if section in NAMED else {"source"}
+    )  # the name is the table's; the source is not in the file
     target = {"body", "slider", "point", "direction", "against"} if table.target else set()
     for field in dataclasses.fields(table.noun):
         if field.name not in header | target:
@@ -121,10 +132,15 @@ def test_a_kind_of_joint_needs_its_own_file_only() -> None:
         reach: float = quantity("m", "length of the slot", above=0.0)
         way: tuple[tuple[float, float], ...] = described(Many(PLACE), "points on the way", ())
 
-    lines = '[joint.E]\nkind = "test-slot"\nbearing = "ground.A"\njournal = "coupler.end"\nreach = "20 mm"\nway = [[0, "1 mm"]]'
+    lines = (
+        '[joint.E]\nkind = "test-slot"\nbearing = "ground.A"\njournal = "coupler.end"\nreach = "20 mm"\nway ='
+        ' [[0, "1 mm"]]'
+    )
     try:
         model = read(with_lines(lines))
-        assert model.joints["E"] == Slot(name="E", bearing="ground.A", journal="coupler.end", reach=0.02, way=((0.0, 1e-3),))
+        assert model.joints["E"] == Slot(
+            name="E", bearing="ground.A", journal="coupler.end", reach=0.02, way=((0.0, 1e-3),)
+        )
         assert read(dump(model)) == model
         assert "[joint.E] reach" in only(with_lines(lines.replace("20 mm", "-2 mm")))
         assert 'Did you mean "reach"' in faults(with_lines(lines.replace("reach", "raech")))[0]

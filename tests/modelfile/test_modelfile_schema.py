@@ -18,12 +18,19 @@ from vfife.modelfile.tables import LAWS
 
 SHIPPED = Path(vfife.__file__).parent / "modelfile" / "model.schema.json"
 SCHEMA = json.loads(text())
-MODELS = {path.stem: path.read_text(encoding="utf-8") for path in (*FILES, *TEMPLATES)} | {"everything": PLAYGROUND, "four-bar text": FOUR_BAR}
+MODELS = {path.stem: path.read_text(encoding="utf-8") for path in (*FILES, *TEMPLATES)} | {
+    "everything": PLAYGROUND,
+    "four-bar text": FOUR_BAR,
+}
 
 
 def test_the_shipped_schema_is_that_of_the_code() -> None:
     if SHIPPED.read_text(encoding="utf-8") != text():
-        pytest.fail("model.schema.json is not what tables and laws say; run: vfife schema -o src/vfife/modelfile/model.schema.json", pytrace=False)
+        pytest.fail(
+            "model.schema.json is not what tables and laws say; run: vfife schema -o"
+            " src/vfife/modelfile/model.schema.json",
+            pytrace=False,
+        )
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -61,7 +68,9 @@ def tables(schema: Any) -> Iterator[tuple[str, Any]]:
     """Every table of the schema that has keys, with its name."""
     yield "top", schema
     for name, one in schema["definitions"].items():
-        yield from ((f"{name}/{law['title']}", law) for law in one["oneOf"]) if "oneOf" in one else [(name, one)]
+        yield from (
+            ((f"{name}/{law['title']}", law) for law in one["oneOf"]) if "oneOf" in one else [(name, one)]
+        )
 
 
 def words(value: Any) -> Iterator[str]:
@@ -69,7 +78,11 @@ def words(value: Any) -> Iterator[str]:
     if isinstance(value, dict):
         for word, inner in value.items():
             yield word
-            yield from (w for one in inner.values() for w in words(one)) if word in ("properties", "definitions") else words(inner)
+            yield from (
+                (w for one in inner.values() for w in words(one))
+                if word in ("properties", "definitions")
+                else words(inner)
+            )
     elif isinstance(value, list):
         for one in value:
             yield from words(one)
@@ -85,7 +98,10 @@ def test_every_key_says_what_it_is_with_unit_and_limits() -> None:
                 assert entry["description"].endswith("]"), (name, key)
     link = SCHEMA["definitions"]["LinkTable"]["properties"]
     assert link["length"]["description"] == "distance from start to end [m, above 0 m]"
-    assert link["elements"]["description"] == "number of frame elements of an elastic link [a whole number from 1 to 100000]"
+    assert (
+        link["elements"]["description"]
+        == "number of frame elements of an elastic link [a whole number from 1 to 100000]"
+    )
     assert SCHEMA["definitions"]["BushingTable"]["properties"]["stiffness"]["description"].endswith(
         "[N/m, at least 0 N/m; N m/rad, at least 0 N m/rad]"
     )
@@ -104,5 +120,13 @@ def test_editors_that_know_draft_4_only_understand_it() -> None:
     assert SCHEMA["$schema"] == "http://json-schema.org/draft-07/schema#"
     assert SCHEMA["$id"] == "urn:vfife:model"
     assert SCHEMA["title"]
-    assert not {"prefixItems", "const", "$defs", "exclusiveMinimum", "exclusiveMaximum", "discriminator", "if"} & set(words(SCHEMA))
+    assert not {
+        "prefixItems",
+        "const",
+        "$defs",
+        "exclusiveMinimum",
+        "exclusiveMaximum",
+        "discriminator",
+        "if",
+    } & set(words(SCHEMA))
     assert '"null"' not in json.dumps(SCHEMA)

@@ -45,9 +45,13 @@ def test_a_parameter_describes_itself() -> None:
 
 def test_several_values_are_set_together() -> None:
     mechanism = loads(FOUR_BAR)
-    found = with_values(mechanism, {"joint.C.clearance": "0.5 mm", "material.steel.density": 7000, "body.crank.mass": 2.0})
+    found = with_values(
+        mechanism, {"joint.C.clearance": "0.5 mm", "material.steel.density": 7000, "body.crank.mass": 2.0}
+    )
     assert found.clearances["C"].clearance == 5e-4
-    assert found == loads(FOUR_BAR, [("joint.C.clearance", 5e-4), ("material.steel.density", 7000), ("body.crank.mass", 2.0)])
+    assert found == loads(
+        FOUR_BAR, [("joint.C.clearance", 5e-4), ("material.steel.density", 7000), ("body.crank.mass", 2.0)]
+    )
     assert found != mechanism
 
 

@@ -1,8 +1,8 @@
 """Small faults in packages other than the kernels, made from the syntax of their text.
 
-A fault is one expression written otherwise: a sum as a difference, a limit that is met as one that is not, a constant one and a half times as
-large, an index or a count off by one, ``and`` for ``or``, the least for the largest, a sign, a factor or a term left out. Texts, messages of
-errors and annotations are left alone.
+A fault is one expression written otherwise: a sum as a difference, a limit that is met as one that is not, a
+constant one and a half times as large, an index or a count off by one, ``and`` for ``or``, the least for the
+largest, a sign, a factor or a term left out. Texts, messages of errors and annotations are left alone.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from pathlib import Path
 
 from mutations.mutants import Mutant
 
-# Packages, and the modules of each that state numbers and how far they hold: faults are drawn from these unless others are named.
+# Packages, and the modules of each that state numbers and how far they hold: faults are drawn from these
+# unless others are named.
 MODULES: dict[str, tuple[str, ...]] = {
-    "analysis": (),  # all of them
+    "measures": (),  # all of them
     "assembly": ("bounds", "checks", "fill", "linearised", "prestress", "redundancy", "stability", "timestep"),
-    "study": (
-        "allocation", "derivatives", "iso286", "jumps", "limits", "sampling", "sensitivity_indices", "step_uncertainty",
-        "tolerance", "wear_state",
+    "studies": (
+        "allocation", "derivatives", "iso286", "limits", "sampling", "sensitivity_indices", "tolerance",
     ),
     "solvers": (
         "companions", "impact_section", "lyapunov", "record", "refinement", "repeating", "statics", "tangents", "turn_runner",
@@ -36,7 +36,14 @@ EQUAL = {ast.Eq: ast.NotEq, ast.NotEq: ast.Eq}
 # Of counts only: two numbers that were computed are hardly ever the same.
 BOUNDARY = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, **EQUAL}
 TURNED = {ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt}
-OPPOSITE = {"min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum", "argmin": "argmax", "argmax": "argmin"}
+OPPOSITE = {
+    "min": "max",
+    "max": "min",
+    "minimum": "maximum",
+    "maximum": "minimum",
+    "argmin": "argmax",
+    "argmax": "argmin",
+}
 # Calls whose arguments are words for people, or what says how something is written.
 WORDS = ("Fault", "refuse", "shown", "suggestion", "print", "warn", "round", "cast", "TypeVar", "lru_cache")
 # Arguments that check or guard, and change no number.
@@ -48,11 +55,15 @@ def is_text(node: ast.expr) -> bool:
     """Whether an expression is a text or a collection, of which a sum is no arithmetic."""
     if isinstance(node, ast.BinOp):
         return is_text(node.left) or is_text(node.right)
-    return isinstance(node, TEXTS) or (isinstance(node, ast.Constant) and not isinstance(node.value, int | float))
+    return isinstance(node, TEXTS) or (
+        isinstance(node, ast.Constant) and not isinstance(node.value, int | float)
+    )
 
 
 def counts(node: ast.expr) -> bool:
-    """Whether an expression is a whole number for sure: written as one, or a length, or a sum of these with anything."""
+    """Whether an expression is a whole number for sure: written as one, or a length, or a sum of these with
+    anything.
+    """
     if isinstance(node, ast.BinOp):
         return counts(node.left) or counts(node.right)
     if isinstance(node, ast.Call):
@@ -70,13 +81,24 @@ def otherwise(node: ast.expr) -> Iterator[tuple[str, ast.expr]]:
         if isinstance(node.op, ast.Add | ast.Mult):
             yield "dropped", node.right
     elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
-        yield "constant", ast.Constant(node.value + 1 if isinstance(node.value, int) else SHARE * node.value if node.value else 1.0)
+        yield (
+            "constant",
+            ast.Constant(
+                node.value + 1 if isinstance(node.value, int) else SHARE * node.value if node.value else 1.0
+            ),
+        )
     elif isinstance(node, ast.Constant) and isinstance(node.value, bool):
         yield "constant", ast.Constant(not node.value)
-    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Not) and not isinstance(node.operand, ast.Constant):
+    elif (
+        isinstance(node, ast.UnaryOp)
+        and isinstance(node.op, ast.USub | ast.Not)
+        and not isinstance(node.operand, ast.Constant)
+    ):
         yield "sign", node.operand
     elif isinstance(node, ast.Compare) and len(node.ops) == 1:
-        for table in (BOUNDARY, TURNED) if counts(node.left) or counts(node.comparators[0]) else (TURNED, EQUAL):
+        for table in (
+            (BOUNDARY, TURNED) if counts(node.left) or counts(node.comparators[0]) else (TURNED, EQUAL)
+        ):
             if type(node.ops[0]) in table:
                 yield "comparison", ast.Compare(node.left, [table[type(node.ops[0])]()], node.comparators)
     elif isinstance(node, ast.BoolOp):
@@ -91,11 +113,16 @@ def extremes(node: ast.Call) -> Iterator[tuple[str, ast.expr]]:
     if isinstance(function, ast.Name) and function.id in OPPOSITE:
         yield "extreme", ast.Call(ast.Name(OPPOSITE[function.id]), node.args, node.keywords)
     elif isinstance(function, ast.Attribute) and function.attr in OPPOSITE:
-        yield "extreme", ast.Call(ast.Attribute(function.value, OPPOSITE[function.attr]), node.args, node.keywords)
+        yield (
+            "extreme",
+            ast.Call(ast.Attribute(function.value, OPPOSITE[function.attr]), node.args, node.keywords),
+        )
 
 
 class Finder(ast.NodeVisitor):
-    """Walk through a file and collect its faults; ``module`` is its name within the package, such as ``analysis.turns``."""
+    """Walk through a file and collect its faults; ``module`` is its name within the package, such as
+    ``analysis.turns``.
+    """
 
     def __init__(self, module: str, text: str) -> None:
         self.module, self.function, self.found = module, "", []
@@ -107,7 +134,11 @@ class Finder(ast.NodeVisitor):
         if node.name in ("__repr__", "__str__"):
             return
         before, self.function = self.function, node.name
-        for part in (*node.args.defaults, *(one for one in node.args.kw_defaults if one is not None), *node.body):
+        for part in (
+            *node.args.defaults,
+            *(one for one in node.args.kw_defaults if one is not None),
+            *node.body,
+        ):
             self.visit(part)
         self.function = before
 
@@ -150,11 +181,15 @@ class Finder(ast.NodeVisitor):
         before, after = ast.unparse(node), ast.unparse(ast.fix_missing_locations(new))
         if before != after:
             text = self.lines[node.lineno - 1].strip()
-            self.found.append(Mutant(self.module, self.function, node.lineno, kind, before, after, (first, last), text))
+            self.found.append(
+                Mutant(self.module, self.function, node.lineno, kind, before, after, (first, last), text)
+            )
 
 
 def every(source: Path, package: str, modules: tuple[str, ...] = ()) -> list[Mutant]:
-    """All faults of some modules of a package below ``source`` (such as ``turns``), in the order of the text; ``MODULES`` unless said."""
+    """All faults of some modules of a package below ``source`` (such as ``turns``), in the order of the text;
+    ``MODULES`` unless said.
+    """
     modules, found = modules or MODULES[package], []
     for file in sorted((source / package).rglob("*.py")):
         if file.stem == "__init__" or (modules and file.stem not in modules):
@@ -167,7 +202,9 @@ def every(source: Path, package: str, modules: tuple[str, ...] = ()) -> list[Mut
 
 
 def drawn(source: Path, package: str, seed: int, count: int, modules: tuple[str, ...] = ()) -> list[Mutant]:
-    """Some of them: those whose labels have the least hashes with the seed, so that a change of the text elsewhere leaves the draw as it is."""
+    """Some of them: those whose labels have the least hashes with the seed, so that a change of the text
+    elsewhere leaves the draw as it is.
+    """
     seen: Counter[str] = Counter()
     ranked = []
     for one in every(source, package, modules):

@@ -1,4 +1,6 @@
-"""Judge faults in a copy of the package: a warm process forks, loads the faulty copy, and runs the tests that reach the fault."""
+"""Judge faults in a copy of the package: a warm process forks, loads the faulty copy, and runs the tests that
+reach the fault.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,17 @@ from mutations.mutants import Mutant
 from mutations.reach import ROOT, SUITES, Reach
 
 SOURCE = ROOT / "src" / "vfife"
-FEW, MORE = 16, 400  # tests of the first look at a fault and of the second: what so many that run the line do not see wants a test of its own
-LONGEST = 120.0  # s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
-# s of processor time that a look may take: a fault can make a loop endless. Four times what was recorded, and some to begin with.
+FEW, MORE = (
+    16,
+    400,
+    # tests of the first look at a fault and of the second: what so many that run the line do not see wants a
+    # test
+    # of its own
+)
+# s that the tests of a second look took when they were recorded; beyond that a fault counts as not seen
+LONGEST = 120.0
+# s of processor time that a look may take: a fault can make a loop endless. Four times what was recorded, and
+# some to begin with.
 SLACK, TIMES = 10.0, 4.0
 # What most tests load, once for all forks.
 WARM = (
@@ -57,7 +67,9 @@ class Copy:
             file.write_text(whole)
 
     def look(self, tests: Sequence[tuple[str, float]]) -> str:
-        """The first of these tests that fails, or nothing; they held without any fault when they were recorded."""
+        """The first of these tests that fails, or nothing; they held without any fault when they were
+        recorded.
+        """
         names = [name for name, _ in tests if name not in self.red]
         return run(self.base, names, SLACK + TIMES * sum(seconds for _, seconds in tests)) if names else ""
 
@@ -83,7 +95,9 @@ def within(tests: Sequence[tuple[str, float]], longest: float) -> list[tuple[str
 
 
 def run(base: Path, tests: Collection[str], limit: float) -> str:
-    """Run tests with the copy in ``base`` in a fork of this process: the first that fails, why none could run, or nothing."""
+    """Run tests with the copy in ``base`` in a fork of this process: the first that fails, why none could
+    run, or nothing.
+    """
     out = base / "said.txt"
     out.unlink(missing_ok=True)
     child = os.fork()
@@ -100,7 +114,11 @@ def run(base: Path, tests: Collection[str], limit: float) -> str:
     if code in (0, 5):
         return ""
     said = out.read_text() if out.exists() else ""
-    failed = [line.split(" ", 1)[1].split(" - ")[0] for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    failed = [
+        line.split(" ", 1)[1].split(" - ")[0]
+        for line in said.splitlines()
+        if line.startswith(("FAILED", "ERROR"))
+    ]
     return failed[0] if failed else f"pytest ended with {code}"
 
 
@@ -111,8 +129,14 @@ def in_child(base: Path, tests: Collection[str], out: Path) -> int:
     os.chdir(ROOT)
     sys.dont_write_bytecode = True
     sys.path.insert(0, str(base))
-    os.environ |= {"PYTHONPATH": str(base), "VFIFE_CACHE": str(ROOT / ".mutations" / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
+    os.environ |= {
+        "PYTHONPATH": str(base),
+        "VFIFE_CACHE": str(ROOT / ".mutations" / "cache"),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
     with out.open("w") as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
-    return int(pytest.main(["-x", "-q", "-n", "0", "-m", SUITES, "-p", "no:cacheprovider", "--tb=no", *tests]))
+    return int(
+        pytest.main(["-x", "-q", "-n", "0", "-m", SUITES, "-p", "no:cacheprovider", "--tb=no", *tests])
+    )

@@ -11,7 +11,14 @@ from pathlib import Path
 
 DECLARED = ("__init__", "arrays", "topology")  # left alone: what is wrong in them does not run
 OTHER = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
-FLIPPED = {ast.Lt: ast.GtE, ast.GtE: ast.Lt, ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq}
+FLIPPED = {
+    ast.Lt: ast.GtE,
+    ast.GtE: ast.Lt,
+    ast.Gt: ast.LtE,
+    ast.LtE: ast.Gt,
+    ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq,
+}
 SHARE = 1.05  # of a constant
 
 
@@ -45,7 +52,9 @@ class Mutant:
 
 
 def numeric(node: ast.AST) -> bool:
-    """Whether an expression is a number of the physics: one with a name of a record outside brackets is a sum of indices."""
+    """Whether an expression is a number of the physics: one with a name of a record outside brackets is a sum
+    of indices.
+    """
     if isinstance(node, ast.Subscript):
         return not (isinstance(node.value, ast.Name) and node.value.id == "I")
     if isinstance(node, ast.Attribute):
@@ -59,7 +68,10 @@ def otherwise(node: ast.expr) -> Iterator[tuple[str, ast.expr]]:
         yield "operator", ast.BinOp(node.left, OTHER[type(node.op)](), node.right)
         if isinstance(node.op, ast.Add | ast.Sub):
             yield "dropped", node.left
-            yield "dropped", node.right if isinstance(node.op, ast.Add) else ast.UnaryOp(ast.USub(), node.right)
+            yield (
+                "dropped",
+                node.right if isinstance(node.op, ast.Add) else ast.UnaryOp(ast.USub(), node.right),
+            )
     elif isinstance(node, ast.Constant) and isinstance(node.value, float) and node.value:
         yield "constant", ast.Constant(SHARE * node.value)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
@@ -92,7 +104,12 @@ class Finder(ast.NodeVisitor):
             self.visit(part)
 
     def visit_AugAssign(self, node: ast.AugAssign) -> None:
-        if isinstance(node.op, ast.Add | ast.Sub) and self.function and numeric(node.value) and not isinstance(node.target, ast.Name):
+        if (
+            isinstance(node.op, ast.Add | ast.Sub)
+            and self.function
+            and numeric(node.value)
+            and not isinstance(node.target, ast.Name)
+        ):
             turned = ast.UnaryOp(ast.USub(), copy.deepcopy(node.value))
             self._add(node.value, "sign", turned)
         self.generic_visit(node)
@@ -108,7 +125,9 @@ class Finder(ast.NodeVisitor):
                 for line, column in ((node.lineno, node.col_offset), (node.end_lineno or 0, node.end_col_offset or 0))]  # fmt: skip
         before, after = ast.unparse(node), ast.unparse(ast.fix_missing_locations(new))
         if before != after:
-            self.found.append(Mutant(self.file, self.function, node.lineno, kind, before, after, (ends[0], ends[1])))
+            self.found.append(
+                Mutant(self.file, self.function, node.lineno, kind, before, after, (ends[0], ends[1]))
+            )
 
 
 def every(folder: Path) -> list[Mutant]:

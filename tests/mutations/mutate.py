@@ -1,9 +1,11 @@
-"""Does the suite notice small faults? ``make mutations`` draws some of each package, and ends with 1 where one is not noticed.
+"""Does the suite notice small faults? ``make mutations`` draws some of each package, and ends with 1 where
+one is not noticed.
 
-Each fault goes into a copy of the package, never into the working tree. A process of its own runs tests of the suite in that copy. For the
-kernels these are what is quick and sees most first: mechanisms against the constrained equations, hashes of the bits of the straight-line
-loop, then whole files of tests. For other packages they are the tests that run the faulty line, which is recorded once (``reach.py``).
-What changes no result is listed with its reason in ``equivalent.txt``.
+Each fault goes into a copy of the package, never into the working tree. A process of its own runs tests of
+the suite in that copy. For the kernels these are what is quick and sees most first: mechanisms against the
+constrained equations, hashes of the bits of the straight-line loop, then whole files of tests. For other
+packages they are the tests that run the faulty line, which is recorded once (``reach.py``). What changes no
+result is listed with its reason in ``equivalent.txt``.
 
   mutate.py --package analysis --seed 1 --count 40
 """
@@ -77,16 +79,18 @@ REST = [
     "tests/kinematics",
     "tests/physics",
     "tests/solvers",
-    "tests/analysis",
+    "tests/measures",
     "tests/model",
-    "tests/codegen",
+    "tests/compiler",
     "tests/golden",
     "tests/assembly",
 ]
 
 
 class Quick:
-    """The quick tests: what does not depend on the kernels is computed once, in the process that makes all others."""
+    """The quick tests: what does not depend on the kernels is computed once, in the process that makes all
+    others.
+    """
 
     def __init__(self) -> None:
         from differential.compared import fitting, stepped
@@ -96,7 +100,9 @@ class Quick:
         self.drawn = [fitting(seed, family) for family, seed in QUICK]
         self.check = lambda one, exact: check(stepped(one, exact, STEPS, "interpreted"))
         self.digest = lambda name: digest(name, "generated")
-        self.bits = json.loads(in_a_child(lambda: json.dumps({name: self.digest(name) for name in (*KINDS, *CASES)})))
+        self.bits = json.loads(
+            in_a_child(lambda: json.dumps({name: self.digest(name) for name in (*KINDS, *CASES)}))
+        )
 
     def __call__(self) -> str:
         """Which of them sees a fault in the kernels of this process; nothing where none does."""
@@ -148,13 +154,32 @@ def in_a_child(work: Callable[[], str]) -> str:
     return "" if said == "-" else said or "it took too long"
 
 
-def by_pytest(source: Path, files: Sequence[str], but: Collection[str] = (), *, all_of_them: bool = False) -> list[str]:
+def by_pytest(
+    source: Path, files: Sequence[str], but: Collection[str] = (), *, all_of_them: bool = False
+) -> list[str]:
     """Tests of some files that fail with a copy of the package: the first one, or all; ``but`` are not run."""
     variables = {**os.environ, "PYTHONPATH": str(source.parent), "VFIFE_CACHE": str(source.parent / "cache")}
-    line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "0", "-m", SUITES, *([] if all_of_them else ["-x"]), *files]
+    line = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "-n",
+        "0",
+        "-m",
+        SUITES,
+        *([] if all_of_them else ["-x"]),
+        *files,
+    ]
     line += [word for test in but for word in ("--deselect", test)]
     done = subprocess.run(line, cwd=ROOT, env=variables, capture_output=True, text=True, check=False)
-    failed = [text.split(" ", 1)[1].split(" - ")[0] for text in done.stdout.splitlines() if text.startswith(("FAILED", "ERROR"))]
+    failed = [
+        text.split(" ", 1)[1].split(" - ")[0]
+        for text in done.stdout.splitlines()
+        if text.startswith(("FAILED", "ERROR"))
+    ]
     return failed or ([] if done.returncode in (0, 5) else [f"pytest ended with {done.returncode}"])
 
 
@@ -164,7 +189,9 @@ class Suite:
 
     base: Path
     quick: Quick
-    red: dict[tuple[str, ...], list[str]] = field(default_factory=dict)  # tests that fail anyway, by the files that were asked for
+    red: dict[tuple[str, ...], list[str]] = field(
+        default_factory=dict
+    )  # tests that fail anyway, by the files that were asked for
 
     def with_it(self, mutant: Mutant, work: Callable[[str, Path], str | list[str]]) -> Any:
         """What is done while the copy has a fault."""
@@ -183,7 +210,15 @@ class Suite:
             put(mutant, text, file)
             files = OWN.get(mutant.file, [])
             os.chdir(ROOT)
-            return self.quick() or (files and pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-n", "0", *files]) == 1 and files[0]) or ""
+            return (
+                self.quick()
+                or (
+                    files
+                    and pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-n", "0", *files]) == 1
+                    and files[0]
+                )
+                or ""
+            )
 
         found: str = self.with_it(mutant, lambda text, file: in_a_child(lambda: work(text, file)))
         return found
@@ -211,23 +246,47 @@ def equivalent() -> set[str]:
 def main() -> int:
     """Draw faults and print which are seen."""
     ask = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    ask.add_argument("--package", action="append", choices=["kernels", *PACKAGES], help="may come several times; all of them unless said")
-    ask.add_argument("--module", action="append", default=[], help="only these modules of a package, such as turns; not of the kernels")
+    ask.add_argument(
+        "--package",
+        action="append",
+        choices=["kernels", *PACKAGES],
+        help="may come several times; all of them unless said",
+    )
+    ask.add_argument(
+        "--module",
+        action="append",
+        default=[],
+        help="only these modules of a package, such as turns; not of the kernels",
+    )
     ask.add_argument("--seed", type=int, default=11)
-    ask.add_argument("--count", type=int, help="faults of each package; 100 of the kernels and 40 of any other unless said")
+    ask.add_argument(
+        "--count", type=int, help="faults of each package; 100 of the kernels and 40 of any other unless said"
+    )
     ask.add_argument("--quick", action="store_true", help="only the quick tests of the kernels")
-    ask.add_argument("--record", nargs="*", metavar="TESTS", help="record anew which test runs which line, of all or of some files of tests")
+    ask.add_argument(
+        "--record",
+        nargs="*",
+        metavar="TESTS",
+        help="record anew which test runs which line, of all or of some files of tests",
+    )
     given = ask.parse_args()
     if given.record is not None:
         record(given.record)
     packages = given.package or ["kernels", *PACKAGES]
-    alive = [one for package in packages if package != "kernels" for one in of_package(package, given.seed, given.count or 40, tuple(given.module))]
+    alive = [
+        one
+        for package in packages
+        if package != "kernels"
+        for one in of_package(package, given.seed, given.count or 40, tuple(given.module))
+    ]
     code = of_kernels(given.seed, given.count or 100, given.quick) if "kernels" in packages else 0
     return 1 if alive else code
 
 
 def of_package(package: str, seed: int, count: int, modules: tuple[str, ...]) -> list[Mutant]:
-    """Draw faults of a package and print which are seen; return those that are not, whose differences are printed too."""
+    """Draw faults of a package and print which are seen; return those that are not, whose differences are
+    printed too.
+    """
     known, seen = equivalent(), {}
     with tempfile.TemporaryDirectory() as folder:
         copy = Copy(Path(folder), Reach())
@@ -236,10 +295,16 @@ def of_package(package: str, seed: int, count: int, modules: tuple[str, ...]) ->
         while left:
             for mutant in left:
                 seen[mutant] = "equivalent" if mutant.place in known else copy.judged(mutant)
-                print(f"{seen[mutant] or 'NOT SEEN'}\n    {mutant.kind}, line {mutant.line}: {mutant.place}", flush=True)
+                print(
+                    f"{seen[mutant] or 'NOT SEEN'}\n    {mutant.kind}, line {mutant.line}: {mutant.place}",
+                    flush=True,
+                )
             red = copy.fail_anyway(set(seen.values()))
             left = [mutant for mutant, said in seen.items() if said in red]
-    alive, same = [mutant for mutant, said in seen.items() if not said], sum(said == "equivalent" for said in seen.values())
+    alive, same = (
+        [mutant for mutant, said in seen.items() if not said],
+        sum(said == "equivalent" for said in seen.values()),
+    )
     for mutant in alive:
         print(difference(mutant))
     told = f"{len(mutants) - same - len(alive)} seen, {same} equivalent, {len(alive)} not seen"
@@ -252,12 +317,19 @@ def difference(mutant: Mutant) -> str:
     file = SOURCE / f"{mutant.file.replace('.', '/')}.py"
     whole = file.read_text()
     name = f"src/vfife/{mutant.file.replace('.', '/')}.py"
-    return "".join(unified_diff(whole.splitlines(True), mutant.applied(whole).splitlines(True), name, name, n=0))
+    return "".join(
+        unified_diff(whole.splitlines(True), mutant.applied(whole).splitlines(True), name, name, n=0)
+    )
 
 
 def of_kernels(seed: int, count: int, quick: bool) -> int:
     """Draw faults of the kernels and print which are seen; 1 where one is not."""
-    for library in ("hypothesis", "llvmlite.binding", "numpy", "scipy.integrate"):  # what each child would load
+    for library in (
+        "hypothesis",
+        "llvmlite.binding",
+        "numpy",
+        "scipy.integrate",
+    ):  # what each child would load
         importlib.import_module(library)
     known, alive = equivalent(), []
     with tempfile.TemporaryDirectory() as folder:
@@ -276,7 +348,11 @@ def of_kernels(seed: int, count: int, quick: bool) -> int:
         for number, mutant in enumerate(mutants):
             said = "equivalent" if mutant.label in known else suite.quickly(mutant)
             alive += [] if said else [mutant]
-            print(f"{number:3d} {said or 'not seen quickly':42s} {mutant.kind}, line {mutant.line}: {mutant.label}", flush=True)
+            print(
+                f"{number:3d} {said or 'not seen quickly':42s} {mutant.kind}, line {mutant.line}:"
+                f" {mutant.label}",
+                flush=True,
+            )
         print(f"seed {seed}: {len(mutants) - len(alive)} of {len(mutants)} seen quickly, or equivalent")
         if not quick:
             for mutant in list(alive):

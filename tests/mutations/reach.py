@@ -1,4 +1,6 @@
-"""Which tests run a line of the package: recorded once by running parts of the suite under coverage, and kept until it is recorded anew."""
+"""Which tests run a line of the package: recorded once by running parts of the suite under coverage, and kept
+until it is recorded anew.
+"""
 
 from __future__ import annotations
 
@@ -18,22 +20,52 @@ from mutations.mutants import Mutant
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / ".mutations"  # ignored by git
 SUITES = "not verify and not soak and not bench"  # tests that judge
-PARTS = ("analysis", "assembly", "kinematics", "physics", "results", "solvers", "study")  # of the suite
+PARTS = (
+    "measures",
+    "assembly",
+    "kinematics",
+    "physics",
+    "results",
+    "solvers",
+    "studies",
+    "identification",
+    "dynamics",
+    "tribology",
+)  # of the suite
 # They start processes of their own, whose lines nobody sees, or write gigabytes.
-LEFT_OUT = ("results/test_killed_processes.py", "results/test_large_files.py", "results/test_threads.py", "study/test_cluster.py")
+LEFT_OUT = (
+    "results/test_killed_processes.py",
+    "results/test_large_files.py",
+    "results/test_threads.py",
+    "study/test_cluster.py",
+)
 NEAR = 12  # lines after that of a default, in which the function lies that it belongs to
 DURATION = re.compile(r"^([0-9.]+)s (?:call|setup)\s+(\S.*)$")
 
 
 def record(tests: Sequence[str] = ()) -> None:
-    """Run the parts of the suite once under coverage, which takes some ten minutes, and keep what each test runs and how long it takes.
+    """Run the parts of the suite once under coverage, which takes some ten minutes, and keep what each test
+    runs and how long it takes.
 
     ``tests``: only these files or folders, what is known of others staying as it is.
     """
     FOLDER.mkdir(exist_ok=True)
     source = ",".join(f"src/vfife/{package}" for package in PACKAGES)
     (FOLDER / "coveragerc").write_text(f"[run]\nsource = {source}\ndata_file = {FOLDER}/coverage\n")
-    line = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-m", SUITES, "-p", "no:cacheprovider", "--durations=0", "-vv"]
+    line = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-n",
+        "0",
+        "-m",
+        SUITES,
+        "-p",
+        "no:cacheprovider",
+        "--durations=0",
+        "-vv",
+    ]
     line += ["--cov", f"--cov-config={FOLDER}/coveragerc", "--cov-context=test", "--cov-report="]
     line += tests or [*(f"tests/{part}" for part in PARTS), *(f"--ignore=tests/{file}" for file in LEFT_OUT)]
     done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
@@ -44,17 +76,27 @@ def record(tests: Sequence[str] = ()) -> None:
 
 
 def measured(said: str) -> dict[str, Any]:
-    """What a run recorded: ``names`` of tests that passed, what they ``took`` (s), and per source file the places of tests by line."""
+    """What a run recorded: ``names`` of tests that passed, what they ``took`` (s), and per source file the
+    places of tests by line.
+    """
     from coverage import CoverageData
 
     took: dict[str, float] = defaultdict(float)
-    red = {line.split(" ", 1)[1].split(" - ")[0] for line in said.splitlines() if line.startswith(("FAILED", "ERROR"))}
+    red = {
+        line.split(" ", 1)[1].split(" - ")[0]
+        for line in said.splitlines()
+        if line.startswith(("FAILED", "ERROR"))
+    }
     for line in said.splitlines():
         if found := DURATION.match(line):
             took[found[2]] += float(found[1])
     data = CoverageData(str(FOLDER / "coverage"))
     data.read()
-    names = sorted(one for one in {context.rsplit("|", 1)[0] for context in data.measured_contexts()} if one and one not in red)
+    names = sorted(
+        one
+        for one in {context.rsplit("|", 1)[0] for context in data.measured_contexts()}
+        if one and one not in red
+    )
     place, lines = {name: k for k, name in enumerate(names)}, {}
     for file in data.measured_files():
         at = Path(file).resolve().relative_to(ROOT / "src" / "vfife").as_posix()
@@ -85,7 +127,10 @@ class Reach:
     @cached_property
     def known(self) -> dict[str, dict[int, list[int]]]:
         """Tests by source file and line."""
-        return {file: {int(line): tests for line, tests in lines.items()} for file, lines in self.recorded["lines"].items()}
+        return {
+            file: {int(line): tests for line, tests in lines.items()}
+            for file, lines in self.recorded["lines"].items()
+        }
 
     @cached_property
     def recorded(self) -> dict[str, Any]:
@@ -102,7 +147,8 @@ class Reach:
         return Counter(test for lines in self.known.values() for tests in lines.values() for test in tests)
 
     def tests(self, mutant: Mutant, text: str) -> list[tuple[str, float]]:
-        """Tests that run the lines of a fault and how long each takes (s): those of its own package first, quick ones before slow ones.
+        """Tests that run the lines of a fault and how long each takes (s): those of its own package first,
+        quick ones before slow ones.
 
         Those that run few lines in all come first, for they are about these. Of a
         constant of a module, which runs when it is imported, those of all its lines.
@@ -116,10 +162,14 @@ class Reach:
             found = {test for line in near for test in lines.get(line, [])}
         own = f"tests/{mutant.file.split('.')[0]}/"
         names, took, size = self.recorded["names"], self.recorded["took"], self.sizes
-        ranked = sorted(found, key=lambda k: (took_class(took[k]), not names[k].startswith(own), size[k], names[k]))
+        ranked = sorted(
+            found, key=lambda k: (took_class(took[k]), not names[k].startswith(own), size[k], names[k])
+        )
         return [(names[k], took[k]) for k in ranked]
 
 
 def took_class(seconds: float) -> int:
-    """Of which order a duration is: below a second, five, or more; it was measured under coverage, on a machine that may have been busy."""
+    """Of which order a duration is: below a second, five, or more; it was measured under coverage, on a
+    machine that may have been busy.
+    """
     return 0 if seconds < 1.0 else 1 if seconds < 5.0 else 2

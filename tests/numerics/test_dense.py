@@ -44,10 +44,17 @@ def test_products(rows: int, columns: int) -> None:
         rows,
         4,
     )
-    assert bits(product(a[1], b[1])) == bits(product(a, b)[1]) and bits(product(a, b[1])[2]) == bits(product(a[2], b[1]))
-    assert np.allclose(times(a, x), (a @ x[..., None])[..., 0], rtol=1e-13, atol=1e-12) and bits(times(a, x)[2]) == bits(times(a[2], x[2]))
+    assert bits(product(a[1], b[1])) == bits(product(a, b)[1]) and bits(product(a, b[1])[2]) == bits(
+        product(a[2], b[1])
+    )
+    assert np.allclose(times(a, x), (a @ x[..., None])[..., 0], rtol=1e-13, atol=1e-12) and bits(
+        times(a, x)[2]
+    ) == bits(times(a[2], x[2]))
     assert bits(times(a[0], x)[1]) == bits(times(a[0], x[1]))
-    assert np.allclose(dot(a, a), (a * a).sum(-1), rtol=1e-13) and np.isclose(norm(a, axis=-2), np.linalg.norm(a, axis=-2), rtol=1e-13).all()
+    assert (
+        np.allclose(dot(a, a), (a * a).sum(-1), rtol=1e-13)
+        and np.isclose(norm(a, axis=-2), np.linalg.norm(a, axis=-2), rtol=1e-13).all()
+    )
     assert norm(np.array([3.0, 4.0])) == 5.0 and dot([1.0, 2.0], [3.0, 4.0]) == 11.0
 
 
@@ -58,13 +65,20 @@ def test_singular_values_and_vectors(rows: int, columns: int, loss: int) -> None
     a = matrices(rows, columns, max(k - loss, 0) if loss else None)
     left, size, right = dense.svd(a)
     scale = max(float(size.max(initial=0.0)), 1e-300)
-    assert np.abs(product(left[..., :k] * size[..., None, :], right[..., :k, :]) - a).max(initial=0.0) <= 2e-14 * scale
+    assert (
+        np.abs(product(left[..., :k] * size[..., None, :], right[..., :k, :]) - a).max(initial=0.0)
+        <= 2e-14 * scale
+    )
     for q in (left, np.swapaxes(right, -1, -2)):
         assert np.abs(product(np.swapaxes(q, -1, -2), q) - np.eye(q.shape[-1])).max(initial=0.0) <= 1e-13
-    assert (np.diff(size, axis=-1) <= 0.0).all() and np.abs(size - np.linalg.svd(a, compute_uv=False)).max(initial=0.0) <= 2e-14 * scale
+    assert (np.diff(size, axis=-1) <= 0.0).all() and np.abs(size - np.linalg.svd(a, compute_uv=False)).max(
+        initial=0.0
+    ) <= 2e-14 * scale
     assert bits(dense.singular_values(a)) == bits(size)
     thin = dense.svd(a, full=False)
-    assert bits(*thin) == bits(np.ascontiguousarray(left[..., :k]), size, np.ascontiguousarray(right[..., :k, :]))
+    assert bits(*thin) == bits(
+        np.ascontiguousarray(left[..., :k]), size, np.ascontiguousarray(right[..., :k, :])
+    )
     assert bits(*(one[1] for one in (left, size, right))) == bits(*dense.svd(a[1]))  # alone as beside others
 
 
@@ -78,9 +92,15 @@ def test_small_singular_values_are_exact_to_their_own_last_digits() -> None:
 
 @pytest.mark.parametrize(("rows", "columns"), [(2, 9), (6, 6), (9, 4)])
 def test_rows_turned_round_change_signs_alone(rows: int, columns: int) -> None:
-    """So that bearing and journal may be exchanged, or a mechanism mirrored: zeros and rows of one length have no sign that decides."""
+    """So that bearing and journal may be exchanged, or a mechanism mirrored: zeros and rows of one length
+    have no sign that decides.
+    """
     rng = np.random.default_rng(rows)
-    for matrix in (rng.integers(-1, 2, (rows, columns)).astype(float), rng.normal(size=(rows, columns)), np.eye(rows, columns)[::-1].copy()):
+    for matrix in (
+        rng.integers(-1, 2, (rows, columns)).astype(float),
+        rng.normal(size=(rows, columns)),
+        np.eye(rows, columns)[::-1].copy(),
+    ):
         signs = np.where(np.arange(rows) % 2 == 0, -1.0, 1.0)
         for turned in (-matrix, signs[:, None] * matrix)[: 1 if rows > columns else 2]:
             one, other = dense.svd(matrix), dense.svd(turned)
@@ -104,8 +124,12 @@ def test_extreme_and_undefined_entries() -> None:
 def test_solutions_and_inverses(size: int) -> None:
     a, b = matrices(size, size), matrices(size, 3)
     found = dense.solve(a, b)
-    assert np.abs(product(a, found) - b).max() <= 1e-11 * np.abs(b).max() and np.allclose(found, np.linalg.solve(a, b), rtol=1e-8, atol=1e-9)
-    assert bits(dense.solve(a[1], b[1])) == bits(found[1]) and bits(dense.solve(a[1], b[1, :, 0])) == bits(found[1, :, 0].copy())
+    assert np.abs(product(a, found) - b).max() <= 1e-11 * np.abs(b).max() and np.allclose(
+        found, np.linalg.solve(a, b), rtol=1e-8, atol=1e-9
+    )
+    assert bits(dense.solve(a[1], b[1])) == bits(found[1]) and bits(dense.solve(a[1], b[1, :, 0])) == bits(
+        found[1, :, 0].copy()
+    )
     assert dense.determinant_sign(a).tolist() == np.linalg.slogdet(a)[0].tolist()
     assert np.abs(product(dense.inverse(a), a) - np.eye(size)).max() <= 1e-9
     assert dense.determinant_sign(np.zeros((size, size))) == 0.0
@@ -125,12 +149,20 @@ def test_symmetric_matrices(size: int) -> None:
     a = a + np.swapaxes(a, -1, -2)
     values, vectors = dense.eigh(a)
     scale = max(float(np.abs(values).max(initial=0.0)), 1e-300)
-    assert np.abs(product(vectors * values[..., None, :], np.swapaxes(vectors, -1, -2)) - a).max(initial=0.0) <= 3e-14 * scale
+    assert (
+        np.abs(product(vectors * values[..., None, :], np.swapaxes(vectors, -1, -2)) - a).max(initial=0.0)
+        <= 3e-14 * scale
+    )
     assert np.abs(product(np.swapaxes(vectors, -1, -2), vectors) - np.eye(size)).max(initial=0.0) <= 1e-13
-    assert np.abs(values - np.linalg.eigvalsh(a)).max(initial=0.0) <= 3e-14 * scale and (np.diff(values, axis=-1) >= 0.0).all()
+    assert (
+        np.abs(values - np.linalg.eigvalsh(a)).max(initial=0.0) <= 3e-14 * scale
+        and (np.diff(values, axis=-1) >= 0.0).all()
+    )
     assert bits(*(one[2] for one in (values, vectors))) == bits(*dense.eigh(a[2]))
     values, vectors = dense.eigh(2.0 * np.eye(size))
-    assert (values == 2.0).all() and np.abs(product(vectors, vectors.T) - np.eye(size)).max(initial=0.0) == 0.0
+    assert (values == 2.0).all() and np.abs(product(vectors, vectors.T) - np.eye(size)).max(
+        initial=0.0
+    ) == 0.0
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 6, 20])
@@ -149,7 +181,10 @@ def test_qr(rows: int, columns: int, full: bool) -> None:
     a = matrices(rows, columns)
     q, r = dense.qr(a, full)
     assert np.abs(product(q, r) - a).max(initial=0.0) <= 1e-14 * np.abs(a).max(initial=1e-300) * 30
-    assert np.abs(product(np.swapaxes(q, -1, -2), q) - np.eye(q.shape[-1])).max(initial=0.0) <= 1e-14 and (np.tril(r, -1) == 0.0).all()
+    assert (
+        np.abs(product(np.swapaxes(q, -1, -2), q) - np.eye(q.shape[-1])).max(initial=0.0) <= 1e-14
+        and (np.tril(r, -1) == 0.0).all()
+    )
 
 
 def test_least_squares_and_pseudoinverses() -> None:

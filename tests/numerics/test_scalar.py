@@ -1,4 +1,6 @@
-"""Elementary functions against decimal arithmetic with forty digits and exact identities, over the whole range of a double."""
+"""Elementary functions against decimal arithmetic with forty digits and exact identities, over the whole
+range of a double.
+"""
 
 import math
 from decimal import Decimal, localcontext
@@ -19,7 +21,10 @@ def ulps(found: float, exact: Decimal) -> float:
 
 
 def positive(count: int, low: float, high: float) -> list[float]:
-    return [float(one) * 2.0 ** float(shift) for one, shift in zip(RNG.uniform(1.0, 2.0, count), RNG.integers(low, high, count), strict=True)]
+    return [
+        float(one) * 2.0 ** float(shift)
+        for one, shift in zip(RNG.uniform(1.0, 2.0, count), RNG.integers(low, high, count), strict=True)
+    ]
 
 
 def test_exponentials_over_their_whole_range() -> None:
@@ -36,8 +41,15 @@ def test_exponentials_over_their_whole_range() -> None:
     with localcontext() as context:
         context.prec = 45
         assert max(ulps(scalar.exp(x), Decimal(x).exp()) for x in near) < 0.9
-        assert max(ulps(scalar.exp(x), Decimal(x).exp()) for x in (-709.0, -720.3, -744.9)) < 1.0  # below the smallest normal number
-    assert scalar.exp(-800.0) == 0.0 and scalar.exp(-math.inf) == 0.0 and scalar.exp(math.inf) == math.inf and math.isnan(scalar.exp(math.nan))
+        assert (
+            max(ulps(scalar.exp(x), Decimal(x).exp()) for x in (-709.0, -720.3, -744.9)) < 1.0
+        )  # below the smallest normal number
+    assert (
+        scalar.exp(-800.0) == 0.0
+        and scalar.exp(-math.inf) == 0.0
+        and scalar.exp(math.inf) == math.inf
+        and math.isnan(scalar.exp(math.nan))
+    )
     with pytest.raises(OverflowError):
         scalar.exp(710.0)
 
@@ -77,8 +89,17 @@ def test_powers() -> None:
         for x, y in ((2.0, 1000.5), (1e-300, 0.99), (1.0000001, 5e9), (3.0, -600.25)):
             assert ulps(scalar.power(x, y), (Decimal(y) * Decimal(x).ln()).exp()) < 8.0
         assert ulps(scalar.power(1.5, 7), Decimal("1.5") ** 7) < 4.0
-    assert scalar.power(-2.0, 3) == -8.0 and scalar.power(-2.0, 17.0) == -131072.0 and scalar.power(0.0, 2.5) == 0.0 and scalar.power(3.0, 0) == 1.0
-    assert scalar.power(0.1, 2) == 0.1 * 0.1 and scalar.power(0.1, 0.5) == math.sqrt(0.1) and scalar.power(4.0, -2) == 1.0 / 16.0
+    assert (
+        scalar.power(-2.0, 3) == -8.0
+        and scalar.power(-2.0, 17.0) == -131072.0
+        and scalar.power(0.0, 2.5) == 0.0
+        and scalar.power(3.0, 0) == 1.0
+    )
+    assert (
+        scalar.power(0.1, 2) == 0.1 * 0.1
+        and scalar.power(0.1, 0.5) == math.sqrt(0.1)
+        and scalar.power(4.0, -2) == 1.0 / 16.0
+    )
     with pytest.raises(ValueError, match="domain"):
         scalar.power(-1.0, 0.3)
     with pytest.raises(OverflowError):
@@ -95,12 +116,16 @@ def test_angles_of_directions() -> None:
         with localcontext() as context:
             context.prec = 45
             off = (Decimal(y) * cosine - Decimal(x) * sine) / (Decimal(x) ** 2 + Decimal(y) ** 2).sqrt()
-        assert abs(float(off)) < 1.5 * math.ulp(angle) and abs(angle - math.atan2(y, x)) <= 2.0 * math.ulp(angle)
+        assert abs(float(off)) < 1.5 * math.ulp(angle) and abs(angle - math.atan2(y, x)) <= 2.0 * math.ulp(
+            angle
+        )
     for y in (0.0, -0.0, 1.0, -2.0, 1e-320, math.inf, -math.inf):
         for x in (0.0, -0.0, 3.0, -1.0, 1e300, -1e-320, math.inf, -math.inf):
             assert np.array(scalar.atan2(y, x)).tobytes() == np.array(math.atan2(y, x)).tobytes(), (y, x)
     for x in RNG.uniform(-1.0, 1.0, 200).tolist():
-        assert abs(scalar.asin(x) - math.asin(x)) <= 2.0 * math.ulp(math.asin(x)) and abs(scalar.acos(x) - math.acos(x)) <= 2.0 * math.ulp(1.6)
+        assert abs(scalar.asin(x) - math.asin(x)) <= 2.0 * math.ulp(math.asin(x)) and abs(
+            scalar.acos(x) - math.acos(x)
+        ) <= 2.0 * math.ulp(1.6)
     assert scalar.asin(1.0) == math.pi / 2 and scalar.acos(-1.0) == math.pi and scalar.acos(1.0) == 0.0
 
 
@@ -118,14 +143,22 @@ def test_lengths_of_vectors() -> None:
     for x, y in RNG.normal(size=(300, 2)).tolist():
         assert abs(scalar.hypot(x, y) - math.hypot(x, y)) <= math.ulp(math.hypot(x, y))
     for scale in (2.0**700, 2.0**-700):
-        assert scalar.hypot(3.0 * scale, -4.0 * scale) == 5.0 * scale and scalar.hypot(2.0 * scale, 3.0 * scale, 6.0 * scale) == 7.0 * scale
+        assert (
+            scalar.hypot(3.0 * scale, -4.0 * scale) == 5.0 * scale
+            and scalar.hypot(2.0 * scale, 3.0 * scale, 6.0 * scale) == 7.0 * scale
+        )
     assert scalar.hypot(2.0) == 2.0 and scalar.hypot() == 0.0
-    assert scalar.hypot(2.0, 3.0, 6.0) == pytest.approx(7.0, abs=2e-15) and scalar.distance((1.0, 2.0), (4.0, 6.0)) == 5.0
+    assert (
+        scalar.hypot(2.0, 3.0, 6.0) == pytest.approx(7.0, abs=2e-15)
+        and scalar.distance((1.0, 2.0), (4.0, 6.0)) == 5.0
+    )
 
 
 @pytest.mark.parametrize("name", ["sin", "cos", "tan", "exp", "log", "log10", "hypot", "atan2", "power"])
 def test_arrays_have_the_bits_of_single_numbers(name: str) -> None:
-    values = np.concatenate([RNG.uniform(0.0, 30.0, 60), [1e-9, 3.0, 2e6, 1e-310, 1e200][: 3 if name == "exp" else 5]])
+    values = np.concatenate(
+        [RNG.uniform(0.0, 30.0, 60), [1e-9, 3.0, 2e6, 1e-310, 1e200][: 3 if name == "exp" else 5]]
+    )
     values = np.minimum(values, 700.0) if name == "exp" else values
     others = RNG.uniform(-2.0, 2.0, len(values))
     others[:3] = 0.5, 2.0, 0.0
@@ -147,6 +180,11 @@ def test_arrays_have_the_bits_of_single_numbers(name: str) -> None:
 def test_interpolation_is_that_of_numpy() -> None:
     places, values = np.array([0.0, 1.0, 1.5, 4.0]), np.array([2.0, -1.0, -1.0, 7.0])
     x = np.concatenate([RNG.uniform(-1.0, 5.0, 100), places])
-    assert np.allclose(elementwise.interpolate(x, places, values), np.interp(x, places, values), rtol=0.0, atol=1e-14)
+    assert np.allclose(
+        elementwise.interpolate(x, places, values), np.interp(x, places, values), rtol=0.0, atol=1e-14
+    )
     assert elementwise.interpolate(places, places, values).tolist() == values.tolist()
-    assert elementwise.interpolate(9.0, places, values) == 7.0 and elementwise.interpolate(0.3, [2.0], [5.0]) == 5.0
+    assert (
+        elementwise.interpolate(9.0, places, values) == 7.0
+        and elementwise.interpolate(0.3, [2.0], [5.0]) == 5.0
+    )

@@ -32,7 +32,9 @@ def test_products(count: int, closed: bool) -> None:
     rng = np.random.default_rng(1)
     x, y, weight = rng.normal(size=3 * count), rng.normal(size=2 * count), rng.uniform(1.0, 2.0, 3 * count)
     assert (sparse.toarray() == dense).all()
-    assert np.allclose(sparse.times(x), dense @ x, rtol=0, atol=1e-13) and np.allclose(sparse.transposed_times(y), dense.T @ y, rtol=0, atol=1e-13)
+    assert np.allclose(sparse.times(x), dense @ x, rtol=0, atol=1e-13) and np.allclose(
+        sparse.transposed_times(y), dense.T @ y, rtol=0, atol=1e-13
+    )
     assert np.allclose(sparse.squared().toarray(), dense @ dense.T, rtol=0, atol=1e-13)
     assert np.allclose(sparse.squared(weight).toarray(), dense * weight @ dense.T, rtol=0, atol=1e-13)
     assert np.allclose(sparse.weighted(y).toarray(), y[:, None] * dense, rtol=0, atol=0)
@@ -63,7 +65,9 @@ def test_a_singular_matrix_has_positive_pivots() -> None:
 def test_parts_that_share_nothing() -> None:
     first, _ = chain(3, False)
     rows = np.concatenate([first.rows, first.rows + 6])
-    both = Sparse(np.tile(first.values, 2), rows, np.concatenate([first.columns, first.columns + 9]), (12, 18))
+    both = Sparse(
+        np.tile(first.values, 2), rows, np.concatenate([first.columns, first.columns + 9]), (12, 18)
+    )
     parts = both.squared().components()
     assert [part.tolist() for part in parts] == [list(range(6)), list(range(6, 12))]
     assert (both.part(parts[1]).toarray() == first.toarray()).all()

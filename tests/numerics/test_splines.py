@@ -31,4 +31,6 @@ def test_values_between_places() -> None:
     places, values = points(9)
     rows, x = splines.monotone(places, values), np.linspace(0.0, 12.0, 80)
     known = PchipInterpolator(places, values)(x)
-    assert np.allclose([splines.value_at(places, rows, one) for one in x.tolist()], known, rtol=1e-9, atol=1e-9)
+    assert np.allclose(
+        [splines.value_at(places, rows, one) for one in x.tolist()], known, rtol=1e-9, atol=1e-9
+    )

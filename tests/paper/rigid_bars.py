@@ -1,6 +1,8 @@
-"""The four-bar of the paper by a program of another kind: rigid bars, RK4 with onsets located by bisection, laws from the equations in print.
+"""The four-bar of the paper by a program of another kind: rigid bars, RK4 with onsets located by bisection,
+laws from the equations in print.
 
-It shares nothing with the package but the set's numbers. Eq. 26-27 (enhanced law, mm and MPa), Eq. 32-33 (friction at the centres), Table 1.
+It shares nothing with the package but the set's numbers. Eq. 26-27 (enhanced law, mm and MPa), Eq. 32-33
+(friction at the centres), Table 1.
 """
 
 import math
@@ -26,7 +28,12 @@ def joints(t, angle, s):
         0.5 * FOLLOWER * math.sin(s[5]),
     )
     w2, w3 = s[8], s[11]
-    e[0, 0], e[0, 1], e[0, 2], e[0, 3] = s[0] - c2 - cb, s[1] - s2 - sb, s[6] + w2 * s2 + CRANK_SPEED * sb, s[7] - w2 * c2 - CRANK_SPEED * cb
+    e[0, 0], e[0, 1], e[0, 2], e[0, 3] = (
+        s[0] - c2 - cb,
+        s[1] - s2 - sb,
+        s[6] + w2 * s2 + CRANK_SPEED * sb,
+        s[7] - w2 * c2 - CRANK_SPEED * cb,
+    )
     e[1, 0], e[1, 1], e[1, 2], e[1, 3] = (
         s[3] + c3 - s[0] - c2,
         s[4] + s3 - s[1] - s2,
@@ -118,7 +125,9 @@ def turns_of(count, steps, angle, s, p):
                 low, high = 0.0, left
                 for _ in range(60):
                     middle = 0.5 * (low + high)
-                    inside = landed(t + middle, angle, rk4(t, middle, angle, s, slowness, p), slowness, p) >= 0
+                    inside = (
+                        landed(t + middle, angle, rk4(t, middle, angle, s, slowness, p), slowness, p) >= 0
+                    )
                     low, high = (low, middle) if inside else (middle, high)
                 left, after = high, rk4(t, high, angle, s, slowness, p)
                 j = landed(t + left, angle, after, slowness, p)
@@ -137,7 +146,9 @@ def turns_of(count, steps, angle, s, p):
 
 
 def start(angle, below):
-    """Closed positions and ideal velocities, journals centred: circles of coupler and follower intersected, then two linear equations."""
+    """Closed positions and ideal velocities, journals centred: circles of coupler and follower intersected,
+    then two linear equations.
+    """
     b = CRANK * np.array([math.cos(angle), math.sin(angle)])
     pivot = np.array([GROUND, 0.0])
     apart = np.linalg.norm(pivot - b)
@@ -146,7 +157,9 @@ def start(angle, below):
     theta = toward + (bend if below else -bend)
     c = b + COUPLER * np.array([math.cos(theta), math.sin(theta)])
     phi = math.atan2(c[1], c[0] - GROUND)
-    across = [length * np.array([-math.sin(a), math.cos(a)]) for length, a in ((COUPLER, theta), (FOLLOWER, phi))]
+    across = [
+        length * np.array([-math.sin(a), math.cos(a)]) for length, a in ((COUPLER, theta), (FOLLOWER, phi))
+    ]
     moving = CRANK_SPEED * np.array([-b[1], b[0]])
     w2, w3 = np.linalg.solve(np.column_stack([across[0], -across[1]]), -moving)
     v2, v3 = moving + 0.5 * w2 * across[0], 0.5 * w3 * across[1]
@@ -154,7 +167,9 @@ def start(angle, below):
 
 
 def law(p, clearance):
-    """Clearance (m), stiffness (N/m^n), n, damping factor, friction and its two speeds, from Eq. 26-28 in mm and MPa."""
+    """Clearance (m), stiffness (N/m^n), n, damping factor, friction and its two speeds, from Eq. 26-28 in mm
+    and MPa.
+    """
     gap = 1e3 * clearance
     y = 1.51 * math.log(1000 * gap) ** -0.151 if gap < 0.34954 else 0.0151 * gap + 1.151
     n = y * gap**-0.005

@@ -1,6 +1,8 @@
-"""What `vfife paper` says about the source paper, against the paper's own numbers (its text) and closed forms.
+"""What `vfife paper` says about the source paper, against the paper's own numbers (its text) and closed
+forms.
 
-Paper: Table 3 (LIP of force and acceleration, per cent, at 0.1, 0.2, 0.5 mm and 50 pi rad/s); statements of Sect. 4 and 5.
+Paper: Table 3 (LIP of force and acceleration, per cent, at 0.1, 0.2, 0.5 mm and 50 pi rad/s); statements of
+Sect. 4 and 5.
 """
 
 import dataclasses
@@ -19,7 +21,15 @@ from vfife_validation.paper.context import Context
 from vfife_validation.paper.impact import delivered, first_impact
 from vfife_validation.paper.influence import Case, ideal_maxima, influences
 from vfife_validation.paper.items import ITEMS, make
-from vfife_validation.paper.mechanisms import COUPLER, CRANK, FOLLOWER, GROUND, Parameters, directions, four_bar
+from vfife_validation.paper.mechanisms import (
+    COUPLER,
+    CRANK,
+    FOLLOWER,
+    GROUND,
+    Parameters,
+    directions,
+    four_bar,
+)
 from vfife_validation.paper.search import TABLE_3, Structure, from_numbers, misfit, table_3
 
 PAPER = np.array([6.72, 17.21, 89.95, 13.45, 28.60, 110.32])
@@ -33,14 +43,17 @@ def context():
 
 @pytest.fixture(scope="module")
 def fit():
-    return json.loads(resources.files("vfife_validation.paper").joinpath("fitted.json").read_text(encoding="utf-8"))
+    return json.loads(
+        resources.files("vfife_validation.paper").joinpath("fitted.json").read_text(encoding="utf-8")
+    )
 
 
 def verdicts(item):
     return {verdict.statement: verdict.holds for verdict in item.verdicts}
 
 
-# ------------------------------------------------------------------------------------------------------------ the set that was inferred
+# ------------------------------------------------------------------------------------------------------------
+# the set that was inferred
 
 
 def test_table_3_of_the_search_is_the_paper_s():
@@ -48,9 +61,13 @@ def test_table_3_of_the_search_is_the_paper_s():
 
 
 def test_best_set_gives_all_six_numbers(context):
-    """Within three percentage points, with one set of parameters; contact kept and turns repeated in each of the three runs."""
+    """Within three percentage points, with one set of parameters; contact kept and turns repeated in each of
+    the three runs.
+    """
     item = make("table3", context)
-    found = np.array([[row["lip_force"], row["lip_acceleration"]] for row in item.data["table3"]]).T.reshape(-1)
+    found = np.array([[row["lip_force"], row["lip_acceleration"]] for row in item.data["table3"]]).T.reshape(
+        -1
+    )
     assert [row["clearance_mm"] for row in item.data["table3"]] == pytest.approx([0.1, 0.2, 0.5])
     assert np.abs(found - PAPER).max() < GOAL
     assert all(verdicts(item).values())
@@ -66,8 +83,12 @@ def test_best_set_gives_them_with_other_steps(context):
 
 @pytest.mark.system("runs with several steps")
 def test_the_slowest_crank_does_not_feel_the_step(context):
-    """10 pi, where contact comes about in twenty onsets: a quarter of the step moves neither number by a twentieth of a point."""
-    runs = influences([Case(context.parameters, 2e-4, 10 * math.pi, step) for step in (1e-6, 2.5e-7)], outputs=20)
+    """10 pi, where contact comes about in twenty onsets: a quarter of the step moves neither number by a
+    twentieth of a point.
+    """
+    runs = influences(
+        [Case(context.parameters, 2e-4, 10 * math.pi, step) for step in (1e-6, 2.5e-7)], outputs=20
+    )
     assert runs[0].lips == pytest.approx(runs[1].lips, abs=0.05)
 
 
@@ -116,7 +137,11 @@ def test_search_is_repeatable_and_improves(monkeypatch):
         for _ in range(15):
             one.generation()
         points, _, found = one.everything()
-        assert found[0] == one.best < 0.1 * first and (np.diff(found) >= 0).all() and len(points) == one.count == 12 * 18
+        assert (
+            found[0] == one.best < 0.1 * first
+            and (np.diff(found) >= 0).all()
+            and len(points) == one.count == 12 * 18
+        )
         return points[0]
 
     assert best(1) == best(1) != best(2)
@@ -126,7 +151,10 @@ def test_search_is_repeatable_and_improves(monkeypatch):
 def test_points_of_the_cube_are_within_the_limits():
     for structure in search.STRUCTURES:
         d = len(structure.unknowns)
-        low, high = search.parameters(structure, np.zeros(d)), search.parameters(structure, np.ones(d) * (1 - 1e-12))
+        low, high = (
+            search.parameters(structure, np.zeros(d)),
+            search.parameters(structure, np.ones(d) * (1 - 1e-12)),
+        )
         assert (low.axial_length, high.axial_length) == pytest.approx((1e-3, 5e-2))
         assert low.v0 == pytest.approx(1e-4) and high.v1 == pytest.approx(300.0)
         assert (low.friction_moment != "off") == structure.moment and low.below == structure.below
@@ -174,13 +202,17 @@ def test_linkage_closes_at_every_crank_angle(angle, below):
     coupler, follower = directions(angle, below)
     b = CRANK * np.array([math.cos(angle), math.sin(angle)])
     c = b + COUPLER * np.array([math.cos(coupler), math.sin(coupler)])
-    assert c == pytest.approx(np.array([GROUND, 0.0]) + FOLLOWER * np.array([math.cos(follower), math.sin(follower)]), abs=1e-12)
+    assert c == pytest.approx(
+        np.array([GROUND, 0.0]) + FOLLOWER * np.array([math.cos(follower), math.sin(follower)]), abs=1e-12
+    )
     d, e = np.array([GROUND, 0.0]) - b, c - b
     assert (d[0] * e[1] - d[1] * e[0] > 0.0) == below
 
 
 def test_ideal_maxima_are_those_of_method():
-    """Independent kinematics and dynamics (method.md, section 2): two-particle links and uniform rods at 50 pi, and 10 pi a 25th of it."""
+    """Independent kinematics and dynamics (method.md, section 2): two-particle links and uniform rods at 50
+    pi, and 10 pi a 25th of it.
+    """
     assert ideal_maxima("stiff bars", True, 50 * math.pi) == pytest.approx((89430.6, 22816.05), rel=1e-5)
     assert ideal_maxima("uniform rods", True, 50 * math.pi) == pytest.approx((65338.1, 22816.05), rel=1e-5)
     assert ideal_maxima("bars", False, 10 * math.pi) == pytest.approx((3577.2, 912.642), rel=2e-5)
@@ -193,7 +225,9 @@ def test_start_angle_moves_along_the_same_ideal_motion():
     from vfife.solvers.ensemble import ensemble
 
     one, other = ensemble(runs, step=1e-5, turns=1, outputs=400)
-    assert one.turns.block("body_alpha_max")[-1] == pytest.approx(other.turns.block("body_alpha_max")[-1], rel=1e-5)
+    assert one.turns.block("body_alpha_max")[-1] == pytest.approx(
+        other.turns.block("body_alpha_max")[-1], rel=1e-5
+    )
 
 
 # ------------------------------------------------------------------------------------------------------------------ Figs. 8-10
@@ -201,7 +235,9 @@ def test_start_angle_moves_along_the_same_ideal_motion():
 
 @pytest.mark.parametrize("restitution", [0.9, 0.5])
 def test_one_impact_is_the_closed_form(context, restitution):
-    """Rebound by the law's own relation, energy inside the loop = kinetic energy lost; 0.913177 and 0.72524 are published values."""
+    """Rebound by the law's own relation, energy inside the loop = kinetic energy lost; 0.913177 and 0.72524
+    are published values.
+    """
     entry = next(e for e in make("fig8", context).data["impacts"] if e["restitution"] == restitution)
     assert entry["rebound"] == pytest.approx({0.9: 0.913177, 0.5: 0.72524}[restitution], abs=2e-5)
     assert entry["loss"] == pytest.approx(0.5 * (1.0 - entry["rebound"] ** 2), rel=1e-4)
@@ -234,7 +270,9 @@ def test_enhanced_law_penetrates_less_where_the_bearing_is_long_enough(context):
 
 
 def test_second_peak_is_lower(context):
-    """Fig. 10: the journal crosses with what it kept, 0.913177 m/s, so the second contact begins (2 c/v') after the first ended."""
+    """Fig. 10: the journal crosses with what it kept, 0.913177 m/s, so the second contact begins (2 c/v')
+    after the first ended.
+    """
     data = make("fig10", context).data
     assert data["peaks"][1] < 0.95 * data["peaks"][0]
     assert data["begins"] == pytest.approx([5e-4, 5e-4 + 1.5277e-4 + 1e-3 / 0.913177], abs=1e-6)
@@ -264,15 +302,24 @@ def test_claims_of_the_text(context):
         found.setdefault(entry["claim"], []).append(entry["holds"])
     assert all(all(found[claim]) for claim in HOLDS), {claim: found[claim] for claim in HOLDS}
     assert found["The enhanced law penetrates less"] == [True]
-    assert found["The vibration at the start grows with the clearance"] == [False]  # it starts where the forces are small
+    assert found["The vibration at the start grows with the clearance"] == [
+        False
+    ]  # it starts where the forces are small
     assert len(found["The curve fluctuates although contact is kept"]) == 4
 
 
 def test_a_verdict_can_be_false(context):
     """Uniform rods: other numbers than Table 3, and the verdict about the goal says so."""
-    rods = Context(fit={**context.fit, "best": {**context.fit["best"], "parameters": search.as_numbers(Parameters(link="uniform rods"))}})
+    rods = Context(
+        fit={
+            **context.fit,
+            "best": {**context.fit["best"], "parameters": search.as_numbers(Parameters(link="uniform rods"))},
+        }
+    )
     item = make("table3", rods)
-    assert next(holds for statement, holds in verdicts(item).items() if statement.startswith("All six")) is False
+    assert (
+        next(holds for statement, holds in verdicts(item).items() if statement.startswith("All six")) is False
+    )
 
 
 def test_turning_points_of_a_curve():
@@ -291,7 +338,9 @@ def test_every_damped_law_is_taken(context):
 
 
 def test_vibration_at_the_start_grows_with_clearance_where_the_forces_are_large(context):
-    """Started at crank angle 0, near the peak, the paper's claim holds for the very set for which it does not from 115 degrees."""
+    """Started at crank angle 0, near the peak, the paper's claim holds for the very set for which it does not
+    from 115 degrees.
+    """
     p = dataclasses.replace(context.parameters, crank_angle=0.0)
     runs = influences([Case(p, c) for c in (1e-4, 2e-4, 5e-4)])
     first = [astray(one, first_turns(context, one))[0] for one in runs]
@@ -300,7 +349,9 @@ def test_vibration_at_the_start_grows_with_clearance_where_the_forces_are_large(
 
 @pytest.mark.verify
 def test_lost_table_4_over_all_fits(context):
-    """Every stored set: LIPs at 10 pi above those at 50 pi; the ranges that method.md saw with two sets lie in reach."""
+    """Every stored set: LIPs at 10 pi above those at 50 pi; the ranges that method.md saw with two sets lie
+    in reach.
+    """
     low, high = np.array(make("table4", context).data["spread"]).transpose(2, 0, 1)
     assert (low[0] > 30.0).all() and (high[0] < 400.0).all()
     assert (low[2] >= PAPER[[1, 4]] - GOAL).all() and (high[2] <= PAPER[[1, 4]] + GOAL).all()
@@ -308,7 +359,9 @@ def test_lost_table_4_over_all_fits(context):
 
 @pytest.mark.verify
 def test_beyond_the_paper(context):
-    """Rise with clearance and of the absolute maxima survive all; the step does not matter; the start angle does."""
+    """Rise with clearance and of the absolute maxima survive all; the step does not matter; the start angle
+    does.
+    """
     item = make("beyond", context)
     found = verdicts(item)
     assert found["Survives every change: maxima rise with speed"]
@@ -317,13 +370,15 @@ def test_beyond_the_paper(context):
 
 
 def test_without_friction_the_motion_does_not_settle(context):
-    """Friction is what ends the vibration of the start: the same set without it has not repeated a turn after eight."""
+    """Friction is what ends the vibration of the start: the same set without it has not repeated a turn after
+    eight.
+    """
     p = dataclasses.replace(context.parameters, friction=0.0)
     one = influences([Case(p, 2e-4)], outputs=20, turns=8)[0]
     assert one.member.settled is None and one.member.distances[-1] > 1e-2
 
 
 def test_every_item_has_a_maker():
-    from vfife.cli.paper import NAMES
+    from vfife.cli.commands.paper import NAMES
 
     assert tuple(ITEMS) == NAMES

@@ -1,10 +1,13 @@
-"""Table 3 of the paper (50 pi rad/s, joint 2 = C): local influence parameters with the parameter sets inferred from it.
+"""Table 3 of the paper (50 pi rad/s, joint 2 = C): local influence parameters with the parameter sets
+inferred from it.
 
-Eq. 38-39: LIP = (largest with clearance / largest with ideal joints - 1) in per cent. The sets are inferences, not the paper's, and two
-independent programs gave the rows below with them (method.md, section 2). The paper's own row is 6.72, 17.21, 89.95 and
+Eq. 38-39: LIP = (largest with clearance / largest with ideal joints - 1) in per cent. The sets are
+inferences, not the paper's, and two independent programs gave the rows below with them (method.md, section
+2). The paper's own row is 6.72, 17.21, 89.95 and
 13.45, 28.60, 110.32.
 
-The mechanism stands with joint C below the line of the ground pivots (or, which is the mirror image, above it with the crank reversed).
+The mechanism stands with joint C below the line of the ground pivots (or, which is the mirror image, above it
+with the crank reversed).
 """
 
 from functools import cache
@@ -21,7 +24,12 @@ SETS = {
     2: (6e-3, 0.05, 0.5, (10.6, 20.7, 92.0), (12.6, 28.8, 108.3), 5.0),
 }
 IDEAL_FORCE, IDEAL_ALPHA = 89430.6, 22816.05  # N, rad/s^2: two-particle links, method.md
-LINK = {"section": SQUARE, "strain": "current", "release": "both", "stiffness_factor": 1000.0}  # EA = 2.07e11 N
+LINK = {
+    "section": SQUARE,
+    "strain": "current",
+    "release": "both",
+    "stiffness_factor": 1000.0,
+}  # EA = 2.07e11 N
 
 
 @cache
@@ -48,7 +56,9 @@ def influence(which: int, clearance: float, **options) -> tuple[float, float]:
     """LIP(F) and LIP(a) in per cent."""
     record, window = sixth_turn(which, clearance, **options)
     force, alpha = ideal()
-    return 100 * (largest_force(record, "C", window) / force - 1), 100 * (largest_alpha(record, "follower", window) / alpha - 1)
+    return 100 * (largest_force(record, "C", window) / force - 1), 100 * (
+        largest_alpha(record, "follower", window) / alpha - 1
+    )
 
 
 def test_ideal_maxima_that_the_parameters_refer_to():

@@ -1,14 +1,16 @@
-"""Momentum and energy where they are easily lost: stops that let go, friction outside bearings, particles without inertia, pins called center."""
+"""Momentum and energy where they are easily lost: stops that let go, friction outside bearings, particles
+without inertia, pins called center.
+"""
 
 import math
 
 import numpy as np
 import pytest
 
-from vfife.analysis.energy import ledger
-from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
 from vfife.laws import Coulomb, LankaraniNikravesh
+from vfife.measures.energy import ledger
+from vfife.measures.motion import velocities
 from vfife.model.bodies import Member, Section
 from vfife.model.drivers import Torque
 from vfife.model.loads import PointForce
@@ -53,18 +55,33 @@ def test_damped_stop_loses_what_it_stored_when_it_lets_go(damping: float) -> Non
 @pytest.mark.parametrize("moment", ["mid-overlap", "surface", "off"])
 @pytest.mark.parametrize("kind", ["line", "round", "guide"])
 def test_friction_outside_a_bearing_keeps_angular_momentum(kind: str, moment: str) -> None:
-    """Of two bodies that nothing else holds: to rounding in mid-overlap, else but for a couple of the depth of contact."""
+    """Of two bodies that nothing else holds: to rounding in mid-overlap, else but for a couple of the depth
+    of contact.
+    """
     m = Mechanism("pair")
-    laws = {"friction": Coulomb(coefficient=0.3), "contact": LankaraniNikravesh(restitution=0.8, stiffness=1e8), "friction_moment": moment}
-    m.rigid_body("a", mass=1.0, inertia=0.01, pins={"c": (0.02, 0.05)}, velocity=(0.0, 0.5, 1.0), position=(0.0, 0.0))
+    laws = {
+        "friction": Coulomb(coefficient=0.3),
+        "contact": LankaraniNikravesh(restitution=0.8, stiffness=1e8),
+        "friction_moment": moment,
+    }
+    m.rigid_body(
+        "a", mass=1.0, inertia=0.01, pins={"c": (0.02, 0.05)}, velocity=(0.0, 0.5, 1.0), position=(0.0, 0.0)
+    )
     at = {"line": (0.03, 0.13), "round": (0.03, 0.22), "guide": (0.03, 0.02)}[kind]
-    m.rigid_body("b", mass=0.5, inertia=0.005, pins={"c": (-0.01, 0.03)}, velocity=(1.0, -0.5, 5.0), position=at)
+    m.rigid_body(
+        "b", mass=0.5, inertia=0.005, pins={"c": (-0.01, 0.03)}, velocity=(1.0, -0.5, 5.0), position=at
+    )
     if kind == "guide":
         m.clearance_slider("C", "a.c", "b.c", clearance=1e-3, length=0.05, height=0.02, **laws)
     else:
-        m.external_contact("C", "a.c", "b.c", journal_radius=0.1, bearing_radius=0.1 if kind == "round" else None, **laws)
+        m.external_contact(
+            "C", "a.c", "b.c", journal_radius=0.1, bearing_radius=0.1 if kind == "round" else None, **laws
+        )
     record = ran(m, 0.03, 2e-6)
-    lost, deepest = record.block("contact_friction_work")[-1].sum(), record.block("contact_penetration_max").max()
+    lost, deepest = (
+        record.block("contact_friction_work")[-1].sum(),
+        record.block("contact_penetration_max").max(),
+    )
     assert lost > 1e-4 and deepest > 1e-5
     impulse = 0.5 * 3.0  # N s, more than mass times relative velocity
     drift = np.ptp(angular_momentum(record))
@@ -73,7 +90,9 @@ def test_friction_outside_a_bearing_keeps_angular_momentum(kind: str, moment: st
 
 
 def test_particle_that_is_welded_to_a_rod_swings_with_it() -> None:
-    """A particle without inertia has no angle to keep: the weld is a pin, and its mass that of a mass attached there."""
+    """A particle without inertia has no angle to keep: the weld is a pin, and its mass that of a mass
+    attached there.
+    """
     m = pendulum()
     m.point_mass("bob", mass=1.0, position=(math.cos(-0.5), math.sin(-0.5)))
     m.weld("W", "rod.end", "bob.center")
@@ -101,9 +120,13 @@ def test_what_would_turn_a_particle_without_inertia_is_refused(what: str) -> Non
         m.drivers["X"] = Torque(body="bob", value=3.0)
     else:
         m.loads["X"] = PointForce(name="X", at="bob.center", moment=2.0)
-    with pytest.raises(ValueError, match=r"'X' acts on the angle of 'bob', a particle without inertia.*give it an inertia"):
+    with pytest.raises(
+        ValueError, match=r"'X' acts on the angle of 'bob', a particle without inertia.*give it an inertia"
+    ):
         assemble(m)
-    m.bodies["bob"] = m.bodies["bob"].__class__(name="bob", mass=1.0, inertia=0.1, position=m.bodies["bob"].position)
+    m.bodies["bob"] = m.bodies["bob"].__class__(
+        name="bob", mass=1.0, inertia=0.1, position=m.bodies["bob"].position
+    )
     assemble(m)
 
 
@@ -122,7 +145,14 @@ def test_automatic_step_resolves_what_hangs_on_a_slow_crank() -> None:
 def test_weld_to_a_released_end_is_refused(end: str) -> None:
     m = Mechanism("hinge")
     m.point("O", 0.0, 0.0)
-    m.link("rod", length=1.0, model="elastic", section=Section.square(1e-4), release=end, angle=0.0 if end == "start" else math.pi)
+    m.link(
+        "rod",
+        length=1.0,
+        model="elastic",
+        section=Section.square(1e-4),
+        release=end,
+        angle=0.0 if end == "start" else math.pi,
+    )
     m.weld("W", "ground.O", f"rod.{end}")
     with pytest.raises(ValueError, match=f"weld 'W' holds rod.{end}, an end that is released"):
         assemble(m)
@@ -131,7 +161,12 @@ def test_weld_to_a_released_end_is_refused(end: str) -> None:
 def test_ideal_frame_keeps_a_node_called_center_where_it_is() -> None:
     m = Mechanism("frame")
     m.point("O", 0.0, 0.0)
-    m.frame("F", nodes={"center": (0.0, 0.0), "tip": (1.0, 0.0)}, members=(Member("center", "tip", 2),), section=Section.square(1e-4))
+    m.frame(
+        "F",
+        nodes={"center": (0.0, 0.0), "tip": (1.0, 0.0)},
+        members=(Member("center", "tip", 2),),
+        section=Section.square(1e-4),
+    )
     m.revolute("J", "ground.O", "F.center")
     where = assemble(m.ideal()).bodies["F"]
     assert where.pins["center"] == (0.0, 0.0)

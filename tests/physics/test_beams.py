@@ -1,4 +1,6 @@
-"""Large strains: what length stiffness counts on, against a shooting integration of the extensible elastica and Exudyn; the energy of both laws."""
+"""Large strains: what length stiffness counts on, against a shooting integration of the extensible elastica
+and Exudyn; the energy of both laws.
+"""
 
 import dataclasses
 import math
@@ -10,17 +12,18 @@ from scipy.optimize import brentq
 
 from support import go, particle, times
 from vfife import simulate
-from vfife.analysis import ledger
 from vfife.assembly.assemble import assemble
-from vfife.codegen.straight_line import trace
+from vfife.compiler.trace.straight_line import trace
 from vfife.gallery import elastic_pendulum
 from vfife.laws.law import Material
+from vfife.measures import ledger
 from vfife.model.bodies import Section
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings
 from vfife.solvers.transient import run
 
-# The cantilever of Exudyn's geometricallyExactBeam2Dtest.py: 2 m at 45 degrees, 0.1 x 0.5 m, a force across its end and a moment.
+# The cantilever of Exudyn's geometricallyExactBeam2Dtest.py: 2 m at 45 degrees, 0.1 x 0.5 m, a force across
+# its end and a moment.
 LENGTH, WIDTH, HEIGHT, MODULUS = 2.0, 0.1, 0.5, 2.07e11
 FORCE, MOMENT, TILT = 5e8 * HEIGHT**3, -5e8, math.pi / 4.0
 EXUDYN = -2.19288  # deflection of its tip (m), shear stiff, 64 elements
@@ -29,21 +32,32 @@ STRAINS = ("reference", "current")
 
 def cantilever(elements: int, strain: str) -> float:
     """Deflection of the tip (m)."""
-    factors = tuple(np.linspace(0.0, 1.0, 5 if strain == "reference" else 13)[1:])  # the present length makes the law one of increments
+    factors = tuple(
+        np.linspace(0.0, 1.0, 5 if strain == "reference" else 13)[1:]
+    )  # the present length makes the law one of increments
     settings = Settings(analysis="static", load_factors=factors, residual=1e-9, kinetic_energy=1e-16)
     m = Mechanism("cantilever", settings=settings)
     m.point("O", 0.0, 0.0)
-    beam = {"model": "elastic", "section": Section.rectangle(WIDTH, HEIGHT), "material": Material(youngs_modulus=MODULUS), "angle": TILT}
+    beam = {
+        "model": "elastic",
+        "section": Section.rectangle(WIDTH, HEIGHT),
+        "material": Material(youngs_modulus=MODULUS),
+        "angle": TILT,
+    }
     m.link("beam", length=LENGTH, mass=1.0, elements=elements, strain=strain, **beam)
     m.weld("O", "ground.O", "beam.start")
-    m.loads["load"] = PointForce(name="load", at="beam.end", force=(FORCE * math.sin(TILT), -FORCE * math.cos(TILT)), moment=MOMENT)
+    m.loads["load"] = PointForce(
+        name="load", at="beam.end", force=(FORCE * math.sin(TILT), -FORCE * math.cos(TILT)), moment=MOMENT
+    )
     record = simulate(m).record
     assert record.status == "complete"
     return float(particle(record, "beam", elements)["y"][-1]) - LENGTH * math.sin(TILT)
 
 
 def elastica(strain: str) -> float:
-    """The same by shooting: x' = (1 + e) cos, y' = (1 + e) sin, theta' = m/EI (1 or 1 + e), m' = - r' x F; e = N/EA or exp(N/EA) - 1."""
+    """The same by shooting: x' = (1 + e) cos, y' = (1 + e) sin, theta' = m/EI (1 or 1 + e), m' = - r' x F; e
+    = N/EA or exp(N/EA) - 1.
+    """
     ea, ei = MODULUS * WIDTH * HEIGHT, MODULUS * WIDTH * HEIGHT**3 / 12.0
     fx, fy = FORCE * math.sin(TILT), -FORCE * math.cos(TILT)
 
@@ -55,7 +69,9 @@ def elastica(strain: str) -> float:
         return [size * c, size * sine, bend, -size * (c * fy - sine * fx)]
 
     def tip(clamp):
-        return solve_ivp(rates, (0.0, LENGTH), [0.0, 0.0, TILT, clamp], method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+        return solve_ivp(
+            rates, (0.0, LENGTH), [0.0, 0.0, TILT, clamp], method="DOP853", rtol=1e-12, atol=1e-12
+        ).y[:, -1]
 
     clamp = brentq(lambda moment: tip(moment)[3] - MOMENT, MOMENT - 1e8, MOMENT + 1e8, xtol=1e-6)
     return float(tip(clamp)[1]) - LENGTH * math.sin(TILT)
@@ -85,10 +101,23 @@ def test_with_as_many_elements_as_exudyn():
 def test_a_cord_hangs_with_the_stretch_of_its_law():
     """A weight on two elements: EA (l/l_0 - 1) at 15 %."""
     area, modulus = 1e-4, 1e6
-    m = Mechanism("rubber", gravity=(0.0, -9.81), settings=Settings(analysis="static", residual=1e-10, kinetic_energy=1e-18))
+    m = Mechanism(
+        "rubber",
+        gravity=(0.0, -9.81),
+        settings=Settings(analysis="static", residual=1e-10, kinetic_energy=1e-18),
+    )
     m.point("O", 0.0, 0.0)
     rubber = Material(youngs_modulus=modulus, density=1e-3)
-    m.link("cord", length=1.0, mass=1e-9, model="elastic", elements=2, section=Section.square(area), material=rubber, angle=-math.pi / 2)
+    m.link(
+        "cord",
+        length=1.0,
+        mass=1e-9,
+        model="elastic",
+        elements=2,
+        section=Section.square(area),
+        material=rubber,
+        angle=-math.pi / 2,
+    )
     m.revolute("O", "ground.O", "cord.start")
     m.loads["weight"] = PointForce(name="weight", at="cord.end", force=(0.0, -modulus * area * 0.15))
     length = -float(particle(simulate(m).record, "cord", 2)["y"][-1])
@@ -118,7 +147,9 @@ def test_neither_law_costs_a_line():
 
 
 def test_the_ledger_of_a_rubber_pendulum_falls_with_the_step():
-    """Strains of 6 %, large turns: what is stored is the energy of the force law, so the error is that of the step, of second order."""
+    """Strains of 6 %, large turns: what is stored is the energy of the force law, so the error is that of the
+    step, of second order.
+    """
     records = [go(elastic_pendulum(), step, duration=0.8, outputs=400) for step in (8e-5, 4e-5)]
     strain = records[0].block("frame_axial_force") / records[0].parameter("frame_axial_stiffness")
     assert np.abs(strain).max() > 0.06
@@ -129,10 +160,21 @@ def test_the_ledger_of_a_rubber_pendulum_falls_with_the_step():
 
 @pytest.mark.parametrize("strain", STRAINS)
 def test_the_energy_of_a_bar_is_that_of_its_law(strain):
-    """A two-particle bar whose ends fly apart, 15 % and no bending: at the greatest stretch all is in the integral of the force."""
+    """A two-particle bar whose ends fly apart, 15 % and no bending: at the greatest stretch all is in the
+    integral of the force.
+    """
     m = Mechanism("bar")
     section, rubber = Section.square(1e-4), Material(youngs_modulus=1e6)
-    m.link("bar", length=0.5, mass=2.0, model="two-particle", section=section, material=rubber, release="both", strain=strain)
+    m.link(
+        "bar",
+        length=0.5,
+        mass=2.0,
+        model="two-particle",
+        section=section,
+        material=rubber,
+        release="both",
+        strain=strain,
+    )
     step, books = 2e-5, []
     for half in (1, 2):
         a = assemble(m, step / half, duration=0.5, outputs=500)
@@ -152,9 +194,13 @@ def test_the_energy_of_a_bar_is_that_of_its_law(strain):
 # -------------------------------------------------------------------------------------------------------------------- velocity
 
 
-@pytest.mark.parametrize("model", [{"model": "rigid"}, {"model": "elastic", "elements": 4, "section": Section.square(1e-4)}])
+@pytest.mark.parametrize(
+    "model", [{"model": "rigid"}, {"model": "elastic", "elements": 4, "section": Section.square(1e-4)}]
+)
 def test_velocity_is_that_of_the_origin(model):
-    """A bar that is pinned at its origin and turns at -2 rad/s does so, as it would where the same is told as a start of the run."""
+    """A bar that is pinned at its origin and turns at -2 rad/s does so, as it would where the same is told as
+    a start of the run.
+    """
     m = Mechanism("bar")
     m.point("O", 0.3, 0.1)
     m.link("bar", length=0.8, mass=1.0, angle=0.7, velocity=(0.0, 0.0, -2.0), **model)

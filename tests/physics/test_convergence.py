@@ -14,7 +14,9 @@ from vfife.model.mechanism import Mechanism, StartSettings
 
 
 def pendulum(angle: float = math.pi) -> Mechanism:
-    """A uniform rod whose centre of oscillation is 1 m from the pivot: the rigid pendulum of method.md, section 5."""
+    """A uniform rod whose centre of oscillation is 1 m from the pivot: the rigid pendulum of method.md,
+    section 5.
+    """
     m = Mechanism("pendulum", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
     m.link("rod", length=1.5, mass=1.0, angle=angle)
@@ -49,7 +51,14 @@ def test_period_of_the_pendulum():
     assert at == pytest.approx(PERIOD, abs=1e-6)
 
 
-def spring(stretch_stiffness: float, *, path_unit: int = 1, gravity: float = 9.81, angle: float = 0.3, strain: str = "reference") -> Mechanism:
+def spring(
+    stretch_stiffness: float,
+    *,
+    path_unit: int = 1,
+    gravity: float = 9.81,
+    angle: float = 0.3,
+    strain: str = "reference",
+) -> Mechanism:
     """A bar as a spring, 1 m long, 1 kg at its free end, hung at its other end, unstressed at rest."""
     m = Mechanism("spring", gravity=(0.0, -gravity), start=StartSettings(mode="rough"))
     m.point("O", 0.0, 0.0)
@@ -77,14 +86,18 @@ def test_spring_and_mass():
 
 @pytest.mark.parametrize("ea", [500.0, 5000.0])
 def test_elastic_pendulum(ea):
-    """Swinging, stretched by up to 7 % (EA = 500 N), against SciPy; one path unit for the whole run, N = EA (l - l0)/l0."""
+    """Swinging, stretched by up to 7 % (EA = 500 N), against SciPy; one path unit for the whole run, N = EA
+    (l - l0)/l0.
+    """
 
     def motion(t, y):
         length = math.hypot(y[0], y[1])
         pull = ea * (length - 1) / length
         return [y[2], y[3], -pull * y[0], -pull * y[1] - 9.81]
 
-    solved = solve_ivp(motion, (0, 1), [math.cos(0.3), math.sin(0.3), 0, 0], method="DOP853", rtol=1e-12, atol=1e-13)
+    solved = solve_ivp(
+        motion, (0, 1), [math.cos(0.3), math.sin(0.3), 0, 0], method="DOP853", rtol=1e-12, atol=1e-13
+    )
 
     def error(step: float) -> float:
         end = particle(go(spring(ea, path_unit=10**6), step, duration=1.0, outputs=1), "bar", 1)
@@ -94,8 +107,9 @@ def test_elastic_pendulum(ea):
 
 
 def test_what_a_path_unit_of_one_step_costs():
-    """Honestly: increments EA dl/l_a add EA/2 (dl/l_a)^2 each step to the logarithmic strain, a tension that grows as
-    EA dt/2 times the integral of (l'/l)^2. Where a spring stretches by much, the order falls to one."""
+    """Honestly: increments EA dl/l_a add EA/2 (dl/l_a)^2 each step to the logarithmic strain, a tension that
+    grows as EA dt/2 times the integral of (l'/l)^2. Where a spring stretches by much, the order falls to one.
+    """
     step, ea = 1e-3, 500.0
     record = go(spring(ea, strain="current"), step, duration=1.0, outputs=1000)
     x, y = particle(record, "bar", 1)["x"], particle(record, "bar", 1)["y"]
@@ -110,13 +124,19 @@ def test_what_a_path_unit_of_one_step_costs():
 def test_errors_fall_with_contact(clear, most):
     """Places (m, rad) of cases b and c after one turn, steps from 2 us to 1/16 us, against 1/32 us.
 
-    They fall by two powers of the step in the mean, unevenly, for where in its step an event falls is chance; ``test_steps_with_events`` has the
-    slope over many steps.
+    They fall by two powers of the step in the mean, unevenly, for where in its step an event falls is chance;
+    ``test_steps_with_events`` has the slope over many steps.
     """
 
     def places(step: float) -> np.ndarray:
         record = go(four_bar(clear), step, duration=0.04, outputs=1)
-        return np.array([particle(record, name)[axis][-1] for name in ("coupler", "follower") for axis in ("x", "y", "theta")])
+        return np.array(
+            [
+                particle(record, name)[axis][-1]
+                for name in ("coupler", "follower")
+                for axis in ("x", "y", "theta")
+            ]
+        )
 
     finest = places(2e-6 / 64)
     errors = [np.abs(places(2e-6 / 2**k) - finest).max() for k in (0, 1, 2, 3, 4, 5)]
@@ -128,11 +148,20 @@ def test_errors_fall_with_contact(clear, most):
 def test_elastic_links_converge():
     """Elastic four-bar with ideal joints, stretched and bent from the start: places after a quarter turn."""
 
-    start = assemble(four_bar("", "two-particle", section=SQUARE), 2e-6, duration=0.01, outputs=1, force_step=True)
+    start = assemble(
+        four_bar("", "two-particle", section=SQUARE), 2e-6, duration=0.01, outputs=1, force_step=True
+    )
 
     def places(times: int) -> np.ndarray:
         record = went(finer(start, times))
-        return np.array([particle(record, name, k)[axis][-1] for name in ("coupler", "follower") for k in (0, 1) for axis in ("x", "y")])
+        return np.array(
+            [
+                particle(record, name, k)[axis][-1]
+                for name in ("coupler", "follower")
+                for k in (0, 1)
+                for axis in ("x", "y")
+            ]
+        )
 
     finest = places(32)
     errors = [np.abs(places(times) - finest).max() for times in (1, 2, 4, 8)]

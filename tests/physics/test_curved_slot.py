@@ -1,4 +1,6 @@
-"""A pin in a curved slot, ideal and with play, against a pendulum, a slider, energy and forces in closed form."""
+"""A pin in a curved slot, ideal and with play, against a pendulum, a slider, energy and forces in closed
+form.
+"""
 
 import dataclasses
 import math
@@ -7,19 +9,22 @@ import numpy as np
 import pytest
 
 from support import bits, go, lanes, order, particle, times
-from vfife.analysis.energy import ledger
-from vfife.analysis.forces import joint_force, normals
 from vfife.assembly.assemble import assemble
-from vfife.codegen.python import straight_line
+from vfife.compiler.backends.python import straight_line
 from vfife.kinematics.initial import ideal_motion
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
+from vfife.measures.energy import ledger
+from vfife.measures.forces import joint_force, normals
 from vfife.model.drivers import ConstantSpeed
+from vfife.model.geometry.path import circle, polyline
 from vfife.model.joints import ClearanceCurvedSlot, CurvedSlot, Slider
 from vfife.model.mechanism import Mechanism
-from vfife.model.path import circle, polyline
 
 GRAVITY = 9.81
-AFTER_1_S = (0.986291751, -0.165010853)  # m: a rigid pendulum of 1 m, let go from (-1, 0); its period is 2.36784194758 s
+AFTER_1_S = (
+    0.986291751,
+    -0.165010853,
+)  # m: a rigid pendulum of 1 m, let go from (-1, 0); its period is 2.36784194758 s
 VALLEY = ((-1.0, 0.5), (-0.2, -0.1), (0.3, -0.1), (1.0, 0.6))
 SOFT = {"contact": LankaraniNikravesh(restitution=0.5, stiffness=1e8), "friction": Frictionless()}
 
@@ -54,16 +59,25 @@ def test_a_fillet_touches_both_pieces_and_the_path_has_no_corner():
 def test_the_distance_from_a_path_is_that_of_its_nearest_point():
     """Against a search among very many points of the path, on both sides and beyond the ends."""
     rng = np.random.default_rng(4)
-    for path in (polyline(VALLEY, 0.2), circle((0.1, -0.2), 0.7), polyline(((0, 0), (1, 0), (1, 1), (0.2, 1)), 0.3)):
+    for path in (
+        polyline(VALLEY, 0.2),
+        circle((0.1, -0.2), 0.7),
+        polyline(((0, 0), (1, 0), (1, 1), (0.2, 1)), 0.3),
+    ):
         dense = np.concatenate(
-            [np.array(piece.points(1e-3)) if piece.curvature else np.linspace(piece.begin, piece.end, 4000) for piece in path.pieces]
+            [
+                np.array(piece.points(1e-3)) if piece.curvature else np.linspace(piece.begin, piece.end, 4000)
+                for piece in path.pieces
+            ]
         )
         for point in rng.uniform(-0.3, 1.0, (60, 2)):
             away = np.linalg.norm(dense - point, axis=1)
             if 0 < away.argmin() < len(dense) - 1 or path.pieces[0].curvature:
                 distance, nx, ny = path.seen(*point)
                 assert abs(distance) == pytest.approx(away.min(), abs=1e-5)
-                assert path.seen(*(point - distance * np.array([nx, ny])))[0] == pytest.approx(0.0, abs=1e-12)  # the normal leads to the foot
+                assert path.seen(*(point - distance * np.array([nx, ny])))[0] == pytest.approx(
+                    0.0, abs=1e-12
+                )  # the normal leads to the foot
 
 
 @pytest.mark.parametrize(
@@ -109,7 +123,10 @@ def test_acceleration_and_reaction_at_the_start_have_the_curvature_term():
 def test_on_a_straight_piece_a_slot_is_a_slider():
     straight = slot(points=((-1.0, 0.5), (1.0, -0.5)))
     line = Slider(name="slot", bearing="ground.O", journal="bead.center", direction=(2.0, -1.0), turning=True)
-    ours, theirs = (particle(go(bead(j, at=(-1.0, 0.5)), 1e-3, duration=0.3, outputs=10), "bead") for j in (straight, line))
+    ours, theirs = (
+        particle(go(bead(j, at=(-1.0, 0.5)), 1e-3, duration=0.3, outputs=10), "bead")
+        for j in (straight, line)
+    )
     assert ours["x"][-1] - ours["x"][0] > 0.1
     for name in ("x", "y", "u", "v"):
         assert ours[name] == pytest.approx(theirs[name], abs=1e-11)
@@ -134,7 +151,9 @@ def turning_slot(kind=CurvedSlot, lane=0, **options):
     m.point("O", 0.0, 0.0)
     m.point("P", 0.5 + 0.001 * lane, 0.0)
     m.rigid_body("disc", mass=2.0, inertia=0.05, pins={"hub": (0.0, 0.0)})
-    m.rigid_body("rocker", mass=0.4, inertia=4e-3, pins={"foot": (0.0, 0.0), "pin": (0.4, 0.0)}, angle=math.pi - 0.3)
+    m.rigid_body(
+        "rocker", mass=0.4, inertia=4e-3, pins={"foot": (0.0, 0.0), "pin": (0.4, 0.0)}, angle=math.pi - 0.3
+    )
     m.revolute("O", "ground.O", "disc.hub")
     m.revolute("P", "ground.P", "rocker.foot")
     m.joints["slot"] = kind(name="slot", bearing="disc.hub", journal="rocker.pin", **options)
@@ -146,7 +165,9 @@ GROOVE = {"points": ((-0.1, 0.3), (0.1, 0.1), (0.15, -0.2), (0.4, -0.3)), "fille
 
 
 def test_a_slot_that_turns_moves_its_pin_as_its_path_says():
-    """The pin of the rocker, seen from the disc, stays on the path; what the driver gives is the energy of rocker and disc."""
+    """The pin of the rocker, seen from the disc, stays on the path; what the driver gives is the energy of
+    rocker and disc.
+    """
     m = turning_slot(**GROOVE)
     record = go(m, 2e-5, duration=0.06, outputs=100)
     path, angle = m.joints["slot"].path, particle(record, "rocker")["theta"]
@@ -162,7 +183,9 @@ def test_a_slot_that_turns_moves_its_pin_as_its_path_says():
 
 
 def test_a_pin_at_rest_presses_with_its_weight():
-    m = bead(slot(ClearanceCurvedSlot, radius=0.5, clearance=1e-4, journal_radius=0.01, **SOFT), at=(0.0, -0.5))
+    m = bead(
+        slot(ClearanceCurvedSlot, radius=0.5, clearance=1e-4, journal_radius=0.01, **SOFT), at=(0.0, -0.5)
+    )
     record = go(m, 1e-5, duration=0.3, outputs=300)
     force = joint_force(record)[-50:, 0].mean(axis=0)
     assert force == pytest.approx((0.0, GRAVITY), abs=1e-2)
@@ -170,9 +193,13 @@ def test_a_pin_at_rest_presses_with_its_weight():
 
 
 def test_on_an_arc_it_presses_with_what_turns_its_way():
-    """Without gravity along the outer wall at 2 m/s: m v^2/R on average, R that of the pin's centre; and m (v^2/R + g) at the bottom."""
+    """Without gravity along the outer wall at 2 m/s: m v^2/R on average, R that of the pin's centre; and m
+    (v^2/R + g) at the bottom.
+    """
     options = {"radius": 0.5, "clearance": 1e-3, "journal_radius": 0.01, **SOFT}
-    round_ = bead(slot(ClearanceCurvedSlot, **options), at=(0.0, -0.501), gravity=(0.0, 0.0), velocity=(2.0, 0.0, 0.0))
+    round_ = bead(
+        slot(ClearanceCurvedSlot, **options), at=(0.0, -0.501), gravity=(0.0, 0.0), velocity=(2.0, 0.0, 0.0)
+    )
     force = np.hypot(*joint_force(go(round_, 1e-5, duration=0.5, outputs=5000))[1000:, 0].T)
     assert force.mean() == pytest.approx(4.0 / 0.501, rel=5e-3)
     hanging = bead(slot(ClearanceCurvedSlot, **options), at=(-0.501, 0.0))
@@ -194,23 +221,52 @@ def test_play_goes_to_zero_and_the_motion_to_the_ideal_one():
 
 
 def test_a_pin_on_a_straight_wall_rubs_as_a_block_on_an_incline():
-    """Down 45 degrees against Coulomb's friction: a = g (sin - mu cos), with the pin kept from rolling by a large inertia."""
-    rough = {"contact": SOFT["contact"], "friction": Ambrosio(coefficient=0.2, v0=1e-5, v1=1e-4), "friction_moment": "off"}
-    loose = slot(ClearanceCurvedSlot, points=((-1.0, 1.0), (1.0, -1.0)), clearance=1e-5, journal_radius=0.01, **rough)
+    """Down 45 degrees against Coulomb's friction: a = g (sin - mu cos), with the pin kept from rolling by a
+    large inertia.
+    """
+    rough = {
+        "contact": SOFT["contact"],
+        "friction": Ambrosio(coefficient=0.2, v0=1e-5, v1=1e-4),
+        "friction_moment": "off",
+    }
+    loose = slot(
+        ClearanceCurvedSlot, points=((-1.0, 1.0), (1.0, -1.0)), clearance=1e-5, journal_radius=0.01, **rough
+    )
     found = particle(go(bead(loose, at=(-1.0, 1.0)), 1e-5, duration=0.3, outputs=3), "bead")
     along = (found["x"][-1] + 1.0 - found["y"][-1] + 1.0) / math.sqrt(2.0)
     assert along == pytest.approx(0.5 * GRAVITY * (1.0 - 0.2) / math.sqrt(2.0) * 0.09, rel=5e-3)
 
 
 @pytest.mark.parametrize("moment", ["mid-overlap", "surface"])
-@pytest.mark.parametrize("path", [{"radius": 0.4, "centre": (0.1, 0.2)}, {"points": VALLEY, "fillet": 0.15}], ids=["circle", "polyline"])
+@pytest.mark.parametrize(
+    "path",
+    [{"radius": 0.4, "centre": (0.1, 0.2)}, {"points": VALLEY, "fillet": 0.15}],
+    ids=["circle", "polyline"],
+)
 def test_two_free_bodies_keep_their_momentum_and_its_moment(path, moment):
-    """A bead rubs along the slot of a free plate: force and friction on both act at one place, or the sum of moments would change."""
+    """A bead rubs along the slot of a free plate: force and friction on both act at one place, or the sum of
+    moments would change.
+    """
     m = Mechanism("free")
-    loose = {"clearance": 1e-3, "journal_radius": 0.02, "contact": SOFT["contact"], "friction": Ambrosio(coefficient=0.3, v0=1e-3, v1=1e-2)}
-    joint = ClearanceCurvedSlot(name="slot", bearing="plate.eye", journal="bead.center", friction_moment=moment, **path, **loose)
+    loose = {
+        "clearance": 1e-3,
+        "journal_radius": 0.02,
+        "contact": SOFT["contact"],
+        "friction": Ambrosio(coefficient=0.3, v0=1e-3, v1=1e-2),
+    }
+    joint = ClearanceCurvedSlot(
+        name="slot", bearing="plate.eye", journal="bead.center", friction_moment=moment, **path, **loose
+    )
     x, y = joint.first_place
-    m.rigid_body("plate", mass=3.0, inertia=0.2, pins={"eye": (0.0, 0.0)}, center=(0.3, 0.1), position=(0.0, 0.0), velocity=(0.2, 0.1, 1.0))
+    m.rigid_body(
+        "plate",
+        mass=3.0,
+        inertia=0.2,
+        pins={"eye": (0.0, 0.0)},
+        center=(0.3, 0.1),
+        position=(0.0, 0.0),
+        velocity=(0.2, 0.1, 1.0),
+    )
     m.rigid_body("bead", mass=1.0, inertia=1e-3, position=(x, y), velocity=(1.5, 2.0, 20.0))
     m.joints["slot"] = joint
     record = go(m, 1e-5, duration=0.3, outputs=30)
@@ -222,7 +278,9 @@ def test_two_free_bodies_keep_their_momentum_and_its_moment(path, moment):
     total = spin(plate, 3.0, 0.2) + spin(bead_, 1.0, 1e-3)
     rubbed = record.block("contact_friction_work")[-1, 0]
     assert record.block("contact_onsets")[-1, 0] > 0 and rubbed > 1e-3
-    apart = 0.0 if moment == "mid-overlap" else 1e-3  # at the surfaces friction acts a penetration apart, on purpose
+    apart = (
+        0.0 if moment == "mid-overlap" else 1e-3
+    )  # at the surfaces friction acts a penetration apart, on purpose
     assert np.ptp(total) < 1e-11 + apart * abs(total[0])
     assert np.ptp(3.0 * plate["u"] + bead_["u"]) < 1e-12
 
@@ -230,11 +288,23 @@ def test_two_free_bodies_keep_their_momentum_and_its_moment(path, moment):
 def test_the_mirror_image_moves_as_a_mirror_image():
     def groove(sign):
         points = tuple((x, sign * y) for x, y in VALLEY)
-        loose = slot(ClearanceCurvedSlot, points=points, fillet=0.2, clearance=2e-3, journal_radius=0.02, **SOFT)
-        return particle(go(bead(loose, at=(-0.9, 0.425 * sign), gravity=(0.0, -sign * GRAVITY)), 1e-4, duration=0.5, outputs=20), "bead")
+        loose = slot(
+            ClearanceCurvedSlot, points=points, fillet=0.2, clearance=2e-3, journal_radius=0.02, **SOFT
+        )
+        return particle(
+            go(
+                bead(loose, at=(-0.9, 0.425 * sign), gravity=(0.0, -sign * GRAVITY)),
+                1e-4,
+                duration=0.5,
+                outputs=20,
+            ),
+            "bead",
+        )
 
     one, other = groove(1.0), groove(-1.0)
-    assert one["x"] == pytest.approx(other["x"], abs=1e-9) and one["y"] == pytest.approx(-other["y"], abs=1e-9)
+    assert one["x"] == pytest.approx(other["x"], abs=1e-9) and one["y"] == pytest.approx(
+        -other["y"], abs=1e-9
+    )
 
 
 # ------------------------------------------------------------------------------------------------------------------ all loops
@@ -249,13 +319,26 @@ PLAY = {
 
 @pytest.mark.system("compiles every kind of slot")
 @pytest.mark.parametrize("kind", [CurvedSlot, ClearanceCurvedSlot])
-@pytest.mark.parametrize("path", [GROOVE, {"radius": 0.35, "centre": (-0.05, 0.02)}], ids=["polyline", "circle"])
+@pytest.mark.parametrize(
+    "path", [GROOVE, {"radius": 0.35, "centre": (-0.05, 0.02)}], ids=["polyline", "circle"]
+)
 def test_all_loops_agree_to_the_bit(kind, path):
-    """Data-driven, interpreted and the generated text, and four lanes with numbers of their own, over a change of pieces."""
+    """Data-driven, interpreted and the generated text, and four lanes with numbers of their own, over a
+    change of pieces.
+    """
 
     def made(lane):
-        moved = path | ({"fillet": path["fillet"] + 0.002 * lane} if "fillet" in path else {"radius": path["radius"] + 0.002 * lane})
-        return assemble(turning_slot(kind, lane, **moved, **(PLAY if kind is ClearanceCurvedSlot else {})), 2e-5, duration=0.06, force_step=True)
+        moved = path | (
+            {"fillet": path["fillet"] + 0.002 * lane}
+            if "fillet" in path
+            else {"radius": path["radius"] + 0.002 * lane}
+        )
+        return assemble(
+            turning_slot(kind, lane, **moved, **(PLAY if kind is ClearanceCurvedSlot else {})),
+            2e-5,
+            duration=0.06,
+            force_step=True,
+        )
 
     assemblies = [made(lane) for lane in range(4)]
     runs = {}

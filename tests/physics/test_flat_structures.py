@@ -1,4 +1,6 @@
-"""Three-hinged arches so flat that a pivot of their equations is small, and none of them vanishes: statics and motion, by closed forms."""
+"""Three-hinged arches so flat that a pivot of their equations is small, and none of them vanishes: statics
+and motion, by closed forms.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +13,10 @@ from scipy.integrate import solve_ivp
 
 from physics.test_redundant_joints import beam
 from support import go, times, with_settings
-from vfife.analysis.forces import joint_force, joint_rows
 from vfife.kinematics.initial import ideal_motion
+from vfife.measures.forces import joint_force, joint_rows
 from vfife.model.mechanism import Mechanism
-from vfife.simulation import simulate
+from vfife.simulation.simulate import simulate
 from vfife.solvers.record import Record
 
 HALF, BAR, G = 1.0, 11.0, 9.81  # m, kg, m/s^2
@@ -64,7 +66,9 @@ def test_an_arch_that_comes_apart_is_tried_again_with_smaller_iterations() -> No
 
 @pytest.mark.parametrize("bob", [False, True])
 def test_links_in_line_are_told(bob: bool) -> None:
-    """No rise: no force along the bars holds anything across them. They gave way by a tenth of a micrometre, and 240 kN were told."""
+    """No rise: no force along the bars holds anything across them. They gave way by a tenth of a micrometre,
+    and 240 kN were told.
+    """
     result = simulate(with_settings(arch(0.0, bob=bob), analysis="static"))
     assert result.record.status == "diverged"
     assert "links lie in line" in result.record.message
@@ -75,11 +79,16 @@ def test_links_in_line_carry_what_acts_along_them() -> None:
     m = dataclasses.replace(arch(0.0), gravity=(G, 0.0))
     result = simulate(with_settings(m, analysis="static"))
     assert result.record.status == "complete"
-    assert force(result.record, "A")[-1] - force(result.record, "B")[-1] == pytest.approx((-2.0 * BAR * G, 0.0), abs=1e-6)
+    assert force(result.record, "A")[-1] - force(result.record, "B")[-1] == pytest.approx(
+        (-2.0 * BAR * G, 0.0), abs=1e-6
+    )
     assert not result.measures["A.force.max"].unique
 
 
-@pytest.mark.parametrize(("rise", "bob", "blocked"), [(0.0, False, True), (0.0, True, True), (2e-5, False, False), (2e-5, True, False)])
+@pytest.mark.parametrize(
+    ("rise", "bob", "blocked"),
+    [(0.0, False, True), (0.0, True, True), (2e-5, False, False), (2e-5, True, False)],
+)
 def test_what_vanishes_is_told_from_what_is_small(rise: float, bob: bool, blocked: bool) -> None:
     assert ideal_motion(arch(rise, bob=bob)).mobility.blocked == blocked
 
@@ -114,19 +123,32 @@ def test_what_is_loose_is_told() -> None:
 
 
 def thrust(t: np.ndarray, rise: float, spin: float) -> np.ndarray:
-    """Horizontal force (N) on the left support's journal while the rod at the apex swings: it swings as about a fixed pin."""
+    """Horizontal force (N) on the left support's journal while the rod at the apex swings: it swings as about
+    a fixed pin.
+    """
     swung = solve_ivp(
-        lambda _, y: [y[1], -1.5 * G / LENGTH * math.cos(y[0])], (0.0, t[-1]), [START, spin], method="DOP853", rtol=1e-12, atol=1e-12, t_eval=t
+        lambda _, y: [y[1], -1.5 * G / LENGTH * math.cos(y[0])],
+        (0.0, t[-1]),
+        [START, spin],
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-12,
+        t_eval=t,
     )
     a, w = swung.y
     alpha, r = -1.5 * G / LENGTH * np.cos(a), 0.5 * LENGTH
-    px, py = BOB * r * (-np.sin(a) * alpha - np.cos(a) * w**2), BOB * (r * (np.cos(a) * alpha - np.sin(a) * w**2) + G)
+    px, py = (
+        BOB * r * (-np.sin(a) * alpha - np.cos(a) * w**2),
+        BOB * (r * (np.cos(a) * alpha - np.sin(a) * w**2) + G),
+    )
     slope = math.atan2(rise, HALF)
     return 0.5 * ((BAR * G + py) / math.tan(slope) + px)
 
 
 @pytest.mark.parametrize("spin", [0.0, 12.0])
-@pytest.mark.parametrize(("rise", "step"), [(0.02, "auto"), (0.02, 1e-3), (0.002, "auto"), (0.002, 1e-3), (2e-5, "auto")])
+@pytest.mark.parametrize(
+    ("rise", "step"), [(0.02, "auto"), (0.02, 1e-3), (0.002, "auto"), (0.002, 1e-3), (2e-5, "auto")]
+)
 def test_a_pendulum_swings_at_the_apex(rise: float, step: float | str, spin: float) -> None:
     """To and fro, or round and round."""
     record = go(arch(rise, bob=True, spin=spin), step, duration=1.0, outputs=50)  # type: ignore[arg-type]

@@ -1,4 +1,6 @@
-"""A journal of 1 kg thrown against its bearing at 1 m/s: published numbers, an independent integration, and the order of convergence."""
+"""A journal of 1 kg thrown against its bearing at 1 m/s: published numbers, an independent integration, and
+the order of convergence.
+"""
 
 import math
 from dataclasses import replace
@@ -21,14 +23,20 @@ SPEED, SPIN, INERTIA, V0, V1 = 1.0, 50.0, 4e-5, 0.05, 0.5  # of the slanting imp
 
 @cache
 def run(step: float, parts: int = 8):
-    m = journal_in_bearing(contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS), friction=Frictionless(), clearance=CLEARANCE)
+    m = journal_in_bearing(
+        contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS),
+        friction=Frictionless(),
+        clearance=CLEARANCE,
+    )
     duration = CLEARANCE + 2.2e-4
     m = with_settings(m, parts=parts)
     return go(m, step, duration=duration, outputs=round(duration / step))
 
 
 def measured(step: float) -> tuple[float, float, float, float]:
-    """Contact time, depth, peak and rebound; before and after the contact the flight is straight and gives the instants exactly."""
+    """Contact time, depth, peak and rebound; before and after the contact the flight is straight and gives
+    the instants exactly.
+    """
     record = run(step)
     assert onsets(record) == [1]
     depth, speed = record.block("contact_penetration")[:, 0], particle(record, "journal")["u"]
@@ -85,21 +93,32 @@ def test_the_impact_speed_is_located_inside_the_step():
 
 
 def test_an_onset_slower_than_the_floor_is_counted_and_held_at_it():
-    """0.2 mm/s against a floor of 1 mm/s: damping is that of an impact at the floor, weaker than at the true speed."""
-    m = journal_in_bearing(2e-4, contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS), friction=Frictionless(), clearance=1e-6)
+    """0.2 mm/s against a floor of 1 mm/s: damping is that of an impact at the floor, weaker than at the true
+    speed.
+    """
+    m = journal_in_bearing(
+        2e-4,
+        contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS),
+        friction=Frictionless(),
+        clearance=1e-6,
+    )
     record = go(m, 5e-7, duration=7e-3, outputs=700)
     assert onsets(record) == [1] and record.block("contact_grazing")[-1].tolist() == [1.0]
     slowness = record.block("contact_slowness")[:, 0]
     assert slowness[slowness > 0] == pytest.approx(1e3, rel=1e-12)
     chi = 0.75 * (1 - RESTITUTION**2) * 2e-4 / 1e-3
-    expected = brentq(lambda e: chi * (1 + e) - math.log((1 + chi) / (1 - chi * e)), 0.1, 1.0)  # the oracle for the weaker damping
+    expected = brentq(
+        lambda e: chi * (1 + e) - math.log((1 + chi) / (1 - chi * e)), 0.1, 1.0
+    )  # the oracle for the weaker damping
     assert -particle(record, "journal")["u"][-1] / 2e-4 == pytest.approx(expected, rel=1e-4)
     assert run(1e-7).block("contact_grazing")[-1].tolist() == [0.0]
 
 
 @pytest.mark.parametrize(("landing", "counted"), [(6e-6, 1.0), (2e-5, 0.0)])
 def test_a_first_landing_deeper_than_allowed_is_counted(landing, counted):
-    """1 m/s in steps of 13 us, taken as they are: the first step in contact lies 7 um deep, whatever the depth allowed."""
+    """1 m/s in steps of 13 us, taken as they are: the first step in contact lies 7 um deep, whatever the
+    depth allowed.
+    """
     m = journal_in_bearing(
         contact=LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS),
         friction=Frictionless(),
@@ -113,17 +132,23 @@ def test_a_first_landing_deeper_than_allowed_is_counted(landing, counted):
 
 
 def test_modes_are_counted():
-    """Eq. 19: a step with penetration after one without is an impact, one after another is continuous contact."""
+    """Eq. 19: a step with penetration after one without is an impact, one after another is continuous
+    contact.
+    """
     record = run(4e-7, parts=1)
     touching = record.block("contact_penetration")[:, 0] > 0
     impacts = np.concatenate([[0], np.cumsum(touching[1:] & ~touching[:-1])])
     assert (record.block("contact_onsets")[:, 0] == impacts).all()
-    assert record.block("contact_duration")[:, 0] == pytest.approx(4e-7 * (np.cumsum(touching) - impacts), rel=1e-12)
+    assert record.block("contact_duration")[:, 0] == pytest.approx(
+        4e-7 * (np.cumsum(touching) - impacts), rel=1e-12
+    )
     assert impacts[-1] == 1 and touching.sum() > 300
 
 
 def test_contact_converges_with_the_second_order():
-    """Honestly measured: the contact's length at 2.00, its rebound at 1.9 to 4 (what is left of it is already below 1e-7)."""
+    """Honestly measured: the contact's length at 2.00, its rebound at 1.9 to 4 (what is left of it is already
+    below 1e-7).
+    """
     steps = (4e-7, 2e-7, 1e-7, 5e-8)
     errors = [np.abs(np.subtract(measured(step), independent())) for step in steps]
     assert order([e[0] for e in errors]) == pytest.approx([2.0] * 3, abs=0.05)
@@ -145,13 +170,18 @@ def test_the_ledger_holds_during_the_contact():
     inside = np.flatnonzero(depth > 0)[1:-1]
     elastic = 0.4 * STIFFNESS * depth[inside] ** 2.5
     kinetic = 0.5 * ((speed[inside] + speed[inside - 1]) / 2) ** 2  # at step n; the ledger reaches to n + 1/2
-    lost = record.block("contact_damping_work")[inside, 0] - 0.5 * step * record.block("contact_damping_power")[inside, 0]
+    lost = (
+        record.block("contact_damping_work")[inside, 0]
+        - 0.5 * step * record.block("contact_damping_power")[inside, 0]
+    )
     assert elastic.max() > 0.4 and lost.max() > 0.05
     assert kinetic + elastic + lost == pytest.approx(np.full(len(inside), 0.5), abs=1e-5)
 
 
 def slanting(moment: str) -> np.ndarray:
-    """A turning journal thrown against the wall, the laws as printed, integrated by SciPy to the end of the contact: u, v, w."""
+    """A turning journal thrown against the wall, the laws as printed, integrated by SciPy to the end of the
+    contact: u, v, w.
+    """
     chi, radius = 0.75 * (1 - RESTITUTION**2), 0.01 - CLEARANCE
 
     def motion(t, y):
@@ -171,14 +201,29 @@ def slanting(moment: str) -> np.ndarray:
 
     parted.terminal, parted.direction = True, -1.0
     start = [CLEARANCE * (1 + 1e-14), 0.0, 0.0, SPEED, 0.0, SPIN]
-    solved = solve_ivp(motion, (0, 1), start, method="DOP853", rtol=1e-11, atol=1e-16, events=parted, first_step=1e-10, max_step=2e-7)
+    solved = solve_ivp(
+        motion,
+        (0, 1),
+        start,
+        method="DOP853",
+        rtol=1e-11,
+        atol=1e-16,
+        events=parted,
+        first_step=1e-10,
+        max_step=2e-7,
+    )
     return solved.y[3:, -1]
 
 
 @pytest.mark.parametrize("moment", ["mid-overlap", "surface", "off"])
 def test_friction_pushes_and_turns(moment):
-    """The journal rolls off sideways: its friction passes from sliding into the ramp, with and without moments at the surfaces."""
-    contact, friction = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS), Ambrosio(coefficient=0.3, v0=V0, v1=V1)
+    """The journal rolls off sideways: its friction passes from sliding into the ramp, with and without
+    moments at the surfaces.
+    """
+    contact, friction = (
+        LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS),
+        Ambrosio(coefficient=0.3, v0=V0, v1=V1),
+    )
     m = journal_in_bearing(contact=contact, friction=friction, clearance=CLEARANCE, friction_moment=moment)
     m.bodies["journal"] = replace(m.bodies["journal"], inertia=INERTIA, velocity=(SPEED, 0.0, SPIN))
     record = go(m, 5e-8, duration=CLEARANCE + 1.7e-4, outputs=100)

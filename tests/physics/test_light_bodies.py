@@ -1,4 +1,6 @@
-"""Light bodies on long arms, flat arches, coarse steps and long distances: where a first correction of the reactions is not enough, or too much."""
+"""Light bodies on long arms, flat arches, coarse steps and long distances: where a first correction of the
+reactions is not enough, or too much.
+"""
 
 import math
 
@@ -21,7 +23,9 @@ def arm(gyration: float, gravity: float) -> Mechanism:
 
 
 def test_a_body_two_hundred_radii_of_gyration_from_its_pin_falls_from_rest():
-    """At the bottom w^2 = 2 g/(1 + k^2) and the pin carries 3 g: the automatic step, which knows no speed at the start, lost it at once."""
+    """At the bottom w^2 = 2 g/(1 + k^2) and the pin carries 3 g: the automatic step, which knows no speed at
+    the start, lost it at once.
+    """
     record = go(arm(5e-3, 9.81), "auto", duration=4.0, outputs=2000)
     assert np.abs(record.block("particle_w")[:, 1]).max() == pytest.approx(math.sqrt(2.0 * 9.81), rel=1e-4)
     assert np.abs(record.block("joint_fy")).max() == pytest.approx(3.0 * 9.81, rel=1e-4)
@@ -33,7 +37,9 @@ def test_a_motor_turns_a_body_of_little_inertia_on_its_arm():
     m.drivers["motor"] = Torque(body="b", value=2.0)
     record = go(m, "auto", duration=3.0, outputs=100)
     half = 0.5 * record.assembly.choice.step
-    assert record.block("particle_w")[-1, 1] == pytest.approx(2.0 * (record.steps[-1] * 2.0 * half + half) / 1.01, rel=1e-5)
+    assert record.block("particle_w")[-1, 1] == pytest.approx(
+        2.0 * (record.steps[-1] * 2.0 * half + half) / 1.01, rel=1e-5
+    )
     assert joint_gap(record, "J") < 2e-9
 
 
@@ -51,7 +57,14 @@ def arch(spin: float) -> Mechanism:
     m.point("B", 1.0, 0.0)
     m.link("left", length=length, mass=5.0, angle=angle)
     m.link("right", length=length, mass=5.0, angle=math.pi - angle)
-    m.rigid_body("bob", mass=1.0, inertia=0.01, pins={"pin": (0.0, 0.3)}, position=(0.0, -0.28), velocity=(0.3 * spin, 0.0, spin))
+    m.rigid_body(
+        "bob",
+        mass=1.0,
+        inertia=0.01,
+        pins={"pin": (0.0, 0.3)},
+        position=(0.0, -0.28),
+        velocity=(0.3 * spin, 0.0, spin),
+    )
     m.revolute("A", "ground.A", "left.start")
     m.revolute("C", "left.end", "right.end")
     m.revolute("B", "ground.B", "right.start")
@@ -61,17 +74,23 @@ def arch(spin: float) -> Mechanism:
 
 @pytest.mark.parametrize("step", ["auto", 1e-3, 1e-5])
 def test_a_flat_arch_stands_while_a_pendulum_turns_at_its_apex(step):
-    """Its pivot is small and stays so: thrust is (half the weight of both bars and the pendulum's pull P_y) / (2 tan angle), less half of P_x."""
+    """Its pivot is small and stays so: thrust is (half the weight of both bars and the pendulum's pull P_y) /
+    (2 tan angle), less half of P_x.
+    """
     record = go(arch(20.0), step, duration=0.5, outputs=200)
     assert np.abs(np.ptp(record.block("particle_theta")[:, 1:3], axis=0)).max() < 1e-9
     index = {name: k for k, name in enumerate(record.assembly.ideals)}
     px, py = (-record.block(f"joint_{axis}")[2:, index["P"]] for axis in ("fx", "fy"))
     thrust = record.block("joint_fx")[2:, index["A"]]
-    assert thrust == pytest.approx((5.0 * 9.81 - py) / (2.0 * 0.02) - 0.5 * px, rel=1e-5, abs=1e-5 * np.abs(thrust).max())
+    assert thrust == pytest.approx(
+        (5.0 * 9.81 - py) / (2.0 * 0.02) - 0.5 * px, rel=1e-5, abs=1e-5 * np.abs(thrust).max()
+    )
 
 
 def test_reactions_of_a_long_body_do_not_drown_in_rounding():
-    """100 m at 20 us: at 1 km from the origin: closing positions gives a noise of eps x/dt^2, 3e-4 m/s^2 and more in each."""
+    """100 m at 20 us: at 1 km from the origin: closing positions gives a noise of eps x/dt^2, 3e-4 m/s^2 and
+    more in each.
+    """
     m = Mechanism("long", gravity=(0.0, -9.81))
     m.point("O", 1000.0, 500.0)
     m.link("rod", length=100.0, mass=1.0, angle=1.0)

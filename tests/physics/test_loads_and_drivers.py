@@ -16,7 +16,9 @@ from vfife.model.mechanism import Mechanism
 def free_body(**motion) -> Mechanism:
     """A rigid body without joints, its centre of mass and its pin off the origin of its frame."""
     m = Mechanism("body")
-    m.rigid_body("b", mass=2.0, inertia=0.03, center=(0.1, -0.05), pins={"eye": (0.3, 0.2)}, angle=0.6, **motion)
+    m.rigid_body(
+        "b", mass=2.0, inertia=0.03, center=(0.1, -0.05), pins={"eye": (0.3, 0.2)}, angle=0.6, **motion
+    )
     return m
 
 
@@ -38,7 +40,8 @@ def turning_link(mass: float = 2.0, length: float = 0.6, angle: float = 0.0, gra
 INERTIA = 2.0 * 0.6**2 / 3.0  # of the link about its pivot, kg m^2
 
 
-# ----------------------------------------------------------------------------------------------------- damping and gravity
+# -----------------------------------------------------------------------------------------------------
+# damping and gravity
 
 
 @pytest.mark.parametrize("damping", [0.5, 8.0])
@@ -64,7 +67,9 @@ def test_terminal_velocity():
     m.gravity = (0.0, -9.81)
     record = go(m, 1e-4, duration=3.0, outputs=30)
     half = times(record) + 5e-5
-    assert particle(record, "b")["v"] == pytest.approx(-9.81 / 5 * (1 - np.exp(-5 * half)), rel=1e-6, abs=1e-7)
+    assert particle(record, "b")["v"] == pytest.approx(
+        -9.81 / 5 * (1 - np.exp(-5 * half)), rel=1e-6, abs=1e-7
+    )
     assert particle(record, "b")["v"][-1] == pytest.approx(-9.81 / 5, rel=1e-6)
 
 
@@ -78,14 +83,25 @@ def test_free_fall_is_exact():
     assert p["theta"] == pytest.approx(0.6 + 3 * t, abs=1e-12)
 
 
-# -------------------------------------------------------------------------------------------------------- forces and torques
+# --------------------------------------------------------------------------------------------------------
+# forces and torques
 
 
 def test_a_point_force_at_a_pin():
-    """Fixed in space, off the centre of mass, over time, with a moment: the body's three equations integrated by SciPy."""
+    """Fixed in space, off the centre of mass, over time, with a moment: the body's three equations integrated
+    by SciPy.
+    """
     force, moment, knots, factors = np.array([15.0, -4.0]), 0.4, (0.0, 0.1, 0.25, 0.4), (1.0, -0.5, 2.0, 0.3)
     m = free_body()
-    m.loads["p"] = PointForce(name="p", at="b.eye", force=tuple(force), moment=moment, times=knots, factors=factors, interpolation="spline")
+    m.loads["p"] = PointForce(
+        name="p",
+        at="b.eye",
+        force=tuple(force),
+        moment=moment,
+        times=knots,
+        factors=factors,
+        interpolation="spline",
+    )
     record = go(m, 2e-5, duration=0.4, outputs=40)
     factor = CubicSpline(knots, factors, bc_type="natural")
     arm = np.array([0.2, 0.25])
@@ -105,11 +121,15 @@ def test_a_point_force_at_a_pin():
     u, v, w = solved.y[3:]
     kinetic = (u * u + v * v) + 0.015 * w * w  # at t_n; the ledger reaches to t_(n + 1/2)
     power = record.block("external_power")[:, 0]
-    assert record.block("external_work")[:, 0] - 1e-5 * power == pytest.approx(kinetic, abs=1e-4 * kinetic.max())
+    assert record.block("external_work")[:, 0] - 1e-5 * power == pytest.approx(
+        kinetic, abs=1e-4 * kinetic.max()
+    )
 
 
 def test_a_constant_torque():
-    """theta = T t^2/(2 I): gravity-free link on a pivot; the reaction of the pivot is the rod's centripetal and tangential force."""
+    """theta = T t^2/(2 I): gravity-free link on a pivot; the reaction of the pivot is the rod's centripetal
+    and tangential force.
+    """
     m = turning_link()
     m.drivers["rod"] = Torque(body="rod", value=1.5)
     record = go(m, 1e-4, duration=0.5, outputs=50)
@@ -118,7 +138,9 @@ def test_a_constant_torque():
     assert record.block("body_alpha")[1:, 0] == pytest.approx(np.full(50, alpha), rel=1e-6)
     f = np.hypot(record.block("joint_fx")[:, 0], record.block("joint_fy")[:, 0])
     assert f[1:] == pytest.approx(2.0 * 0.3 * np.sqrt(alpha**2 + (alpha * t[1:]) ** 4), rel=1e-4)
-    assert record.block("external_work")[-1, 0] == pytest.approx(0.5 * INERTIA * (alpha * (0.5 + 5e-5)) ** 2, rel=1e-4)
+    assert record.block("external_work")[-1, 0] == pytest.approx(
+        0.5 * INERTIA * (alpha * (0.5 + 5e-5)) ** 2, rel=1e-4
+    )
 
 
 def test_a_torque_over_time():
@@ -154,16 +176,24 @@ def test_constant_speed_holds_an_unbalanced_link():
     t = times(record)
     theta = 0.3 + 20 * t
     assert particle(record, "rod")["theta"] == pytest.approx(theta, abs=1e-13)
-    assert record.block("driven_torque")[:, 0] == pytest.approx(2.0 * 0.3 * (np.sin(theta) * gx - np.cos(theta) * gy), abs=1e-10)
+    assert record.block("driven_torque")[:, 0] == pytest.approx(
+        2.0 * 0.3 * (np.sin(theta) * gx - np.cos(theta) * gy), abs=1e-10
+    )
     assert record.block("driven_fx")[:, 0] == pytest.approx(-2.0 * (400 * 0.3 * np.cos(theta) + gx), abs=1e-9)
     assert record.block("driven_fy")[:, 0] == pytest.approx(-2.0 * (400 * 0.3 * np.sin(theta) + gy), abs=1e-9)
-    assert pin(record, "rod", "end") == pytest.approx(np.stack([0.2 + 0.6 * np.cos(theta), -0.1 + 0.6 * np.sin(theta)], axis=1), abs=1e-12)
+    assert pin(record, "rod", "end") == pytest.approx(
+        np.stack([0.2 + 0.6 * np.cos(theta), -0.1 + 0.6 * np.sin(theta)], axis=1), abs=1e-12
+    )
     window = within(record, 0.0, 0.4)
-    assert largest_force(record, "A", window) == pytest.approx(2.0 * (400 * 0.3 + math.hypot(gx, gy)), rel=1e-4)
+    assert largest_force(record, "A", window) == pytest.approx(
+        2.0 * (400 * 0.3 + math.hypot(gx, gy)), rel=1e-4
+    )
 
 
 def test_ramp():
-    """Speed w (10 s^3 - 15 s^4 + 6 s^5), s = t/T, then w; angle its integral; torque I times its derivative; work 1/2 I w^2."""
+    """Speed w (10 s^3 - 15 s^4 + 6 s^5), s = t/T, then w; angle its integral; torque I times its derivative;
+    work 1/2 I w^2.
+    """
     m = turning_link(angle=0.5)
     m.drivers["rod"] = Ramp(body="rod", speed=30.0, duration=0.2)
     record = go(m, 1e-4, duration=0.3, outputs=60)
@@ -173,12 +203,16 @@ def test_ramp():
     p = particle(record, "rod")
     assert p["theta"] == pytest.approx(angle, abs=1e-12)
     assert p["w"] == pytest.approx(30 * (10 * s**3 - 15 * s**4 + 6 * s**5), abs=1e-10)
-    assert record.block("driven_torque")[:, 0] == pytest.approx(INERTIA * 30 / 0.2 * 30 * s**2 * (1 - s) ** 2, abs=1e-9)
+    assert record.block("driven_torque")[:, 0] == pytest.approx(
+        INERTIA * 30 / 0.2 * 30 * s**2 * (1 - s) ** 2, abs=1e-9
+    )
     assert record.block("driven_work")[-1, 0] == pytest.approx(0.5 * INERTIA * 900, rel=1e-6)
 
 
 def test_angle_table():
-    """A natural cubic spline through the angles, counted from the start angle; torque from its second derivative."""
+    """A natural cubic spline through the angles, counted from the start angle; torque from its second
+    derivative.
+    """
     knots, angles = (0.0, 0.1, 0.2, 0.35), (0.0, 0.4, -0.3, 1.0)
     m = turning_link(angle=0.25)
     m.drivers["rod"] = AngleTable(body="rod", times=knots, values=angles)
@@ -191,14 +225,18 @@ def test_angle_table():
 
 
 def test_a_ramp_carries_what_hangs_on_it():
-    """Four-bar ramped up to speed within half a turn: places are those that the crank's angle demands, the next turn is the steady one."""
+    """Four-bar ramped up to speed within half a turn: places are those that the crank's angle demands, the
+    next turn is the steady one.
+    """
     m = four_bar("", speed=0.0)
     m.drivers["crank"] = Ramp(body="crank", speed=50 * math.pi, duration=0.04)
     record = go(m, 2e-6, duration=0.1, outputs=500)
     steady = go(four_bar(""), 2e-6, turns=1)
     late = within(record, 0.05, 0.09)
     for joint in "BCD":
-        assert largest_force(record, joint, late) == pytest.approx(largest_force(steady, joint, within(steady, 0, 1)), rel=1e-4)
+        assert largest_force(record, joint, late) == pytest.approx(
+            largest_force(steady, joint, within(steady, 0, 1)), rel=1e-4
+        )
     crank = particle(record, "crank")["theta"]
     tip = pin(record, "follower", "end")
     b = np.stack([0.4 * np.cos(crank), 0.4 * np.sin(crank)], axis=1)

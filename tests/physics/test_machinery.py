@@ -1,4 +1,6 @@
-"""What the machinery of every joint, spring and driver keeps: the same bits in all loops, mirror symmetry, momenta, a second-order ledger."""
+"""What the machinery of every joint, spring and driver keeps: the same bits in all loops, mirror symmetry,
+momenta, a second-order ledger.
+"""
 
 import dataclasses
 from functools import cache
@@ -7,13 +9,13 @@ import numpy as np
 import pytest
 
 from support import bits, finer, lanes, mirrored, order, with_settings
-from vfife.analysis import ledger
-from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.codegen.python import straight_line
+from vfife.compiler.backends.python import straight_line
 from vfife.kernels.blocks import BLOCKS
 from vfife.laws import Ambrosio, HuntCrossley, LankaraniNikravesh, Material
+from vfife.measures import ledger
+from vfife.measures.motion import velocities
 from vfife.model.bodies import Member, Section
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, StepTo, Torque
 from vfife.model.joints import Distance, ExternalContact
@@ -25,11 +27,15 @@ from vfife_validation.verification.lagrange import solved
 from vfife_validation.verification.pendulums import double_four_bar
 
 RUBBER = Material("rubber", 2e8, 0.3, 1000.0)
-STIFF = Material("stiff", 2e9, 0.3, 1000.0)  # its strains are small enough for the incremental law to be as good as conservative
+STIFF = Material(
+    "stiff", 2e9, 0.3, 1000.0
+)  # its strains are small enough for the incremental law to be as good as conservative
 
 
 def guides(lane: int = 0) -> Mechanism:
-    """Sliders, slots, welds, gears and drivers of every kind, a guide with play, elastic bodies that carry guides."""
+    """Sliders, slots, welds, gears and drivers of every kind, a guide with play, elastic bodies that carry
+    guides.
+    """
     f = 1.0 + 0.05 * lane
     m = Mechanism("guides", gravity=(0.4, -9.81 * f))
     for k, at in enumerate(((0.0, 0.0), (1.0, 0.2), (2.0, 0.1), (3.0, 0.0), (4.0, 0.3))):
@@ -49,7 +55,14 @@ def guides(lane: int = 0) -> Mechanism:
     }
     m.clearance_slider("play", "arm.far", "loose.center", clearance=3e-4, length=0.05, height=0.03, **options)
     # Geared wheels, the second with a pin in a slot of a swinging arm.
-    m.rigid_body("wheel", mass=1.0, inertia=0.02, position=(1.0, 0.2), pins={"eye": (0.02, 0.0)}, velocity=(0.0, 0.0, 9.0 * f))
+    m.rigid_body(
+        "wheel",
+        mass=1.0,
+        inertia=0.02,
+        position=(1.0, 0.2),
+        pins={"eye": (0.02, 0.0)},
+        velocity=(0.0, 0.0, 9.0 * f),
+    )
     m.rigid_body("pinion", mass=0.5, inertia=0.004, position=(2.0, 0.1), pins={"pin": (0.05, 0.01)})
     m.rigid_body("swing", mass=0.8, inertia=0.02, position=(3.0, 0.0), pins={"end": (-0.2, 0.1)}, angle=0.1)
     m.revolute("O1", "ground.O1", "wheel.center")
@@ -62,26 +75,49 @@ def guides(lane: int = 0) -> Mechanism:
     m.slider("slot", "swing.center", "pinion.pin", direction=(1.0, -0.1), turning=True)
     m.rigid_body("bob", mass=0.2, inertia=1e-3, pins={"eye": (0.03, 0.01)})
     m.distance("tie", "pinion.pin", "bob.eye", length=0.12, angle=-1.2)
-    # A clamped elastic beam, a rigid arm welded to it, a link driven against that, a particle on a line, a frame with a bead in a guide it carries.
-    m.link("beam", length=0.4, model="elastic", elements=2, section=Section.round(0.02), material=RUBBER, position=(4.0, 0.3))
+    # A clamped elastic beam, a rigid arm welded to it, a link driven against that, a particle on a line, a
+    # frame with a bead in a guide it carries.
+    m.link(
+        "beam",
+        length=0.4,
+        model="elastic",
+        elements=2,
+        section=Section.round(0.02),
+        material=RUBBER,
+        position=(4.0, 0.3),
+    )
     m.weld("clamp", "ground.O4", "beam.start")
-    m.rigid_body("stub", mass=0.2, inertia=1e-3, pins={"root": (-0.05, 0.0), "tip": (0.05, 0.01)}, position=(4.45, 0.3))
+    m.rigid_body(
+        "stub", mass=0.2, inertia=1e-3, pins={"root": (-0.05, 0.0), "tip": (0.05, 0.01)}, position=(4.45, 0.3)
+    )
     m.weld("weld", "beam.end", "stub.root")
     m.link("finger", length=0.1, mass=0.05, position=(4.5, 0.31), angle=-0.4)
     m.revolute("knuckle", "stub.tip", "finger.start")
-    m.drivers["motor"] = AngleTable(body="finger", against="stub", times=(0.0, 0.02, 0.05), values=(0.0, 0.3 * f, -0.2))
+    m.drivers["motor"] = AngleTable(
+        body="finger", against="stub", times=(0.0, 0.02, 0.05), values=(0.0, 0.3 * f, -0.2)
+    )
     m.point_mass("bead", mass=0.1, position=(5.0, 1.0), velocity=(0.0, 0.3, 0.0))
     m.drivers["line"] = ConstantSpeed(point="bead.center", direction=(1.0, 0.5), speed=0.7 * f)
     nodes = {"a": (0.0, 0.0), "b": (0.2, 0.0), "c": (0.2, 0.2)}
     members = (Member("a", "b"), Member("b", "c"))
-    m.frame("frame", nodes=nodes, members=members, section=Section.round(0.02), material=RUBBER, position=(6.0, 0.0), velocity=(0.1, 0.2, 3.0))
+    m.frame(
+        "frame",
+        nodes=nodes,
+        members=members,
+        section=Section.round(0.02),
+        material=RUBBER,
+        position=(6.0, 0.0),
+        velocity=(0.1, 0.2, 3.0),
+    )
     m.rigid_body("rider", mass=0.1, inertia=1e-4, position=(6.2, 0.15), angle=0.3)
     m.slider("rail", "frame.c", "rider.center", direction=(0.1, 1.0))
     return with_settings(m, damping=0.5)
 
 
 def springs(lane: int = 0) -> Mechanism:
-    """Springs, dampers, bushings and stops, following forces, torques over time, speed and angle, rounds on a line and on each other."""
+    """Springs, dampers, bushings and stops, following forces, torques over time, speed and angle, rounds on a
+    line and on each other.
+    """
     f = 1.0 + 0.05 * lane
     m = Mechanism("springs", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
@@ -89,7 +125,14 @@ def springs(lane: int = 0) -> Mechanism:
     m.point("W", 2.0, -0.1)
     m.link("rod", length=0.3, mass=1.0 * f, angle=-0.3)
     m.revolute("O", "ground.O", "rod.start")
-    m.rigid_body("disc", mass=0.7, inertia=0.01, position=(0.7, 0.2), pins={"rim": (0.06, 0.02)}, velocity=(0.3, 0.5, 20.0 * f))
+    m.rigid_body(
+        "disc",
+        mass=0.7,
+        inertia=0.01,
+        position=(0.7, 0.2),
+        pins={"rim": (0.06, 0.02)},
+        velocity=(0.3, 0.5, 20.0 * f),
+    )
     m.spring("s", "rod.end", "disc.rim", stiffness=900.0, damping=4.0, free_length=0.3)
     m.torsional_spring("t", "ground", "rod", stiffness=5.0, damping=0.02, free_angle=0.2)
     m.bushing("b", "disc.rim", "ground.P", stiffness=(500.0, 900.0, 3.0), damping=(2.0, 1.0, 0.01))
@@ -97,13 +140,25 @@ def springs(lane: int = 0) -> Mechanism:
     m.drivers["rod"] = Torque(body="rod", value=(3.0 * f, 0.0, -1.0), speeds=(-5.0, 0.0, 30.0))
     m.drivers["twist"] = Torque(body="disc", against="rod", value=(0.4, -0.6, 0.1), angles=(-1.0, 0.5, 2.0))
     m.loads["follow"] = PointForce(name="follow", at="disc.rim", force=(3.0, 1.0), moment=0.1, follow=True)
-    m.loads["fixed"] = PointForce(name="fixed", at="rod.end", force=(1.0, 2.0), times=(0.0, 0.02, 0.04), factors=(0.0, 1.0, -0.5))
+    m.loads["fixed"] = PointForce(
+        name="fixed", at="rod.end", force=(1.0, 2.0), times=(0.0, 0.02, 0.04), factors=(0.0, 1.0, -0.5)
+    )
     law, rough = HuntCrossley(restitution=0.6, stiffness=1e8), Ambrosio(coefficient=0.3, v0=1e-3, v1=1e-2)
     m.rigid_body("ball", mass=0.5, inertia=2e-4, position=(1.9, -0.0497), velocity=(1.0 * f, -0.4, -5.0))
     m.rigid_body("other", mass=0.3, inertia=1e-4, position=(2.01, -0.05), velocity=(-1.0, 0.0, 9.0))
     for name in ("ball", "other"):
-        m.external_contact(f"floor {name}", "ground.W", f"{name}.center", journal_radius=0.05, contact=law, friction=rough)
-    m.external_contact("meet", "ball.center", "other.center", journal_radius=0.05, bearing_radius=0.05, contact=law, friction=rough)
+        m.external_contact(
+            f"floor {name}", "ground.W", f"{name}.center", journal_radius=0.05, contact=law, friction=rough
+        )
+    m.external_contact(
+        "meet",
+        "ball.center",
+        "other.center",
+        journal_radius=0.05,
+        bearing_radius=0.05,
+        contact=law,
+        friction=rough,
+    )
     return m
 
 
@@ -113,7 +168,9 @@ MODELS = {guides: 4e-6, springs: 4e-6}
 @cache
 def assembled(model, lane: int = 0) -> Assembly:
     """A lane of a model, with a step of its own."""
-    return assemble(model(lane), MODELS[model] * (1 - 0.05 * lane), duration=0.03, outputs=60, force_step=True)
+    return assemble(
+        model(lane), MODELS[model] * (1 - 0.05 * lane), duration=0.03, outputs=60, force_step=True
+    )
 
 
 @cache
@@ -144,7 +201,9 @@ def test_the_generated_text_is_data_driven(model):
     rows, names = computed(model, "data-driven", 4)
     runner = lanes([assembled(model)], "interpreted")
     runner.take = straight_line(runner.topology)(runner.memory)
-    with np.errstate(invalid="ignore"):  # both sides of a choice are computed, also the one that means nothing
+    with np.errstate(
+        invalid="ignore"
+    ):  # both sides of a choice are computed, also the one that means nothing
         plain = np.concatenate([runner.advance(1, 1), runner.advance(50, 6)])
     assert differing(plain, rows[: len(plain), :, :1], names) == set()
 
@@ -161,7 +220,10 @@ def test_the_runs_are_worth_comparing():
     rows, names = computed(guides, "data-driven", 4)
     at = {name: [k for k, other in enumerate(names) if other == name] for name in set(names)}
     assert (rows[-1, at["contact_onsets"]] > 0).any()
-    assert np.abs(rows[-1, at["joint_fx"]]).max(axis=1).min() >= 0.0 and np.abs(rows[-1, at["joint_moment"]]).max() > 0.0
+    assert (
+        np.abs(rows[-1, at["joint_fx"]]).max(axis=1).min() >= 0.0
+        and np.abs(rows[-1, at["joint_moment"]]).max() > 0.0
+    )
     rows, names = computed(springs, "data-driven", 4)
     at = {name: [k for k, other in enumerate(names) if other == name] for name in set(names)}
     assert (rows[-1, at["contact_onsets"]] > 0).any(axis=1).sum() >= 2
@@ -170,7 +232,8 @@ def test_the_runs_are_worth_comparing():
     ).sum() == 3
 
 
-# ------------------------------------------------------------------------------------------------------------ mirror image
+# ------------------------------------------------------------------------------------------------------------
+# mirror image
 
 
 def reflected(m: Mechanism) -> Mechanism:
@@ -178,22 +241,34 @@ def reflected(m: Mechanism) -> Mechanism:
 
     def driver(d):
         if isinstance(d, Torque) and (d.speeds or d.angles):
-            turned = {key: tuple(-v for v in reversed(getattr(d, key))) for key in ("value", "speeds", "angles") if getattr(d, key)}
+            turned = {
+                key: tuple(-v for v in reversed(getattr(d, key)))
+                for key in ("value", "speeds", "angles")
+                if getattr(d, key)
+            }
             return dataclasses.replace(d, **turned)
         along = bool(d.slider or d.point)
         d = dataclasses.replace(d, direction=(d.direction[0], -d.direction[1]))
         if along:
             return d
-        name = {"Harmonic": "amplitude", "StepTo": "travel", "AngleTable": "values", "Torque": "value"}.get(type(d).__name__, "speed")
+        name = {"Harmonic": "amplitude", "StepTo": "travel", "AngleTable": "values", "Torque": "value"}.get(
+            type(d).__name__, "speed"
+        )
         value = getattr(d, name)
-        return dataclasses.replace(d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value})
+        return dataclasses.replace(
+            d, **{name: tuple(-v for v in value) if isinstance(value, tuple) else -value}
+        )
 
     def joint(j):
         if isinstance(j, ExternalContact):
             return dataclasses.replace(j, direction=(-j.direction[0], j.direction[1]))
         if isinstance(j, Distance):
             return dataclasses.replace(j, angle=-j.angle)
-        return dataclasses.replace(j, direction=(j.direction[0], -j.direction[1])) if hasattr(j, "direction") else j
+        return (
+            dataclasses.replace(j, direction=(j.direction[0], -j.direction[1]))
+            if hasattr(j, "direction")
+            else j
+        )
 
     def spring(s):
         if isinstance(s, TorsionalSpring):
@@ -201,7 +276,11 @@ def reflected(m: Mechanism) -> Mechanism:
         return dataclasses.replace(s, low=-s.high, high=-s.low) if isinstance(s, Stop) else s
 
     def body(b):
-        return dataclasses.replace(b, nodes={k: (x, -y) for k, (x, y) in b.nodes.items()}) if hasattr(b, "nodes") else b
+        return (
+            dataclasses.replace(b, nodes={k: (x, -y) for k, (x, y) in b.nodes.items()})
+            if hasattr(b, "nodes")
+            else b
+        )
 
     plain = mirrored(dataclasses.replace(m, drivers={}))
     return dataclasses.replace(
@@ -215,10 +294,17 @@ def reflected(m: Mechanism) -> Mechanism:
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_the_mirror_image_moves_as_the_mirror_image(model):
-    """Rounding alone tells them apart: tables of functions and corners of blocks are not summed in the same order."""
+    """Rounding alone tells them apart: tables of functions and corners of blocks are not summed in the same
+    order.
+    """
     image = assemble(reflected(model()), MODELS[model], duration=0.03, outputs=60, force_step=True)
     ours, theirs = (run(a, loop="data-driven") for a in (assembled(model), image))
-    checks = {"particle_x": (1.0, 1e-9), "particle_y": (-1.0, 1e-9), "particle_theta": (-1.0, 1e-9), "body_alpha": (-1.0, 1e-6)}
+    checks = {
+        "particle_x": (1.0, 1e-9),
+        "particle_y": (-1.0, 1e-9),
+        "particle_theta": (-1.0, 1e-9),
+        "body_alpha": (-1.0, 1e-6),
+    }
     for block, (sign, tolerance) in checks.items():
         a, b = ours.block(block), sign * theirs.block(block)
         assert np.abs(a - b).max() < tolerance * max(1.0, np.abs(a).max()), block
@@ -229,14 +315,40 @@ def test_the_mirror_image_moves_as_the_mirror_image(model):
 
 
 def floating(**change) -> Mechanism:
-    """Bodies in space that springs, a bushing, a slider, a slot, a weld, a motor and a stop hold together, and an elastic link."""
+    """Bodies in space that springs, a bushing, a slider, a slot, a weld, a motor and a stop hold together,
+    and an elastic link.
+    """
     m = Mechanism("floating")
-    m.rigid_body("a", mass=1.0, inertia=0.02, pins={"p": (0.1, 0.05), "q": (-0.1, 0.0)}, position=(0.0, 0.0), velocity=(0.3, 0.1, 6.0))
-    m.rigid_body("b", mass=0.6, inertia=0.01, pins={"p": (0.05, 0.0)}, position=(0.3, 0.1), angle=0.2, velocity=(0.0, -0.2, -3.0))
+    m.rigid_body(
+        "a",
+        mass=1.0,
+        inertia=0.02,
+        pins={"p": (0.1, 0.05), "q": (-0.1, 0.0)},
+        position=(0.0, 0.0),
+        velocity=(0.3, 0.1, 6.0),
+    )
+    m.rigid_body(
+        "b",
+        mass=0.6,
+        inertia=0.01,
+        pins={"p": (0.05, 0.0)},
+        position=(0.3, 0.1),
+        angle=0.2,
+        velocity=(0.0, -0.2, -3.0),
+    )
     m.rigid_body("c", mass=0.5, inertia=0.01, pins={"p": (-0.1, 0.0)}, position=(0.2, 0.05))
     m.slider("rail", "a.p", "b.p", direction=(1.0, 0.3))
     m.revolute("pin", "a.q", "c.p")
-    m.link("beam", length=0.3, model="elastic", elements=3, section=Section.round(0.02), material=STIFF, position=(0.35, 0.1), angle=0.2)
+    m.link(
+        "beam",
+        length=0.3,
+        model="elastic",
+        elements=3,
+        section=Section.round(0.02),
+        material=STIFF,
+        position=(0.35, 0.1),
+        angle=0.2,
+    )
     m.weld("weld", "b.p", "beam.start")
     m.point_mass("bead", mass=0.2, position=(-0.3, 0.1))
     m.slider("slot", "c.center", "bead.center", direction=(0.2, 1.0), turning=True)
@@ -263,11 +375,15 @@ def momenta(record) -> tuple[np.ndarray, np.ndarray]:
 def test_momenta_of_what_floats():
     """Forces within it come in pairs, and moments too: both momenta are kept to rounding at any step."""
     for step in (2e-5, 1e-5):
-        record = run(assemble(floating(), step, duration=0.1, outputs=100, force_step=True), loop="data-driven")
+        record = run(
+            assemble(floating(), step, duration=0.1, outputs=100, force_step=True), loop="data-driven"
+        )
         push, spin = momenta(record)
         assert np.abs(push - push[0]).max() < 1e-11 * np.abs(push[0]).max()
         assert np.abs(spin - spin[0]).max() < 1e-11 * np.abs(spin[0]).max()
-        assert np.abs(record.block("particle_w")).max() > 1.0 and np.abs(record.block("spring_fx")[-1, 0]) > 1.0
+        assert (
+            np.abs(record.block("particle_w")).max() > 1.0 and np.abs(record.block("spring_fx")[-1, 0]) > 1.0
+        )
         assert (np.abs(record.block("spring_moment")[:, -1]) > 0.0).any(), "the stop is never met"
 
 
@@ -286,7 +402,9 @@ def single(kind: str) -> Mechanism:
     m.point("O", 0.0, 0.0)
     m.rigid_body("a", mass=1.0, inertia=0.05, pins={"p": (0.3, 0.1)}, angle=0.3, velocity=(0.0, 0.0, 4.0))
     m.revolute("O", "ground.O", "a.center")
-    m.rigid_body("b", mass=0.5, inertia=0.02, pins={"q": (0.05, 0.0)}, position=(0.3, 0.2), velocity=(0.5, 0.2, -2.0))
+    m.rigid_body(
+        "b", mass=0.5, inertia=0.02, pins={"q": (0.05, 0.0)}, position=(0.3, 0.2), velocity=(0.5, 0.2, -2.0)
+    )
     if kind in ("slider", "slot"):
         m.slider("j", "a.p", "b.center", direction=(1.0, 0.5), turning=kind == "slot")
     elif kind == "weld":
@@ -315,7 +433,21 @@ def single(kind: str) -> Mechanism:
     return m
 
 
-KINDS = ("slider", "slot", "weld", "gear", "spring", "torsional", "bushing", "relative", "travel", "point", "speed", "angle", "follow")
+KINDS = (
+    "slider",
+    "slot",
+    "weld",
+    "gear",
+    "spring",
+    "torsional",
+    "bushing",
+    "relative",
+    "travel",
+    "point",
+    "speed",
+    "angle",
+    "follow",
+)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -328,14 +460,20 @@ def test_ledger_of_each_kind_is_of_second_order(kind):
 
 @pytest.mark.parametrize("loop", ["data-driven", "generated"])
 def test_singular_positions_are_passed_with_second_order(loop):
-    """Two four-bars side by side lie flat, with three freedoms instead of one, four times; at any step they stay the parallelograms they are."""
+    """Two four-bars side by side lie flat, with three freedoms instead of one, four times; at any step they
+    stay the parallelograms they are.
+    """
     errors = []
     for step in (1e-3, 5e-4, 2.5e-4) if loop == "generated" else (1e-3, 5e-4, 2.5e-4, 1e-4, 2e-5):
         record = run(assemble(double_four_bar(), step, duration=3.0, outputs=100, force_step=True), loop=loop)
         assert record.status == "complete"
         angle = record.block("particle_theta")
         assert np.abs(angle[:, 1] - angle[:, 3]).max() < 1e-3
-        rates = solved(lambda time, y: np.array([y[1], -3.5 * 9.81 * np.cos(y[0]) / 3.0]), [0.5 * np.pi, -1.0], np.array([3.0]))
+        rates = solved(
+            lambda time, y: np.array([y[1], -3.5 * 9.81 * np.cos(y[0]) / 3.0]),
+            [0.5 * np.pi, -1.0],
+            np.array([3.0]),
+        )
         errors.append(abs(angle[-1, 1] - rates[0, 0]) / step**2)
     assert max(errors) < 100.0, errors  # rad/s^2: fifteen at coarse steps, where the passage itself is exact
 
@@ -348,11 +486,25 @@ def test_path_units_of_a_frame(path_unit):
         m = Mechanism("frame")
         nodes = {"a": (0.0, 0.0), "b": (0.3, 0.0), "c": (0.3, 0.2)}
         members = (Member("a", "b", 2), Member("b", "c", 2))
-        m.frame("frame", nodes=nodes, members=members, section=Section.round(0.02), material=RUBBER, velocity=(0.1, 0.2, 6.0))
-        m.loads["push"] = PointForce(
-            name="push", at="frame.c", force=(0.0, 3.0), times=(0.0, 0.02, 0.04, 0.06, 0.1, 0.2), factors=(0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+        m.frame(
+            "frame",
+            nodes=nodes,
+            members=members,
+            section=Section.round(0.02),
+            material=RUBBER,
+            velocity=(0.1, 0.2, 6.0),
         )
-        record = run(assemble(with_settings(m, path_unit=unit), 1e-5, duration=0.2, outputs=100, force_step=True), loop="data-driven")
+        m.loads["push"] = PointForce(
+            name="push",
+            at="frame.c",
+            force=(0.0, 3.0),
+            times=(0.0, 0.02, 0.04, 0.06, 0.1, 0.2),
+            factors=(0.0, 1.0, 0.0, 0.0, 0.0, 0.0),
+        )
+        record = run(
+            assemble(with_settings(m, path_unit=unit), 1e-5, duration=0.2, outputs=100, force_step=True),
+            loop="data-driven",
+        )
         return np.stack([record.block("particle_x"), record.block("particle_y")])
 
     one, many = tip(1), tip(path_unit)

@@ -1,4 +1,6 @@
-"""Massless links: pendulums, trusses and a four-bar whose coupler weighs nothing, against closed forms and Lagrange's equations."""
+"""Massless links: pendulums, trusses and a four-bar whose coupler weighs nothing, against closed forms and
+Lagrange's equations.
+"""
 
 import dataclasses
 import math
@@ -10,9 +12,9 @@ from scipy.integrate import solve_ivp
 from independent import circles
 from support import go, particle, times
 from vfife import simulate
-from vfife.analysis import ledger
-from vfife.analysis.motion import body_motion
 from vfife.kinematics.initial import ideal_motion
+from vfife.measures import ledger
+from vfife.measures.motion import body_motion
 from vfife.model.joints import Distance
 from vfife.model.mechanism import Mechanism
 
@@ -38,7 +40,9 @@ def test_a_pendulum_is_where_the_rigid_one_is():
 
 
 def test_the_pull_of_a_pendulum():
-    """m (g cos + v^2/l) on the way down from the level: 3 m g sin(depth angle), along the link and towards its pin."""
+    """m (g cos + v^2/l) on the way down from the level: 3 m g sin(depth angle), along the link and towards
+    its pin.
+    """
     record = go(pendulum(angle=0.0), 1e-4, duration=1.0, outputs=50)
     bob = particle(record, "bob")
     force = np.stack([record.block("joint_fx")[:, 0], record.block("joint_fy")[:, 0]])
@@ -69,15 +73,23 @@ def test_a_double_pendulum_of_point_masses():
         p, q, u, v = y
         off = m2 * a * b
         matrix = [[(m1 + m2) * a * a, off * math.cos(p - q)], [off * math.cos(p - q), m2 * b * b]]
-        right = [-off * math.sin(p - q) * v * v - (m1 + m2) * G * a * math.cos(p), off * math.sin(p - q) * u * u - m2 * G * b * math.cos(q)]
+        right = [
+            -off * math.sin(p - q) * v * v - (m1 + m2) * G * a * math.cos(p),
+            off * math.sin(p - q) * u * u - m2 * G * b * math.cos(q),
+        ]
         return [u, v, *np.linalg.solve(matrix, right)]
 
-    p, q = solve_ivp(rates, (0.0, 1.0), [0.3, -0.5, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-13).y[:2, -1]
+    p, q = solve_ivp(rates, (0.0, 1.0), [0.3, -0.5, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-13).y[
+        :2, -1
+    ]
     end = particle(record, "second")
-    assert (end["x"][-1], end["y"][-1]) == pytest.approx((a * math.cos(p) + b * math.cos(q), a * math.sin(p) + b * math.sin(q)), abs=1e-6)
+    assert (end["x"][-1], end["y"][-1]) == pytest.approx(
+        (a * math.cos(p) + b * math.cos(q), a * math.sin(p) + b * math.sin(q)), abs=1e-6
+    )
 
 
-# ------------------------------------------------------------------------------------------------------- a coupler without mass
+# ------------------------------------------------------------------------------------------------------- a
+# coupler without mass
 
 CRANK, COUPLER, FOLLOWER, GROUND, SPEED, MASS = 0.1, 0.35, 0.25, 0.3, 40.0, 2.0
 
@@ -115,14 +127,18 @@ def second(time: float, h: float = 1e-4) -> float:
 
 
 def test_a_four_bar_whose_coupler_weighs_nothing():
-    """The follower's angle and acceleration are those of the circles; the link's force is the follower's moment over its lever."""
+    """The follower's angle and acceleration are those of the circles; the link's force is the follower's
+    moment over its lever.
+    """
     record = go(four_bar(), 1e-5, turns=1.0, outputs=40)
     body, link = list(record.assembly.bodies).index("follower"), record.assembly.ideals.index("BC")
     at = times(record)[1:]  # at the start forces are known to first order in the step
     expected = np.array([angle(time) for time in at])
     assert body_motion(record)["angle"][1:, body] == pytest.approx(expected, abs=1e-7)
     alpha = np.array([second(time) for time in at])
-    assert record.block("body_alpha")[1:, body] == pytest.approx(alpha, rel=1e-4, abs=1e-4 * np.abs(alpha).max())
+    assert record.block("body_alpha")[1:, body] == pytest.approx(
+        alpha, rel=1e-4, abs=1e-4 * np.abs(alpha).max()
+    )
     pin = CRANK * np.stack([np.cos(SPEED * at), np.sin(SPEED * at)], axis=1)
     arm = FOLLOWER * np.stack([np.cos(expected), np.sin(expected)], axis=1)
     along = (arm + [GROUND, 0.0] - pin) / COUPLER
@@ -145,7 +161,8 @@ def test_the_start_knows_accelerations_and_forces():
     assert motion.of("follower")[2][2] == pytest.approx(second(0.013), rel=1e-6)
 
 
-# ---------------------------------------------------------------------------------------------------------- trusses and starts
+# ----------------------------------------------------------------------------------------------------------
+# trusses and starts
 
 
 def truss(diagonals: int) -> Mechanism:
@@ -154,8 +171,12 @@ def truss(diagonals: int) -> Mechanism:
     corners = {"a": (0.0, 0.0), "b": (1.0, 0.0), "c": (1.0, 1.0), "d": (0.0, 1.0)}
     for name, at in corners.items():
         m.point_mass(name, mass=1.0, position=at)
-    for k, (first, other) in enumerate([("a", "b"), ("b", "c"), ("c", "d"), ("d", "a"), ("a", "c"), ("b", "d")][: 4 + diagonals]):
-        m.distance(f"s{k}", f"{first}.center", f"{other}.center", length=math.dist(corners[first], corners[other]))
+    for k, (first, other) in enumerate(
+        [("a", "b"), ("b", "c"), ("c", "d"), ("d", "a"), ("a", "c"), ("b", "d")][: 4 + diagonals]
+    ):
+        m.distance(
+            f"s{k}", f"{first}.center", f"{other}.center", length=math.dist(corners[first], corners[other])
+        )
     return m
 
 
@@ -168,7 +189,9 @@ def test_mobility_of_a_truss(diagonals, free, redundant):
 
 
 def test_a_truss_tumbles_as_a_rigid_body():
-    """Spun about its centre, each corner of the braced square goes round at constant speed; the links pull m v^2/r between them."""
+    """Spun about its centre, each corner of the braced square goes round at constant speed; the links pull m
+    v^2/r between them.
+    """
     m = truss(1)
     for name, body in m.bodies.items():
         x, y = body.position
@@ -181,7 +204,9 @@ def test_a_truss_tumbles_as_a_rigid_body():
         assert corner["x"] == pytest.approx(0.5 + math.sqrt(0.5) * np.cos(turned), abs=1e-6)
         assert corner["y"] == pytest.approx(0.5 + math.sqrt(0.5) * np.sin(turned), abs=1e-6)
     force = np.hypot(record.block("joint_fx"), record.block("joint_fy"))
-    assert force[1:, :4] == pytest.approx(12.5, rel=1e-4)  # each corner wants 25 sqrt(1/2) N inwards, half the way from either side
+    assert force[1:, :4] == pytest.approx(
+        12.5, rel=1e-4
+    )  # each corner wants 25 sqrt(1/2) N inwards, half the way from either side
     assert force[1:, 4] == pytest.approx(0.0, abs=1e-3)
 
 

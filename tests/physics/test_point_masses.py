@@ -1,4 +1,6 @@
-"""Point masses on rigid arms that weigh nothing: pendulums, a dumb-bell, a coupler with one mass, against closed forms."""
+"""Point masses on rigid arms that weigh nothing: pendulums, a dumb-bell, a coupler with one mass, against
+closed forms.
+"""
 
 import math
 
@@ -11,7 +13,7 @@ from vfife.kinematics.initial import ideal_motion
 from vfife.model.bodies import Link, RigidBody, Section
 from vfife.model.lumping import rigid_properties
 from vfife.model.mechanism import Mechanism
-from vfife.model.validate import validate
+from vfife.model.validation import validate
 from vfife.modelfile import dump, loads
 
 G = 9.81
@@ -22,11 +24,20 @@ def pendulum(kind: str) -> Mechanism:
     m = Mechanism("pendulum", gravity=(0.0, -G))
     m.point("O", 0.0, 0.0)
     if kind == "body":
-        m.rigid_body("arm", mass=1.0, inertia=0.0, center=(1.0, 0.0), pins={"start": (0.0, 0.0)}, angle=math.pi)
+        m.rigid_body(
+            "arm", mass=1.0, inertia=0.0, center=(1.0, 0.0), pins={"start": (0.0, 0.0)}, angle=math.pi
+        )
     elif kind == "masses":
         m.link("arm", length=1.0, mass=0.0, masses={"end": 1.0}, angle=math.pi)
     else:
-        m.rigid_body("arm", mass=0.0, inertia=0.0, pins={"start": (0.0, 0.0), "tip": (1.0, 0.0)}, masses={"tip": 1.0}, angle=math.pi)
+        m.rigid_body(
+            "arm",
+            mass=0.0,
+            inertia=0.0,
+            pins={"start": (0.0, 0.0), "tip": (1.0, 0.0)},
+            masses={"tip": 1.0},
+            angle=math.pi,
+        )
     m.revolute("O", "ground.O", "arm.start")
     return m
 
@@ -46,9 +57,18 @@ def test_a_point_mass_on_a_rigid_arm_swings_as_a_pendulum(kind):
 
 
 def test_a_dumb_bell_turns_about_its_centre():
-    """Two masses on a link without mass: inertia m1 m2/(m1 + m2) l^2; thrown, both go round the centre that flies on."""
+    """Two masses on a link without mass: inertia m1 m2/(m1 + m2) l^2; thrown, both go round the centre that
+    flies on.
+    """
     m = Mechanism("dumb-bell")
-    m.link("bar", length=0.8, mass=0.0, masses={"start": 1.0, "end": 3.0}, velocity=(0.5, 0.0, 6.0), position=(0.0, 0.0))
+    m.link(
+        "bar",
+        length=0.8,
+        mass=0.0,
+        masses={"start": 1.0, "end": 3.0},
+        velocity=(0.5, 0.0, 6.0),
+        position=(0.0, 0.0),
+    )
     mass, center, inertia = rigid_properties(m.bodies["bar"])
     assert (mass, center, inertia) == (4.0, pytest.approx((0.6, 0.0)), pytest.approx(0.75 * 0.64))
     record = go(m, 1e-4, duration=0.5, outputs=5)
@@ -62,7 +82,14 @@ def test_masses_add_to_what_a_body_has():
     mass, center, inertia = rigid_properties(Link(name="rod", length=1.0, mass=2.0, masses={"end": 1.0}))
     assert (mass, center[0]) == (3.0, pytest.approx(2.0 / 3.0))
     assert inertia == pytest.approx(2.0 / 12.0 + 2.0 / 3.0 * 0.25)
-    plate = RigidBody(name="plate", mass=2.0, inertia=0.1, center=(0.1, 0.0), pins={"a": (1.0, 0.0), "b": (0.0, 2.0)}, masses={"a": 1.0, "b": 1.0})
+    plate = RigidBody(
+        name="plate",
+        mass=2.0,
+        inertia=0.1,
+        center=(0.1, 0.0),
+        pins={"a": (1.0, 0.0), "b": (0.0, 2.0)},
+        masses={"a": 1.0, "b": 1.0},
+    )
     at, weight = np.array([(0.1, 0.0), (1.0, 0.0), (0.0, 2.0)]), np.array([2.0, 1.0, 1.0])
     middle = weight @ at / 4.0
     mass, center, inertia = rigid_properties(plate)
@@ -83,13 +110,22 @@ def test_masses_that_are_changed_in_place_count_at_once():
 
 
 def test_the_torque_that_a_mass_on_a_coupler_asks_for():
-    """A crank at constant speed, a coupler without mass that carries 1.5 kg in its middle, a follower: T w = d/dt of their kinetic energy."""
+    """A crank at constant speed, a coupler without mass that carries 1.5 kg in its middle, a follower: T w =
+    d/dt of their kinetic energy.
+    """
     crank, coupler, follower, ground, speed, load, heavy = 0.1, 0.35, 0.25, 0.3, 20.0, 1.5, 2.0
     m = Mechanism("four-bar")
     m.point("A", 0.0, 0.0)
     m.point("D", ground, 0.0)
     m.link("crank", length=crank, mass=1.0)
-    m.link("coupler", length=coupler, mass=0.0, pins={"mid": (0.5 * coupler, 0.0)}, masses={"mid": load}, angle=math.radians(40.0))
+    m.link(
+        "coupler",
+        length=coupler,
+        mass=0.0,
+        pins={"mid": (0.5 * coupler, 0.0)},
+        masses={"mid": load},
+        angle=math.radians(40.0),
+    )
     m.link("follower", length=follower, mass=heavy, angle=math.radians(80.0))
     m.revolute("A", "ground.A", "crank.start")
     m.revolute("B", "crank.end", "coupler.start")
@@ -105,7 +141,9 @@ def test_the_torque_that_a_mass_on_a_coupler_asks_for():
 
     def energy(time: float, h: float = 1e-4) -> float:
         (p, a), (q, b) = state(time - h), state(time + h)
-        return (0.5 * load * ((q - p) @ (q - p)) + 0.5 * heavy * follower**2 / 3.0 * (b - a) ** 2) / (4.0 * h * h)
+        return (0.5 * load * ((q - p) @ (q - p)) + 0.5 * heavy * follower**2 / 3.0 * (b - a) ** 2) / (
+            4.0 * h * h
+        )
 
     at = times(record)[1:]
     expected = np.array([(energy(time + 1e-4) - energy(time - 1e-4)) / 2e-4 / speed for time in at])

@@ -1,4 +1,6 @@
-"""Motions prescribed between two bodies: the automatic step resolves them, whatever the rest of the run would do with."""
+"""Motions prescribed between two bodies: the automatic step resolves them, whatever the rest of the run would
+do with.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,9 @@ import pytest
 
 from differential import constrained as plain
 from support import go, order, times
-from vfife.analysis.forces import joint_force, joint_moment, joint_rows
 from vfife.assembly.assemble import assemble
 from vfife.assembly.timestep import RESOLVED
+from vfife.measures.forces import joint_force, joint_moment, joint_rows
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, StepTo, Torque
 from vfife.model.mechanism import Mechanism
 
@@ -27,7 +29,11 @@ def smooth_step(travel: float, long: float) -> plain.Law:
     def law(t: float) -> tuple[float, float, float]:
         s = min(t / long, 1.0)
         rate, second = 30.0 * s**2 * (1.0 - s) ** 2, 60.0 * s - 180.0 * s**2 + 120.0 * s**3
-        return travel * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5), travel * rate / long, travel * second / long**2
+        return (
+            travel * (10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5),
+            travel * rate / long,
+            travel * second / long**2,
+        )
 
     return law
 
@@ -37,12 +43,23 @@ def arm_on_a_swing() -> Made:
     m = Mechanism("arm on a swing", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
     shoulder = cmath.rect(1.0, -0.3) * complex(-0.2, -0.1)
-    m.rigid_body("base", mass=2.0, inertia=0.05, position=(0.3, -0.2), pins={"o": (-0.3, 0.2), "a": (0.1, 0.1)})
-    m.rigid_body("arm", mass=0.7, inertia=0.02, position=(0.6, 0.0), angle=0.3, pins={"a": (shoulder.real, shoulder.imag)})
+    m.rigid_body(
+        "base", mass=2.0, inertia=0.05, position=(0.3, -0.2), pins={"o": (-0.3, 0.2), "a": (0.1, 0.1)}
+    )
+    m.rigid_body(
+        "arm",
+        mass=0.7,
+        inertia=0.02,
+        position=(0.6, 0.0),
+        angle=0.3,
+        pins={"a": (shoulder.real, shoulder.imag)},
+    )
     m.revolute("O", "ground.O", "base.o")
     m.revolute("A", "base.a", "arm.a")
     m.drivers["motor"] = StepTo(body="arm", against="base", travel=0.8, duration=T)
-    s = plain.System([(1.0, 1.0), (2.0, 0.05), (0.7, 0.02)], [(0.0, 0.0, 0.0), (0.3, -0.2, 0.0), (0.6, 0.0, 0.3)])
+    s = plain.System(
+        [(1.0, 1.0), (2.0, 0.05), (0.7, 0.02)], [(0.0, 0.0, 0.0), (0.3, -0.2, 0.0), (0.6, 0.0, 0.3)]
+    )
     s.forces.append(plain.weight(s.mass, -9.81j))
     s.constraints += [plain.Pin("O", 0, 0j, 1, -0.3 + 0.2j), plain.Pin("A", 1, 0.1 + 0.1j, 2, shoulder)]
     s.constraints += [plain.Turn("motor", 1, 2, 1.0, smooth_step(0.8, T))]
@@ -54,15 +71,23 @@ def block_on_a_rail() -> Made:
     """A block that travels on a rail, which hangs on a pin."""
     m = Mechanism("block on a rail", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
-    m.rigid_body("rail", mass=1.5, inertia=0.04, position=(0.2, 0.0), pins={"o": (-0.2, 0.0), "g": (0.0, 0.05)})
+    m.rigid_body(
+        "rail", mass=1.5, inertia=0.04, position=(0.2, 0.0), pins={"o": (-0.2, 0.0), "g": (0.0, 0.05)}
+    )
     m.rigid_body("block", mass=0.8, inertia=0.01, position=(0.2, 0.05), pins={"p": (0.0, 0.0)})
     m.revolute("O", "ground.O", "rail.o")
     m.slider("S", "rail.g", "block.p", direction=(2.0, 1.0))
     m.drivers["feed"] = StepTo(slider="S", travel=0.15, duration=T)
     way = complex(2.0, 1.0) / abs(complex(2.0, 1.0))
-    s = plain.System([(1.0, 1.0), (1.5, 0.04), (0.8, 0.01)], [(0.0, 0.0, 0.0), (0.2, 0.0, 0.0), (0.2, 0.05, 0.0)])
+    s = plain.System(
+        [(1.0, 1.0), (1.5, 0.04), (0.8, 0.01)], [(0.0, 0.0, 0.0), (0.2, 0.0, 0.0), (0.2, 0.05, 0.0)]
+    )
     s.forces.append(plain.weight(s.mass, -9.81j))
-    s.constraints += [plain.Pin("O", 0, 0j, 1, -0.2 + 0j), plain.Guide("S", 1, 0.05j, 2, 0j, 1j * way), plain.Turn("turn", 1, 2)]
+    s.constraints += [
+        plain.Pin("O", 0, 0j, 1, -0.2 + 0j),
+        plain.Guide("S", 1, 0.05j, 2, 0j, 1j * way),
+        plain.Turn("turn", 1, 2),
+    ]
     s.constraints += [plain.Guide("feed", 1, 0.05j, 2, 0j, way, smooth_step(0.15, T))]
     s.breaks = [T]
     return m, s, 1.5 * T
@@ -76,15 +101,25 @@ def beaten_tail() -> Made:
     m.rigid_body("tail", mass=0.5, inertia=0.01, position=(0.4, 0.1), pins={"a": (-0.2, 0.0)})
     m.revolute("A", "hull.a", "tail.a")
     m.drivers["motor"] = Harmonic(body="tail", against="hull", amplitude=size, frequency=hertz, phase=phase)
-    s = plain.System([(1.0, 1.0), (3.0, 0.1), (0.5, 0.01)], [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.4, 0.1, 0.0)])
+    s = plain.System(
+        [(1.0, 1.0), (3.0, 0.1), (0.5, 0.01)], [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.4, 0.1, 0.0)]
+    )
     w = 2.0 * math.pi * hertz
-    law = lambda t: (0.0, size * w * math.cos(w * t + phase), -size * w * w * math.sin(w * t + phase))  # noqa: E731
+    law = lambda t: (  # noqa: E731
+        0.0,
+        size * w * math.cos(w * t + phase),
+        -size * w * w * math.sin(w * t + phase),
+    )
     s.constraints += [plain.Pin("A", 1, 0.2 + 0.1j, 2, -0.2 + 0j), plain.Turn("motor", 1, 2, 1.0, law)]
     return m, s, 3.0 / hertz
 
 
-def errors(made: Callable[[], Made], step: float | None, monkeypatch: pytest.MonkeyPatch, peaks: bool = False) -> dict[str, float]:
-    """Of each joint's reaction, the largest error over the run, or that of the largest value, of the largest value."""
+def errors(
+    made: Callable[[], Made], step: float | None, monkeypatch: pytest.MonkeyPatch, peaks: bool = False
+) -> dict[str, float]:
+    """Of each joint's reaction, the largest error over the run, or that of the largest value, of the largest
+    value.
+    """
     monkeypatch.setattr(plain, "FASTEST", math.inf)
     m, s, duration = made()
     record = go(m, step or assemble(m, duration=LONG).choice.step, duration=duration, outputs=60)
@@ -100,7 +135,13 @@ def errors(made: Callable[[], Made], step: float | None, monkeypatch: pytest.Mon
             continue
         exact, k = np.array(rows), names.index(name)
         along = len(rows[0]) == 1 and force[:, k].any()
-        got = np.hypot(*force[:, k].T)[:, None] if along else moment[:, k, None] if len(rows[0]) == 1 else force[:, k]
+        got = (
+            np.hypot(*force[:, k].T)[:, None]
+            if along
+            else moment[:, k, None]
+            if len(rows[0]) == 1
+            else force[:, k]
+        )
         exact = np.abs(exact) if along else exact
         error = abs(np.abs(got).max() - np.abs(exact).max()) if peaks else np.abs(got - exact).max()
         found[name] = float(error / np.abs(exact).max())
@@ -116,7 +157,9 @@ def test_reactions_at_the_automatic_step(made: Callable[[], Made], monkeypatch: 
 
 
 @pytest.mark.parametrize("made", [arm_on_a_swing, block_on_a_rail])
-def test_largest_reactions_are_of_second_order(made: Callable[[], Made], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_largest_reactions_are_of_second_order(
+    made: Callable[[], Made], monkeypatch: pytest.MonkeyPatch
+) -> None:
     told = [errors(made, T / steps, monkeypatch, peaks=True) for steps in (60, 120, 240)]
     for name in ("O", "A", "S"):
         if name in told[0]:
@@ -124,7 +167,9 @@ def test_largest_reactions_are_of_second_order(made: Callable[[], Made], monkeyp
 
 
 def test_two_free_bodies_turn_as_their_inertias_say() -> None:
-    """Pinned at both centres of mass: the moment between them is the reduced inertia times what is prescribed."""
+    """Pinned at both centres of mass: the moment between them is the reduced inertia times what is
+    prescribed.
+    """
     m = Mechanism("two discs")
     for name, inertia in (("one", 0.3), ("two", 0.1)):
         m.rigid_body(name, mass=1.0, inertia=inertia, position=(0.0, 0.0), pins={"o": (0.0, 0.0)})
@@ -147,7 +192,9 @@ def turned(**driver: object) -> Mechanism:
 
 
 def test_the_law_is_named_and_its_step_is_that_of_its_kinks() -> None:
-    """A jump J of the third derivative is met by a node to J dt/6 of the second; that of 10 s^3 - 15 s^4 + 6 s^5 is 60/T^3 beside 5.77/T^2."""
+    """A jump J of the third derivative is met by a node to J dt/6 of the second; that of 10 s^3 - 15 s^4 + 6
+    s^5 is 60/T^3 beside 5.77/T^2.
+    """
     choice = assemble(turned(), duration=LONG).choice
     assert choice.culprit == "the motion law of arm"
     assert choice.step == pytest.approx(RESOLVED * 6.0 * 10.0 / math.sqrt(3.0) / 60.0 * T, rel=0.05)
@@ -176,14 +223,18 @@ def test_a_table_of_a_constant_speed_prescribes_nothing_to_resolve() -> None:
     m.drivers["motor"] = ConstantSpeed(body="arm", speed=3.0)
     t = np.linspace(0.0, 1.0, 2001)
     table.drivers["motor"] = AngleTable(body="arm", times=tuple(t), values=tuple(3.0 * t))
-    assert assemble(table, duration=LONG).choice.step == pytest.approx(assemble(m, duration=LONG).choice.step, rel=1e-6)
+    assert assemble(table, duration=LONG).choice.step == pytest.approx(
+        assemble(m, duration=LONG).choice.step, rel=1e-6
+    )
 
 
 def test_torques_over_an_angle_count_with_the_speed_of_turning() -> None:
     """A torque of 100 waves a turn on a body that turns 10 times a second: 1 kHz."""
     m, speed = turned(), 20.0 * math.pi
     a = np.linspace(0.0, 2.0 * math.pi, 10001)
-    m.drivers["motor"] = Torque(body="arm", value=tuple(np.sin(100.0 * a)), angles=tuple(a), interpolation="spline")
+    m.drivers["motor"] = Torque(
+        body="arm", value=tuple(np.sin(100.0 * a)), angles=tuple(a), interpolation="spline"
+    )
     m.bodies["arm"] = dataclasses.replace(m.bodies["arm"], velocity=(0.0, 0.0, speed))
     choice = assemble(m, duration=0.1).choice
     assert choice.culprit == "the torque on arm"

@@ -1,6 +1,8 @@
-"""Mechanisms that nobody drew: trees and loops with joints of every kind, springs, loads and drivers, as hypothesis makes them up.
+"""Mechanisms that nobody drew: trees and loops with joints of every kind, springs, loads and drivers, as
+hypothesis makes them up.
 
-Each is closed or refused in words; what runs keeps its joints closed, its energy and momentum accounted for, and the same bits as plain Python.
+Each is closed or refused in words; what runs keeps its joints closed, its energy and momentum accounted for,
+and the same bits as plain Python.
 """
 
 from __future__ import annotations
@@ -15,20 +17,20 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from support import finer, often
-from vfife.analysis.energy import ledger
-from vfife.analysis.motion import velocities
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.kinematics.drives import rigid_system
 from vfife.kinematics.initial import ideal_motion
 from vfife.kinematics.system import equations
 from vfife.laws import Ambrosio, Coulomb, Frictionless, LankaraniNikravesh
+from vfife.measures.energy import ledger
+from vfife.measures.motion import velocities
 from vfife.model.bodies import RigidBody, Section
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.functions import carrier_of
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.model.validate import validate
+from vfife.model.validation import validate
 from vfife.modelfile import dump, loads
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
@@ -36,7 +38,9 @@ from vfife.solvers.transient import run
 SIZE = 1.0  # m, of a body
 STEP = 1e-4  # s
 STEPS = 120
-few = settings(max_examples=often(150), deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+few = settings(
+    max_examples=often(150), deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
+)
 fewer = settings(few, max_examples=6)
 
 place = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
@@ -53,7 +57,13 @@ class Builder:
     """Draws a mechanism body by body; each body is put where its first joint is closed."""
 
     def __init__(self, draw: st.DrawFn, gravity: bool = True) -> None:
-        self.draw, self.m = draw, Mechanism("drawn", gravity=draw(st.tuples(st.floats(-10, 10), st.floats(-10, 10))) if gravity else (0.0, 0.0))
+        self.draw, self.m = (
+            draw,
+            Mechanism(
+                "drawn",
+                gravity=draw(st.tuples(st.floats(-10, 10), st.floats(-10, 10))) if gravity else (0.0, 0.0),
+            ),
+        )
         self.origin: dict[str, np.ndarray] = {"ground": np.zeros(2)}
         self.angle = {"ground": 0.0}
         self.count = 0
@@ -97,10 +107,24 @@ class Builder:
         elif kind == "weld":
             self.m.weld(name, bearing, journal)
         elif kind in ("slider", "slot"):
-            self.m.slider(name, bearing, journal, direction=(math.cos(way), math.sin(way)), turning=kind == "slot")
+            self.m.slider(
+                name, bearing, journal, direction=(math.cos(way), math.sin(way)), turning=kind == "slot"
+            )
         elif kind == "clearance":
-            law = self.draw(st.sampled_from([Frictionless(), Coulomb(coefficient=0.2), Ambrosio(coefficient=0.1, v0=1e-3, v1=1e-2)]))
-            self.m.clearance(name, bearing, journal, clearance=self.draw(st.floats(1e-4, 1e-2)), bearing_radius=0.05, contact=SOFT, friction=law)
+            law = self.draw(
+                st.sampled_from(
+                    [Frictionless(), Coulomb(coefficient=0.2), Ambrosio(coefficient=0.1, v0=1e-3, v1=1e-2)]
+                )
+            )
+            self.m.clearance(
+                name,
+                bearing,
+                journal,
+                clearance=self.draw(st.floats(1e-4, 1e-2)),
+                bearing_radius=0.05,
+                contact=SOFT,
+                friction=law,
+            )
         elif kind == "guide":
             self.m.clearance_slider(
                 name, bearing, journal, clearance=1e-3, length=0.2, height=0.1, contact=SOFT, friction=Coulomb(coefficient=0.1),
@@ -114,13 +138,23 @@ class Builder:
         if kind == "torsional":
             self.m.torsional_spring(name, one, two, stiffness=stiff, damping=damping)
         elif kind == "stop":
-            self.m.stop(name, one, two, low=-5.0, high=self.draw(st.floats(-4.0, 4.0)), stiffness=1.0 + stiff, damping=damping)
+            self.m.stop(
+                name,
+                one,
+                two,
+                low=-5.0,
+                high=self.draw(st.floats(-4.0, 4.0)),
+                stiffness=1.0 + stiff,
+                damping=damping,
+            )
         else:
             first, second = self.pin(one, self.at(one)), self.pin(two, self.at(two))
             if kind == "spring":
                 self.m.spring(name, first, second, stiffness=stiff, damping=damping)
             else:
-                self.m.bushing(name, first, second, stiffness=(stiff, 100.0, 10.0), damping=(damping, 1.0, 0.5))
+                self.m.bushing(
+                    name, first, second, stiffness=(stiff, 100.0, 10.0), damping=(damping, 1.0, 0.5)
+                )
 
 
 def motion(draw: st.DrawFn, **target: Any) -> Any:
@@ -142,7 +176,9 @@ IDEAL = ("revolute", "revolute", "revolute", "slider", "slot", "weld")
 
 
 @st.composite
-def mechanisms(draw: st.DrawFn, kinds: tuple[str, ...] = IDEAL, *, loops: bool = True, grounded: bool = True) -> Mechanism:
+def mechanisms(
+    draw: st.DrawFn, kinds: tuple[str, ...] = IDEAL, *, loops: bool = True, grounded: bool = True
+) -> Mechanism:
     """A tree, with springs and loads, closed by further joints to loops."""
     b = Builder(draw, gravity=grounded)
     names: list[str] = []
@@ -168,7 +204,11 @@ def mechanisms(draw: st.DrawFn, kinds: tuple[str, ...] = IDEAL, *, loops: bool =
         name="load", at=b.pin(names[-1], b.at(names[-1])), force=draw(st.tuples(st.floats(-20, 20), st.floats(-20, 20))), moment=draw(angle),
         follow=draw(st.booleans()),
     )  # fmt: skip
-    pivots = [j.journal.partition(".")[0] for j in m.joints.values() if type(j).__name__ == "IdealRevolute" and j.bearing.startswith("ground")]
+    pivots = [
+        j.journal.partition(".")[0]
+        for j in m.joints.values()
+        if type(j).__name__ == "IdealRevolute" and j.bearing.startswith("ground")
+    ]
     sliders = [j.name for j in m.joints.values() if type(j).__name__ == "Slider"]
     what = draw(st.sampled_from(["none", "torque", "angle", "travel"]))
     if what == "torque":
@@ -193,7 +233,9 @@ def built(m: Mechanism, step: float = STEP) -> Assembly:
 
 
 def gaps(record: Record) -> float:
-    """Largest opening (m, or rad times 1 m) of the ideal joints over the run, from the positions of the bodies alone."""
+    """Largest opening (m, or rad times 1 m) of the ideal joints over the run, from the positions of the
+    bodies alone.
+    """
     m, where = record.assembly.mechanism, record.assembly.bodies
     places = {name: record.block(f"particle_{name}") for name in ("x", "y", "theta")}
 
@@ -207,7 +249,9 @@ def gaps(record: Record) -> float:
         x, y, turn = pose(side[0])
         at = np.array(m.points[side[1]] if side[0] == "ground" else m.bodies[side[0]].points[side[1]])
         at = at - (np.zeros(2) if side[0] == "ground" else np.array(where[side[0]].reference))
-        return np.array([x + np.cos(turn) * at[0] - np.sin(turn) * at[1], y + np.sin(turn) * at[0] + np.cos(turn) * at[1]])
+        return np.array(
+            [x + np.cos(turn) * at[0] - np.sin(turn) * at[1], y + np.sin(turn) * at[0] + np.cos(turn) * at[1]]
+        )
 
     worst = 0.0
     for joint in m.joints.values():
@@ -219,7 +263,9 @@ def gaps(record: Record) -> float:
         if kind == "Slider":
             x, y = turned(joint.direction, 0.0) / math.hypot(*joint.direction)
             base = pose(joint.sides[0][0])[2]
-            across = apart[1] * (np.cos(base) * x - np.sin(base) * y) - apart[0] * (np.sin(base) * x + np.cos(base) * y)
+            across = apart[1] * (np.cos(base) * x - np.sin(base) * y) - apart[0] * (
+                np.sin(base) * x + np.cos(base) * y
+            )
             worst = max(worst, float(np.abs(across).max()))
         else:
             worst = max(worst, float(np.abs(apart).max()))
@@ -227,14 +273,20 @@ def gaps(record: Record) -> float:
             worst = max(worst, float(np.ptp(turn)))
     for gear in m.gears.values():
         arm = pose(carrier_of(m, gear))[2]  # what is drawn may hang both wheels on a third body
-        worst = max(worst, float(np.ptp(pose(gear.second)[2] - arm - gear.ratio * (pose(gear.first)[2] - arm))))
+        worst = max(
+            worst, float(np.ptp(pose(gear.second)[2] - arm - gear.ratio * (pose(gear.first)[2] - arm)))
+        )
     return worst
 
 
 def calm(record: Record) -> bool:
-    """Whether the motion is resolved by the step, and near no dead centre: forces are those of such bodies, turns in a step are small."""
+    """Whether the motion is resolved by the step, and near no dead centre: forces are those of such bodies,
+    turns in a step are small.
+    """
     spin = np.abs(record.block("particle_w")).max(initial=0.0)
-    force = max(np.abs(record.block(name)).max(initial=0.0) for name in ("joint_fx", "joint_fy", "joint_moment"))
+    force = max(
+        np.abs(record.block(name)).max(initial=0.0) for name in ("joint_fx", "joint_fy", "joint_moment")
+    )
     return record.status == "complete" and spin * STEP < 0.02 and force < 1e5
 
 
@@ -247,7 +299,8 @@ def test_ideal_mechanisms_stay_closed_and_account_for_their_energy(m: Mechanism)
     assume(calm(record))
     assert np.isfinite(record.rows).all()
     half = run(finer(assembly, 2), loop="data-driven")
-    # What a step's corrections leave open falls with its fourth power; where a motion begins abruptly it may be a little more.
+    # What a step's corrections leave open falls with its fourth power; where a motion begins abruptly it may
+    # be a little more.
     opened = gaps(record), gaps(half)
     assert opened[0] < 1e-9 or (opened[0] < 1e-8 and opened[1] < opened[0] / 8.0), opened
     errors = [float(np.abs(ledger(one).residual).max()) for one in (record, half)]
@@ -266,10 +319,14 @@ def test_degrees_of_freedom_are_those_of_a_numerical_jacobian(m: Mechanism) -> N
     free = at[1:].size
 
     def open_by(q: np.ndarray) -> np.ndarray:
-        return equations(system, np.vstack([np.zeros(3), q.reshape(-1, 3)]), np.zeros_like(at)).phi[: system.held]
+        return equations(system, np.vstack([np.zeros(3), q.reshape(-1, 3)]), np.zeros_like(at)).phi[
+            : system.held
+        ]
 
     q, h = at[1:].ravel(), 1e-6
-    jacobian = np.array([(open_by(q + h * e) - open_by(q - h * e)) / (2.0 * h) for e in np.eye(free)]).T.reshape(-1, free)
+    jacobian = np.array(
+        [(open_by(q + h * e) - open_by(q - h * e)) / (2.0 * h) for e in np.eye(free)]
+    ).T.reshape(-1, free)
     values = np.linalg.svd(jacobian, compute_uv=False) if jacobian.size else np.zeros(0)
     assume(not ((values > 1e-7) & (values < 1e-4)).any())  # nearly singular: rank is a matter of taste
     assert assembly.mobility.free == free - int((values > 1e-5).sum())
@@ -282,7 +339,10 @@ def test_what_floats_keeps_its_momentum(m: Mechanism) -> None:
     record = run(assembly, loop="data-driven")
     assume(record.status == "complete" and np.abs(record.block("particle_w")).max() < 200.0)
     v, x, y = velocities(record), record.block("particle_x")[:, 1:], record.block("particle_y")[:, 1:]
-    mass, inertia = 1.0 / record.parameter("particle_inverse_mass")[1:], 1.0 / record.parameter("particle_inverse_inertia")[1:]
+    mass, inertia = (
+        1.0 / record.parameter("particle_inverse_mass")[1:],
+        1.0 / record.parameter("particle_inverse_inertia")[1:],
+    )
     u, w, r = v["u"][:, 1:], v["v"][:, 1:], v["w"][:, 1:]
     fastest, farthest = (sum(float(np.abs(one).max()) for one in some) for some in ((u, w, r), (x, y)))
     scale = fastest * float(mass.sum() + inertia.sum()) * (1.0 + farthest)
@@ -315,8 +375,12 @@ def test_its_file_gives_it_back(m: Mechanism) -> None:
 
 @pytest.mark.parametrize("elements", [1, 3])
 @fewer
-@given(st.lists(st.tuples(angle, st.floats(0.3, 1.0)), min_size=1, max_size=3), st.sampled_from([-3.0, 0.5, 5.0]))
-def test_chains_of_elastic_links_account_for_their_energy(elements: int, chain: list[tuple[float, float]], spin: float) -> None:
+@given(
+    st.lists(st.tuples(angle, st.floats(0.3, 1.0)), min_size=1, max_size=3), st.sampled_from([-3.0, 0.5, 5.0])
+)
+def test_chains_of_elastic_links_account_for_their_energy(
+    elements: int, chain: list[tuple[float, float]], spin: float
+) -> None:
     m = Mechanism("chain", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
     last = "ground.O"

@@ -1,4 +1,6 @@
-"""Guides, welds, gears and driven travel of rigid bodies: closed forms, balances of random mechanisms, degrees of freedom."""
+"""Guides, welds, gears and driven travel of rigid bodies: closed forms, balances of random mechanisms,
+degrees of freedom.
+"""
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from support import often
 from vfife.errors import AssemblyError
 from vfife.kinematics.mobility import mobility
 from vfife.kinematics.solve import RigidSystem, accelerations, close, velocities
-from vfife.model.path import circle
+from vfife.model.geometry.path import circle
 
 GROUND = [0.0, 0.0, 0.0]
 
@@ -18,7 +20,13 @@ GROUND = [0.0, 0.0, 0.0]
 def system(joints, drives=(), mass=(), inertia=()):
     n = 1 + max(max(one.body_a, one.body_b) for one in (*joints, *drives))
     mass, inertia = mass or (1.0,) * (n - 1), inertia or (0.1,) * (n - 1)
-    return RigidSystem(("ground", *(f"b{k}" for k in range(1, n))), np.array([0.0, *mass]), np.array([0.0, *inertia]), tuple(joints), tuple(drives))
+    return RigidSystem(
+        ("ground", *(f"b{k}" for k in range(1, n))),
+        np.array([0.0, *mass]),
+        np.array([0.0, *inertia]),
+        tuple(joints),
+        tuple(drives),
+    )
 
 
 def turned(angle, point):
@@ -27,7 +35,9 @@ def turned(angle, point):
 
 
 def left_over(s, position, acceleration, force, reactions, driving):
-    """Newton-Euler sums [n-1, 3] from the reactions alone, by what a reaction is said to be: on b at its point, its opposite on a there."""
+    """Newton-Euler sums [n-1, 3] from the reactions alone, by what a reaction is said to be: on b at its
+    point, its opposite on a there.
+    """
     total = np.array(force)
 
     def push(body, at, f, m):
@@ -54,7 +64,8 @@ def left_over(s, position, acceleration, force, reactions, driving):
     return (total - np.column_stack([s.mass, s.mass, s.inertia]) * acceleration)[1:]
 
 
-# ----------------------------------------------------------------------------------------------------------- closed forms
+# -----------------------------------------------------------------------------------------------------------
+# closed forms
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 2.0, 4.5])
@@ -65,7 +76,9 @@ def test_scotch_yoke_is_harmonic(angle):
          Slide("slot", 2, (0.0, 0.0), (0.0, 1.0), 1, (r, 0.0), turning=True)],
         [Drive(1, angle, w)], (1.0, mass),
     )  # fmt: skip
-    position = close(s, np.array([GROUND, [0.0, 0.0, angle - 0.05], [r * np.cos(angle) + 0.02, 0.01, 0.03]])).position
+    position = close(
+        s, np.array([GROUND, [0.0, 0.0, angle - 0.05], [r * np.cos(angle) + 0.02, 0.01, 0.03]])
+    ).position
     velocity = velocities(s, position)
     a, reactions, torque = accelerations(s, position, velocity, np.zeros((3, 3)))
     x, v, acc = r * np.cos(angle), -r * w * np.sin(angle), -r * w**2 * np.cos(angle)
@@ -73,13 +86,17 @@ def test_scotch_yoke_is_harmonic(angle):
     np.testing.assert_allclose(velocity[2], [v, 0.0, 0.0], atol=1e-13)
     np.testing.assert_allclose(a[2], [acc, 0.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(reactions[2], [-mass * acc, 0.0, 0.0], atol=1e-12)  # on the crank's pin
-    np.testing.assert_allclose(reactions[1], [0.0, 0.0, mass * acc * r * np.sin(angle)], atol=1e-12)  # the guide holds the yoke's turning
+    np.testing.assert_allclose(
+        reactions[1], [0.0, 0.0, mass * acc * r * np.sin(angle)], atol=1e-12
+    )  # the guide holds the yoke's turning
     assert torque[0] * w == pytest.approx(mass * acc * v, abs=1e-12)
 
 
 @pytest.mark.parametrize("angle", [0.1, 1.3, 2.9, 4.0, 5.6])
 def test_whitworth_quick_return(angle):
-    """A crank's pin in a slot of an arm: phi = arg(i d + r e^(i theta)); the slot's turning enters through Coriolis' acceleration."""
+    """A crank's pin in a slot of an arm: phi = arg(i d + r e^(i theta)); the slot's turning enters through
+    Coriolis' acceleration.
+    """
     r, d, w = 0.12, 0.3, -11.0
     arm = 1j * d + r * np.exp(1j * angle)
     phi, rate = np.angle(arm), w * (r * np.exp(1j * angle) / arm).real
@@ -106,7 +123,11 @@ def test_whitworth_quick_return(angle):
 def test_gear_pair(ratio):
     """T = (I_1 + ratio^2 I_2) alpha_1; the teeth turn the second by I_2 ratio alpha_1."""
     s = system(
-        [Pin("A", 0, (0.0, 0.0), 1, (0.0, 0.0)), Pin("B", 0, (0.5, 0.0), 2, (0.0, 0.0)), Gear("teeth", 1, 2, ratio, 0.3)],
+        [
+            Pin("A", 0, (0.0, 0.0), 1, (0.0, 0.0)),
+            Pin("B", 0, (0.5, 0.0), 2, (0.0, 0.0)),
+            Gear("teeth", 1, 2, ratio, 0.3),
+        ],
         inertia=(0.2, 0.7),
     )
     position = close(s, np.array([GROUND, [0.0, 0.0, 0.2], [0.5, 0.0, 0.9]])).position
@@ -121,16 +142,24 @@ def test_gear_pair(ratio):
 
 
 def test_welded_bodies_are_one():
-    """Two rods at a right angle, hung up, against the one body that they make; the weld carries what the second needs."""
+    """Two rods at a right angle, hung up, against the one body that they make; the weld carries what the
+    second needs.
+    """
     (m1, m2), (i1, i2) = (1.3, 0.8), (0.04, 0.02)
-    s = system([Pin("P", 0, (0.0, 0.0), 1, (-0.3, 0.0)), Weld("W", 1, (0.3, 0.0), 2, (-0.2, 0.0), np.pi / 2)], mass=(m1, m2), inertia=(i1, i2))
+    s = system(
+        [Pin("P", 0, (0.0, 0.0), 1, (-0.3, 0.0)), Weld("W", 1, (0.3, 0.0), 2, (-0.2, 0.0), np.pi / 2)],
+        mass=(m1, m2),
+        inertia=(i1, i2),
+    )
     position = close(s, np.array([GROUND, [0.3, 0.05, 0.4], [0.5, 0.4, 1.8]])).position
     assert position[2, 2] - position[1, 2] == pytest.approx(np.pi / 2, abs=1e-14)
     velocity = velocities(s, position, np.array([GROUND, [0.0, 0.0, 3.0], [0.0, 0.0, 3.0]]))
     force = np.array([GROUND, [0.0, -9.81 * m1, 0.0], [0.0, -9.81 * m2, 0.0]])
     a, reactions, _ = accelerations(s, position, velocity, force)
     center = (m1 * position[1, :2] + m2 * position[2, :2]) / (m1 + m2)
-    inertia = i1 + i2 + m1 * np.sum((position[1, :2] - center) ** 2) + m2 * np.sum((position[2, :2] - center) ** 2)
+    inertia = (
+        i1 + i2 + m1 * np.sum((position[1, :2] - center) ** 2) + m2 * np.sum((position[2, :2] - center) ** 2)
+    )
     alpha = -9.81 * (m1 + m2) * center[0] / (inertia + (m1 + m2) * center @ center)
     w = velocity[1, 2]
     assert w != 0.0
@@ -140,19 +169,30 @@ def test_welded_bodies_are_one():
     second = position[2, :2]
     need = m2 * (alpha * np.array([-second[1], second[0]]) - w**2 * second) + [0.0, 9.81 * m2]
     arm = -0.2 * turned(position[2, 2], (1.0, 0.0))
-    np.testing.assert_allclose(reactions[1], [*need, i2 * alpha - arm[0] * need[1] + arm[1] * need[0]], atol=1e-12)
+    np.testing.assert_allclose(
+        reactions[1], [*need, i2 * alpha - arm[0] * need[1] + arm[1] * need[0]], atol=1e-12
+    )
 
 
 def test_statics_of_a_block_in_a_guide():
-    """A weight off the middle: the guide carries it and its moment; the drive along it carries the slope's share."""
+    """A weight off the middle: the guide carries it and its moment; the drive along it carries the slope's
+    share.
+    """
     slope, weight, off = 0.3, 50.0, 0.02
     along = (np.cos(slope), np.sin(slope))
-    s = system([Slide("guide", 0, (0.1, 0.2), along, 1, (0.0, 0.0), offset=slope)], [Travel("screw", 0, (0.1, 0.2), along, 1, (0.0, 0.0), 0.7)])
+    s = system(
+        [Slide("guide", 0, (0.1, 0.2), along, 1, (0.0, 0.0), offset=slope)],
+        [Travel("screw", 0, (0.1, 0.2), along, 1, (0.0, 0.0), 0.7)],
+    )
     position = close(s, np.array([GROUND, [0.5, 0.5, 0.0]])).position
     np.testing.assert_allclose(position[1], [0.1 + 0.7 * along[0], 0.2 + 0.7 * along[1], slope], atol=1e-14)
-    _, reactions, driving = accelerations(s, position, np.zeros((2, 3)), np.array([GROUND, [0.0, -weight, -weight * off]]))
+    _, reactions, driving = accelerations(
+        s, position, np.zeros((2, 3)), np.array([GROUND, [0.0, -weight, -weight * off]])
+    )
     normal = weight * np.cos(slope)
-    np.testing.assert_allclose(reactions, [[-normal * np.sin(slope), normal * np.cos(slope), weight * off]], atol=1e-12)
+    np.testing.assert_allclose(
+        reactions, [[-normal * np.sin(slope), normal * np.cos(slope), weight * off]], atol=1e-12
+    )
     np.testing.assert_allclose(driving, [weight * np.sin(slope)], rtol=1e-13)
 
 
@@ -173,7 +213,8 @@ def test_a_travel_on_a_turning_arm_meets_coriolis():
     np.testing.assert_allclose(reactions[1], [*turned(0.9, (0.0, mass * polar[1])), 0.1 * alpha], atol=1e-12)
 
 
-# ------------------------------------------------------------------------------------------------------ random mechanisms
+# ------------------------------------------------------------------------------------------------------
+# random mechanisms
 
 KINDS = st.sampled_from(["pin", "slide", "slot", "weld", "gear", "curve"])
 NUMBER = st.floats(-1.0, 1.0).map(lambda value: round(value, 3))
@@ -181,7 +222,9 @@ NUMBER = st.floats(-1.0, 1.0).map(lambda value: round(value, 3))
 
 @st.composite
 def mechanisms(draw):
-    """Random bodies in random places, tied so that they are closed there; one more joint may close a loop, and drives may move it."""
+    """Random bodies in random places, tied so that they are closed there; one more joint may close a loop,
+    and drives may move it.
+    """
     n = draw(st.integers(2, 5))
     position = np.array([GROUND] + [[draw(NUMBER), draw(NUMBER), 3.0 * draw(NUMBER)] for _ in range(n)])
 
@@ -204,18 +247,27 @@ def mechanisms(draw):
     joints = [tie(k, draw(st.integers(0, k - 1)), k, draw(KINDS)) for k in range(1, n + 1)]
     if draw(st.booleans()) and n > 2:
         joints.append(tie(n + 1, 0, n, draw(st.sampled_from(["pin", "slot"]))))
-    s = system([*joints, Pin("fix", 0, (0.0, 0.0), n, local(n, np.zeros(2)))][: len(joints)], mass=tuple(1.0 + 0.3 * k for k in range(n)))
+    s = system(
+        [*joints, Pin("fix", 0, (0.0, 0.0), n, local(n, np.zeros(2)))][: len(joints)],
+        mass=tuple(1.0 + 0.3 * k for k in range(n)),
+    )
     free = mobility(s, position).free
     drives = []
     if free and draw(st.booleans()):
         drives.append(Drive(n, position[n, 2] - position[1, 2], draw(NUMBER), 3.0, against=1))
-    return RigidSystem(s.names, s.mass, s.inertia, s.joints, tuple(drives)), position, draw(st.integers(0, 10**6))
+    return (
+        RigidSystem(s.names, s.mass, s.inertia, s.joints, tuple(drives)),
+        position,
+        draw(st.integers(0, 10**6)),
+    )
 
 
 @settings(max_examples=often(150), deadline=None)
 @given(mechanisms())
 def test_random_mechanisms_balance_and_stay_closed_to_third_order(case):
-    """D'Alembert for every body; and q + h v + h^2 a / 2 leaves every constraint open by O(h^3) only, which needs G and gamma to be right."""
+    """D'Alembert for every body; and q + h v + h^2 a / 2 leaves every constraint open by O(h^3) only, which
+    needs G and gamma to be right.
+    """
     s, position, seed = case
     random = np.random.default_rng(seed)
     force = np.vstack([np.zeros(3), random.normal(size=(len(s.names) - 1, 3))])
@@ -227,8 +279,11 @@ def test_random_mechanisms_balance_and_stay_closed_to_third_order(case):
         return  # a drive that nothing lets move, or a loop met in a dead centre
     largest = max(np.abs(reactions).max(initial=1.0), np.abs(a).max())
     if largest > 1e4:
-        return  # next to a singular position the third order is only seen at steps that round-off does not allow
-    np.testing.assert_allclose(left_over(s, position, a, force, reactions, driving), 0.0, atol=1e-11 * largest)
+        # next to a singular position the third order is only seen at steps that round-off does not allow
+        return
+    np.testing.assert_allclose(
+        left_over(s, position, a, force, reactions, driving), 0.0, atol=1e-11 * largest
+    )
     bound = (1.0 + np.abs(velocity).max() + np.abs(a).max()) ** 3
     for h in (1e-3, 1e-4):
         there = position + h * velocity + 0.5 * h**2 * a
@@ -244,7 +299,9 @@ def test_random_mechanisms_balance_and_stay_closed_to_third_order(case):
 def test_the_mirror_image_moves_as_a_mirror_image(case):
     s, position, _ = case
     flip = np.array([1.0, -1.0, -1.0])
-    other = RigidSystem(s.names, s.mass, s.inertia, [j.mirrored() for j in s.joints], [d.mirrored() for d in s.drives])
+    other = RigidSystem(
+        s.names, s.mass, s.inertia, [j.mirrored() for j in s.joints], [d.mirrored() for d in s.drives]
+    )
     force = np.cos(np.arange(position.size)).reshape(position.shape)
     try:
         v = velocities(s, position, force)
@@ -258,7 +315,8 @@ def test_the_mirror_image_moves_as_a_mirror_image(case):
         np.testing.assert_allclose(right, left * flip, rtol=1e-7, atol=1e-7 * (1.0 + np.abs(left).max()))
 
 
-# ---------------------------------------------------------------------------------------------- degrees of freedom, faults
+# ---------------------------------------------------------------------------------------------- degrees of
+# freedom, faults
 
 
 def bars(points, members, fixed, drives=()):
@@ -277,8 +335,33 @@ def bars(points, members, fixed, drives=()):
 
 
 def test_jansen_leg_has_one_freedom():
-    a, b, c, d, e, f, g, h, i, j, k, m = 38.0, 41.5, 39.3, 40.1, 55.8, 39.4, 36.7, 65.7, 49.0, 50.0, 61.9, 15.0
-    length = {"AB": m, "BC": j, "CO": b, "CD": e, "OD": d, "BE": k, "OE": c, "DF": f, "EF": g, "FG": h, "EG": i}
+    a, b, c, d, e, f, g, h, i, j, k, m = (
+        38.0,
+        41.5,
+        39.3,
+        40.1,
+        55.8,
+        39.4,
+        36.7,
+        65.7,
+        49.0,
+        50.0,
+        61.9,
+        15.0,
+    )
+    length = {
+        "AB": m,
+        "BC": j,
+        "CO": b,
+        "CD": e,
+        "OD": d,
+        "BE": k,
+        "OE": c,
+        "DF": f,
+        "EF": g,
+        "FG": h,
+        "EG": i,
+    }
     points = {"O": (0.0, 0.0), "A": (a, 7.8), "B": (a + m * np.cos(0.5), 7.8 + m * np.sin(0.5))}
 
     def meet(p, q, r1, r2, side):
@@ -295,18 +378,25 @@ def test_jansen_leg_has_one_freedom():
     members = list(length)
     s, position = bars(points, members, ("O", "A"))
     for name, row in zip(members, position[1:], strict=True):
-        assert 2.0 * np.hypot(*(np.array(points[name[0]]) - row[:2])) == pytest.approx(length[name], rel=1e-12)
+        assert 2.0 * np.hypot(*(np.array(points[name[0]]) - row[:2])) == pytest.approx(
+            length[name], rel=1e-12
+        )
     result = mobility(s, position)
     assert (result.free, result.redundant, result.singular) == (1, 0, ())
 
 
 def test_slider_crank_has_one_freedom_and_a_dead_centre_for_its_slider():
     def slider_crank(angle, drives):
-        knee, end = 0.2 * turned(angle, (1, 0)), np.array([0.2 * np.cos(angle) + np.sqrt(0.25 - 0.04 * np.sin(angle) ** 2), 0.0])
+        knee, end = (
+            0.2 * turned(angle, (1, 0)),
+            np.array([0.2 * np.cos(angle) + np.sqrt(0.25 - 0.04 * np.sin(angle) ** 2), 0.0]),
+        )
         tilt = np.arctan2(*(end - knee)[::-1])
         joints = [Pin("A", 0, (0, 0), 1, (-0.1, 0)), Pin("B", 1, (0.1, 0), 2, (-0.25, 0)), Pin("C", 2, (0.25, 0), 3, (0, 0)),
                   Slide("G", 0, (0, 0), (1, 0), 3, (0, 0))]  # fmt: skip
-        return system(joints, drives), np.array([GROUND, [*(0.5 * knee), angle], [*(0.5 * (knee + end)), tilt], [*end, 0.0]])
+        return system(joints, drives), np.array(
+            [GROUND, [*(0.5 * knee), angle], [*(0.5 * (knee + end)), tilt], [*end, 0.0]]
+        )
 
     pushed = [Travel("press", 0, (0, 0), (1, 0), 3, (0, 0), 0.7)]
     s, position = slider_crank(0.8, [Drive(1, 0.8)])
@@ -322,7 +412,9 @@ def test_slider_crank_has_one_freedom_and_a_dead_centre_for_its_slider():
 
 
 def test_a_scissor_with_a_parallel_guide_too_many():
-    """One scissor of two bars, one foot fixed, the other on a floor; a tray on it in one pin and one slot; then a needless upright guide."""
+    """One scissor of two bars, one foot fixed, the other on a floor; a tray on it in one pin and one slot;
+    then a needless upright guide.
+    """
     h, w = 0.6, 0.8
     joints = [Pin("O", 0, (0, 0), 1, (-0.5, 0)), Slide("floor", 0, (0, 0), (1, 0), 2, (-0.5, 0), True), Pin("middle", 1, (0, 0), 2, (0, 0)),
               Pin("tray", 3, (0, 0), 2, (0.5, 0)), Slide("slot", 3, (0, 0), (1, 0), 1, (0.5, 0), True)]  # fmt: skip
@@ -331,7 +423,12 @@ def test_a_scissor_with_a_parallel_guide_too_many():
     assert mobility(system(joints), position).free == 1
     upright = [*joints, Slide("upright", 0, (0, 0), (0, 1), 3, (0, 0), False)]
     result = mobility(system(upright), position)
-    assert (result.free, result.redundant, result.redundant_joints, result.singular) == (1, 2, ("upright",), ())
+    assert (result.free, result.redundant, result.redundant_joints, result.singular) == (
+        1,
+        2,
+        ("upright",),
+        (),
+    )
 
 
 @pytest.mark.parametrize("angle", [1.1, 0.0])
@@ -360,14 +457,19 @@ def test_two_bars_in_line_move_to_first_order_only():
 
 
 def test_many_bodies_agree_with_few():
-    """Ten rows of parallel cranks (40 bodies, solved with sparse factors) move and share their loads as five do."""
+    """Ten rows of parallel cranks (40 bodies, solved with sparse factors) move and share their loads as five
+    do.
+    """
 
     def rows(cells):
         joints, position = [], [GROUND]
         for c in range(cells):
             base = len(position)
             for k, x in enumerate((0.0, 0.3, 0.5)):
-                joints += [Pin(f"A{c}{k}", 0, (c + x, 0), base + k, (-0.1, 0)), Pin(f"B{c}{k}", base + k, (0.1, 0), base + 3, (x - 0.25, 0))]
+                joints += [
+                    Pin(f"A{c}{k}", 0, (c + x, 0), base + k, (-0.1, 0)),
+                    Pin(f"B{c}{k}", base + k, (0.1, 0), base + 3, (x - 0.25, 0)),
+                ]
                 position.append([c + x + 0.1 * np.cos(1.1), 0.1 * np.sin(1.1), 1.1])
             position.append([c + 0.2 * np.cos(1.1) + 0.25, 0.2 * np.sin(1.1), 0.0])
         return system(joints, [Drive(4 * c + 1, 1.1, 3.0) for c in range(cells)]), np.array(position)

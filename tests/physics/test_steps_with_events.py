@@ -1,4 +1,6 @@
-"""Steps in which something begins, ends or changes its regime are taken again in parts: cases b and c are smooth in the step, stops are met."""
+"""Steps in which something begins, ends or changes its regime are taken again in parts: cases b and c are
+smooth in the step, stops are met.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +14,13 @@ from scipy.integrate import solve_ivp
 import vfife
 from support import bits, go, lanes, particle, times, with_settings
 from vfife.assembly.assemble import assemble
-from vfife.codegen.runner import Runner
+from vfife.compiler.runtime.runner import Runner
 from vfife.model.mechanism import Mechanism
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TURN = 0.04
-# Largest follower acceleration (rad/s^2) and force of joint 2 (N) in the second turn, by RK4 with located onsets at 3.2 million steps
+# Largest follower acceleration (rad/s^2) and force of joint 2 (N) in the second turn, by RK4 with located
+# onsets at 3.2 million steps
 REFERENCE = {"b": (29201.05, 65794.78), "c": (38153.31, 68842.16)}
 
 
@@ -27,16 +30,29 @@ def peaks(case: str, per_turn: int, parts: int = 8, share: float = 0.0) -> tuple
     mechanism = vfife.load_model(EXAMPLES / f"four_bar_case_{case}.toml")
     a = assemble(mechanism, TURN / per_turn, turns=2, outputs=2, force_step=True)
     rows = np.array([*a.layout["body_alpha_max"], *a.layout["contact_force_squared_max"]], dtype=np.uint32)
-    runner = Runner(a.topology, a.state[:, None].copy(), a.tables[None], "generated", rows, parts=parts, shares=np.array([share]))
+    runner = Runner(
+        a.topology,
+        a.state[:, None].copy(),
+        a.tables[None],
+        "generated",
+        rows,
+        parts=parts,
+        shares=np.array([share]),
+    )
     runner.advance(1, 1)
     runner.advance(per_turn, 1)
     last = runner.advance(per_turn, 1)[0, :, 0]
     bodies = len(a.layout["body_alpha_max"])
-    return float(last[list(mechanism.bodies).index("follower")]), float(np.sqrt(last[bodies + list(mechanism.clearances).index("C")]))
+    return float(last[list(mechanism.bodies).index("follower")]), float(
+        np.sqrt(last[bodies + list(mechanism.clearances).index("C")])
+    )
 
 
 def error(case: str, per_turn: int, parts: int = 8) -> float:
-    return max(abs(found / true - 1.0) for found, true in zip(peaks(case, per_turn, parts), REFERENCE[case], strict=True))
+    return max(
+        abs(found / true - 1.0)
+        for found, true in zip(peaks(case, per_turn, parts), REFERENCE[case], strict=True)
+    )
 
 
 @pytest.mark.parametrize("per_turn", [5000, 8000, 10_400, 13_600, 17_600, 20_000, 25_600, 40_000])
@@ -51,7 +67,9 @@ def test_case_b_is_right_at_every_step(per_turn):
 
 @pytest.mark.verify
 def test_case_c_on_the_fine_grid():
-    """116 steps from 5 to 0.4 us and those up to 8 us; the order as the slope of six mean squares from 4 to 0.5 us."""
+    """116 steps from 5 to 0.4 us and those up to 8 us; the order as the slope of six mean squares from 4 to
+    0.5 us.
+    """
     counts = [*range(5000, 8000, 200), *range(8000, 100_001, 800)]
     errors = np.array([error("c", n) for n in counts])
     steps = TURN / np.array(counts)
@@ -59,7 +77,9 @@ def test_case_c_on_the_fine_grid():
     assert np.median(errors[len(range(5000, 8000, 200)) :]) < 1e-4
     edges = np.geomspace(4.0001e-6, 0.4999e-6, 7)
     groups = [(steps <= high) & (steps > low) for high, low in zip(edges, edges[1:], strict=False)]
-    points = np.array([(np.log(steps[one]).mean(), 0.5 * np.log((errors[one] ** 2).mean())) for one in groups])
+    points = np.array(
+        [(np.log(steps[one]).mean(), 0.5 * np.log((errors[one] ** 2).mean())) for one in groups]
+    )
     assert 1.8 < np.polyfit(*points.T, 1)[0] < 2.2
 
 
@@ -80,7 +100,9 @@ def test_a_stop_is_met_within_a_step():
     def rate(_t: float, y: np.ndarray) -> list[float]:
         return [y[1], -(300.0 * y[0] + 0.4 * y[1]) / 0.02]
 
-    exact = solve_ivp(rate, (limit / 2.0, 0.07), [0.0, 2.0], method="DOP853", rtol=1e-12, atol=1e-14, dense_output=True).sol
+    exact = solve_ivp(
+        rate, (limit / 2.0, 0.07), [0.0, 2.0], method="DOP853", rtol=1e-12, atol=1e-14, dense_output=True
+    ).sol
 
     def error(step: float, parts: int) -> float:
         m = Mechanism("wheel")
@@ -97,7 +119,9 @@ def test_a_stop_is_met_within_a_step():
 
 
 def test_lanes_out_of_phase_move_alike():
-    """A first step of a share of one, in lanes: lane 0 as without the others, each as alone, in every loop; and the same motion."""
+    """A first step of a share of one, in lanes: lane 0 as without the others, each as alone, in every loop;
+    and the same motion.
+    """
     a = assemble(vfife.load_model(EXAMPLES / "four_bar_case_c.toml"), 2e-6, duration=4e-3, force_step=True)
     shares = (0.0, 0.25, 0.5, 0.75)
     found = {loop: lanes([a] * 4, loop, shares=shares) for loop in ("generated", "data-driven")}

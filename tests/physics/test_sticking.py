@@ -1,4 +1,6 @@
-"""Set-valued friction in the loop: what sticks stays to rounding from the first step on, what slides follows the printed law and stops."""
+"""Set-valued friction in the loop: what sticks stays to rounding from the first step on, what slides follows
+the printed law and stops.
+"""
 
 import math
 
@@ -8,10 +10,10 @@ from scipy.integrate import solve_ivp
 
 import vfife
 from support import particle, times, went, with_settings
-from vfife.analysis import ledger
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.laws import Coulomb, FrictionLaw, Karnopp, LankaraniNikravesh, Stribeck
+from vfife.measures import ledger
 from vfife.model.drivers import ConstantSpeed, Torque
 from vfife.model.mechanism import Mechanism
 from vfife.solvers.record import Record
@@ -31,7 +33,13 @@ def depth_under(force: float) -> float:
     return (force / STIFFNESS) ** (2 / 3)
 
 
-def placed(mechanism: Mechanism, places: dict[str, tuple[float, float, float]], steps: int, outputs: int = 20, step: float = STEP) -> Assembly:
+def placed(
+    mechanism: Mechanism,
+    places: dict[str, tuple[float, float, float]],
+    steps: int,
+    outputs: int = 20,
+    step: float = STEP,
+) -> Assembly:
     """Assembled, then bodies put where they shall start: an assembly alone would close the joints."""
     a = assemble(mechanism, step, duration=steps * step, outputs=outputs, force_step=True)
     for name, place in places.items():
@@ -41,14 +49,18 @@ def placed(mechanism: Mechanism, places: dict[str, tuple[float, float, float]], 
 
 
 def disc_on_a_slope(law: FrictionLaw, tangent: float, steps: int, damping: float = 0.0) -> Assembly:
-    """A disc in its bearing, turned by the torque that holds it where the wall has this slope: a block on an incline, bent round."""
+    """A disc in its bearing, turned by the torque that holds it where the wall has this slope: a block on an
+    incline, bent round.
+    """
     angle = math.atan(tangent)
     normal = G * math.cos(angle)
     depth = depth_under(normal)
     m = Mechanism("disc on a slope", gravity=(0.0, -G))
     m.point("O", 0.0, 0.0)
     m.rigid_body("disc", mass=1.0, inertia=5e-5, pins={"eye": (0.0, 0.0)}, position=(0.0, 0.0))
-    m.clearance("J", "ground.O", "disc.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law)
+    m.clearance(
+        "J", "ground.O", "disc.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law
+    )
     torque = -G * math.sin(angle) * (RADIUS - CLEARANCE - depth / 2)
     m.drivers["disc"] = Torque(body="disc", value=torque)
     away = CLEARANCE + depth
@@ -57,7 +69,8 @@ def disc_on_a_slope(law: FrictionLaw, tangent: float, steps: int, damping: float
 
 
 def hanging(law: FrictionLaw, share: float, steps: int, lower: bool, turn: float = -math.pi / 2) -> Assembly:
-    """A pendulum that a dry, loose pin holds askew, alone or with a link hung from its end in an ideal joint, in exact balance.
+    """A pendulum that a dry, loose pin holds askew, alone or with a link hung from its end in an ideal joint,
+    in exact balance.
 
     ``turn`` is the angle of both bodies where they hang straight down.
     """
@@ -72,12 +85,16 @@ def hanging(law: FrictionLaw, share: float, steps: int, lower: bool, turn: float
     m.point("O", 0.0, 0.0)
     points = {"eye": (0.0, 0.0), "end": tuple(end * down)}
     m.rigid_body("rod", mass=mass, inertia=2e-3, center=tuple(length * down), pins=points, angle=lean + turn)
-    m.clearance("J", "ground.O", "rod.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law)
+    m.clearance(
+        "J", "ground.O", "rod.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law
+    )
     eye = np.array([away * math.sin(angle), -away * math.cos(angle)])
     along = np.array([math.sin(lean), -math.cos(lean)])
     places = {"rod": (*(eye + length * along), lean + turn)}
     if lower:
-        m.rigid_body("low", mass=second, inertia=1e-3, center=tuple(0.04 * down), pins={"eye": (0.0, 0.0)}, angle=turn)
+        m.rigid_body(
+            "low", mass=second, inertia=1e-3, center=tuple(0.04 * down), pins={"eye": (0.0, 0.0)}, angle=turn
+        )
         m.revolute("P", "rod.end", "low.eye")
         places["low"] = (*(eye + end * along + (0.0, -0.04)), turn)
     return placed(m, places, steps)
@@ -114,7 +131,8 @@ def test_pendulum_stops_askew(law):
 
 @each_law
 def test_pendulum_stops_askew_with_a_link_hung_from_it(law):
-    """What hangs along in an ideal joint shakes by the rounding of the joint, and turns by less than an angle's last digit are lost.
+    """What hangs along in an ideal joint shakes by the rounding of the joint, and turns by less than an
+    angle's last digit are lost.
 
     So it creeps, steadily, by less than half a unit in the last place of its angle a step.
     """
@@ -126,7 +144,9 @@ def test_pendulum_stops_askew_with_a_link_hung_from_it(law):
 @pytest.mark.soak
 def test_what_creeps_is_the_last_digit_of_the_angle():
     """The same two bodies in frames that make their angles small do not drift in 3e6 steps: they wander."""
-    way, speed = moved(went(hanging(Coulomb(coefficient=0.3), 0.9, 3_000_000, True, turn=0.0), "generated"), "rod", "low")
+    way, speed = moved(
+        went(hanging(Coulomb(coefficient=0.3), 0.9, 3_000_000, True, turn=0.0), "generated"), "rod", "low"
+    )
     assert way < 2e-11 and speed < 2e-10
 
 
@@ -137,7 +157,9 @@ def test_pendulum_falls_outside_the_friction_cone():
 
 
 def test_disc_slides_above_the_friction_angle():
-    """The disc spins up in its bearing: its motion and the wall's normal force from SciPy, with friction mu N throughout."""
+    """The disc spins up in its bearing: its motion and the wall's normal force from SciPy, with friction mu N
+    throughout.
+    """
     tangent, mu, steps = 0.5, 0.3, 4000
     record = went(disc_on_a_slope(Coulomb(coefficient=mu), tangent, steps))
     p, angle = particle(record, "disc"), math.atan(tangent)
@@ -149,7 +171,9 @@ def test_disc_slides_above_the_friction_angle():
         n, depth = np.array(y[:2]) / e, e - CLEARANCE
         rate = n @ y[3:5]
         normal = max(STIFFNESS * max(depth, 0.0) ** 1.5 * (1 + chi * rate / 1e-3), 0.0)
-        rub = mu * normal  # the torque turns it clockwise: the surface slides backwards, friction pushes along t
+        rub = (
+            mu * normal
+        )  # the torque turns it clockwise: the surface slides backwards, friction pushes along t
         force = -normal * n + rub * np.array([-n[1], n[0]]) + (0.0, -G)
         return [*y[3:], *force, (torque + rub * (RADIUS - CLEARANCE - depth / 2)) / 5e-5]
 
@@ -160,13 +184,19 @@ def test_disc_slides_above_the_friction_angle():
     assert abs(solved[5]) > 1.0
 
 
-def brake(law: FrictionLaw, spin: float, torque: float, steps: int, damping: float = 0.0) -> tuple[Assembly, float, float]:
-    """A disc on an ideal axle off the middle of its bearing: a constant normal force (N), hence a brake; with it the arm (m)."""
+def brake(
+    law: FrictionLaw, spin: float, torque: float, steps: int, damping: float = 0.0
+) -> tuple[Assembly, float, float]:
+    """A disc on an ideal axle off the middle of its bearing: a constant normal force (N), hence a brake; with
+    it the arm (m).
+    """
     m = Mechanism("brake")
     m.point("O", 0.0, 0.0)
     m.rigid_body("disc", mass=1.0, inertia=2e-4, pins={"eye": (0.0, 0.0)}, velocity=(0.0, 0.0, spin))
     m.revolute("axle", "ground.O", "disc.eye")
-    m.clearance("J", "ground.O", "disc.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law)
+    m.clearance(
+        "J", "ground.O", "disc.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law
+    )
     if torque:
         m.drivers["disc"] = Torque(body="disc", value=torque)
     a = pressed(with_settings(m, damping=damping), steps)
@@ -180,9 +210,15 @@ def pressed(m: Mechanism, steps: int, outputs: int = 20, step: float = STEP) -> 
     return a
 
 
-@pytest.mark.parametrize("law", [Coulomb(coefficient=0.3), Karnopp(coefficient=0.3, static_coefficient=0.3, band=0.0)], ids=lambda law: law.name)
+@pytest.mark.parametrize(
+    "law",
+    [Coulomb(coefficient=0.3), Karnopp(coefficient=0.3, static_coefficient=0.3, band=0.0)],
+    ids=lambda law: law.name,
+)
 def test_brake_stops_where_it_must_and_rests(law):
-    """Half of I w^2 over the friction moment is the angle of stopping; then the disc stands still, exactly; all energy is friction's."""
+    """Half of I w^2 over the friction moment is the angle of stopping; then the disc stands still, exactly;
+    all energy is friction's.
+    """
     assembly, normal, arm = brake(law, 20.0, 0.0, 20_000)
     record = went(assembly)
     p = particle(record, "disc")
@@ -205,7 +241,9 @@ def test_brake_holds_a_torque_up_to_its_limit(law):
 
 
 def test_friction_of_a_run_that_stops_and_slides_is_in_the_ledger():
-    """A torque to and fro, now below and now above the limit: the ledger closes to second order and friction never gives energy back."""
+    """A torque to and fro, now below and now above the limit: the ledger closes to second order and friction
+    never gives energy back.
+    """
     errors = []
     for step in (1e-5, 5e-6):
         assembly, normal, arm = brake(Coulomb(coefficient=0.3), 0.0, 0.0, 10)
@@ -236,7 +274,15 @@ def block_on_a_line(law: FrictionLaw, tangent: float, steps: int) -> tuple[Assem
     at = np.array([0.2, 0.1]) - depth / 2 * up
     m.rigid_body("block", mass=1.0, inertia=2e-3, pins=feet, position=tuple(at), angle=angle)
     for name in feet:
-        m.external_contact(name, "ground.P", f"block.{name}", journal_radius=foot, direction=along, contact=CONTACT, friction=law)
+        m.external_contact(
+            name,
+            "ground.P",
+            f"block.{name}",
+            journal_radius=foot,
+            direction=along,
+            contact=CONTACT,
+            friction=law,
+        )
     return placed(m, {"block": (*at, angle)}, steps), angle
 
 
@@ -247,7 +293,9 @@ def test_block_stays_on_an_incline(law):
     record = went(assembly)
     way, speed = moved(record, "block")
     assert way < 1e-13 and speed < 1e-10
-    assert abs(record.block("contact_friction_force")[-1].sum()) == pytest.approx(G * math.sin(math.atan(0.29)), rel=1e-9)
+    assert abs(record.block("contact_friction_force")[-1].sum()) == pytest.approx(
+        G * math.sin(math.atan(0.29)), rel=1e-9
+    )
 
 
 def test_block_slides_down_an_incline():
@@ -259,24 +307,39 @@ def test_block_slides_down_an_incline():
     expected = G * (math.sin(angle) - 0.3 * math.cos(angle))
     assert down[1:] == pytest.approx(expected * (time[1:] + 0.5 * STEP), rel=1e-6)
     assert np.abs(p["theta"] - angle).max() < 1e-9
-    assert np.abs(record.block("contact_friction_force")[1:]) == pytest.approx(0.3 * record.block("contact_normal_force")[1:], rel=1e-12)
+    assert np.abs(record.block("contact_friction_force")[1:]) == pytest.approx(
+        0.3 * record.block("contact_normal_force")[1:], rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("law", ["coulomb", "karnopp", "stribeck"])
 def test_a_pin_on_a_driven_carriage_rubs_as_far_as_that_goes(law):
-    """Nothing gives way along the plate, which rounding may take below nothing: work is mu N times the way, and the drive gives it."""
+    """Nothing gives way along the plate, which rounding may take below nothing: work is mu N times the way,
+    and the drive gives it.
+    """
     press, speed, friction, end = 200.0, 0.5, 0.3, 0.02
     m = Mechanism("pin on a plate", gravity=(0.0, 0.0))
     m.point("O", 0.0, 0.0)
     m.point("rail", 0.0, 0.05)
     m.rigid_body("carriage", mass=1.0, inertia=1e-3, position=(0.0, 0.05), pins={"p": (0.0, 0.0)})
-    m.rigid_body("pin", mass=0.2, inertia=1e-5, position=(0.0, 0.03), pins={"tip": (0.0, -0.025), "top": (0.0, 0.02)})
+    m.rigid_body(
+        "pin", mass=0.2, inertia=1e-5, position=(0.0, 0.03), pins={"tip": (0.0, -0.025), "top": (0.0, 0.02)}
+    )
     m.slider("rail", "ground.rail", "carriage.p")
     m.slider("sleeve", "carriage.p", "pin.top", direction=(0.0, 1.0))
     m.force("press", "pin.tip", force=(0.0, -press))
-    dry = {"law": law, "coefficient": friction, **({} if law == "coulomb" else {"static_coefficient": friction})}
+    dry = {
+        "law": law,
+        "coefficient": friction,
+        **({} if law == "coulomb" else {"static_coefficient": friction}),
+    }
     m.external_contact(
-        "plate", "ground.O", "pin.tip", journal_radius=0.005, friction=dry, contact={"law": "lankarani-nikravesh", "restitution": 0.1}
+        "plate",
+        "ground.O",
+        "pin.tip",
+        journal_radius=0.005,
+        friction=dry,
+        contact={"law": "lankarani-nikravesh", "restitution": 0.1},
     )
     m.drivers["drive"] = ConstantSpeed(slider="rail", speed=speed)
     found = vfife.simulate(m, duration=end, companions=0, reference=False, loop="data-driven")

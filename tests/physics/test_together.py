@@ -1,4 +1,6 @@
-"""Contacts that begin in the same step: corners of a block on a wall, balls in a row; against symmetry and an independent integration."""
+"""Contacts that begin in the same step: corners of a block on a wall, balls in a row; against symmetry and an
+independent integration.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,13 @@ def row(pairs: Sequence[tuple[str, str]] = ROWS, side: float = 1.0) -> Mechanism
     m = Mechanism("row")
     for k, name in enumerate(BALLS):
         start = SPEED if k == 0 else 0.0
-        m.rigid_body(name, mass=MASS, inertia=1e-4, position=(side * 2.0 * RADIUS * k, 0.0), velocity=(side * start, 0.0, 0.0))
+        m.rigid_body(
+            name,
+            mass=MASS,
+            inertia=1e-4,
+            position=(side * 2.0 * RADIUS * k, 0.0),
+            velocity=(side * start, 0.0, 0.0),
+        )
     for first, second in pairs:
         m.external_contact(first + second, f"{first}.center", f"{second}.center", bearing_radius=RADIUS, journal_radius=RADIUS,
                            contact=HuntCrossley(restitution=RESTITUTION, stiffness=STIFFNESS), impact_speed_floor=FLOOR)  # fmt: skip
@@ -55,7 +63,9 @@ def test_a_block_that_meets_a_wall_with_two_corners_stays_upright(order, parts):
 
 
 @cache
-def velocities(pairs: tuple[tuple[str, str], ...] = ROWS, side: float = 1.0, step: float = STEP) -> np.ndarray:
+def velocities(
+    pairs: tuple[tuple[str, str], ...] = ROWS, side: float = 1.0, step: float = STEP
+) -> np.ndarray:
     record = go(row(pairs, side), step, duration=4e-4, outputs=20)
     return np.array([particle(record, name)["u"] for name in BALLS])
 
@@ -72,7 +82,9 @@ def test_the_order_of_the_joints_does_not_matter(pairs):
 
 
 def independent() -> np.ndarray:
-    """Hunt and Crossley's law in a row of points, each onset located: SPEED for the first pair, elsewhere the rate at the onset or the floor."""
+    """Hunt and Crossley's law in a row of points, each onset located: SPEED for the first pair, elsewhere the
+    rate at the onset or the floor.
+    """
     factor = 1.5 * (1.0 - RESTITUTION)
     onset = [SPEED, None, None, None]
 
@@ -81,7 +93,11 @@ def independent() -> np.ndarray:
         for k in range(4):
             depth, rate = y[k] - y[k + 1], y[5 + k] - y[6 + k]
             speed = onset[k]
-            found.append(0.0 if depth <= 0.0 or speed is None else max(STIFFNESS * depth**1.5 * (1.0 + factor * rate / speed), 0.0))
+            found.append(
+                0.0
+                if depth <= 0.0 or speed is None
+                else max(STIFFNESS * depth**1.5 * (1.0 + factor * rate / speed), 0.0)
+            )
         return np.array(found)
 
     def rate(_t: float, y: np.ndarray) -> np.ndarray:

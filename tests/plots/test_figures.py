@@ -1,4 +1,6 @@
-"""What figures show is what the result says: peaks, order, frames, scales, energies, colours that can be told apart, texts that can be read."""
+"""What figures show is what the result says: peaks, order, frames, scales, energies, colours that can be told
+apart, texts that can be read.
+"""
 
 import dataclasses
 from functools import cache
@@ -14,17 +16,17 @@ from matplotlib.figure import Figure
 import vfife
 from drawn_texts import faults
 from vfife import gallery
-from vfife.analysis.spectral import short_time
 from vfife.errors import VfifeError
+from vfife.measures.spectral import short_time
 from vfife.plots import chosen, figures, style
 from vfife.plots.clearances import bearing_force, seen_from_bearing, tilt_and_offset
 from vfife.plots.curves import Quantity, accelerations, joint_forces, moments, swept
 from vfife.plots.spectra import found, pieces
 from vfife.plots.table import FIGURES, available, usual
 from vfife.plots.turn import Span, output_at, span
-from vfife.result import Result
-from vfife.results.folder import FIGURE_NAMES
-from vfife.study.tribology.wear_state import ANGLES, Surface, WearSpec, Worn
+from vfife.simulation.result import Result
+from vfife.store.folder import FIGURE_NAMES
+from vfife.tribology.wear_state import ANGLES, Surface, WearSpec, Worn
 
 
 @cache
@@ -52,7 +54,8 @@ def labelled(ax: Axes, name: str) -> tuple[np.ndarray, np.ndarray]:
     return next(line for line in ax.lines if line.get_label() == name).get_data()
 
 
-# ----------------------------------------------------------------------------------------------------- over a turn
+# ----------------------------------------------------------------------------------------------------- over a
+# turn
 
 
 @pytest.mark.parametrize("name", ["four_bar_case_c", "slider_crank_loose_guide", "toggle_press"])
@@ -72,7 +75,9 @@ def test_the_band_holds_every_turn_that_measures_are_of() -> None:
         assert swept(result, one, span(result)).most == result.measures[one.peak].highest, one.title
     ax, told = result.plot("forces")["forces"].axes[1], result.measures["B.force.max"]
     assert ax.get_title(loc="right") == f"mean peak {1e-3 * told:.4g}, highest {1e-3 * told.highest:.4g} kN"
-    assert np.nanmax(labelled(ax, "highest of these turns")[1]) == pytest.approx(1e-3 * told.highest, rel=1e-12)
+    assert np.nanmax(labelled(ax, "highest of these turns")[1]) == pytest.approx(
+        1e-3 * told.highest, rel=1e-12
+    )
 
 
 def test_what_is_drawn_is_what_is_told() -> None:
@@ -91,7 +96,9 @@ def test_what_is_drawn_is_what_is_told() -> None:
 def test_joints_stand_in_the_order_of_the_table() -> None:
     for name in ("slider_crank_loose_guide", "four_bar_case_c"):
         told = [f"joint {joint}" for joint in run(name).summary["joints"]]
-        assert titles(drawn(name)["forces"]) == [title for title in told if title in titles(drawn(name)["forces"])]
+        assert titles(drawn(name)["forces"]) == [
+            title for title in told if title in titles(drawn(name)["forces"])
+        ]
         assert len(titles(drawn(name)["forces"])) == 4
 
 
@@ -103,22 +110,38 @@ def test_a_slider_shows_its_motion_along_its_guide() -> None:
 
 
 def test_no_event_is_split_where_the_turn_is_opened() -> None:
-    """The peak of case c lies at 0 degrees: it stands in the middle, the turn begins and ends where forces vary least."""
+    """The peak of case c lies at 0 degrees: it stands in the middle, the turn begins and ends where forces
+    vary least.
+    """
     result, figure = run("four_bar_case_c"), drawn("four_bar_case_c")["forces"]
     assert span(result).cut == 180.0
     ax = figure.axes[3]
-    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["180", "240", "300", "0", "60", "120", "180"]
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == [
+        "180",
+        "240",
+        "300",
+        "0",
+        "60",
+        "120",
+        "180",
+    ]
     x, y = labelled(ax, "at the outputs")
     assert abs(x[np.nanargmax(y)] - 360.0) < 15.0 and np.all(np.diff(x) >= 0.0)
     kept = np.sort(y[np.isfinite(y)])
-    assert np.array_equal(kept, np.sort(1e-3 * result.joint("D").force.values[span(result).first :]))  # nothing lost, nothing twice
-    assert drawn("slider_crank_loose_guide")["forces"].axes[0].get_xlim() == pytest.approx((0.0, 180.0), abs=0.5)  # half a turn stays
+    assert np.array_equal(
+        kept, np.sort(1e-3 * result.joint("D").force.values[span(result).first :])
+    )  # nothing lost, nothing twice
+    assert drawn("slider_crank_loose_guide")["forces"].axes[0].get_xlim() == pytest.approx(
+        (0.0, 180.0), abs=0.5
+    )  # half a turn stays
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 @pytest.mark.parametrize("start", [0.0, 100.3, 90.0 - 1e-9, 90.0 + 1e-9])
 def test_a_turn_is_opened_anywhere_whichever_way_it_goes(way: float, start: float) -> None:
-    x = start + way * np.linspace(0.0, 360.0 + 2.0 * (90.0 - start if abs(start - 90.0) < 1e-6 else 0.0), 361)  # rounded at both ends
+    x = start + way * np.linspace(
+        0.0, 360.0 + 2.0 * (90.0 - start if abs(start - 90.0) < 1e-6 else 0.0), 361
+    )  # rounded at both ends
     for cut in (0.0, 90.0, 270.0):
         at, values = Span(0, 360, x, cut, "angle of crank (degrees)").placed(np.cos(np.radians(x)))
         seen = np.isfinite(values)
@@ -133,17 +156,28 @@ def test_the_ideal_curve_lies_over_the_same_angles() -> None:
     result, ax = run("four_bar_case_c"), drawn("four_bar_case_c")["moments"].axes[0]
     x, y = labelled(ax, "ideal joints")
     reference = result.reference
-    angle, torque = np.mod(reference.crank_angle[reference.last_turn], 360.0), reference.channels["driver_torque"].values[reference.last_turn, 0]
+    angle, torque = (
+        np.mod(reference.crank_angle[reference.last_turn], 360.0),
+        reference.channels["driver_torque"].values[reference.last_turn, 0],
+    )
     order = np.argsort(angle)
-    assert np.allclose(1e3 * y, np.interp(np.mod(x, 360.0), angle[order], torque[order], period=360.0), rtol=1e-6, atol=1e-6 * np.abs(torque).max())
+    assert np.allclose(
+        1e3 * y,
+        np.interp(np.mod(x, 360.0), angle[order], torque[order], period=360.0),
+        rtol=1e-6,
+        atol=1e-6 * np.abs(torque).max(),
+    )
 
 
-# ------------------------------------------------------------------------------------------------- orbits and guides
+# ------------------------------------------------------------------------------------------------- orbits and
+# guides
 
 
 def test_orbits_are_seen_from_the_bearing_and_have_one_scale() -> None:
     result, figure = run("four_bar_case_c"), drawn("four_bar_case_c")["orbits"]
-    angle = dict(zip(result.record.assembly.bodies, result.channels["body_angle"].values.T, strict=True)) | {"ground": np.zeros(len(result.time))}
+    angle = dict(zip(result.record.assembly.bodies, result.channels["body_angle"].values.T, strict=True)) | {
+        "ground": np.zeros(len(result.time))
+    }
     for name, ax in zip(result.record.assembly.contacts, figure.axes, strict=True):
         away = seen_from_bearing(result, name) @ np.array([1.0, 1.0j])
         told = result.joint(name).eccentricity_x.values + 1.0j * result.joint(name).eccentricity_y.values
@@ -154,7 +188,9 @@ def test_orbits_are_seen_from_the_bearing_and_have_one_scale() -> None:
         radius = np.hypot(*labelled(ax, "clearance circle"))
         assert np.allclose(radius, 1e3 * result.record.assembly.mechanism.clearances[name].clearance)
         every = 1.0e3 * np.abs(away)
-        assert ax.get_xlim() == ax.get_ylim() == figure.axes[0].get_xlim() and ax.get_xlim()[1] > every.max()  # nothing is cut
+        assert (
+            ax.get_xlim() == ax.get_ylim() == figure.axes[0].get_xlim() and ax.get_xlim()[1] > every.max()
+        )  # nothing is cut
 
 
 def test_a_corner_that_leaves_the_diamond_has_met_its_wall() -> None:
@@ -177,25 +213,34 @@ def test_a_polar_force_has_the_size_of_the_joints_force() -> None:
     turned = np.exp(1.0j * result.body("crank").angle.values)  # B's bearing is the crank's
     told = result.joint("B").force_x.values + 1.0j * result.joint("B").force_y.values
     assert np.allclose(bearing_force(result, "B") @ np.array([1.0, 1.0j]) * turned, told, rtol=1e-9)
-    assert np.allclose(bearing_force(result, "A")[:, 0], result.joint("A").force_x.values)  # its bearing is the ground's
+    assert np.allclose(
+        bearing_force(result, "A")[:, 0], result.joint("A").force_x.values
+    )  # its bearing is the ground's
 
 
-# ----------------------------------------------------------------------------------------- spectra, energy, elastic links
+# ----------------------------------------------------------------------------------------- spectra, energy,
+# elastic links
 
 
 def test_a_spectrum_shows_the_amplitude_of_a_wave() -> None:
     turn = 2.0 * np.pi * np.arange(400) / 400
     first = np.zeros(1, dtype=np.int64)
-    found = short_time(3.0 + 2.0 * np.cos(7.0 * turn + 0.4) + 0.5 * np.sin(30.0 * turn), first, "rectangular", 400)[0]
+    found = short_time(
+        3.0 + 2.0 * np.cos(7.0 * turn + 0.4) + 0.5 * np.sin(30.0 * turn), first, "rectangular", 400
+    )[0]
     assert found[[0, 7, 30]] == pytest.approx([3.0, 2.0, 0.5]) and found.sum() == pytest.approx(5.5)
-    assert short_time(2.0 * np.cos(7.0 * turn), first, "hann", 400)[0, 7] == pytest.approx(2.0)  # Hann's window keeps it
+    assert short_time(2.0 * np.cos(7.0 * turn), first, "hann", 400)[0, 7] == pytest.approx(
+        2.0
+    )  # Hann's window keeps it
 
 
 def test_turns_are_taken_as_they_are_and_parts_of_a_run_through_hanns_window() -> None:
     result = run("four_bar_case_c")
     starts, count, turning = pieces(result)
     wave = Quantity("", "", "N", lambda record: np.cos(6.0 * np.pi * np.arange(len(record.steps)) / count))
-    assert turning and found(result, wave, starts, count, True).each[-1, 2:5] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
+    assert turning and found(result, wave, starts, count, True).each[-1, 2:5] == pytest.approx(
+        [0.0, 1.0, 0.0], abs=1e-12
+    )
     assert found(result, wave, starts, count, False).each[-1, 2:5] == pytest.approx([0.5, 1.0, 0.5])
 
 
@@ -209,7 +254,9 @@ def test_orders_of_the_crank_and_frequencies() -> None:
 def test_energies_are_those_of_the_ledger() -> None:
     result, figure = run("elastic_pendulum"), drawn("elastic_pendulum")["energy"]
     assert np.allclose(labelled(figure.axes[0], "strain of elastic links")[1], result.ledger.terms["strain"])
-    assert np.allclose(labelled(figure.axes[1], "work of weight and loads")[1], result.ledger.terms["external"])
+    assert np.allclose(
+        labelled(figure.axes[1], "work of weight and loads")[1], result.ledger.terms["external"]
+    )
     assert figure.axes[0].get_ylabel() == "stored (J)"
 
 
@@ -217,12 +264,15 @@ def test_stress_and_deflection_reach_what_is_reported() -> None:
     result, found = run("elastic_pendulum"), drawn("elastic_pendulum")
     x, y = labelled(found["stress"].axes[0], "largest")
     told = max(result.measures["rod.tension.max"], result.measures["rod.compression.max"])
-    assert 1e3 * abs(y[0]) == pytest.approx(told, rel=1e-12) and x[0] == pytest.approx(result.measures["rod.stress.place"])
+    assert 1e3 * abs(y[0]) == pytest.approx(told, rel=1e-12) and x[0] == pytest.approx(
+        result.measures["rod.stress.place"]
+    )
     _, y = labelled(found["deflection"].axes[0], "largest")
     assert 1e-3 * abs(y[0]) == pytest.approx(result.measures["rod.deflection.max"], rel=1e-12)
 
 
-# ------------------------------------------------------------------------------------------------------------ the table
+# ------------------------------------------------------------------------------------------------------------
+# the table
 
 
 def test_the_table_says_what_a_result_has_nothing_for() -> None:
@@ -230,13 +280,20 @@ def test_the_table_says_what_a_result_has_nothing_for() -> None:
         "orbits", "guides", "moments", "accelerations", "phase", "spectrum", "waterfall", "spectrogram", "envelope", "energy", "stress",
         "deflection", "wear",
     }  # fmt: skip
-    with pytest.raises(VfifeError, match='nothing for the figure "energy": a static analysis has no motion; there are mechanism, '):
+    with pytest.raises(
+        VfifeError,
+        match='nothing for the figure "energy": a static analysis has no motion; there are mechanism, ',
+    ):
         run("toggle_press").plot("energy")
     with pytest.raises(VfifeError, match='nothing for the figure "guides": no block has play in a guide'):
         run("elastic_pendulum").plot("guides")
     with pytest.raises(VfifeError, match='no figure "spectra": did you mean "spectrum"'):
         run("elastic_pendulum").plot("spectra")
-    assert chosen(run("elastic_pendulum"), ()) == ["mechanism", "forces", "accelerations"] == usual(run("elastic_pendulum"))
+    assert (
+        chosen(run("elastic_pendulum"), ())
+        == ["mechanism", "forces", "accelerations"]
+        == usual(run("elastic_pendulum"))
+    )
     assert set(FIGURE_NAMES) == {name for name, one in FIGURES.items() if one.usual}
 
 
@@ -247,17 +304,32 @@ def test_a_page_shows_every_figure() -> None:
 
 def test_all_that_there_is_can_be_drawn() -> None:
     """Every kind of figure is among these runs."""
-    assert set(FIGURES) == {*drawn("slider_crank_loose_guide"), *drawn("elastic_pendulum"), *drawn("four_bar_case_c"), "wear"}
+    assert set(FIGURES) == {
+        *drawn("slider_crank_loose_guide"),
+        *drawn("elastic_pendulum"),
+        *drawn("four_bar_case_c"),
+        "wear",
+    }
 
 
 def test_surfaces_that_wear_are_drawn_around_themselves() -> None:
-    """As deep as the measure of the turn says, a million times; a surface without a coefficient has no panel, and words stand clear."""
+    """As deep as the measure of the turn says, a million times; a surface without a coefficient has no panel,
+    and words stand clear.
+    """
     m = gallery.four_bar_case_c()
-    for name, wear in (("B", vfife.Wear(bearing=1e-17)), ("C", vfife.Wear(bearing=1e-17, journal=1e-18)), ("D", vfife.Wear())):
+    for name, wear in (
+        ("B", vfife.Wear(bearing=1e-17)),
+        ("C", vfife.Wear(bearing=1e-17, journal=1e-18)),
+        ("D", vfife.Wear()),
+    ):
         m.joints[name] = dataclasses.replace(m.contacts[name], wear=wear)
     result = vfife.simulate(m, companions=0, loop="data-driven")
     figure = result.plot("wear")["wear"]
-    assert [ax.get_xlabel().partition(",")[0] for ax in figure.axes] == ["B: bearing", "C: bearing", "C: journal"]
+    assert [ax.get_xlabel().partition(",")[0] for ax in figure.axes] == [
+        "B: bearing",
+        "C: bearing",
+        "C: journal",
+    ]
     told = 1e6 * result.measures["C.journal_wear_depth.max"]
     assert figure.axes[2].get_xlabel().endswith(f"up to {float(f'{1e6 * told:.3g}'):.4g} µm")
     assert not faults(figure)
@@ -265,25 +337,52 @@ def test_surfaces_that_wear_are_drawn_around_themselves() -> None:
 
 
 def test_wear_over_turns_is_readable() -> None:
-    """Depths at some of the turns, play and force with their limits, a life that ended; markup in a name is text."""
+    """Depths at some of the turns, play and force with their limits, a life that ended; markup in a name is
+    text.
+    """
     surfaces = tuple(Surface("pin", side, 1e-15, (), 1e-4) for side in ("bearing", "journal"))
     asked = WearSpec("", 1e7, 4, 4, 0.01, 8, 1.5e-4, None, 3600)
     turns, ripple = np.linspace(0.0, 1e7, 12), 1.0 + np.cos(2.0 * ANGLES)
     depth = turns[:, None, None] * np.stack([2e-12 * ripple, 4e-13 * ripple])
     play, zeros = 1e-4 + 5e-12 * turns[:, None], np.zeros(12)
     ended = {"turns": 1e7, "joint": "pin", "by": "clearance"}
-    found = Worn("press $x_1$", asked, surfaces, ("pin",), turns, depth, depth, play, 1e3 + play, zeros, zeros, zeros, 192.0, ended)
+    found = Worn(
+        "press $x_1$",
+        asked,
+        surfaces,
+        ("pin",),
+        turns,
+        depth,
+        depth,
+        play,
+        1e3 + play,
+        zeros,
+        zeros,
+        zeros,
+        192.0,
+        ended,
+    )
     figure = found.plot()
     assert not faults(figure)
-    assert [ax.get_xlabel() for ax in figure.axes] == ["pin: bearing, up to 40 µm", "pin: journal, up to 8 µm", "", "million turns"]
+    assert [ax.get_xlabel() for ax in figure.axes] == [
+        "pin: bearing, up to 40 µm",
+        "pin: journal, up to 8 µm",
+        "",
+        "million turns",
+    ]
     assert labelled(figure.axes[2], "limit")[1] == pytest.approx([0.15, 0.15])
-    assert "life of joint pin ends after 10 million by its clearance" in figure.get_suptitle().replace("\n", " ")
+    assert "life of joint pin ends after 10 million by its clearance" in figure.get_suptitle().replace(
+        "\n", " "
+    )
     assert [line.get_label() for line in figure.axes[0].lines][-2:] == ["10 million", "new"]
 
 
 @pytest.mark.system("draws every figure of several runs")
 def test_no_text_covers_another_or_leaves_the_sheet() -> None:
-    every = {**drawn("slider_crank_loose_guide"), **{name: drawn("elastic_pendulum")[name] for name in ("stress", "deflection", "traces")}}
+    every = {
+        **drawn("slider_crank_loose_guide"),
+        **{name: drawn("elastic_pendulum")[name] for name in ("stress", "deflection", "traces")},
+    }
     assert not {figure: found for figure, one in every.items() if (found := faults(one))}
 
 
@@ -298,7 +397,9 @@ def test_long_names_are_cut_before_they_run_into_each_other() -> None:
     result = vfife.simulate(m, duration=0.05, outputs=40, companions=0, loop="data-driven")
     found = figures(result, names=["mechanism", "forces", "traces", "phase"])
     assert not {name: told for name, one in found.items() if (told := faults(one))}
-    assert titles(found["forces"])[0].startswith("joint j-connecting rod") and titles(found["forces"])[0].endswith("…")
+    assert titles(found["forces"])[0].startswith("joint j-connecting rod") and titles(found["forces"])[
+        0
+    ].endswith("…")
 
 
 @pytest.mark.parametrize(("at", "wanted"), [("10ms", 10e-3), ("0.02", 20e-3)])
@@ -333,8 +434,12 @@ def test_what_is_no_moment_of_a_run_is_refused(name: str, at: str, says: str) ->
 
 SEEN_BY = {  # Machado, Oliveira, Fernandes 2009, severity 1, on linear RGB
     "all cones": np.eye(3),
-    "deuteranopia": np.array([[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]),
-    "protanopia": np.array([[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]),
+    "deuteranopia": np.array(
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+    ),
+    "protanopia": np.array(
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+    ),
 }
 TOLD_APART = 15.0  # distance in CIELAB; 2.3 is what is just noticed side by side
 
@@ -343,8 +448,16 @@ def seen(colour: str, by: np.ndarray) -> np.ndarray:
     """A colour in CIELAB (D65) as it is seen."""
     rgb = np.array(to_rgb(colour))
     linear = by @ np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    xyz = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]) @ linear.clip(0, 1)
-    f = np.where((t := xyz / np.array([0.95047, 1.0, 1.08883])) > 0.008856, np.cbrt(t), 7.787 * t + 16.0 / 116.0)
+    xyz = np.array(
+        [
+            [0.4124564, 0.3575761, 0.1804375],
+            [0.2126729, 0.7151522, 0.0721750],
+            [0.0193339, 0.1191920, 0.9503041],
+        ]
+    ) @ linear.clip(0, 1)
+    f = np.where(
+        (t := xyz / np.array([0.95047, 1.0, 1.08883])) > 0.008856, np.cbrt(t), 7.787 * t + 16.0 / 116.0
+    )
     return np.array([116.0 * f[1] - 16.0, 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2])])
 
 
@@ -354,7 +467,10 @@ def test_colours_of_a_figure_can_be_told_apart(by: str) -> None:
     curves = (style.BLUE, style.VERMILION, style.SKY, style.ORANGE, style.INK)
     for colours in (drawing, curves):
         for one, other in combinations(colours, 2):
-            assert np.linalg.norm(seen(one, SEEN_BY[by]) - seen(other, SEEN_BY[by])) > TOLD_APART, (one, other)
+            assert np.linalg.norm(seen(one, SEEN_BY[by]) - seen(other, SEEN_BY[by])) > TOLD_APART, (
+                one,
+                other,
+            )
 
 
 @pytest.mark.parametrize("name", ["elastic_pendulum", "four_bar_case_c", "slider_crank_loose_guide"])

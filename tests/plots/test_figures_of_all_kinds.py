@@ -1,4 +1,6 @@
-"""Pictures, tables and exports of every mechanism of the gallery, and of one that has every kind of joint and spring."""
+"""Pictures, tables and exports of every mechanism of the gallery, and of one that has every kind of joint and
+spring.
+"""
 
 from functools import cache
 from io import StringIO
@@ -16,12 +18,12 @@ from choice import default_cases
 from drawn_texts import faults
 from mechanisms import everything
 from vfife import gallery
-from vfife.model.strokes import tangent, zigzag
+from vfife.model.drawing.strokes import tangent, zigzag
 from vfife.plots import figures
 from vfife.plots.signs import outline
 from vfife.report.summary import show
-from vfife.result import Result
 from vfife.results.export import write_netcdf
+from vfife.simulation.result import Result
 
 # By default the model of every kind, and an ideal mechanism; other tests of this file draw four more.
 DRAWN = ("everything", "quick_return")
@@ -47,19 +49,34 @@ def words(found: dict[str, Figure]) -> set[str]:
 
 
 def slim(data: xarray.Dataset) -> xarray.Dataset:
-    """All names, the variables that the model of every kind has not, and of the others over the same names the first: each takes its time."""
+    """All names, the variables that the model of every kind has not, and of the others over the same names
+    the first: each takes its time.
+    """
     known = run("everything").data.data_vars
     first = {data[name].dims: name for name in reversed(list(data.data_vars))}
     return data[[name for name in data.data_vars if name not in known or first[data[name].dims] == name]]
 
 
-@pytest.mark.parametrize("name", default_cases([*gallery.__all__, "everything"], lambda name: name in DRAWN, "draws every mechanism"))
+@pytest.mark.parametrize(
+    "name",
+    default_cases([*gallery.__all__, "everything"], lambda name: name in DRAWN, "draws every mechanism"),
+)
 def test_every_mechanism_is_drawn_told_and_exported(name: str, tmp_path: Path):
     result, found = run(name), drawn(name)
-    assert {"mechanism"} < set(found) and ("orbits" in found) == bool(result.record.assembly.mechanism.clearances)
+    assert {"mechanism"} < set(found) and ("orbits" in found) == bool(
+        result.record.assembly.mechanism.clearances
+    )
     for figure in found.values():
-        assert figure not in (found["mechanism"], found.get("forces")) or not faults(figure)  # the others are laid out like these
-        assert all(line.get_xdata().size for ax in figure.axes if ax.get_visible() for line in ax.lines if not line.get_label().startswith("_"))
+        assert figure not in (found["mechanism"], found.get("forces")) or not faults(
+            figure
+        )  # the others are laid out like these
+        assert all(
+            line.get_xdata().size
+            for ax in figure.axes
+            if ax.get_visible()
+            for line in ax.lines
+            if not line.get_label().startswith("_")
+        )
     console = Console(file=StringIO(), width=140)
     show(console, result)
     assert result.name in console.file.getvalue()
@@ -86,8 +103,13 @@ def test_joints_in_one_place_share_their_name():
 
 @pytest.mark.slow("draws two mechanisms")
 def test_forces_of_a_loose_guide_and_moments_of_gears_have_panels():
-    assert [ax.get_title(loc="left") for ax in drawn("slider_crank_loose_guide")["forces"].axes][-1] == "joint guide"
-    assert {ax.get_title(loc="left") for ax in drawn("gear_train")["moments"].axes} == {"gear first-stage", "gear second-stage"}
+    assert [ax.get_title(loc="left") for ax in drawn("slider_crank_loose_guide")["forces"].axes][
+        -1
+    ] == "joint guide"
+    assert {ax.get_title(loc="left") for ax in drawn("gear_train")["moments"].axes} == {
+        "gear first-stage",
+        "gear second-stage",
+    }
     assert "forces" not in drawn("elastica_circle")  # what rounding leaves is no force
 
 
@@ -103,7 +125,9 @@ def test_a_large_frame_has_a_short_legend_and_no_more_panels_than_fit():
     found = figures(vfife.simulate(chain, duration=0.01, loop="data-driven"))
     legend = [text.get_text() for text in found["mechanism"].legends[0].get_texts()]
     assert "… and 9 more bodies" in legend and len(legend) < 15
-    assert len(found["forces"].axes) == 16 > len(found["accelerations"].axes) > 8  # the far end is still at rest
+    assert (
+        len(found["forces"].axes) == 16 > len(found["accelerations"].axes) > 8
+    )  # the far end is still at rest
 
 
 def test_plates_are_convex_and_frames_do_not_run_across_gaps():

@@ -16,14 +16,16 @@ from vfife.errors import StorageError, VfifeError
 from vfife.plots import filmfiles
 from vfife.plots.film import Film, places_between
 from vfife.plots.filmfiles import animate
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 CLEARANCE = gallery.slider_crank_loose_pin().clearances["pin"].clearance
 
 
 @cache
 def run() -> Result:
-    return vfife.simulate(gallery.slider_crank_loose_pin(), turns=0.25, outputs=360, companions=0, loop="data-driven")
+    return vfife.simulate(
+        gallery.slider_crank_loose_pin(), turns=0.25, outputs=360, companions=0, loop="data-driven"
+    )
 
 
 @cache
@@ -34,7 +36,9 @@ def film() -> Film:
 def test_the_crank_is_where_its_speed_takes_it() -> None:
     """Its end goes around a circle, by as much from frame to frame; a frame lies between two outputs."""
     shown = film()
-    places = np.array([next(one.at for one in moment if one.look.get("label") == "crank") for moment in shown.stage.moments])
+    places = np.array(
+        [next(one.at for one in moment if one.look.get("label") == "crank") for moment in shown.stage.moments]
+    )
     assert np.allclose(np.linalg.norm(places[:, 1] - places[:, 0], axis=1), 1e3 * 0.05, rtol=1e-4)  # mm
     angles = np.unwrap(np.arctan2(*(places[:, 1] - places[:, 0]).T[::-1]))
     assert np.allclose(np.diff(angles), np.radians(90.0) / 23, rtol=1e-4)
@@ -66,12 +70,16 @@ def test_curves_end_where_the_force_is() -> None:
 
 
 def test_only_what_moves_is_drawn_again() -> None:
-    """The ground's sign and the rails are part of the background; pixels beside the mechanism stay as they are."""
+    """The ground's sign and the rails are part of the background; pixels beside the mechanism stay as they
+    are.
+    """
     shown = film()
     below = [shown.stage.moments[0][k] for k in sorted(shown.stage.below)]
     assert any("hatch" in one.look for one in below) and any(one.text == "O" for one in below)
     assert not any(one.look.get("label") for one in below)  # bodies
-    pictures = [np.array(picture).reshape(shown.size[1], shown.size[0], 4)[..., :3] for picture in shown.pictures()]
+    pictures = [
+        np.array(picture).reshape(shown.size[1], shown.size[0], 4)[..., :3] for picture in shown.pictures()
+    ]
     changed = np.any([(one != pictures[0]).any(axis=2) for one in pictures], axis=0)
     assert 0.01 < changed.mean() < 0.3 and (pictures[0] < 128).any()
 
@@ -86,7 +94,12 @@ def test_a_gif_has_its_frames_for_as_long(tmp_path: Path) -> None:
     told: list[tuple[int, int]] = []
     assert animate(run(), tmp_path / "a.gif", 6, 20.0, told=lambda k, n: told.append((k, n))) == (6, 0.3)
     with Image.open(tmp_path / "a.gif") as image:
-        assert image.n_frames == 6 and image.info["duration"] == 50 and image.info["loop"] == 0 and image.size == (960, 540)
+        assert (
+            image.n_frames == 6
+            and image.info["duration"] == 50
+            and image.info["loop"] == 0
+            and image.size == (960, 540)
+        )
         assert image.convert("RGB").getpixel((2, 2)) == (255, 255, 255)
     assert told == [(k, 6) for k in range(1, 7)] and [path.name for path in tmp_path.iterdir()] == ["a.gif"]
 
@@ -94,7 +107,11 @@ def test_a_gif_has_its_frames_for_as_long(tmp_path: Path) -> None:
 def test_few_equilibria_are_shown_slowly(tmp_path: Path) -> None:
     frames, seconds = animate(vfife.simulate(gallery.toggle_press()), tmp_path / "a.gif")
     with Image.open(tmp_path / "a.gif") as image:
-        assert image.n_frames == frames and 1e-3 * image.info["duration"] * frames == pytest.approx(seconds, abs=0.01 * frames) and seconds >= 3.0
+        assert (
+            image.n_frames == frames
+            and 1e-3 * image.info["duration"] * frames == pytest.approx(seconds, abs=0.01 * frames)
+            and seconds >= 3.0
+        )
 
 
 def test_a_film_that_is_stopped_leaves_what_was_there(tmp_path: Path) -> None:
@@ -111,7 +128,11 @@ def test_a_film_that_is_stopped_leaves_what_was_there(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "given", "says"),
-    [("a.avi", {}, r"\.gif, \.mp4"), ("a.gif", {"frames": 1}, "frames: 1 is not between 2"), ("a.gif", {"rate": 100.0}, "frames a second: 100")],
+    [
+        ("a.avi", {}, r"\.gif, \.mp4"),
+        ("a.gif", {"frames": 1}, "frames: 1 is not between 2"),
+        ("a.gif", {"rate": 100.0}, "frames a second: 100"),
+    ],
 )
 def test_what_is_no_film_is_refused(name: str, given: dict[str, float], says: str, tmp_path: Path) -> None:
     with pytest.raises(VfifeError, match=says):
@@ -126,7 +147,9 @@ def test_mp4_without_its_writer_gets_a_sentence(monkeypatch: pytest.MonkeyPatch,
 
 
 def test_an_mp4_has_its_frames(tmp_path: Path) -> None:
-    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="MP4 is written by the extra video, which is not installed here")
+    imageio_ffmpeg = pytest.importorskip(
+        "imageio_ffmpeg", reason="MP4 is written by the extra video, which is not installed here"
+    )
     animate(run(), tmp_path / "a.mp4", 10, 25.0)
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4")) == (10, pytest.approx(0.4))
 

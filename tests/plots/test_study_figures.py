@@ -1,4 +1,6 @@
-"""Figures of a study have its numbers: maps and curves are its arrays, a front is what no member beats, and what is missing stays so."""
+"""Figures of a study have its numbers: maps and curves are its arrays, a front is what no member beats, and
+what is missing stays so.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +13,11 @@ import pytest
 from matplotlib.collections import LineCollection, QuadMesh
 
 import vfife
-from study.studies import ASKED, Closed
+from studies.studies import ASKED, Closed
 from vfife.errors import VfifeError
 from vfife.plots.study import broken, edges, front, logarithmic, quantiles, shortened
 from vfife.plots.style import readable
-from vfife.study import run_missing
+from vfife.studies.engine import run_missing
 
 GRID = ASKED.replace("count = 2", "count = 4")
 
@@ -27,16 +29,22 @@ def made(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, **closed: A
     return vfife.study(path)
 
 
-def test_maps_curves_and_lines_have_the_numbers_of_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_maps_curves_and_lines_have_the_numbers_of_the_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found = made(GRID, tmp_path, monkeypatch, fails=2e-4)
     figures = found.plot()
     assert list(figures) == ["maps", "curves", "parallel", "fronts"]
     values = found.data["C.force.max"].values
-    (mesh, *_) = (one for one in figures["maps"].axes[0].collections if isinstance(one, QuadMesh))
-    assert np.ma.allclose(mesh.get_array(), np.ma.masked_invalid(values)), "speed has more values, so it goes across"
+    mesh, *_ = (one for one in figures["maps"].axes[0].collections if isinstance(one, QuadMesh))
+    assert np.ma.allclose(mesh.get_array(), np.ma.masked_invalid(values)), (
+        "speed has more values, so it goes across"
+    )
     assert np.ma.getmaskarray(mesh.get_array())[1].all(), "members that failed are no colour"
     lines = figures["curves"].axes[0].lines
-    assert [np.allclose(line.get_ydata(), row, equal_nan=True) for line, row in zip(lines, values, strict=True)] == [True] * 3
+    assert [
+        np.allclose(line.get_ydata(), row, equal_nan=True) for line, row in zip(lines, values, strict=True)
+    ] == [True] * 3
     (drawn,) = (one for one in figures["parallel"].axes[0].collections if isinstance(one, LineCollection))
     assert len(drawn.get_segments()) == 8, "two of three clearances came to something"
     assert list(found.plot("curves", measures=["C.impacts"])) == ["curves"]
@@ -65,7 +73,11 @@ def test_a_front_is_what_no_other_point_beats(measures: int) -> None:
     values = np.round(np.random.default_rng(measures).normal(size=(120, measures)), 1)
     values = np.vstack([values, values[:5]])
     beaten = [
-        any(all(a <= b for a, b in zip(other, one, strict=True)) and any(a < b for a, b in zip(other, one, strict=True)) for other in values)
+        any(
+            all(a <= b for a, b in zip(other, one, strict=True))
+            and any(a < b for a, b in zip(other, one, strict=True))
+            for other in values
+        )
         for one in values
     ]
     assert front(values).tolist() == [not one for one in beaten]
@@ -78,15 +90,24 @@ def test_axes_say_quantities_as_people_do() -> None:
     assert readable([50.0], "rad/s^2") == (1.0, "rad/s²")
     assert edges(np.array([1.0, 2.0, 4.0])).tolist() == [0.5, 1.5, 3.0, 5.0]
     assert logarithmic(np.geomspace(1.0, 100.0, 5)) and not logarithmic(np.linspace(1.0, 100.0, 5))
-    assert broken("follower.angular_acceleration.max").replace("\n", "") == "follower.angular_acceleration.max"
-    assert all(len(shortened(n, most)) == min(n, most) for n, most in itertools.product((1, 5, 37), (2, 6)) if n)
+    assert (
+        broken("follower.angular_acceleration.max").replace("\n", "") == "follower.angular_acceleration.max"
+    )
+    assert all(
+        len(shortened(n, most)) == min(n, most) for n, most in itertools.product((1, 5, 37), (2, 6)) if n
+    )
 
 
 @pytest.mark.system("draws every figure of studies")
-def test_words_stand_in_their_order_and_files_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_words_stand_in_their_order_and_files_are_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from vfife.plots.study import drawn
 
-    text = GRID + '[vary.law]\npath = "joint.C.contact.law"\nvalues = ["lankarani-nikravesh", "flores", "hertz"]\n'
+    text = (
+        GRID
+        + '[vary.law]\npath = "joint.C.contact.law"\nvalues = ["lankarani-nikravesh", "flores", "hertz"]\n'
+    )
     found = made(text, tmp_path, monkeypatch)
     (tmp_path / "out").mkdir()
     paths = drawn(found, tmp_path / "out", ["parallel", "maps"], ending=".svg")
@@ -96,8 +117,13 @@ def test_words_stand_in_their_order_and_files_are_written(tmp_path: Path, monkey
     assert {"lankarani-nikravesh", "flores", "hertz"} <= words
 
 
-def test_a_logarithmic_axis_names_values_that_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    text = GRID.replace('values = ["0.1 mm", "0.2 mm", "0.3 mm"]', 'from = "0.01 mm"\nto = "1 mm"\ncount = 9\nspacing = "logarithmic"')
+def test_a_logarithmic_axis_names_values_that_are_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = GRID.replace(
+        'values = ["0.1 mm", "0.2 mm", "0.3 mm"]',
+        'from = "0.01 mm"\nto = "1 mm"\ncount = 9\nspacing = "logarithmic"',
+    )
     found = made(text, tmp_path, monkeypatch)
     axis = found.plot("curves")["curves"].axes[0].xaxis
     labels = [tick.get_text() for tick in axis.get_ticklabels()]

@@ -12,12 +12,12 @@ from typer.testing import CliRunner
 import vfife
 from vfife import gallery
 from vfife.cli.app import app
-from vfife.live import reports
+from vfife.live.page.page import reports
 from vfife.modelfile import dump, load
 from vfife.report.html import elements
 from vfife.report.pages import as_given, found, trust
 from vfife.report.pages import run_page as document
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 NAME = "<script>alert(1)</script> & <b>bold</b> </iframe>"
 
@@ -61,7 +61,11 @@ def words(of: Page) -> str:
 
 
 def test_names_with_markup_are_text() -> None:
-    assert page().texts["h1"] == [NAME] and page().texts["figcaption"] == [NAME] and page().texts["title"] == [f"{NAME}: report"]
+    assert (
+        page().texts["h1"] == [NAME]
+        and page().texts["figcaption"] == [NAME]
+        and page().texts["title"] == [f"{NAME}: report"]
+    )
     assert {"script", "b"}.isdisjoint(tag for tag, _ in page().elements)
 
 
@@ -72,7 +76,9 @@ def test_the_page_in_the_page_is_whole_and_kept_apart() -> None:
 
 def test_nothing_is_fetched() -> None:
     for _, attributes in page().elements:
-        assert all((attributes.get(key) or "data:").startswith(("data:", "#")) for key in ("src", "href", "action"))
+        assert all(
+            (attributes.get(key) or "data:").startswith(("data:", "#")) for key in ("src", "href", "action")
+        )
     assert not re.search(r"@import|url\(", "".join(page().texts["style"]))
 
 
@@ -82,10 +88,15 @@ def test_peaks_ledger_and_onsets_are_those_of_the_channels() -> None:
     forces = result.channels["joint_force_max"].values[1:].max(axis=0)
     cells = page().texts["td"]
     for name, force in zip(result.data.joint.values, forces, strict=True):
-        told = float(cells[cells.index(str(name)) + 1].removesuffix(" kN").removesuffix(" N").replace(",", ""))
+        told = float(
+            cells[cells.index(str(name)) + 1].removesuffix(" kN").removesuffix(" N").replace(",", "")
+        )
         assert told == pytest.approx(force, rel=1e-4) or told == pytest.approx(1e-3 * force, rel=1e-4)
     assert f"ledger closes to {result.ledger.error:.1e}" in said and "Depth at which contacts began" in said
-    assert np.isfinite(result.measures["B.landing_depth.max"]) and f"{1e6 * result.measures['B.landing_depth.max']:.4g} µm" in said
+    assert (
+        np.isfinite(result.measures["B.landing_depth.max"])
+        and f"{1e6 * result.measures['B.landing_depth.max']:.4g} µm" in said
+    )
 
 
 def test_every_caution_of_the_summary_is_in_it() -> None:
@@ -94,9 +105,14 @@ def test_every_caution_of_the_summary_is_in_it() -> None:
 
 
 def test_a_fact_stands_where_it_belongs() -> None:
-    """Laws take several lines, of which the first alone has a name; they are derived parameters, and no matter of trust."""
+    """Laws take several lines, of which the first alone has a name; they are derived parameters, and no
+    matter of trust.
+    """
     told = run().summary | {"remarks": ["a remark on a law"]}
-    assert not any("a remark on a law" in one or "lankarani" in one for one in (elements(found(told)), elements(trust(told))))
+    assert not any(
+        "a remark on a law" in one or "lankarani" in one
+        for one in (elements(found(told)), elements(trust(told)))
+    )
     assert "law" in page().texts["th"] and any("Lankarani" in cell for cell in page().texts["td"])
 
 
@@ -108,9 +124,17 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
     result = vfife.simulate(load(path), turns=0.01, companions=0, reference=False, loop="data-driven")
     result.report(tmp_path / "report.html", running=False)
     said = (tmp_path / "report.html").read_text("utf-8")
-    assert "Read from given.toml." in said and "given.toml as it reads now" in said and str(tmp_path) not in said and "<iframe" not in said
+    assert (
+        "Read from given.toml." in said
+        and "given.toml as it reads now" in said
+        and str(tmp_path) not in said
+        and "<iframe" not in said
+    )
     assert "It gives other numbers" in elements(as_given(kept.replace("0.15", "0.16"), str(path)))
-    assert "not there any more" in elements(as_given(kept, str(tmp_path / "gone.toml"))) and as_given(kept, None) == []
+    assert (
+        "not there any more" in elements(as_given(kept, str(tmp_path / "gone.toml")))
+        and as_given(kept, None) == []
+    )
 
 
 def test_equilibria_have_a_report() -> None:
@@ -120,12 +144,16 @@ def test_equilibria_have_a_report() -> None:
 
 
 @pytest.mark.system("draws a report")
-def test_the_command_writes_one_file_and_replaces_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_writes_one_file_and_replaces_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     run().save(tmp_path / "run.sqlite")
     line = ["report", str(tmp_path), "-o", str(tmp_path / "r.html")]
     monkeypatch.setattr(reports, "result_page", lambda result: "x" * 4_000_000)
     said = CliRunner().invoke(app, line)
-    assert said.exit_code == 0 and "left out" in said.stderr and (tmp_path / "r.html").stat().st_size < 4_000_000
+    assert (
+        said.exit_code == 0 and "left out" in said.stderr and (tmp_path / "r.html").stat().st_size < 4_000_000
+    )
     titles = Page((tmp_path / "r.html").read_text("utf-8")).texts["h2"]
     assert titles == ["Found", "Cautions", "Trust", "Figures", "Inputs", "Derived parameters"]
     again = CliRunner().invoke(app, line)

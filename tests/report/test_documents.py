@@ -1,4 +1,6 @@
-"""A document says the same on a terminal and in a page, texts are texts in both, and every answer that a notebook shows has its document."""
+"""A document says the same on a terminal and in a page, texts are texts in both, and every answer that a
+notebook shows has its document.
+"""
 
 from importlib import import_module
 from io import StringIO
@@ -6,7 +8,17 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from vfife.report.document import Bullets, Caution, Document, Element, Facts, Figure, Paragraph, Section, Table
+from vfife.report.document import (
+    Bullets,
+    Caution,
+    Document,
+    Element,
+    Facts,
+    Figure,
+    Paragraph,
+    Section,
+    Table,
+)
 from vfife.report.html import DOCUMENTS, fragment, notebook
 from vfife.report.terminal import write
 from vfife.results.comparison import Comparison
@@ -20,15 +32,34 @@ PARTS = [
 
 
 def texts(width: int = 100) -> tuple[str, str]:
-    consoles = [Console(file=StringIO(), width=width, color_system=None, force_terminal=False) for _ in range(2)]
-    write(Document([*PARTS, Element("<hr>"), Figure("f", lambda: "<img>")], "Title"), consoles[0], lambda: consoles[1])
+    consoles = [
+        Console(file=StringIO(), width=width, color_system=None, force_terminal=False) for _ in range(2)
+    ]
+    write(
+        Document([*PARTS, Element("<hr>"), Figure("f", lambda: "<img>")], "Title"),
+        consoles[0],
+        lambda: consoles[1],
+    )
     return tuple(one.file.getvalue() for one in consoles)  # type: ignore[attr-defined,return-value]
 
 
 def test_both_renderers_say_everything() -> None:
     out, aside = texts()
     page = fragment(Document(PARTS, "Title"))
-    for word in ("Title", "Lead: ", "a sentence", "A table", "number", "22", "Fact", "its text", "one of a list", "do this", "Deeper", "inside"):
+    for word in (
+        "Title",
+        "Lead: ",
+        "a sentence",
+        "A table",
+        "number",
+        "22",
+        "Fact",
+        "its text",
+        "one of a list",
+        "do this",
+        "Deeper",
+        "inside",
+    ):
         assert word in out and word in page
     assert aside.strip() == "note: beside it" and "beside it" not in out and "beside it" in page
     assert "<hr>" not in out and "<img>" not in out
@@ -59,4 +90,8 @@ def test_a_notebook_shows_the_table_of_a_comparison() -> None:
     for name, value in {"mechanism": "<four>", "joints": ("C",), "rows": [row], "planned": 1}.items():
         object.__setattr__(found, name, value)
     assert found._repr_html_() == notebook(found)
-    assert "1,234.5" in notebook(found) and "&lt;four&gt;: joint C" in notebook(found) and "Folder" not in notebook(found)
+    assert (
+        "1,234.5" in notebook(found)
+        and "&lt;four&gt;: joint C" in notebook(found)
+        and "Folder" not in notebook(found)
+    )

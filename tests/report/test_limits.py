@@ -6,12 +6,19 @@ from support import go, journal_in_bearing
 from vfife.laws import MATERIALS, Frictionless, LankaraniNikravesh, Material
 from vfife.laws.materials import HARDNESS, hardness_of
 from vfife.report.limits import out_of_range, quiet
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 
 def struck(speed: float, **joint) -> Result:
     law = joint.pop("contact", LankaraniNikravesh(restitution=0.9))
-    return Result(go(journal_in_bearing(speed, friction=Frictionless(), contact=law, **joint), 1e-6, duration=6e-3 / speed**0.5, outputs=50))
+    return Result(
+        go(
+            journal_in_bearing(speed, friction=Frictionless(), contact=law, **joint),
+            1e-6,
+            duration=6e-3 / speed**0.5,
+            outputs=50,
+        )
+    )
 
 
 def test_an_impact_that_machines_have_every_day_warns_of_nothing() -> None:
@@ -22,7 +29,9 @@ def test_an_impact_that_machines_have_every_day_warns_of_nothing() -> None:
 
 
 def test_a_penetration_beyond_the_clearance_is_told_with_numbers() -> None:
-    """On a soft law, K = 1e7 N/m^1.5: 2/5 K d^2.5 = m v^2/2, so d = (5 m v^2/(4 K))^(2/5) = 0.66 mm at 0.3 m/s, play 0.5 mm."""
+    """On a soft law, K = 1e7 N/m^1.5: 2/5 K d^2.5 = m v^2/2, so d = (5 m v^2/(4 K))^(2/5) = 0.66 mm at 0.3
+    m/s, play 0.5 mm.
+    """
     soft = struck(0.3, contact=LankaraniNikravesh(restitution=1.0, stiffness=1e7))
     (said,) = out_of_range(soft)
     depth = 1e6 * (5.0 * 0.3**2 / 4e7) ** 0.4
@@ -32,7 +41,9 @@ def test_a_penetration_beyond_the_clearance_is_told_with_numbers() -> None:
 
 
 def test_a_tenth_of_the_pin_counts_where_play_is_more() -> None:
-    (said,) = out_of_range(struck(0.5, clearance=2e-3, contact=LankaraniNikravesh(restitution=1.0, stiffness=1e7)))
+    (said,) = out_of_range(
+        struck(0.5, clearance=2e-3, contact=LankaraniNikravesh(restitution=1.0, stiffness=1e7))
+    )
     assert "more than a tenth of the journal's radius, 800 µm" in said
 
 
@@ -45,7 +56,10 @@ def test_a_pressure_beyond_hardness_is_told_with_numbers() -> None:
     pressure = (force * modulus / (3.141592653589793 * 2e-4 * radius)) ** 0.5
     width = 2 * force / (3.141592653589793 * 2e-4 * pressure)
     snug = pressure if width < 0.0095 else 2 * force / (3.141592653589793 * 2e-4 * 0.0095)
-    assert f"line pressures of {1e-9 * snug:.3g} GPa in J on its 0.2 mm are more than the hardness of steel, 1.6 GPa" in said
+    assert (
+        f"line pressures of {1e-9 * snug:.3g} GPa in J on its 0.2 mm are more than the hardness of steel,"
+        " 1.6 GPa" in said
+    )
     assert result.summary["conformal"] == ["J"]
 
 

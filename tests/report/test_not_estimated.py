@@ -17,7 +17,7 @@ from vfife.plots.notebook import result_html
 from vfife.report.digits import bounds, estimated
 from vfife.report.pages import run_page as document
 from vfife.report.summary import show
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 WORDS = "not estimated"
 
@@ -30,18 +30,27 @@ def text(result: Result) -> str:
 
 @cache
 def loose() -> Result:
-    return vfife.simulate(with_settings(gallery.four_bar_case_c(), turns=1.0), step=1e-5, companions=1, reference=False)
+    return vfife.simulate(
+        with_settings(gallery.four_bar_case_c(), turns=1.0), step=1e-5, companions=1, reference=False
+    )
 
 
 def line(said: str, begin: str) -> str:
     return next(line for line in said.replace("<tr>", "\n").splitlines() if begin in line)
 
 
-@pytest.mark.parametrize("shown", [text, lambda result: document(result, {}, None, None), result_html], ids=["terminal", "report", "notebook"])
+@pytest.mark.parametrize(
+    "shown",
+    [text, lambda result: document(result, {}, None, None), result_html],
+    ids=["terminal", "report", "notebook"],
+)
 def test_a_measure_without_a_range_says_so(shown: Callable[[Result], str]) -> None:
     """Companions keep no rows for sliding and shaking forces; those of forces and mean powers have ranges."""
     said, result = shown(loose()), loose()
-    assert not result.measures["B.sliding_velocity.max"].estimated and result.measures["crank.power.mean"].estimated
+    assert (
+        not result.measures["B.sliding_velocity.max"].estimated
+        and result.measures["crank.power.mean"].estimated
+    )
     assert result.measures["B.force.max"].estimated and WORDS not in line(said, "mean power")
     assert line(said, "shaken by up to").count(WORDS) == 2
     if shown is text:
@@ -51,7 +60,10 @@ def test_a_measure_without_a_range_says_so(shown: Callable[[Result], str]) -> No
 def test_in_json() -> None:
     told = json.loads(json.dumps(loose().summary))
     assert "B.sliding_velocity.max" in told["not_estimated"] and "B.force.max" not in told["not_estimated"]
-    assert told["ranges"]["B.sliding_velocity.max"]["estimated"] is False and told["ranges"]["B.force.max"]["estimated"] is True
+    assert (
+        told["ranges"]["B.sliding_velocity.max"]["estimated"] is False
+        and told["ranges"]["B.force.max"]["estimated"] is True
+    )
     assert isinstance(told["ranges"]["B.sliding_velocity.max"]["low"], float)
 
 
@@ -65,12 +77,16 @@ def test_in_json() -> None:
 def test_a_smooth_run_without_any_says_why(options: dict, why: str) -> None:
     result = vfife.simulate(gallery.scotch_yoke(), **options)
     said = text(result)
-    assert f"{WORDS}: {why}" in " ".join(said.split()) and set(result.summary["not_estimated"]) == set(result.measures)
+    assert f"{WORDS}: {why}" in " ".join(said.split()) and set(result.summary["not_estimated"]) == set(
+        result.measures
+    )
     assert WORDS in document(result, {}, None, None)
 
 
 def test_a_run_with_play_and_no_companions_says_why() -> None:
-    result = vfife.simulate(with_settings(gallery.four_bar_case_c(), turns=0.2), step=1e-5, companions=0, reference=False)
+    result = vfife.simulate(
+        with_settings(gallery.four_bar_case_c(), turns=0.2), step=1e-5, companions=0, reference=False
+    )
     assert f"{WORDS}: it has no companions" in " ".join(text(result).split())
 
 
@@ -87,7 +103,21 @@ def test_a_small_range_is_no_range_of_nothing() -> None:
 
 
 def test_bounds_in_words() -> None:
-    ranges = {"a": {"low": 9.94, "high": 10.06}, "b": {"low": 3.0, "high": 3.0}, "c": {"low": 1.0, "high": 1.0}}
+    ranges = {
+        "a": {"low": 9.94, "high": 10.06},
+        "b": {"low": 3.0, "high": 3.0},
+        "c": {"low": 1.0, "high": 1.0},
+    }
     told = {"measures": {"a": 10.0, "b": 3.0, "c": 1.0, "d": 2.0}, "ranges": ranges}
-    assert [bounds(told | {"not_estimated": ["b", "d"]}, name) for name in "abcd"] == ["9.94 to 10.06", WORDS, "exact", WORDS]
-    assert [estimated(told, name) for name in "abcd"] == [True, False, False, False]  # a file of a former version
+    assert [bounds(told | {"not_estimated": ["b", "d"]}, name) for name in "abcd"] == [
+        "9.94 to 10.06",
+        WORDS,
+        "exact",
+        WORDS,
+    ]
+    assert [estimated(told, name) for name in "abcd"] == [
+        True,
+        False,
+        False,
+        False,
+    ]  # a file of a former version

@@ -37,7 +37,9 @@ def slider_crank(play: bool = False) -> Mechanism:
 
 
 def driven_on(mechanism: Mechanism, step: float, duration: float) -> Record:
-    """A run that nobody looked ahead for, as those of mechanisms too large for it are; a look ahead sees where it jams."""
+    """A run that nobody looked ahead for, as those of mechanisms too large for it are; a look ahead sees
+    where it jams.
+    """
     jam, _ = passage(mechanism, duration, lengths=False)
     assert jam is not None
     return run(assemble(mechanism, step, duration=duration, outputs=50, force_step=True), loop="data-driven")
@@ -52,7 +54,9 @@ def test_a_travel_past_a_dead_centre_names_the_position(play):
     assert record.status == "diverged" or play
     said = cause(record, 0.3)
     assert f"joint S at {CRANK + ROD - GUIDE:.6g} m along its guide" in said
-    time, gone = (float(found) for found in re.search(r"at ([\d.]+) s .* ([\d.]+) m from where it began", said).groups())
+    time, gone = (
+        float(found) for found in re.search(r"at ([\d.]+) s .* ([\d.]+) m from where it began", said).groups()
+    )
     assert gone == pytest.approx(0.16 * time, rel=1e-5)
     assert "step helps" in said and "half the step" not in said
 
@@ -79,4 +83,9 @@ def test_an_angle_past_its_limit_is_named():
 def test_nothing_is_said_of_what_closes():
     m = slider_crank()
     m.drivers["push"] = ConstantSpeed(slider="S", speed=-0.05)
-    assert end_of_reach(simulate(m, step=1e-4, duration=0.1, outputs=5, reference=False, loop="data-driven").record, 0.1) == ""
+    assert (
+        end_of_reach(
+            simulate(m, step=1e-4, duration=0.1, outputs=5, reference=False, loop="data-driven").record, 0.1
+        )
+        == ""
+    )

@@ -12,19 +12,21 @@ import pytest
 
 import vfife
 from support import bits
-from vfife.codegen.runner import Runner
-from vfife.results.runfile import RunFile
-from vfife.simulation import carry_out, prepare
+from vfife.compiler.runtime.runner import Runner
+from vfife.simulation.simulate import carry_out, prepare
 from vfife.solvers import interrupts
 from vfife.solvers.arguments import RunArguments
 from vfife.solvers.companions import SynchronisedLanes
+from vfife.store.runfile import RunFile
 
 
 class Killed(BaseException):
     """The end of a process, as far as one test goes."""
 
 
-def write(path: Path, mechanism: vfife.Mechanism, asked: RunArguments, reference: bool = True) -> vfife.Result:
+def write(
+    path: Path, mechanism: vfife.Mechanism, asked: RunArguments, reference: bool = True
+) -> vfife.Result:
     prepared = prepare(mechanism, asked, reference)
     with RunFile.create(path, prepared.kept) as file:
         result = carry_out(prepared, file=file)
@@ -55,8 +57,12 @@ def kill_at(monkeypatch: pytest.MonkeyPatch, call: int) -> Callable[[], None]:
 
 
 def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
-    """So many steps a call on every machine: by the clock, a fast one would come to its end before the call at which it is killed."""
-    monkeypatch.setattr(interrupts.ChunkSize, "room", property(lambda self: steps, lambda self, value: None), raising=False)
+    """So many steps a call on every machine: by the clock, a fast one would come to its end before the call
+    at which it is killed.
+    """
+    monkeypatch.setattr(
+        interrupts.ChunkSize, "room", property(lambda self: steps, lambda self, value: None), raising=False
+    )
 
 
 def killed_run(path: Path, mechanism: vfife.Mechanism, asked: RunArguments, reference: bool = True) -> bool:
@@ -86,8 +92,13 @@ def same(one: Path, other: Path) -> None:
         if beside is not None:
             assert others_beside is not None and beside[0] == others_beside[0]
             window = np.isin(others_beside[1], beside[1])
-            assert (bits(beside[2][np.isin(beside[1], others_beside[1])]) == bits(others_beside[2][window])).all()
-        told = [{key: value for key, value in file.meta.items() if not isinstance(value, np.ndarray)} for file in (a, b)]
+            assert (
+                bits(beside[2][np.isin(beside[1], others_beside[1])]) == bits(others_beside[2][window])
+            ).all()
+        told = [
+            {key: value for key, value in file.meta.items() if not isinstance(value, np.ndarray)}
+            for file in (a, b)
+        ]
         for one_told in told:
             for key in ("created", "finished", "wall"):
                 one_told.pop(key)
@@ -99,7 +110,15 @@ def same(one: Path, other: Path) -> None:
 def arch() -> vfife.Mechanism:
     m = vfife.Mechanism("arch", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
-    m.link("rod", length=1.0, mass=2.0, angle=-0.5, model="elastic", elements=3, section=vfife.Section.square(1e-4))
+    m.link(
+        "rod",
+        length=1.0,
+        mass=2.0,
+        angle=-0.5,
+        model="elastic",
+        elements=3,
+        section=vfife.Section.square(1e-4),
+    )
     m.weld("J", "ground.O", "rod.start")
     m.settings = vfife.Settings(analysis="static", load_factors=(0.2, 0.5, 1.0))
     return m

@@ -21,12 +21,16 @@ def pushed() -> Mechanism:
     m.point("O", 0.0, 0.0)
     m.rigid_body("disc", mass=2.0, inertia=0.05, pins={"rim": (0.1, 0.0)})
     m.revolute("A", "ground.O", "disc.center")
-    m.loads["ramp"] = PointForce(name="ramp", at="disc.rim", force=(0.0, 1.0), follow=True, times=(0.0, 1.0), factors=(0.0, 1.0))
+    m.loads["ramp"] = PointForce(
+        name="ramp", at="disc.rim", force=(0.0, 1.0), follow=True, times=(0.0, 1.0), factors=(0.0, 1.0)
+    )
     return m
 
 
 def busy() -> Mechanism:
-    """What counts from a clock or a start: motions, torques over time and angle, springs without a free length, a gas with two ways."""
+    """What counts from a clock or a start: motions, torques over time and angle, springs without a free
+    length, a gas with two ways.
+    """
     m = Mechanism("busy", gravity=(0.0, -9.81))
     m.point("O", 0.0, 0.0)
     m.point("P", 0.5, 0.1)
@@ -45,10 +49,18 @@ def busy() -> Mechanism:
     m.spring("s", "arm.end", "ground.O", stiffness=50.0)
     m.torsional_spring("t", "ground", "arm", stiffness=0.5)
     m.loads["gas"] = GuideForce(
-        name="gas", slider="guide", bore=0.05, reverse=True, travels=(0.15, 0.2, 0.25), pressure=(1e5, 3e5, 6e5), pressure_back=(1e5, 2e5, 6e5)
+        name="gas",
+        slider="guide",
+        bore=0.05,
+        reverse=True,
+        travels=(0.15, 0.2, 0.25),
+        pressure=(1e5, 3e5, 6e5),
+        pressure_back=(1e5, 2e5, 6e5),
     )
     angles = tuple(np.linspace(0.0, 2.0 * math.pi, 5))
-    m.loads["tooth"] = PointForce(name="tooth", at="rod.end", force=(5.0, 3.0), angles=angles, factors=(0.0, 1.0, 0.0, -1.0, 0.0))
+    m.loads["tooth"] = PointForce(
+        name="tooth", at="rod.end", force=(5.0, 3.0), angles=angles, factors=(0.0, 1.0, 0.0, -1.0, 0.0)
+    )
     return m
 
 
@@ -66,7 +78,16 @@ def swung() -> Mechanism:
 
 def ends(mechanism: Mechanism, duration: float, start: object = None) -> tuple[vfife.Result, np.ndarray]:
     """A run, and its positions and velocities at the end."""
-    result = vfife.simulate(mechanism, duration=duration, outputs=10, step=1e-5, start=start, companions=0, reference=False, loop="data-driven")
+    result = vfife.simulate(
+        mechanism,
+        duration=duration,
+        outputs=10,
+        step=1e-5,
+        start=start,
+        companions=0,
+        reference=False,
+        loop="data-driven",
+    )
     assert result.record.status == "complete"
     bodies = [particle(result.record, name) for name in mechanism.bodies]
     return result, np.array([[p[axis][-1] for axis in ("x", "y", "theta", "u", "v", "w")] for p in bodies])
@@ -91,7 +112,9 @@ def test_a_clock_that_is_set_begins_there(tmp_path: Path) -> None:
     first, _ = ends(pushed(), 0.5)
     anew = dataclasses.replace(pushed(), start=dataclasses.replace(pushed().start, time=0.0))
     _, again = ends(anew, 0.1, first)
-    assert again[0, 5] == pytest.approx(0.25 + 0.01, rel=1e-3), "0.25 rad/s after half a second, and a tenth of a second from no force on"
+    assert again[0, 5] == pytest.approx(0.25 + 0.01, rel=1e-3), (
+        "0.25 rad/s after half a second, and a tenth of a second from no force on"
+    )
     later = loads(dump(dataclasses.replace(pushed(), start=dataclasses.replace(pushed().start, time=0.4))))
     assert later.clock == 0.4 and "time = 0.4" in dump(later)
     assert ends(later, 0.1)[1][0, 5] == pytest.approx(0.25 - 0.16, rel=1e-3)
@@ -103,11 +126,15 @@ def test_a_run_file_goes_on_and_knows_its_clock(tmp_path: Path) -> None:
     from_file, there = ends(busy(), 0.02, tmp_path / "first.sqlite")
     assert (there == ends(busy(), 0.02, first)[1]).all()
     from_file.save(tmp_path / "second.sqlite")
-    assert vfife.load_result(tmp_path / "second.sqlite").record.assembly.mechanism.clock == pytest.approx(0.05)
+    assert vfife.load_result(tmp_path / "second.sqlite").record.assembly.mechanism.clock == pytest.approx(
+        0.05
+    )
 
 
 def test_the_step_stays_what_it_was() -> None:
-    """One that was halved, or set by hand, is kept where nothing is said; one that is said, or too large by now, is not."""
+    """One that was halved, or set by hand, is kept where nothing is said; one that is said, or too large by
+    now, is not.
+    """
     m = with_settings(four_bar("C"), companions=0)
     own = vfife.simulate(m, duration=1e-3, reference=False).record.assembly.choice.step
     first = vfife.simulate(m, duration=1e-3, step=0.5 * own, reference=False)
@@ -116,6 +143,11 @@ def test_the_step_stays_what_it_was() -> None:
     assert second.record.assembly.choice.culprit == "the run that it goes on from"
     anew = vfife.simulate(m, duration=1e-3, start=first, step="auto", reference=False).record.assembly.choice
     assert anew.culprit != "the run that it goes on from" and anew.step != 0.5 * own
-    stiff = dataclasses.replace(m.joints["C"], contact=vfife.LankaraniNikravesh(restitution=0.9, stiffness=6.6e13))
+    stiff = dataclasses.replace(
+        m.joints["C"], contact=vfife.LankaraniNikravesh(restitution=0.9, stiffness=6.6e13)
+    )
     stiffer = dataclasses.replace(m, joints={**m.joints, "C": stiff})
-    assert vfife.simulate(stiffer, duration=1e-4, start=first, reference=False).record.assembly.choice.step < first.record.assembly.choice.step
+    assert (
+        vfife.simulate(stiffer, duration=1e-4, start=first, reference=False).record.assembly.choice.step
+        < first.record.assembly.choice.step
+    )

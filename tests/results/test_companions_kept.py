@@ -10,20 +10,24 @@ import pytest
 
 import vfife
 from support import four_bar
-from vfife.analysis.ranges import trust
 from vfife.errors import ResumeError
-from vfife.result import Result
-from vfife.results.runfile import RunFile
-from vfife.simulation import carry_out, prepare
+from vfife.measures.ranges import trust
+from vfife.simulation.result import Result
+from vfife.simulation.simulate import carry_out, prepare
 from vfife.solvers import transient
 from vfife.solvers.arguments import RunArguments
+from vfife.store.runfile import RunFile
 
 
 def same(one: Result, other: Result) -> None:
     assert trust(one.record, one.measures) == trust(other.record, other.measures)
     assert list(one.measures) == list(other.measures)
     for name, value in one.measures.items():
-        assert (value, value.low, value.high) == (other.measures[name], other.measures[name].low, other.measures[name].high)
+        assert (value, value.low, value.high) == (
+            other.measures[name],
+            other.measures[name].low,
+            other.measures[name].high,
+        )
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +71,9 @@ def test_an_interrupted_run_has_ranges(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_a_run_of_version_0_2_is_read_and_not_resumed(result: Result, tmp_path: Path) -> None:
-    """Its companions had the step of the run and displaced first steps: ranges are those of their values, as they were then."""
+    """Its companions had the step of the run and displaced first steps: ranges are those of their values, as
+    they were then.
+    """
     path = tmp_path / "run.sqlite"
     result.save(path)
     with RunFile.write(path) as file:
@@ -91,7 +97,10 @@ def test_chunks_that_nobody_needs_are_gone(tmp_path: Path, monkeypatch: pytest.M
     with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
         carry_out(prepared, file=file).finish(file)
     with sqlite3.connect(tmp_path / "run.sqlite") as connection:
-        kept, every = (connection.execute(f"SELECT sum(outputs) FROM {table}").fetchone()[0] for table in ("companions", "history"))
+        kept, every = (
+            connection.execute(f"SELECT sum(outputs) FROM {table}").fetchone()[0]
+            for table in ("companions", "history")
+        )
     assert every == 601 and kept < 250
 
 
@@ -102,7 +111,9 @@ def test_a_file_without_them_is_read_as_before(result: Result, tmp_path: Path) -
         connection.execute("DROP TABLE companions")
     again = Result.load(path)
     assert again.record.companions is None
-    assert {name: one.value for name, one in again.measures.items()} == {name: one.value for name, one in result.measures.items()}
+    assert {name: one.value for name, one in again.measures.items()} == {
+        name: one.value for name, one in result.measures.items()
+    }
 
 
 def test_damaged_ones_are_left_out_and_told(result: Result, tmp_path: Path) -> None:
@@ -113,4 +124,6 @@ def test_damaged_ones_are_left_out_and_told(result: Result, tmp_path: Path) -> N
     again = Result.load(path)
     assert again.record.companions is None and again.record.lost == ("the companions",)
     assert "the companions could not be read" in again.summary["warnings"][0]
-    assert {name: one.value for name, one in again.measures.items()} == {name: one.value for name, one in result.measures.items()}
+    assert {name: one.value for name, one in again.measures.items()} == {
+        name: one.value for name, one in result.measures.items()
+    }

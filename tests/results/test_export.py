@@ -1,4 +1,6 @@
-"""What other programs read of a run is what the run has: joint by joint, as one table, and in the files of each of them."""
+"""What other programs read of a run is what the run has: joint by joint, as one table, and in the files of
+each of them.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ import pytest
 
 import vfife
 from vfife import files
-from vfife.cli import result as of_the_command
+from vfife.cli.commands import result as of_the_command
 from vfife.plots import PICTURES
 from vfife.results.export import RESULT_FORMATS, Names
 
@@ -45,7 +47,9 @@ def test_all_about_a_joint_a_body_and_a_spring() -> None:
     assert "crank_angle" in joint.coords
 
 
-@pytest.mark.parametrize(("ask", "said"), [("joint", "there are A, B, C, D"), ("body", "there are crank"), ("spring", "return 1")])
+@pytest.mark.parametrize(
+    ("ask", "said"), [("joint", "there are A, B, C, D"), ("body", "there are crank"), ("spring", "return 1")]
+)
 def test_a_name_that_is_not_there_is_told(ask: str, said: str) -> None:
     with pytest.raises(vfife.VfifeError, match=f'no {ask} "nobody".*{said}'):
         getattr(result(), ask)("nobody")
@@ -56,7 +60,9 @@ def test_corners_of_a_block_stay_apart() -> None:
     m.point("O", 0.0, 0.0)
     m.rigid_body("block", mass=1.0, inertia=0.01)
     m.clearance_slider("S", "ground.O", "block.center", clearance="0.1 mm", length=0.1, height=0.05)
-    found = vfife.simulate(m, duration=1e-4, outputs=2, step=1e-6, loop="data-driven", companions=0).joint("S")
+    found = vfife.simulate(m, duration=1e-4, outputs=2, step=1e-6, loop="data-driven", companions=0).joint(
+        "S"
+    )
     assert list(found.clearance.values) == ["S.1", "S.2", "S.3", "S.4"] and found.force.dims == ("time",)
 
 
@@ -65,8 +71,13 @@ def test_a_data_frame_has_a_column_for_each_series() -> None:
     assert table.index.name == "time [s]" and np.array_equal(table.index, data.time)
     assert np.array_equal(table["C.force [N]"], data.joint_force.sel(joint="C"))
     assert np.array_equal(table["kinetic_energy [J]"], data.kinetic_energy)
-    assert table.attrs["units"]["crank.angle [rad]"] == "rad" and "centre of mass" in table.attrs["meanings"]["crank.x [m]"]
-    assert not any("particle" in name for name in table) and any("element_stress" in name for name in result().to_dataframe(fine=True))
+    assert (
+        table.attrs["units"]["crank.angle [rad]"] == "rad"
+        and "centre of mass" in table.attrs["meanings"]["crank.x [m]"]
+    )
+    assert not any("particle" in name for name in table) and any(
+        "element_stress" in name for name in result().to_dataframe(fine=True)
+    )
     some = result().to_dataframe("C", "crank", units=False)
     assert {name.partition(".")[0] for name in some} == {"crank_angle", "crank", "C"} and "C.force" in some
     assert some["C.force"].equals(table["C.force [N]"].rename("C.force"))
@@ -161,7 +172,9 @@ def test_the_command_knows_what_is_written() -> None:
 
 @pytest.mark.system("draws every figure of a run")
 def test_a_notebook_shows_summary_and_figures_and_escapes_names() -> None:
-    shown = vfife.simulate(renamed("<i>&"), duration="0.1 ms", outputs=2, loop="data-driven", companions=0, reference=False)
+    shown = vfife.simulate(
+        renamed("<i>&"), duration="0.1 ms", outputs=2, loop="data-driven", companions=0, reference=False
+    )
     page = shown._repr_html_()
     assert "&lt;i&gt;&amp;" in page and "<i>&" not in page
     assert page.count("data:image/png;base64,") >= 2 and "Energy" in page

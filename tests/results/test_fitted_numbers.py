@@ -1,4 +1,6 @@
-"""What a fit says of its parameters and curves, in closed form: shares of bounds, what is known, what lies on a bound, sentences."""
+"""What a fit says of its parameters and curves, in closed form: shares of bounds, what is known, what lies on
+a bound, sentences.
+"""
 
 from __future__ import annotations
 
@@ -54,16 +56,27 @@ def test_what_is_left_is_over_the_deviation() -> None:
 def test_directions_that_the_data_leave_open_are_named() -> None:
     two, third = replace(ONE, name="c"), replace(ONE, name="m")
     root = 1.0 / math.sqrt(2.0)
-    directions = [(0.9, np.array([root, -root, 0.0])), (0.3, np.array([0.0, 0.0, 1.0])), (0.2, np.array([1.0, 0.0, 0.0]))]
+    directions = [
+        (0.9, np.array([root, -root, 0.0])),
+        (0.3, np.array([0.0, 0.0, 1.0])),
+        (0.2, np.array([1.0, 0.0, 0.0])),
+    ]
     both, alone = fit_of(ONE, two, third, directions=directions).undetermined
-    assert both.startswith("k and c one by one: k up with c down") and alone.startswith("m: within its bounds")
+    assert both.startswith("k and c one by one: k up with c down") and alone.startswith(
+        "m: within its bounds"
+    )
 
 
 def test_remarks_say_how_it_was_found() -> None:
     assert fit_of(ONE).remarks == []
     starts = [(1.0, (300.0,)), (1.09, (301.0,)), (1.2, (500.0,))]
     found = fit_of(ONE, offset=0.5, offset_error=0.01, starts=starts, evaluations=40).remarks
-    assert found[0].startswith("The first sample lies 500 ± 10 ms into a turn") and found[1].startswith("2 of 3 searches came to this point")
+    assert found[0].startswith("The first sample lies 500 ± 10 ms into a turn") and found[1].startswith(
+        "2 of 3 searches came to this point"
+    )
     assert "90 ± 5.7 deg" in fit_of(ONE, over="angle", offset=math.pi / 2.0, offset_error=0.1).remarks[0]
-    assert "(correlation 0.11)" in fit_of(ONE, autocorrelation=0.11).remarks[0] and fit_of(ONE, autocorrelation=0.1).remarks == []
+    assert (
+        "(correlation 0.11)" in fit_of(ONE, autocorrelation=0.11).remarks[0]
+        and fit_of(ONE, autocorrelation=0.1).remarks == []
+    )
     assert fit_of(replace(ONE, value=200.0)).remarks == ["At a bound, so perhaps beyond it: k."]

@@ -1,4 +1,6 @@
-"""Bits flipped, pages zeroed and pages exchanged in files of every kind: the answer is the one that was written, or the damage is reported."""
+"""Bits flipped, pages zeroed and pages exchanged in files of every kind: the answer is the one that was
+written, or the damage is reported.
+"""
 
 from __future__ import annotations
 
@@ -32,12 +34,22 @@ def run_file(folder: Path) -> Path:
 
 def study_file(folder: Path) -> Path:
     vary = {"joint.pin.clearance": [f"{k} um" for k in range(100, 160)]}
-    vfife.study(vfife.load_model(EXAMPLES / "slider_crank_loose_pin.toml"), vary, ["pin.force.max"], turns=1, step=1e-5, file=folder / "a.study")
+    vfife.study(
+        vfife.load_model(EXAMPLES / "slider_crank_loose_pin.toml"),
+        vary,
+        ["pin.force.max"],
+        turns=1,
+        step=1e-5,
+        file=folder / "a.study",
+    )
     return folder / "a.study"
 
 
 def map_file(folder: Path) -> Path:
-    model, given = vfife.load_model(EXAMPLES / "slider_crank_loose_pin.toml"), {"turns": 4, "dropped": 2, "step": 1e-5, "companions": 0}
+    model, given = (
+        vfife.load_model(EXAMPLES / "slider_crank_loose_pin.toml"),
+        {"turns": 4, "dropped": 2, "step": 1e-5, "companions": 0},
+    )
     vfife.bifurcation(model, "joint.pin.clearance", 2e-4, 3e-4, count=12, **given, file=folder / "a.map")
     return folder / "a.map"
 
@@ -58,23 +70,43 @@ def fit_file(folder: Path) -> Path:
     rows = [f"{t:.9g}, {0.1 + 0.01 * math.exp(-1.25 * t) * math.cos(15.76 * t):.9g}" for t in times]
     (folder / "s.csv").write_text("\n".join(["time (s), b.x (m)", *rows]) + "\n")
     given = {"screened": 8, "starts": 1, "derivatives": "differences", "step": "1 ms"}
-    vfife.fit(model, folder / "s.csv", {"spring.k.stiffness": ("200 N/m", "1000 N/m")}, **given, file=folder / "a.fit")
+    vfife.fit(
+        model,
+        folder / "s.csv",
+        {"spring.k.stiffness": ("200 N/m", "1000 N/m")},
+        **given,
+        file=folder / "a.fit",
+    )
     return folder / "a.fit"
 
 
 def answer_of_run(path: Path) -> Any:
     result = vfife.load_result(path)
-    return result.record.rows.tobytes(), repr(dict(result.measures)), repr(result.record.companions and result.record.companions.rows.tobytes())
+    return (
+        result.record.rows.tobytes(),
+        repr(dict(result.measures)),
+        repr(result.record.companions and result.record.companions.rows.tobytes()),
+    )
 
 
 def answer_of_study(path: Path) -> Any:
     study = vfife.load_study(path)
-    return [(one.numbers, study.outcomes.get(one.number)) for one in study.members], study.name, study.status, study.measures
+    return (
+        [(one.numbers, study.outcomes.get(one.number)) for one in study.members],
+        study.name,
+        study.status,
+        study.measures,
+    )
 
 
 def answer_of_map(path: Path) -> Any:
     found = vfife.load_map(path)
-    return {name: points.tobytes() for name, points in found.points.items()}, found.kinds, found.exponents.tobytes(), found.asked
+    return (
+        {name: points.tobytes() for name, points in found.points.items()},
+        found.kinds,
+        found.exponents.tobytes(),
+        found.asked,
+    )
 
 
 def answer_of_wear(path: Path) -> Any:
@@ -109,8 +141,13 @@ def exchange(data: bytearray, chance: random.Random) -> None:
     data[one : one + PAGE], data[other : other + PAGE] = data[other : other + PAGE], data[one : one + PAGE]
 
 
-@pytest.fixture(scope="module", params=default_cases(KINDS, lambda kind: kind in ("run", "map"), "makes a file of each kind"))
-def kind(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, Callable[[Path], Any], Any]:
+@pytest.fixture(
+    scope="module",
+    params=default_cases(KINDS, lambda kind: kind in ("run", "map"), "makes a file of each kind"),
+)
+def kind(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[bytes, Callable[[Path], Any], Any]:
     make, answer = KINDS[request.param]
     path = make(tmp_path_factory.mktemp(request.param))
     with warnings.catch_warnings():
@@ -130,7 +167,9 @@ def test_a_warning_blames_the_line_of_the_user(tmp_path):
     with sqlite3.connect(path) as connection:
         connection.execute("DELETE FROM outcomes WHERE number = 3")
     connection.close()
-    with pytest.warns(DamageWarning, match="1 outcomes are missing; the rest is used. The same study run again") as heard:
+    with pytest.warns(
+        DamageWarning, match="1 outcomes are missing; the rest is used. The same study run again"
+    ) as heard:
         vfife.load_study(path)
     assert heard[0].filename == __file__
 
@@ -141,7 +180,9 @@ def test_no_damage_of_three_hundred_goes_unreported(kind, damage, tmp_path):
     unreported(kind, damage, tmp_path / "b", 300)
 
 
-def unreported(kind: tuple[bytes, Callable[[Path], Any], Any], damage: Callable, path: Path, count: int) -> None:
+def unreported(
+    kind: tuple[bytes, Callable[[Path], Any], Any], damage: Callable, path: Path, count: int
+) -> None:
     """Fail where an answer is another one and nothing was reported; every error has words."""
     whole, answer, right = kind
     chance, told = random.Random(damage.__name__), 0
@@ -157,7 +198,9 @@ def unreported(kind: tuple[bytes, Callable[[Path], Any], Any], damage: Callable,
                 assert str(error).strip() and str(path) in str(error), error
                 told += 1
                 continue
-            reported = any(issubclass(one.category, DamageWarning) and str(path) in str(one.message) for one in heard)
+            reported = any(
+                issubclass(one.category, DamageWarning) and str(path) in str(one.message) for one in heard
+            )
         told += reported
         assert reported or found == right, f"{damage.__name__} {k}: another answer, and nothing is reported"
     assert told >= count // 20

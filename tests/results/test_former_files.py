@@ -1,4 +1,6 @@
-"""Files of version 0.2 are read: runs, and the first format of studies, maps, wear and fits, which had no tally. Those of 0.1 are refused."""
+"""Files of version 0.2 are read: runs, and the first format of studies, maps, wear and fits, which had no
+tally. Those of 0.1 are refused.
+"""
 
 import json
 import sqlite3
@@ -10,10 +12,10 @@ import pytest
 
 import vfife
 from vfife.errors import DamageWarning, RunFileError
-from vfife.results.mapfile import MapFile, WearFile
-from vfife.results.runfile import RunFile
-from vfife.results.schemas import SCHEMAS
-from vfife.results.studyfile import StudyFile
+from vfife.store.mapfile import MapFile, WearFile
+from vfife.store.runfile import RunFile
+from vfife.store.schemas import SCHEMAS
+from vfife.store.studyfile import StudyFile
 
 FORMER = Path(__file__).parent / "former"
 WRITTEN = json.loads((FORMER / "former.json").read_text())
@@ -21,7 +23,9 @@ WRITTEN = json.loads((FORMER / "former.json").read_text())
 
 @pytest.mark.parametrize("name", ["slider_crank", "own_law"])
 def test_a_run_gives_its_numbers(name: str, tmp_path: Path) -> None:
-    """``own_law`` ran with a law from a file that is not here: its table stands for it, and nothing of it is run."""
+    """``own_law`` ran with a law from a file that is not here: its table stands for it, and nothing of it is
+    run.
+    """
     result = vfife.load_result(FORMER / f"{name}.sqlite")
     then = json.loads((FORMER / f"{name}.json").read_text())
     assert {key: float(result.measures[key]) for key in then} == pytest.approx(then, rel=1e-12)
@@ -36,10 +40,14 @@ def test_answers_of_the_first_format_are_read_without_a_warning() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", DamageWarning)
         assert vfife.load_study(FORMER / "a.study").values("pin.force.max").tolist() == WRITTEN["study"]
-        assert {name: one.tolist() for name, one in vfife.load_map(FORMER / "a.map").points.items()} == WRITTEN["map"]
+        assert {
+            name: one.tolist() for name, one in vfife.load_map(FORMER / "a.map").points.items()
+        } == WRITTEN["map"]
         wear = vfife.load_wear(FORMER / "a.wear")
         assert wear.turns.tolist() == WRITTEN["wear"] and float(wear.depth.max()) == WRITTEN["depth"]
-        assert json.loads(json.dumps(vfife.load_fit(FORMER / "a.fit").json(), default=float)) == WRITTEN["fit"]
+        assert (
+            json.loads(json.dumps(vfife.load_fit(FORMER / "a.fit").json(), default=float)) == WRITTEN["fit"]
+        )
 
 
 def test_a_file_of_the_first_format_has_a_tally_when_something_was_added(tmp_path: Path) -> None:

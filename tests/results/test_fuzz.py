@@ -1,4 +1,6 @@
-"""Run files and cached code with anything done to them: what was written, or what is missing is told; never another number."""
+"""Run files and cached code with anything done to them: what was written, or what is missing is told; never
+another number.
+"""
 
 from __future__ import annotations
 

@@ -14,9 +14,9 @@ import vfife
 from results.killed import arch, same, write
 from support import four_bar
 from vfife.errors import RunFileError
-from vfife.results.runfile import RunFile
 from vfife.solvers import interrupts
 from vfife.solvers.arguments import RunArguments
+from vfife.store.runfile import RunFile
 
 RANDOM = random.Random(5)
 
@@ -48,8 +48,12 @@ def _begun(path: Path) -> bool:
 LONGEST = 0.5  # s that a process is left alive; the first one of all may have to compile
 
 
-def killed_at_random(folder: Path, mechanism: vfife.Mechanism, asked: RunArguments, kills: int, longest: float) -> int:
-    """Kills with -9 at random moments, the very first and last included, until the run is complete; how many there were."""
+def killed_at_random(
+    folder: Path, mechanism: vfife.Mechanism, asked: RunArguments, kills: int, longest: float
+) -> int:
+    """Kills with -9 at random moments, the very first and last included, until the run is complete; how many
+    there were.
+    """
     path, done = folder / "run.sqlite", 0
     while done < kills:
         number = child(path, mechanism, asked)

@@ -1,4 +1,6 @@
-"""What Windows and macOS do otherwise, as far as that can be told without them: modules, signals, calls that are not there, files that are open."""
+"""What Windows and macOS do otherwise, as far as that can be told without them: modules, signals, calls that
+are not there, files that are open.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +14,12 @@ from typing import Any
 import pytest
 
 from vfife.errors import HeldError
-from vfife.results import folder as folders
-from vfife.results import lock
-from vfife.results.lock import LOCK, Lock, holder
+from vfife.store import folder as folders
+from vfife.store import lock
+from vfife.store.lock import LOCK, Lock, holder
 
-# What POSIX has and Windows has not, taken away before anything of ours is loaded; then every module is, and a run made.
+# What POSIX has and Windows has not, taken away before anything of ours is loaded; then every module is, and
+# a run made.
 WITHOUT = """
 import os, signal, sys
 import h5netcdf, llvmlite.binding, matplotlib.figure, numpy, rich.console, sqlite3, subprocess, typer, xarray  # theirs, which know their system
@@ -47,7 +50,9 @@ def test_it_runs_without_what_posix_alone_has(tmp_path: Path) -> None:
 
 
 class Locking:
-    """The locks of Windows: a byte range that one handle has, by process here because POSIX forgets which handle."""
+    """The locks of Windows: a byte range that one handle has, by process here because POSIX forgets which
+    handle.
+    """
 
     LK_NBLCK = 2
 
@@ -92,7 +97,9 @@ def test_one_writer_at_a_time_by_the_locks_of_windows(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("windows")
-def test_a_run_moves_in_although_open_files_keep_folders_where_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_moves_in_although_open_files_keep_folders_where_they_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     renamed, released = os.rename, []
 
     def rename(source: Any, target: Any) -> None:

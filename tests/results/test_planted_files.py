@@ -1,4 +1,6 @@
-"""Links, pipes, devices and traps of SQLite that somebody has put in the place of a file: refused with a sentence, at once, and never followed."""
+"""Links, pipes, devices and traps of SQLite that somebody has put in the place of a file: refused with a
+sentence, at once, and never followed.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +16,9 @@ import vfife
 from vfife import files
 from vfife.cli.app import app
 from vfife.errors import ModelError, RunFileError
-from vfife.live.served.documents import Conflict, Document
-from vfife.results.connections import Connection
-from vfife.results.lock import Lock
+from vfife.live.server.documents import Conflict, Document
+from vfife.store.connections import Connection
+from vfife.store.lock import Lock
 
 PENDULUM = Path(__file__).resolve().parents[2] / "examples" / "double_pendulum.toml"
 posix = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are POSIX's")
@@ -135,7 +137,9 @@ def test_a_pipe_in_the_place_of_a_file_that_is_followed_counts_as_gone(folder):
 
 
 TRAPS = {
-    "view": "CREATE VIEW v AS WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n) SELECT k FROM n",
+    "view": (
+        "CREATE VIEW v AS WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n) SELECT k FROM n"
+    ),
     "trigger": "CREATE TRIGGER t AFTER INSERT ON meta BEGIN DELETE FROM meta; END",
 }
 
@@ -165,7 +169,7 @@ def test_a_view_in_the_place_of_a_table_is_refused(tmp_path):
 
 
 def test_a_statement_that_does_not_end_is_stopped(monkeypatch):
-    monkeypatch.setattr("vfife.results.connections.MOST_BEATS", 3)
+    monkeypatch.setattr("vfife.store.connections.MOST_BEATS", 3)
     connection = sqlite3.connect(":memory:", factory=Connection)
     endless = "WITH RECURSIVE n(k) AS (SELECT 1 UNION ALL SELECT k + 1 FROM n) SELECT max(k) FROM n"
     with pytest.raises(sqlite3.OperationalError, match="interrupted"):

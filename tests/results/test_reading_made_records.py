@@ -1,4 +1,6 @@
-"""Readers of records that a test writes: turns laid over each other, reductions, spectra, flags, sentences about files."""
+"""Readers of records that a test writes: turns laid over each other, reductions, spectra, flags, sentences
+about files.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +15,11 @@ from made_records import made_record
 from support import four_bar
 from vfife.errors import VfifeError
 from vfife.results.channels import channels, entities
-from vfife.results.connections import unwritten
-from vfife.results.runfile import RunFile, missing
 from vfife.results.series import joined
 from vfife.results.spectra import PARTS, length_of, sampled
 from vfife.results.view import Reductions, View, turn_of
+from vfife.store.connections import unwritten
+from vfife.store.runfile import RunFile, missing
 
 SPEED, OUTPUTS, TURNS = 100.0, 40, 12
 TURN = math.tau / SPEED
@@ -34,26 +36,36 @@ def made(turns: int = TURNS, rounding: float = 0.0, **blocks):
 
 @pytest.mark.parametrize("rounding", [-1e-9, 0.0, 1e-9])
 def test_the_latest_turns_begin_at_a_whole_turn_of_the_crank(rounding: float) -> None:
-    """A begin that rounding puts just before a whole turn is that turn: angles go from one output to 360 degrees."""
+    """A begin that rounding puts just before a whole turn is that turn: angles go from one output to 360
+    degrees.
+    """
     record = made(rounding=rounding)
     found = View(record).turns
-    assert found.turn.values.tolist() == list(range(TURNS - 7, TURNS + 1)) or found.turn.values[0] <= TURNS - 7
+    assert (
+        found.turn.values.tolist() == list(range(TURNS - 7, TURNS + 1)) or found.turn.values[0] <= TURNS - 7
+    )
     assert found.crank_angle.values == pytest.approx(360.0 / OUTPUTS * np.arange(1, OUTPUTS + 1), abs=1e-6)
     first = int(found.turn.values[0])
-    assert found.time.values[0, 0] == pytest.approx((first - 1) * TURN + TURN / OUTPUTS) and found.time.values[-1, -1] == pytest.approx(
-        TURNS * TURN
-    )
+    assert found.time.values[0, 0] == pytest.approx(
+        (first - 1) * TURN + TURN / OUTPUTS
+    ) and found.time.values[-1, -1] == pytest.approx(TURNS * TURN)
     with pytest.raises(VfifeError, match="no turns to lay over each other"):
-        _ = View(made_record(four_bar("", speed=SPEED), {}, np.arange(10) * 4, turns=1, step=STEP, outputs=OUTPUTS)).turns
+        _ = View(
+            made_record(four_bar("", speed=SPEED), {}, np.arange(10) * 4, turns=1, step=STEP, outputs=OUTPUTS)
+        ).turns
 
 
 def test_reductions_are_over_the_last_turn_of_a_longer_record() -> None:
     record = made(turns=3)
     assert turn_of(record) == 2 * OUTPUTS
-    found = Reductions(["max(crank.torque)", "mean(crank.torque)", "rms(crank.torque)", "range(no.such)", "C.force.max"]).over([record])
+    found = Reductions(
+        ["max(crank.torque)", "mean(crank.torque)", "rms(crank.torque)", "range(no.such)", "C.force.max"]
+    ).over([record])
     assert found == {"max(crank.torque)": pytest.approx(1.0), "mean(crank.torque)": pytest.approx(0.0, abs=1e-9),
                      "rms(crank.torque)": pytest.approx(math.sqrt(0.5), rel=1e-9)}  # fmt: skip
-    two = made_record(four_bar("", speed=SPEED), {"driven_torque": [1.0, 3.0]}, [0, 4], turns=1, step=STEP, outputs=OUTPUTS)
+    two = made_record(
+        four_bar("", speed=SPEED), {"driven_torque": [1.0, 3.0]}, [0, 4], turns=1, step=STEP, outputs=OUTPUTS
+    )
     assert Reductions(["mean(crank.torque)"]).over([two]) == {"mean(crank.torque)": 2.0}
     start = made_record(four_bar("", speed=SPEED), {}, [0], turns=1, step=STEP, outputs=OUTPUTS)
     assert Reductions(["max(crank.torque)"]).over([start]) == {}
@@ -63,9 +75,17 @@ def test_reductions_are_over_the_last_turn_of_a_longer_record() -> None:
 def test_a_series_is_sampled_after_the_start() -> None:
     view = View(made(turns=3))
     one = sampled(view, "crank.torque")
-    assert len(one.values) == 3 * OUTPUTS and (one.spacing, one.start) == pytest.approx((4 * STEP, 4 * STEP)) and one.turn == pytest.approx(TURN)
+    assert (
+        len(one.values) == 3 * OUTPUTS
+        and (one.spacing, one.start) == pytest.approx((4 * STEP, 4 * STEP))
+        and one.turn == pytest.approx(TURN)
+    )
     assert one.values == pytest.approx(np.sin(SPEED * 4 * STEP * np.arange(1, 3 * OUTPUTS + 1)), abs=1e-9)
-    assert (length_of(one, None, 2.0), length_of(one, TURN, None), length_of(one, None, None)) == (2 * OUTPUTS, OUTPUTS, None)
+    assert (length_of(one, None, 2.0), length_of(one, TURN, None), length_of(one, None, None)) == (
+        2 * OUTPUTS,
+        OUTPUTS,
+        None,
+    )
     for said, what in (((0.1, 1.0), "not both"), ((None, 0.0), "above 0"), ((None, math.inf), "above 0")):
         with pytest.raises(VfifeError, match=what):
             length_of(one, *said)
@@ -79,15 +99,24 @@ def test_a_series_is_sampled_after_the_start() -> None:
 def test_a_spectrogram_has_sixteen_windows_side_by_side_unless_said() -> None:
     found = vfife.spectrogram(np.sin(np.arange(1600.0)), 1e-3, start=5.0)
     assert found.length == 1600 // PARTS == 100
-    assert found.times[0] == pytest.approx(5.0 + 0.0495) and found.times[1] - found.times[0] == pytest.approx(0.025)
+    assert found.times[0] == pytest.approx(5.0 + 0.0495) and found.times[1] - found.times[0] == pytest.approx(
+        0.025
+    )
 
 
 def test_the_crank_is_the_first_driven_body_and_modes_have_their_numbers() -> None:
     view = View(made(turns=1))
-    assert view.crank == "crank" and view.crank_angle is not None and view.crank_angle[-1] == pytest.approx(360.0)
+    assert (
+        view.crank == "crank"
+        and view.crank_angle is not None
+        and view.crank_angle[-1] == pytest.approx(360.0)
+    )
     loose = View(made_record(four_bar(), {}, np.arange(5), turns=1, step=1e-7))
     mode = loose.data["mode"]
-    assert mode.attrs["flag_values"].tolist() == [0, 1, 2] and mode.attrs["flag_meanings"].split()[2] == "continuous_contact"
+    assert (
+        mode.attrs["flag_values"].tolist() == [0, 1, 2]
+        and mode.attrs["flag_meanings"].split()[2] == "continuous_contact"
+    )
 
 
 def test_data_hold_the_model_unless_it_is_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -110,9 +139,14 @@ def test_forces_of_joints_have_their_size_and_directions() -> None:
     """(3, -4) N in every ideal joint of a crank at rest: 5 N, of the pivot too."""
     steps = np.arange(3) * 4
     blocks = {"joint_fx": np.full(3, 3.0), "joint_fy": np.full(3, -4.0), "joint_moment": np.full(3, 0.5)}
-    found = channels(record := made_record(four_bar("", speed=SPEED), blocks, steps, turns=1, step=STEP), View(record).ledger)
+    found = channels(
+        record := made_record(four_bar("", speed=SPEED), blocks, steps, turns=1, step=STEP),
+        View(record).ledger,
+    )
     k = entities(record)["joint"].index("C")
-    numbers = [float(found[f"joint_{name}"].values[1, k]) for name in ("force", "force_x", "force_y", "moment")]
+    numbers = [
+        float(found[f"joint_{name}"].values[1, k]) for name in ("force", "force_x", "force_y", "moment")
+    ]
     assert numbers == [5.0, 3.0, -4.0, 0.5]
 
 

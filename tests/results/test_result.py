@@ -13,9 +13,9 @@ from rich.console import Console
 from support import SQUARE, four_bar, go, journal_in_bearing
 from vfife.errors import RunFileError, VfifeError
 from vfife.report.summary import report, show
-from vfife.result import Result
-from vfife.results.runfile import RunFile
-from vfife.simulation import simulate
+from vfife.simulation.result import Result
+from vfife.simulation.simulate import simulate
+from vfife.store.runfile import RunFile
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,9 @@ def test_every_series_has_a_unit_and_a_name(result: Result, elastic: Result) -> 
             if variable.dtype.kind != "U":
                 assert variable.attrs["units"], name
                 assert variable.attrs["long_name"], name
-    assert set(elastic.data.element.values) == {f"{link}.{k}" for link in ("coupler", "follower") for k in range(3)}
+    assert set(elastic.data.element.values) == {
+        f"{link}.{k}" for link in ("coupler", "follower") for k in range(3)
+    }
     assert list(elastic.data.particle.values[:2]) == ["crank", "coupler.0"]
 
 
@@ -76,14 +78,19 @@ def test_modes_are_those_of_the_samples_and_onsets(result: Result) -> None:
 
 @pytest.mark.parametrize("damping", [0.0, 50.0])
 def test_velocities_are_those_at_the_output(damping: float) -> None:
-    """With an output at every step, the central difference of the positions is the velocity, for links and their chords."""
+    """With an output at every step, the central difference of the positions is the velocity, for links and
+    their chords.
+    """
     from support import with_settings
 
     m = with_settings(four_bar(clear="", model="elastic", section=SQUARE, elements=2), damping=damping)
     done = Result(go(m, 1e-6, turns=0.005, outputs=40000))
     data, dt = done.data, 1e-6
     assert len(data.time) == 201
-    for place, rate, size in (("particle_x", "particle_u", 50.0), ("body_angle", "body_angular_velocity", 200.0)):
+    for place, rate, size in (
+        ("particle_x", "particle_u", 50.0),
+        ("body_angle", "body_angular_velocity", 200.0),
+    ):
         central = (data[place][2:].values - data[place][:-2].values) / (2.0 * dt)
         assert data[rate][1:-1].values == pytest.approx(central, abs=1e-5 * size)
     first = data.particle_v.sel(particle="coupler.1").values[:3]
@@ -134,15 +141,28 @@ def test_summary_is_for_scripts(result: Result) -> None:
     assert told["lip"]["C.force"] == told["measures"]["C.force.lip"]
     assert told["laws"]["C"]["contact"]["derived"]["stiffness"] == "6.6e+10"
     (warning,) = told["warnings"]  # the paper's forces press these journals in by more than their play
-    assert warning.startswith("Beyond what joints are built for") and "are more than a clearance of 200 µm" in warning
-    assert told["remarks"] == ["B, C, D: impacts of up to 2.69 m/s, the law being quasi-static up to 0.0515 m/s, as usual in machines"]
+    assert (
+        warning.startswith("Beyond what joints are built for")
+        and "are more than a clearance of 200 µm" in warning
+    )
+    assert told["remarks"] == [
+        "B, C, D: impacts of up to 2.69 m/s, the law being quasi-static up to 0.0515 m/s, as usual in"
+        " machines"
+    ]
 
 
 def test_summary_is_for_people(result: Result) -> None:
     console = Console(width=120, record=True, file=open("/dev/null", "w"))  # noqa: SIM115
     show(console, result)
     text = console.export_text()
-    for part in ("four-bar", "crank: rigid, driven", "40,000 steps of 2 µs", "ledger closes to", "LIP(F)", "LIP(a)"):
+    for part in (
+        "four-bar",
+        "crank: rigid, driven",
+        "40,000 steps of 2 µs",
+        "ledger closes to",
+        "LIP(F)",
+        "LIP(a)",
+    ):
         assert part in text
 
 

@@ -1,4 +1,6 @@
-"""A run that was killed goes on as if nothing had happened: to the bit, wherever it was killed, companions, steps tried and statics with it."""
+"""A run that was killed goes on as if nothing had happened: to the bit, wherever it was killed, companions,
+steps tried and statics with it.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +15,11 @@ import vfife
 from results.killed import Killed, arch, full_at, kill_at, killed_run, paced, same, write
 from support import bits, four_bar, journal_in_bearing
 from vfife.errors import HeldError, ResumeError
-from vfife.results.lock import Lock
-from vfife.results.runfile import RunFile
-from vfife.simulation import carry_out, prepare
+from vfife.simulation.simulate import carry_out, prepare
 from vfife.solvers import transient
 from vfife.solvers.arguments import RunArguments
+from vfife.store.lock import Lock
+from vfife.store.runfile import RunFile
 
 SEARCHED = RunArguments(turns=1.1, outputs=120)  # two tries of the step
 
@@ -25,14 +27,20 @@ SEARCHED = RunArguments(turns=1.1, outputs=120)  # two tries of the step
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("whole") / "run.sqlite"
-    result = write(path, four_bar("BCD", friction=vfife.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2)), SEARCHED)
+    result = write(
+        path, four_bar("BCD", friction=vfife.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2)), SEARCHED
+    )
     assert len(result.record.assembly.choice.tried) >= 1 and result.record.companions is not None
     return path
 
 
 @pytest.mark.parametrize("call", [10, 60, 110, 180])
-def test_companions_and_steps_tried_go_on(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
-    """Killed in the first try of the step or a later one, in the middle of an interval between two outputs too."""
+def test_companions_and_steps_tried_go_on(
+    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int
+) -> None:
+    """Killed in the first try of the step or a later one, in the middle of an interval between two outputs
+    too.
+    """
     paced(monkeypatch, 2000)
     mechanism = four_bar("BCD", friction=vfife.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2))
     path = tmp_path / "run.sqlite"
@@ -87,7 +95,9 @@ def test_a_run_until_it_repeats_goes_on_and_ends_in_the_same_turn(
     result = vfife.resume(path)
     same(settled, path)
     with RunFile.open(settled) as whole, RunFile.open(path) as again:
-        assert (bits(whole.turns()) == bits(again.turns())).all() and len(again.turns()) == result.motion.count  # type: ignore[union-attr]
+        assert (bits(whole.turns()) == bits(again.turns())).all() and len(
+            again.turns()
+        ) == result.motion.count  # type: ignore[union-attr]
 
 
 def test_a_run_that_has_settled_goes_on_where_it_is_asked_to(settled: Path, tmp_path: Path) -> None:
@@ -101,7 +111,10 @@ def test_a_run_that_has_settled_goes_on_where_it_is_asked_to(settled: Path, tmp_
     assert (bits(longer.record.rows[: len(before.record.rows)]) == bits(before.record.rows)).all()
     straight = vfife.simulate(four_bar("BCD"), turns=8, step=5e-6, outputs=200, companions=3, reference=False)
     assert dict(longer.measures) == dict(straight.measures)
-    assert all((one.low, one.high) == (longer.measures[name].low, longer.measures[name].high) for name, one in straight.measures.items())
+    assert all(
+        (one.low, one.high) == (longer.measures[name].low, longer.measures[name].high)
+        for name, one in straight.measures.items()
+    )
 
 
 @pytest.fixture(scope="module")
@@ -165,7 +178,10 @@ def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
     with pytest.raises(ResumeError, match="is complete; say how far"):
         vfife.resume(path)
     assert path.read_bytes() == whole
-    with Lock(tmp_path), pytest.raises(HeldError, match=rf"process {os.getpid()} on .*, since 20.* writes a run here"):
+    with (
+        Lock(tmp_path),
+        pytest.raises(HeldError, match=rf"process {os.getpid()} on .*, since 20.* writes a run here"),
+    ):
         vfife.resume(path, until=1.0)
     assert path.read_bytes() == whole
     with sqlite3.connect(path) as connection:
@@ -176,8 +192,14 @@ def test_what_cannot_go_on_is_told(tmp_path: Path) -> None:
 
 LOST = {
     "its state": (["DELETE FROM checkpoints"], "no whole state at its last output"),
-    "its state, damaged": (["UPDATE checkpoints SET state = zeroblob(40)"], "no whole state at its last output"),
-    "its last outputs": (["UPDATE history SET data = zeroblob(50) WHERE chunk = (SELECT max(chunk) FROM history)"], "where it ended is not known"),
+    "its state, damaged": (
+        ["UPDATE checkpoints SET state = zeroblob(40)"],
+        "no whole state at its last output",
+    ),
+    "its last outputs": (
+        ["UPDATE history SET data = zeroblob(50) WHERE chunk = (SELECT max(chunk) FROM history)"],
+        "where it ended is not known",
+    ),
 }
 
 
@@ -186,7 +208,10 @@ def test_a_new_run_does_not_start_without_what_it_needs(tmp_path: Path, case: st
     path, (statements, said) = tmp_path / "run.sqlite", LOST[case]
     mechanism = journal_in_bearing()
     write(path, mechanism, RunArguments(duration=1e-4, step=1e-6, outputs=10))
-    assert vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0).record.status == "complete"
+    assert (
+        vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0).record.status
+        == "complete"
+    )
     with sqlite3.connect(path) as connection:
         for statement in statements:
             connection.execute(statement)
@@ -194,8 +219,12 @@ def test_a_new_run_does_not_start_without_what_it_needs(tmp_path: Path, case: st
         vfife.simulate(mechanism, start=path, duration=1e-5, step=1e-6, companions=0)
 
 
-def test_a_disk_that_is_full_loses_the_last_transaction_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every write in turn fails; what was there before it is whole, and the run goes on from it when there is room again."""
+def test_a_disk_that_is_full_loses_the_last_transaction_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every write in turn fails; what was there before it is whole, and the run goes on from it when there is
+    room again.
+    """
     asked = RunArguments(duration=1e-3, step=1e-6, outputs=40)
     write(tmp_path / "whole.sqlite", journal_in_bearing(), asked)
     insert = RunFile.insert
@@ -216,7 +245,9 @@ def test_a_disk_that_is_full_loses_the_last_transaction_only(tmp_path: Path, mon
         same(tmp_path / "whole.sqlite", path)
 
 
-def test_rows_of_companions_that_went_before_the_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rows_of_companions_that_went_before_the_checkpoint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Killed long after its only checkpoint, when the window over the last turn has left that behind."""
     asked, mechanism = RunArguments(turns=3.0, step=1e-5, outputs=60, companions=3), four_bar("BC")
     write(tmp_path / "whole.sqlite", mechanism, asked)

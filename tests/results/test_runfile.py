@@ -15,15 +15,15 @@ import numpy as np
 import pytest
 
 from vfife.errors import RunFileError
-from vfife.results.packing import packed, unpacked
-from vfife.results.runfile import RunFile
 from vfife.solvers.companions import Beside
 from vfife.solvers.record import Checkpoint
+from vfife.store.packing import packed, unpacked
+from vfife.store.runfile import RunFile
 
 WRITER = """
 import sys
 import numpy as np
-from vfife.results.runfile import RunFile
+from vfife.store.runfile import RunFile
 file = RunFile.create(sys.argv[1], {"step": 1e-6})
 steps = np.arange(50)
 while True:
@@ -73,7 +73,11 @@ def test_a_second_try_takes_the_place_of_the_first(tmp_path: Path) -> None:
         file.append(np.arange(3), np.ones((3, 2)))
         file.checkpoint(2, np.ones(2))
         file.begin({"step": 1e-6})
-        assert (len(file.steps), file.meta["step"], file.last_checkpoint()[0]) == (3, 2e-6, 2)  # until something is there to take its place
+        assert (len(file.steps), file.meta["step"], file.last_checkpoint()[0]) == (
+            3,
+            2e-6,
+            2,
+        )  # until something is there to take its place
         file.append(np.arange(2), np.zeros((2, 2)))
         file.append(np.arange(2), np.full((2, 2), 3.0))  # from step 0 again
         assert file.last_checkpoint() is None
@@ -111,9 +115,13 @@ def half_written(path: Path) -> Path:
     """A copy of a file and its journal in the middle of a transaction, as a killed writer leaves them."""
     small(path)
     connection = sqlite3.connect(path, isolation_level=None)
-    connection.execute("PRAGMA cache_size = 1")  # so that changed pages reach the file before the transaction ends
+    connection.execute(
+        "PRAGMA cache_size = 1"
+    )  # so that changed pages reach the file before the transaction ends
     connection.execute("BEGIN")
-    connection.executemany("INSERT INTO events VALUES (?, 0, '', '', x'00')", [(k,) for k in range(1000, 60000)])
+    connection.executemany(
+        "INSERT INTO events VALUES (?, 0, '', '', x'00')", [(k,) for k in range(1000, 60000)]
+    )
     folder = path.parent / "copy"
     folder.mkdir()
     for name in (path.name, f"{path.name}-journal"):
@@ -154,7 +162,9 @@ def test_read_while_it_is_written(tmp_path: Path) -> None:
 
 
 def test_what_is_gathered_is_one_transaction(tmp_path: Path) -> None:
-    """A short run waits for the disk at its begin and its end; a reader sees all of a slice or nothing, and closing loses nothing."""
+    """A short run waits for the disk at its begin and its end; a reader sees all of a slice or nothing, and
+    closing loses nothing.
+    """
     path, commits = tmp_path / "run.sqlite", []
     with RunFile.create(path, {"step": 1e-6}, gather=3600.0) as file:
         file._connection.set_trace_callback(lambda line: commits.append(line) if line == "COMMIT" else None)
@@ -216,7 +226,9 @@ def test_a_newer_format_is_told(tmp_path: Path) -> None:
 def test_damage_to_all_of_it_is_told(tmp_path: Path, kind: str) -> None:
     path = small(tmp_path / "a")
     whole = path.read_bytes()
-    path.write_bytes(whole[: len(whole) // 3] if kind == "cut" else whole[:4096] + b"\x5a" * (len(whole) - 4096))
+    path.write_bytes(
+        whole[: len(whole) // 3] if kind == "cut" else whole[:4096] + b"\x5a" * (len(whole) - 4096)
+    )
     with pytest.raises(RunFileError, match="damaged .*; run the model again"), RunFile.open(path) as file:
         _ = file.meta, file.steps, file.rows
 
@@ -230,10 +242,16 @@ def test_damage_to_all_of_it_is_told(tmp_path: Path, kind: str) -> None:
         ("DELETE FROM history WHERE chunk = 2", 20, "outputs 20 to 29"),
         ("UPDATE history SET data = zeroblob(50) WHERE chunk = 1", 20, "outputs 10 to 19"),
         ("UPDATE history SET outputs = 9 WHERE chunk = 0", 21, "outputs 1 to 9"),
-        ("UPDATE history SET steps = (SELECT steps FROM history WHERE chunk = 0) WHERE chunk = 2", 20, "outputs 20 to 29"),
+        (
+            "UPDATE history SET steps = (SELECT steps FROM history WHERE chunk = 0) WHERE chunk = 2",
+            20,
+            "outputs 20 to 29",
+        ),
     ],
 )
-def test_a_damaged_block_loses_itself_and_no_more(tmp_path: Path, statement: str, left: int, lost: str) -> None:
+def test_a_damaged_block_loses_itself_and_no_more(
+    tmp_path: Path, statement: str, left: int, lost: str
+) -> None:
     path = small(tmp_path / "a")
     with sqlite3.connect(path) as connection:
         connection.execute(statement)
@@ -266,7 +284,11 @@ def test_without_the_copy_of_the_first_output_it_is_missing(tmp_path: Path) -> N
 @pytest.mark.parametrize("where", ["meta", "arrays", "copies"])
 def test_what_it_says_of_itself_is_there_twice(tmp_path: Path, where: str) -> None:
     """All of one place gone, entry by entry and as a whole: the other one has it."""
-    for statement in (f"UPDATE {where} SET seal = zeroblob(16)", f"DELETE FROM {where}", f"DROP TABLE {where}"):
+    for statement in (
+        f"UPDATE {where} SET seal = zeroblob(16)",
+        f"DELETE FROM {where}",
+        f"DROP TABLE {where}",
+    ):
         path = tmp_path / f"{len(list(tmp_path.iterdir()))}"
         with RunFile.create(path, {"step": 1e-6, "start": np.ones(4)}) as file:
             file.append(np.arange(4), written(np.arange(4)))
@@ -299,7 +321,12 @@ def test_other_blocks_are_checked_as_well(tmp_path: Path, table: str) -> None:
         connection.execute(f"UPDATE {table} SET {change[table]}")
         connection.execute("UPDATE copies SET data = x'00' WHERE key IN ('meta.step', 'arrays.start')")
     with RunFile.open(path) as file:
-        got = {"meta": lambda: file.meta.get("step"), "checkpoints": file.latest, "reference": file.reference, "companions": file.companions}
+        got = {
+            "meta": lambda: file.meta.get("step"),
+            "checkpoints": file.latest,
+            "reference": file.reference,
+            "companions": file.companions,
+        }
         got["arrays"] = lambda: file.meta.get("start")
         assert got[table]() is None
         assert file.lost
@@ -307,7 +334,9 @@ def test_other_blocks_are_checked_as_well(tmp_path: Path, table: str) -> None:
 
 
 def test_no_flipped_bit_shows_another_number(tmp_path: Path) -> None:
-    """Bits all over a small file, one at a time: what is read is what was written, or is missing and told, or the file is refused."""
+    """Bits all over a small file, one at a time: what is read is what was written, or is missing and told, or
+    the file is refused.
+    """
     path, flipped = small(tmp_path / "a"), tmp_path / "b"
     whole, random = path.read_bytes(), np.random.default_rng(7)
     seen = {"same": 0, "told": 0, "refused": 0}
@@ -335,7 +364,11 @@ def test_no_flipped_bit_shows_another_number(tmp_path: Path) -> None:
 
 def test_sizes_are_bounded_before_anything_is_unpacked() -> None:
     """A block of a megabyte that would inflate to a gigabyte, and one whose shape is a lie."""
-    bomb = packed(np.zeros((4, 4)))[:4] + np.array([2**15, 2**15 + 1], dtype="<u4").tobytes() + zlib.compress(bytes(2**20))
+    bomb = (
+        packed(np.zeros((4, 4)))[:4]
+        + np.array([2**15, 2**15 + 1], dtype="<u4").tobytes()
+        + zlib.compress(bytes(2**20))
+    )
     with pytest.raises(zlib.error, match="are the most"):
         unpacked(bomb)
     lie = np.array([1, 100], dtype="<u4").tobytes() + zlib.compress(bytes(2**27), 9)
@@ -361,7 +394,9 @@ def test_a_damaged_index_leads_to_no_other_row(tmp_path: Path) -> None:
     whole = path.read_bytes()
     with RunFile.open(path) as file:
         meta = file.meta
-    name = next(one for one in (f"meta.{key}".encode() for key in sorted(meta)) if whole.count(one) == 2)  # in the table and in its index
+    name = next(
+        one for one in (f"meta.{key}".encode() for key in sorted(meta)) if whole.count(one) == 2
+    )  # in the table and in its index
     at = whole.find(name)
     for place in (at, whole.find(name, at + 1)):
         changed.write_bytes(whole[: place + 5] + bytes(len(name) - 5) + whole[place + len(name) :])
@@ -373,7 +408,9 @@ def test_a_damaged_index_leads_to_no_other_row(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("table", "said"), [
     ("history", "outputs 1 to 29"), ("checkpoints", "a checkpoint"), ("events", "some of its events"), ("reference", "the ideal reference"),
 ])  # fmt: skip
-def test_a_table_that_is_empty_is_noticed_by_the_counts_of_the_end(tmp_path: Path, table: str, said: str) -> None:
+def test_a_table_that_is_empty_is_noticed_by_the_counts_of_the_end(
+    tmp_path: Path, table: str, said: str
+) -> None:
     path, steps = tmp_path / "run.sqlite", np.arange(30)
     with RunFile.create(path, {"step": 1e-6}) as file:
         file.append(steps, written(steps))

@@ -7,7 +7,7 @@ import pytest
 
 import vfife
 from support import TURN, four_bar
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 
 @pytest.fixture(scope="module")
@@ -16,7 +16,9 @@ def result() -> Result:
 
 
 def test_a_measure_is_of_a_series(result: Result) -> None:
-    """Of every largest value there is a series, which it bounds; that of its intervals, where kept, it is the largest value of."""
+    """Of every largest value there is a series, which it bounds; that of its intervals, where kept, it is the
+    largest value of.
+    """
     named = [name.removesuffix(".max") for name in result.measures if name.endswith(".max")]
     of_a_turn = [name for name in named if not name.endswith(("landing_depth", "approach_speed"))]
     assert {"C.force", "C.penetration", "follower.angular_acceleration", "crank.torque"} <= set(of_a_turn)
@@ -44,11 +46,17 @@ def test_a_series_that_there_is_not_is_told(result: Result) -> None:
 def test_names_follow_one_pattern(result: Result) -> None:
     for name in result.measures:
         who, what = name.split(".", 1)
-        assert who in {*"ABCD", "crank", "coupler", "follower", "ground", "mechanism"} and what.count(".") <= 1, name
+        assert (
+            who in {*"ABCD", "crank", "coupler", "follower", "ground", "mechanism"} and what.count(".") <= 1
+        ), name
 
 
 def test_what_never_was_a_measure_is_none(result: Result) -> None:
-    assert result.measures.get("lip.E.force") is None and "lip.E.force" not in result.measures and "deep" not in result.measures
+    assert (
+        result.measures.get("lip.E.force") is None
+        and "lip.E.force" not in result.measures
+        and "deep" not in result.measures
+    )
     with pytest.raises(KeyError, match="E.force.max"):
         result.measures["E.force.max"]
     assert dict(result.measures.of("crank")).keys() == {

@@ -11,8 +11,8 @@ import scipy.signal
 
 import vfife
 from vfife import gallery
-from vfife.analysis.spectral import COSINES, resolution_of, window_of
 from vfife.errors import VfifeError
+from vfife.measures.spectral import COSINES, resolution_of, window_of
 
 RATE = 2000.0
 TIMES = np.arange(4000) / RATE
@@ -40,7 +40,11 @@ def test_a_flat_top_tells_heights_between_its_places():
     """Where other windows lose up to a third."""
     wave = np.sin(2.0 * math.pi * 125.25 * TIMES)
     highest = {window: vfife.spectrum(wave, 1.0 / RATE, window=window).amplitudes.max() for window in COSINES}
-    assert highest["flat-top"] == pytest.approx(1.0, abs=2e-3) and highest["hann"] < 0.87 and highest["rectangular"] < 0.66
+    assert (
+        highest["flat-top"] == pytest.approx(1.0, abs=2e-3)
+        and highest["hann"] < 0.87
+        and highest["rectangular"] < 0.66
+    )
 
 
 @pytest.mark.parametrize("count", [4000, 3999])
@@ -68,20 +72,26 @@ def test_a_chirp_stands_where_it_is_at_each_time():
     at = found.frequencies[found.amplitudes.argmax(axis=1)]
     assert at == pytest.approx(100.0 + 200.0 * (found.times - 5.0), abs=0.6 * RATE / 200)
     assert found.amplitudes.max(axis=1) == pytest.approx(1.5, rel=0.2)
-    assert found.times[0] == pytest.approx(5.0 + 99.5 / RATE) and np.diff(found.times) == pytest.approx(50 / RATE)
+    assert found.times[0] == pytest.approx(5.0 + 99.5 / RATE) and np.diff(found.times) == pytest.approx(
+        50 / RATE
+    )
     assert found.resolution == pytest.approx(1.5 * RATE / 200)
 
 
 def test_a_spectrogram_is_that_of_scipy():
     noise = np.random.default_rng(2).normal(size=3000)
     found = vfife.spectrogram(noise, 1.0 / RATE, length=256, overlap=0.75)
-    frequencies, times, other = scipy.signal.spectrogram(noise, RATE, "hann", 256, 192, detrend=False, scaling="spectrum", mode="magnitude")
+    frequencies, times, other = scipy.signal.spectrogram(
+        noise, RATE, "hann", 256, 192, detrend=False, scaling="spectrum", mode="magnitude"
+    )
     assert found.frequencies == pytest.approx(frequencies) and len(found.times) == len(times)
     assert found.amplitudes[:, 1:-1] == pytest.approx(2.0 * other.T[:, 1:-1], rel=1e-9)
 
 
 def test_an_envelope_is_what_modulates():
-    """(2 + cos at 5 Hz) sin at 300 Hz beside a slow wave and a mean, which the band leaves out; the spectrum of the envelope has its 5 Hz."""
+    """(2 + cos at 5 Hz) sin at 300 Hz beside a slow wave and a mean, which the band leaves out; the spectrum
+    of the envelope has its 5 Hz.
+    """
     slow = 2.0 + np.cos(2.0 * math.pi * 5.0 * TIMES)
     wave = 7.0 + np.sin(2.0 * math.pi * 20.0 * TIMES) + slow * np.sin(2.0 * math.pi * 300.0 * TIMES)
     found = vfife.envelope(wave, 1.0 / RATE, band=(250.0, 350.0))
@@ -90,7 +100,9 @@ def test_an_envelope_is_what_modulates():
     k = int(np.argmin(np.abs(found.spectrum.frequencies - 5.0)))
     assert found.spectrum.amplitudes[[0, k]] == pytest.approx([2.0, 1.0], abs=1e-9)
     noise = np.random.default_rng(3).normal(size=999)
-    assert vfife.envelope(noise, 1.0).values == pytest.approx(np.abs(scipy.signal.hilbert(noise - noise.mean())), rel=1e-9)
+    assert vfife.envelope(noise, 1.0).values == pytest.approx(
+        np.abs(scipy.signal.hilbert(noise - noise.mean())), rel=1e-9
+    )
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +113,9 @@ def run():
 def test_series_of_a_run_have_orders(run):
     """A window of a turn: the amplitude of an order is that of the discrete transform of the turn."""
     found = run.spectrum("C.force", window="rectangular", turns=1)
-    assert found.orders[:4] == pytest.approx([0.0, 1.0, 2.0, 3.0]) and found.unit == "N" and found.length == 360
+    assert (
+        found.orders[:4] == pytest.approx([0.0, 1.0, 2.0, 3.0]) and found.unit == "N" and found.length == 360
+    )
     last = run.series["C.force"].values[-360:]
     assert found.amplitudes[1] == pytest.approx(2.0 * abs(np.fft.rfft(last)[1]) / 360, rel=1e-3)
     times = run.spectrogram("C.force", turns=0.5)
@@ -111,7 +125,11 @@ def test_series_of_a_run_have_orders(run):
 
 
 def test_tables_hold_what_was_found(run, tmp_path):
-    for name, found in (("a", run.spectrum("C.force")), ("b", run.spectrogram("C.force")), ("c", run.envelope("C.force"))):
+    for name, found in (
+        ("a", run.spectrum("C.force")),
+        ("b", run.spectrogram("C.force")),
+        ("c", run.envelope("C.force")),
+    ):
         found.write_csv(tmp_path / f"{name}.csv")
     a, b, c = (list(csv.reader((tmp_path / f"{name}.csv").read_text().splitlines())) for name in "abc")
     assert a[0] == ["frequency [Hz]", "order [1]", "C.force [N]", "density [(N)^2/Hz]"] and len(a) == 362

@@ -1,4 +1,6 @@
-"""The start is in the run file: reading a run assembles nothing, and does not mind that blocks of the state have come or gone since."""
+"""The start is in the run file: reading a run assembles nothing, and does not mind that blocks of the state
+have come or gone since.
+"""
 
 import sqlite3
 import tracemalloc
@@ -12,28 +14,51 @@ from support import SQUARE, bits, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.errors import RunFileError
 from vfife.kernels.blocks import BLOCKS
-from vfife.results import runfile
-from vfife.results.runfile import RunFile
 from vfife.solvers.transient import run
+from vfife.store import runfile
+from vfife.store.runfile import RunFile
 
 
 @pytest.fixture(scope="module")
 def result() -> vfife.Result:
-    return vfife.simulate(four_bar(model="elastic", section=SQUARE, elements=2), duration=1e-4, step=1e-6, outputs=400, loop="data-driven")
+    return vfife.simulate(
+        four_bar(model="elastic", section=SQUARE, elements=2),
+        duration=1e-4,
+        step=1e-6,
+        outputs=400,
+        loop="data-driven",
+    )
 
 
 def refuse(*args: object, **kwargs: object) -> None:
     raise AssertionError("a run that is read is not assembled")
 
 
-def test_the_assembly_comes_back_whole(result: vfife.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_assembly_comes_back_whole(
+    result: vfife.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     result.save(tmp_path / "run.sqlite")
     monkeypatch.setattr("vfife.assembly.assemble.assemble", refuse)
     again = vfife.load_result(tmp_path)
-    for kept, was in ((again.record.assembly, result.record.assembly), (again.reference.record.assembly, result.reference.record.assembly)):
-        for name in ("choice", "bodies", "contacts", "ideals", "pivots", "springs", "contact_joints", "mobility", "notes"):
+    for kept, was in (
+        (again.record.assembly, result.record.assembly),
+        (again.reference.record.assembly, result.reference.record.assembly),
+    ):
+        for name in (
+            "choice",
+            "bodies",
+            "contacts",
+            "ideals",
+            "pivots",
+            "springs",
+            "contact_joints",
+            "mobility",
+            "notes",
+        ):
             assert getattr(kept, name) == getattr(was, name), name
-        kept_rows = [row for block in BLOCKS if block.role != "scratch" for row in was.layout.rows_of(block.name)]
+        kept_rows = [
+            row for block in BLOCKS if block.role != "scratch" for row in was.layout.rows_of(block.name)
+        ]
         assert (bits(kept.state[kept_rows]) == bits(was.state[kept_rows])).all()
         assert (bits(kept.tables) == bits(was.tables)).all()
     assert again.record.assembly.topology == result.record.assembly.topology
@@ -45,18 +70,24 @@ def test_a_run_goes_on_from_its_file(result: vfife.Result, tmp_path: Path) -> No
     """To the bit as it goes on from memory: the state at the end, the names and the integers are all there."""
     mechanism, path = result.record.assembly.mechanism, tmp_path / "run.sqlite"
     with RunFile.create(path) as file:
-        first = vfife.simulate(mechanism, duration=1e-4, step=1e-6, outputs=400, loop="data-driven", reference=False, file=file)
+        first = vfife.simulate(
+            mechanism, duration=1e-4, step=1e-6, outputs=400, loop="data-driven", reference=False, file=file
+        )
         first.finish(file)
     options = {"duration": 2e-5, "step": 1e-6, "outputs": 400, "loop": "data-driven", "reference": False}
     first.save(tmp_path / "saved.sqlite")
     one = vfife.simulate(mechanism, start=first, **options)
     for start in (tmp_path, tmp_path / "saved.sqlite"):
-        assert (bits(vfife.simulate(mechanism, start=start, **options).record.rows) == bits(one.record.rows)).all()
+        assert (
+            bits(vfife.simulate(mechanism, start=start, **options).record.rows) == bits(one.record.rows)
+        ).all()
 
 
 @pytest.mark.parametrize("change", ["a block that is gone", "a block that is new", "another order"])
 def test_later_layouts_do_not_matter(result: vfife.Result, tmp_path: Path, change: str) -> None:
-    """What another version's layout would be: blocks of the start and of the last state are found by their names."""
+    """What another version's layout would be: blocks of the start and of the last state are found by their
+    names.
+    """
     path = tmp_path / "run.sqlite"
     result.save(path)
     with RunFile.open(path) as file:
@@ -96,7 +127,8 @@ def test_a_start_that_does_not_fit_is_told(result: vfife.Result, tmp_path: Path)
         vfife.load_result(path)
 
 
-# ------------------------------------------------------------------------------------------------------------ streaming
+# ------------------------------------------------------------------------------------------------------------
+# streaming
 
 
 def test_rows_are_those_of_a_run_without_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -127,7 +159,9 @@ def test_memory_is_flat_as_a_run_grows(tmp_path: Path) -> None:
         assert len(record.steps) == outputs + 1
         return peak
 
-    width = 8 * len(run(assemble(journal_in_bearing(), 1e-6, duration=1e-6, outputs=1), loop="data-driven").kept)
+    width = 8 * len(
+        run(assemble(journal_in_bearing(), 1e-6, duration=1e-6, outputs=1), loop="data-driven").kept
+    )
     few, many = largest(20_000), largest(200_000)
     assert 200_000 * width > 4 * many  # what the rows alone would take
     assert many < 1.5 * few + 2**23

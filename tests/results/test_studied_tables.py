@@ -9,7 +9,7 @@ import pytest
 
 from vfife.errors import VfifeError
 from vfife.results.studied import Study, in_order, unit_of
-from vfife.results.studyfile import StudyCase
+from vfife.store.studyfile import StudyCase
 
 GRID = [(a, b) for a in (3.0, 1.0) for b in ("soft", "hard")]
 A, B = "body.a.mass", "joint.B.contact"
@@ -23,7 +23,14 @@ def made(kinds: tuple[str, str], values: list[tuple[object, object]], ended: int
     ]
     asked = {"parameters": parameters, "measures": {"C.force.max": "N"}}
     outcomes = {
-        k: {"status": "complete", "measures": {"C.force.max": float(k)}, "turns": 2, "settled": None, "step": 1e-6, "reason": ""}
+        k: {
+            "status": "complete",
+            "measures": {"C.force.max": float(k)},
+            "turns": 2,
+            "settled": None,
+            "step": 1e-6,
+            "reason": "",
+        }
         for k in range(ended)
     }
     members = [StudyCase(k, str(k), {A: first, B: second}) for k, (first, second) in enumerate(values)]
@@ -34,7 +41,9 @@ def test_a_grid_has_an_axis_for_each_parameter() -> None:
     """Numbers in their order, words as they came; what is left is NaN."""
     study = made(("values", "values"), GRID, 3)
     assert study.axes == {"a": [1.0, 3.0], "b": ["soft", "hard"]}
-    assert study.laid_out("C.force.max")[1].tolist() == [0.0, 1.0] and study.laid_out("C.force.max")[0][0] == 2.0
+    assert (
+        study.laid_out("C.force.max")[1].tolist() == [0.0, 1.0] and study.laid_out("C.force.max")[0][0] == 2.0
+    )
     assert math.isnan(study.laid_out("C.force.max")[0][1])
     assert [study.place(one) for one in study.members] == [(1, 0), (1, 1), (0, 0), (0, 1)]
     found = study._coordinates()
@@ -59,7 +68,12 @@ def test_what_fills_no_grid_lies_along_its_members() -> None:
 
 
 def test_points_count_words_by_their_place() -> None:
-    assert made(("values", "values"), GRID, 4).points().tolist() == [[3.0, 0.0], [3.0, 1.0], [1.0, 0.0], [1.0, 1.0]]
+    assert made(("values", "values"), GRID, 4).points().tolist() == [
+        [3.0, 0.0],
+        [3.0, 1.0],
+        [1.0, 0.0],
+        [1.0, 1.0],
+    ]
     assert made(("values", "values"), GRID, 0).points().shape == (0, 2)
 
 
@@ -75,14 +89,26 @@ def test_parameters_and_measures_are_found_by_name_and_path() -> None:
 def test_rows_have_every_member_and_what_it_came_to() -> None:
     study = made(("values", "values"), GRID, 1)
     first, second, *_ = study.rows()
-    assert first["status"] == "complete" and (first["member"], first["a"], first["C.force.max"], first["turns"]) == (0, 3.0, 0.0, 2)
+    assert first["status"] == "complete" and (
+        first["member"],
+        first["a"],
+        first["C.force.max"],
+        first["turns"],
+    ) == (0, 3.0, 0.0, 2)
     assert second["status"] == "left" and second["C.force.max"] is None and second["turns"] is None
     assert list(first) == list(study.columns)
     assert study.counts == {"complete": 1, "left": 3} and len(study.left) == 3
 
 
 def test_units_follow_the_ends_of_names() -> None:
-    names = ("C.force.max", "guide.1.penetration.max", "mechanism.efficiency", "C.impacts", "crank.power.mean", "C.unheard.of")
+    names = (
+        "C.force.max",
+        "guide.1.penetration.max",
+        "mechanism.efficiency",
+        "C.impacts",
+        "crank.power.mean",
+        "C.unheard.of",
+    )
     assert [unit_of(one) for one in names] == ["N", "m", "1", "1", "W", "1"]
     assert in_order([3.0, 1.0, 3.0]) == [1.0, 3.0] and in_order(["b", "a", "b"]) == ["b", "a"]
     assert np.array(in_order([2, 1])).tolist() == [1, 2]

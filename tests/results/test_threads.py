@@ -10,7 +10,7 @@ import vfife
 from support import bits, journal_in_bearing
 from vfife.laws import ContactLaw, FrictionLaw
 from vfife.laws.stored import Recorded, standing_in
-from vfife.results.runfile import RunFile
+from vfife.store.runfile import RunFile
 
 FORMER = Path(__file__).parent / "former" / "own_law.sqlite"  # its law, "soft", is not loaded here
 TIMES = 12

@@ -1,4 +1,6 @@
-"""Measures of a run of many turns: means after the transient, what varies, what is not known; runs that end by themselves."""
+"""Measures of a run of many turns: means after the transient, what varies, what is not known; runs that end
+by themselves.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +15,15 @@ from rich.console import Console
 
 import vfife
 from support import TURN, four_bar, journal_in_bearing
-from vfife.analysis.convergence import SCATTER_OF_MEANS, error_range
-from vfife.analysis.measured import Measured
-from vfife.analysis.measures import measures
-from vfife.analysis.ranges import over_turns
 from vfife.errors import ModelError, VfifeError
+from vfife.measures.catalogue import measures
+from vfife.measures.convergence import SCATTER_OF_MEANS, error_range
+from vfife.measures.measured import Measured
+from vfife.measures.ranges import over_turns
 from vfife.report.digits import amount, decimals, measured, percent, plain, prefixed
 from vfife.report.summary import show
 from vfife.report.trust import stray, verdict
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 OUTPUTS = 200
 
@@ -35,7 +37,13 @@ def settled() -> Result:
 @cache
 def astray() -> Result:
     """A slider-crank with a loose pin and no friction: no two turns of it are alike."""
-    return vfife.simulate(vfife.gallery.slider_crank_loose_pin(), turns=12, outputs=OUTPUTS, companions=3, step=math.pi / 50.0 / (150 * OUTPUTS))
+    return vfife.simulate(
+        vfife.gallery.slider_crank_loose_pin(),
+        turns=12,
+        outputs=OUTPUTS,
+        companions=3,
+        step=math.pi / 50.0 / (150 * OUTPUTS),
+    )
 
 
 def peaks(result: Result, block: str, k: int) -> np.ndarray:
@@ -56,11 +64,15 @@ def test_a_measure_is_the_mean_of_its_turns_after_the_transient() -> None:
     assert one.value == pytest.approx(force.mean(), rel=1e-14)
     assert (one.lowest, one.highest) == pytest.approx((force.min(), force.max()), rel=1e-14)
     alpha = peaks(result, "body_alpha_max", result.record.assembly.bodies["follower"].row)[said.first - 1 :]
-    assert result.measures["follower.angular_acceleration.max"].value == pytest.approx(alpha.mean(), rel=1e-14)
+    assert result.measures["follower.angular_acceleration.max"].value == pytest.approx(
+        alpha.mean(), rel=1e-14
+    )
     assert result.reference is not None
     ideal = result.reference.measures["C.force.max"]
     lip = result.measures["C.force.lip"]
-    assert (lip.value, lip.lowest) == pytest.approx((100.0 * (force.mean() / ideal - 1.0), 100.0 * (force.min() / ideal - 1.0)), rel=1e-9)
+    assert (lip.value, lip.lowest) == pytest.approx(
+        (100.0 * (force.mean() / ideal - 1.0), 100.0 * (force.min() / ideal - 1.0)), rel=1e-9
+    )
 
 
 def test_what_is_not_known_is_the_range_of_means() -> None:
@@ -72,7 +84,9 @@ def test_what_is_not_known_is_the_range_of_means() -> None:
     means = np.sqrt(left.turns[said.first - 1 :, row]).mean(axis=0)
     one = result.measures["C.force.max"]
     ratios = [1.0, *(result.record.assembly.choice.outputs_every / left.counts)]
-    assert (one.low, one.high) == pytest.approx(error_range("C.force.max", ratios, [one.value, *means]), rel=1e-14)
+    assert (one.low, one.high) == pytest.approx(
+        error_range("C.force.max", ratios, [one.value, *means]), rel=1e-14
+    )
     assert one.low < min(one.value, *means) and one.high > max(one.value, *means)
     last = left.rows[1:, row].max(axis=0)
     assert np.array_equal(left.turns[-1, row], last)
@@ -80,14 +94,20 @@ def test_what_is_not_known_is_the_range_of_means() -> None:
 
 def test_counts_are_those_of_the_whole_run() -> None:
     result = settled()
-    assert [result.measures[f"{joint}.impacts"] for joint in "BCD"] == result.record.block("contact_onsets")[-1].tolist()
+    assert [result.measures[f"{joint}.impacts"] for joint in "BCD"] == result.record.block("contact_onsets")[
+        -1
+    ].tolist()
 
 
 def test_a_run_of_few_turns_is_told_by_its_last() -> None:
-    result = vfife.simulate(four_bar("BCD"), turns=2, step="5 us", outputs=OUTPUTS, companions=0, reference=False)
+    result = vfife.simulate(
+        four_bar("BCD"), turns=2, step="5 us", outputs=OUTPUTS, companions=0, reference=False
+    )
     assert result.motion is not None and result.motion.motion == "unsettled"
     assert dict(result.measures) == measures(result.record)
-    assert all(one.lowest == one.highest == one.low == one.high == one.value for one in result.measures.values())
+    assert all(
+        one.lowest == one.highest == one.low == one.high == one.value for one in result.measures.values()
+    )
 
 
 def test_an_ideal_mechanism_repeats_from_its_second_turn_on() -> None:
@@ -101,7 +121,12 @@ def test_an_ideal_mechanism_repeats_from_its_second_turn_on() -> None:
 def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companions() -> None:
     result = astray()
     said, left = result.motion, result.record.companions
-    assert said is not None and left is not None and said.motion == "not periodic" and (said.first, said.last) == (7, 12)
+    assert (
+        said is not None
+        and left is not None
+        and said.motion == "not periodic"
+        and (said.first, said.last) == (7, 12)
+    )
     own = np.sqrt(peaks(result, "contact_force_squared_max", 0))[6:]
     row = int(np.flatnonzero(left.kept == result.record.assembly.layout["contact_force_squared_max"][0])[0])
     every = np.column_stack([own, np.sqrt(left.turns[6:, row])])
@@ -109,23 +134,29 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
     assert one.value == pytest.approx(every.mean(), rel=1e-13)
     least, most = every.mean(axis=0).min(), every.mean(axis=0).max()
     assert (one.low, one.high) == pytest.approx(
-        (max(least - SCATTER_OF_MEANS * (most - least), 0.0), most + SCATTER_OF_MEANS * (most - least)), rel=1e-13
+        (max(least - SCATTER_OF_MEANS * (most - least), 0.0), most + SCATTER_OF_MEANS * (most - least)),
+        rel=1e-13,
     )
     assert (one.lowest, one.highest) == pytest.approx((every.min(), every.max()), rel=1e-13)
     assert one.variation > 2.0 * (most - least)  # single turns do not hold, means do
     told = result.summary
-    assert told["turns"]["motion"] == "not periodic" and verdict(told).startswith("This motion is not periodic: single turns of ")
+    assert told["turns"]["motion"] == "not periodic" and verdict(told).startswith(
+        "This motion is not periodic: single turns of "
+    )
     assert told["warnings"][0] == verdict(told)
 
 
 def test_the_force_that_varies_is_named_with_digits() -> None:
     """Not the largest one, whose turns lie "-0 to +0 %" from their mean; nor a small one, whatever it does."""
     ranges = {
-        f"{name}.force.max": {"lowest": low, "highest": high} for name, low, high in (("A", 998.0, 1001.0), ("B", 400.0, 515.0), ("C", 0.0, 9.0))
+        f"{name}.force.max": {"lowest": low, "highest": high}
+        for name, low, high in (("A", 998.0, 1001.0), ("B", 400.0, 515.0), ("C", 0.0, 9.0))
     }
     told = {"turns": {"motion": "not periodic", "first": 7, "last": 12}, "trust": {}, "ranges": ranges}
     told["measures"] = {"A.force.max": 1000.0, "B.force.max": 500.0, "C.force.max": 3.0}
-    assert stray(told).startswith("This motion is not periodic: single turns of B.force.max lie -20 to +3 % from their mean. ")
+    assert stray(told).startswith(
+        "This motion is not periodic: single turns of B.force.max lie -20 to +3 % from their mean. "
+    )
     del ranges["B.force.max"]
     assert "A.force.max lie -0.2 to +0.1 % from" in stray(told)
 
@@ -134,9 +165,10 @@ def test_the_force_that_varies_is_named_with_digits() -> None:
 def test_means_of_a_chaotic_motion_hold_where_single_turns_do_not() -> None:
     """At another step all turns are others; the mean over turns and companions is nearly the same.
 
-    Largest values of turns are independent (their autocorrelation is below 0.06) and deviate by 0.48 to 0.66 of their mean, so the logarithm
-    of the ratio of two means of 23 turns and four lanes deviates by 0.66 sqrt(2/92) = 0.097 at the most. Beyond 0.5, which is 5.1 times that,
-    one of the three measures lies with a probability of 8e-7, and with one of 5e-8 where the deviation is 0.6. Two single turns differ by a factor
+    Largest values of turns are independent (their autocorrelation is below 0.06) and deviate by 0.48 to 0.66
+    of their mean, so the logarithm of the ratio of two means of 23 turns and four lanes deviates by 0.66
+    sqrt(2/92) = 0.097 at the most. Beyond 0.5, which is 5.1 times that, one of the three measures lies with a
+    probability of 8e-7, and with one of 5e-8 where the deviation is 0.6. Two single turns differ by a factor
     of more than 2 with a probability of 0.5, so that none of 23 does comes with one of 1e-7.
     """
     one, other = (
@@ -153,7 +185,9 @@ def test_means_of_a_chaotic_motion_hold_where_single_turns_do_not() -> None:
 
 
 def oscillator(damping: float) -> vfife.Mechanism:
-    """A crank that turns at 10 rad/s, and beside it a block on a spring, pulled by a constant force, let go from where the spring is slack."""
+    """A crank that turns at 10 rad/s, and beside it a block on a spring, pulled by a constant force, let go
+    from where the spring is slack.
+    """
     m = vfife.Mechanism("oscillator")
     for name, x in (("A", 0.0), ("G", 1.0), ("S", 1.5)):
         m.point(name, x, 0.0)
@@ -172,27 +206,44 @@ MASS, STIFFNESS, PULL = 1.0, 4000.0, 100.0
 
 @pytest.mark.parametrize("decay", [0.8, 1.2])
 def test_an_oscillator_settles_when_its_transient_has_gone(decay: float) -> None:
-    """The spring bears P + exp(-d t) (...) by the closed form; from which turn on that repeats within 1 % is known without a run."""
+    """The spring bears P + exp(-d t) (...) by the closed form; from which turn on that repeats within 1 % is
+    known without a run.
+    """
     turn, outputs = 2.0 * math.pi / 10.0, 720
-    result = vfife.simulate(oscillator(2.0 * decay * MASS), turns=20, outputs=outputs, settle=0.01, companions=0)
+    result = vfife.simulate(
+        oscillator(2.0 * decay * MASS), turns=20, outputs=outputs, settle=0.01, companions=0
+    )
     omega = math.sqrt(STIFFNESS / MASS - decay**2)
     t = np.arange(20 * outputs * 8 + 1) * turn / (outputs * 8)
     x0 = -PULL / STIFFNESS  # from where it rests in the end
     x = np.exp(-decay * t) * x0 * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
-    a = -2.0 * decay * (-np.exp(-decay * t) * x0 * (omega + decay**2 / omega) * np.sin(omega * t)) - STIFFNESS / MASS * x
+    a = (
+        -2.0 * decay * (-np.exp(-decay * t) * x0 * (omega + decay**2 / omega) * np.sin(omega * t))
+        - STIFFNESS / MASS * x
+    )
     squares = (PULL - MASS * a) ** 2
     intervals = np.maximum(squares[1:].reshape(-1, 8).max(axis=1), squares[:-1:8]).reshape(20, outputs)
-    apart = [float(np.abs(two - one).max() / max(one.max(), two.max())) for one, two in zip(intervals, intervals[1:], strict=False)]
+    apart = [
+        float(np.abs(two - one).max() / max(one.max(), two.max()))
+        for one, two in zip(intervals, intervals[1:], strict=False)
+    ]
     wanted = 2 + next(k for k in range(len(apart)) if apart[k] <= 0.01)
     said = result.motion
-    assert said is not None and (said.motion, said.since, said.count) == ("periodic", wanted, wanted + 1) and 3 < wanted < 19
+    assert (
+        said is not None
+        and (said.motion, said.since, said.count) == ("periodic", wanted, wanted + 1)
+        and 3 < wanted < 19
+    )
     assert said.distance == pytest.approx(apart[wanted - 1], rel=0.05)
     assert math.log(apart[wanted - 1] / apart[wanted - 2]) == pytest.approx(-decay * turn, rel=0.05)
 
 
 def test_statistics_over_turns_of_made_up_lanes() -> None:
     lanes = [[{"a": 1.0}, {"a": 2.0}], [{"a": 4.0}, {"a": 5.0}]]
-    one, both = over_turns(lanes, (1.0, 2.0), together=False)["a"], over_turns(lanes, (1.0, 2.0), together=True)["a"]
+    one, both = (
+        over_turns(lanes, (1.0, 2.0), together=False)["a"],
+        over_turns(lanes, (1.0, 2.0), together=True)["a"],
+    )
     assert (one.value, one.low, one.high, one.lowest, one.highest) == (1.5, 1.5, 4.5, 1.0, 2.0)
     assert (both.value, both.low, both.high, both.lowest, both.highest) == (3.0, 1.5, 4.5, 1.0, 5.0)
     assert Measured(2.0, lowest=1.0, highest=2.5).variation == 1.5
@@ -205,7 +256,13 @@ def test_a_run_file_gives_them_back(tmp_path: Path) -> None:
     assert again.summary == result.summary and again.motion == result.motion
     for name, one in result.measures.items():
         other = again.measures[name]
-        assert (one, one.low, one.high, one.lowest, one.highest) == (other, other.low, other.high, other.lowest, other.highest)
+        assert (one, one.low, one.high, one.lowest, one.highest) == (
+            other,
+            other.low,
+            other.high,
+            other.lowest,
+            other.highest,
+        )
 
 
 # ----------------------------------------------------------------------------------------------------------------- turns
@@ -214,7 +271,11 @@ def test_a_run_file_gives_them_back(tmp_path: Path) -> None:
 def test_turns_lie_over_each_other() -> None:
     result = settled()
     turns = result.turns
-    assert turns.sizes["turn"] == 8 and turns.sizes["crank_angle"] == OUTPUTS and turns.turn.values.tolist() == list(range(2, 10))
+    assert (
+        turns.sizes["turn"] == 8
+        and turns.sizes["crank_angle"] == OUTPUTS
+        and turns.turn.values.tolist() == list(range(2, 10))
+    )
     assert turns.crank_angle.values == pytest.approx(np.arange(1, OUTPUTS + 1) * 360.0 / OUTPUTS)
     force = result.data["joint_force"].sel(joint="C").values[1:].reshape(9, OUTPUTS)
     assert np.array_equal(turns["joint_force"].sel(joint="C").values, force[1:])
@@ -235,23 +296,33 @@ def test_turns_that_hold_no_whole_number_of_steps_are_not_compared() -> None:
     assert "the step does not divide a turn" in text_of(result)
 
 
-# -------------------------------------------------------------------------------------------------------- until it repeats
+# --------------------------------------------------------------------------------------------------------
+# until it repeats
 
 
 def test_a_run_ends_when_it_has_settled() -> None:
     """Two turns in a row are within the tolerance; the bits are those of a run that went on."""
-    result, longer = (vfife.simulate(four_bar("BCD"), turns=9, step="5 us", outputs=OUTPUTS, companions=3, settle=one) for one in ("0.2 %", None))
+    result, longer = (
+        vfife.simulate(four_bar("BCD"), turns=9, step="5 us", outputs=OUTPUTS, companions=3, settle=one)
+        for one in ("0.2 %", None)
+    )
     done = len(result.record.steps)
     assert result.record.status == "complete" and 5 * OUTPUTS < done < 9 * OUTPUTS and done % OUTPUTS == 1
     assert np.array_equal(result.record.rows, longer.record.rows[:done])
     said = result.motion
-    assert said is not None and (said.motion, said.since, said.tolerance) == ("periodic", said.count - 1, 0.002)
+    assert said is not None and (said.motion, said.since, said.tolerance) == (
+        "periodic",
+        said.count - 1,
+        0.002,
+    )
     assert result.record.companions is not None and len(result.record.companions.turns) == said.count
     assert result.record.final is not None
 
 
 def test_it_goes_on_to_the_end_where_it_does_not_repeat() -> None:
-    result = vfife.simulate(four_bar("BCD"), turns=3, step="5 us", outputs=OUTPUTS, companions=0, settle=1e-6, reference=False)
+    result = vfife.simulate(
+        four_bar("BCD"), turns=3, step="5 us", outputs=OUTPUTS, companions=0, settle=1e-6, reference=False
+    )
     assert len(result.record.steps) == 3 * OUTPUTS + 1 and result.record.status == "complete"
 
 
@@ -270,7 +341,8 @@ def test_what_has_no_turns_cannot_repeat_them() -> None:
         vfife.simulate(m, duration="1 ms")
 
 
-# ------------------------------------------------------------------------------------------------------------ as it is told
+# ------------------------------------------------------------------------------------------------------------
+# as it is told
 
 
 def text_of(result: Result) -> str:
@@ -285,26 +357,57 @@ def test_every_table_says_which_part_of_the_run_it_is_of() -> None:
     text = text_of(result)
     part = f"mean of turns {said.first} to 9"
     assert result.measures.part == result.summary["part"] == part and part in repr(result.measures)
-    assert f"Largest reactions ({part})" in text and f"Largest angular accelerations ({part})" in text and "Contact (whole run)" in text
+    assert (
+        f"Largest reactions ({part})" in text
+        and f"Largest angular accelerations ({part})" in text
+        and "Contact (whole run)" in text
+    )
     assert f"repeats itself from turn {said.since} on" in text
     short = vfife.simulate(four_bar("C"), turns=2, step="10 us", companions=0, reference=False)
     assert "Largest reactions (last turn, the 2nd)" in text_of(short)
     half = vfife.simulate(four_bar("C"), turns=0.5, step="10 us", companions=0, reference=False)
     assert "Largest reactions (whole run)" in text_of(half)
-    odd = vfife.simulate(four_bar("C"), turns=2.3, step="10 us", companions=0, reference=False)  # the last 360 degrees are of two turns
+    odd = vfife.simulate(
+        four_bar("C"), turns=2.3, step="10 us", companions=0, reference=False
+    )  # the last 360 degrees are of two turns
     assert odd.measures.part == "last turn" and odd.motion is not None and odd.motion.count == 2
-    assert "of turns 7 to 12, of the run and 3 companions)" in text_of(astray()) and "lowest to highest turn" in text_of(astray())
+    assert "of turns 7 to 12, of the run and 3 companions)" in text_of(
+        astray()
+    ) and "lowest to highest turn" in text_of(astray())
 
 
 def test_digits_are_no_finer_than_what_is_known() -> None:
-    assert amount(73979.5, "N", 25.3) == "73,980 N" and amount(73979.5, "N", 310.0) == "74,000 N" and amount(2.4637, "N", 0.3) == "2.5 N"
-    assert amount(73979.53, "N") == "73,979.5 N" and amount(40.19487, "N") == "40.19 N" and amount(40.19487, "N", 1e-9) == "40.19 N"
-    assert percent(156.39, 40.0) == "160 %" and percent(28.2406, 0.04) == "28.24 %" and percent(28.2406) == "28.24 %" and percent(None) == ""
+    assert (
+        amount(73979.5, "N", 25.3) == "73,980 N"
+        and amount(73979.5, "N", 310.0) == "74,000 N"
+        and amount(2.4637, "N", 0.3) == "2.5 N"
+    )
+    assert (
+        amount(73979.53, "N") == "73,979.5 N"
+        and amount(40.19487, "N") == "40.19 N"
+        and amount(40.19487, "N", 1e-9) == "40.19 N"
+    )
+    assert (
+        percent(156.39, 40.0) == "160 %"
+        and percent(28.2406, 0.04) == "28.24 %"
+        and percent(28.2406) == "28.24 %"
+        and percent(None) == ""
+    )
     for value in (3.0, 47.11, 815.0, 14500.0):
         for spread in (0.004, 0.07, 3.0, 55.0):
             places = decimals(value, spread)
-            assert places <= -math.floor(math.log10(spread)) or 10.0**-places > 0.1 * value  # none finer, but one at the least
+            assert (
+                places <= -math.floor(math.log10(spread)) or 10.0**-places > 0.1 * value
+            )  # none finer, but one at the least
             assert abs(round(value, places) - value) <= 0.5 * max(10.0**-places, 1e-9)
-    told = {"measures": {"a": 14512.3, "b": 4.2e-5, "c": 7.0}, "ranges": {"a": {"low": 14400.0, "high": 14700.0}}, "turns": {}}
+    told = {
+        "measures": {"a": 14512.3, "b": 4.2e-5, "c": 7.0},
+        "ranges": {"a": {"low": 14400.0, "high": 14700.0}},
+        "turns": {},
+    }
     assert [plain(told, name) for name in told["measures"]] == ["14500", "4.2e-05", "7"]
-    assert measured(told, "a", "N") == "14.5 kN" and prefixed(3.756e-3, "N m", 0.9) == "4 mN m" and prefixed(142.5e-6, "m", 3e-6) == "142 µm"
+    assert (
+        measured(told, "a", "N") == "14.5 kN"
+        and prefixed(3.756e-3, "N m", 0.9) == "4 mN m"
+        and prefixed(142.5e-6, "m", 3e-6) == "142 µm"
+    )

@@ -1,4 +1,6 @@
-"""Five hundred members on a cluster of which a process is killed after every eighty that are done; and a member that kills each of its workers."""
+"""Five hundred members on a cluster of which a process is killed after every eighty that are done; and a
+member that kills each of its workers.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +17,15 @@ from typing import Any
 import pytest
 
 from vfife import Study, load_model
-from vfife.study import run_missing
-from vfife.study.cluster import Answer, Question, cluster, run_batch
-from vfife.study.engine import Wanted, run_members
-from vfife.study.study_file import StudyTables
+from vfife.studies.engine import run_missing
+from vfife.studies.engine.cases import Wanted, run_members
+from vfife.studies.engine.cluster import Answer, Question, cluster, run_batch
+from vfife.studies.engine.study_file import StudyTables
 
-pytestmark = [pytest.mark.soak, pytest.mark.skipif(find_spec("distributed") is None, reason="no distributed here")]
+pytestmark = [
+    pytest.mark.soak,
+    pytest.mark.skipif(find_spec("distributed") is None, reason="no distributed here"),
+]
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml"
 EVERY = 80  # members between two kills
@@ -37,7 +42,9 @@ RAW = {
 
 
 class Reaper(threading.Thread):
-    """Kills a worker after every so many members of a study file: a process that a nanny of this process has begun."""
+    """Kills a worker after every so many members of a study file: a process that a nanny of this process has
+    begun.
+    """
 
     def __init__(self, path: Path) -> None:
         super().__init__(daemon=True)
@@ -60,7 +67,10 @@ def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(
         assert run_missing.Engine(file, base).run()
         own = run_missing.Engine(file, base).study()
     reaper, asked = Reaper(tmp_path / "far.study"), run_missing.asked_of(plan)
-    with cluster("local", 2) as runner, run_missing.opened(tmp_path / "far.study", asked, plan.numbers()) as file:
+    with (
+        cluster("local", 2) as runner,
+        run_missing.opened(tmp_path / "far.study", asked, plan.numbers()) as file,
+    ):
         reaper.start()
         assert run_missing.Engine(file, base, runner=runner).run()
         reaper.ended.set()
@@ -89,7 +99,9 @@ def test_a_member_that_kills_three_workers_is_marked_and_the_rest_finish(tmp_pat
     numbers = [{"joint.C.clearance": 1e-4 + 1e-6 * k} for k in range(60)]
     own = dict(run_members(base, numbers, wanted))
     with cluster("local", 2) as runner:
-        found = dict(runner(base, numbers, wanted, work=deadly(numbers[31]["joint.C.clearance"], str(tmp_path))))
+        found = dict(
+            runner(base, numbers, wanted, work=deadly(numbers[31]["joint.C.clearance"], str(tmp_path)))
+        )
     assert found[31].status == "killed"
     assert len(list(tmp_path.iterdir())) == 3
     assert {k: one for k, one in found.items() if k != 31} == {k: one for k, one in own.items() if k != 31}

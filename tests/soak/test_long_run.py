@@ -31,7 +31,8 @@ def test_five_hundred_turns(loop: str) -> None:
 
 @pytest.mark.soak
 def test_a_thousand_million_steps() -> None:
-    """A mass on a spring: outputs are counted and timed exactly, memory stays that of a short run, and the last place is that of the equation.
+    """A mass on a spring: outputs are counted and timed exactly, memory stays that of a short run, and the
+    last place is that of the equation.
 
     Central differences of x'' = -w^2 x from rest have x_n = x_0 cos(n phi), cos(phi) = 1 - (w dt)^2/2.
     """
@@ -53,6 +54,10 @@ def test_a_thousand_million_steps() -> None:
     assert result.time.tolist() == [n * record.assembly.choice.step for n in record.steps.tolist()]
     assert record.assembly.choice.step == step
     assert peak() - before < 5_000
-    assert result.ledger.error == pytest.approx((0.5 * step * 10.0) ** 2, rel=1e-3)  # what one step leaves open, and no more
+    assert result.ledger.error == pytest.approx(
+        (0.5 * step * 10.0) ** 2, rel=1e-3
+    )  # what one step leaves open, and no more
     phi = 2.0 * math.asin(0.5 * step * 10.0)
-    assert record.block("particle_x")[-1].max() == pytest.approx(math.cos(math.fmod(count * phi, 2.0 * math.pi)), abs=1e-6)
+    assert record.block("particle_x")[-1].max() == pytest.approx(
+        math.cos(math.fmod(count * phi, 2.0 * math.pi)), abs=1e-6
+    )

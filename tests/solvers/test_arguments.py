@@ -53,7 +53,9 @@ def test_nonsense_is_told(name: str, value: Any, words: str) -> None:
 
 def test_all_faults_are_told_at_once() -> None:
     with pytest.raises(vfife.VfifeError) as told:
-        vfife.simulate(journal_in_bearing(), turns=-1, duration=1.0, outputs=-3, loop="data driven", step="1 mm")
+        vfife.simulate(
+            journal_in_bearing(), turns=-1, duration=1.0, outputs=-3, loop="data driven", step="1 mm"
+        )
     text = str(told.value)
     assert text.startswith("simulate() has 5 faults:")
     for words in (
@@ -75,7 +77,9 @@ def test_quantities_carry_units() -> None:
     """Numbers of NumPy are numbers, and texts have units, as in a model file."""
     numbers = {"step": np.float64(2e-6), "duration": 1e-3, "outputs": np.int64(20)}
     texts = {"step": "2 us", "duration": "1 ms", "outputs": 20}
-    one, other = (vfife.simulate(journal_in_bearing(), loop="data-driven", **given) for given in (numbers, texts))
+    one, other = (
+        vfife.simulate(journal_in_bearing(), loop="data-driven", **given) for given in (numbers, texts)
+    )
     assert one.record.assembly.choice == other.record.assembly.choice
     assert one.record.assembly.choice.step == pytest.approx(2e-6)
     assert len(one.time) == 21
@@ -106,7 +110,9 @@ def test_an_ensemble_is_asked_the_same(given: dict[str, Any], words: str) -> Non
 
 
 def test_the_members_of_an_ensemble_are_examined() -> None:
-    with pytest.raises(ModelError, match=r"ensemble\(\), mechanisms = .*: this is a Mechanism; allowed: a list of Mechanisms"):
+    with pytest.raises(
+        ModelError, match=r"ensemble\(\), mechanisms = .*: this is a Mechanism; allowed: a list of Mechanisms"
+    ):
         vfife.ensemble(four_bar(), step="2 us", turns=1)  # type: ignore[arg-type]
     with pytest.raises(ModelError, match=r"mechanisms\[1\] = 3"):
         vfife.ensemble([four_bar(), 3], step="2 us", turns=1)  # type: ignore[list-item]

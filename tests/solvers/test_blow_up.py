@@ -1,4 +1,6 @@
-"""Numbers that leave all bounds are seen within a thousand steps, in every loop and lane by lane; the step and the likely cause are told."""
+"""Numbers that leave all bounds are seen within a thousand steps, in every loop and lane by lane; the step
+and the likely cause are told.
+"""
 
 import dataclasses
 import math
@@ -10,8 +12,8 @@ from support import SQUARE, bits, four_bar, lanes
 from vfife import simulate
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import watched
-from vfife.codegen.python import straight_line
-from vfife.codegen.runner import LOOK, Runner
+from vfife.compiler.backends.python import straight_line
+from vfife.compiler.runtime.runner import LOOK, Runner
 from vfife.model.mechanism import Mechanism
 from vfife.report.divergence import cause, first_infinite
 from vfife.solvers.ensemble import ensemble
@@ -28,7 +30,14 @@ def side_by_side(steps, loop: str, look: int = LOOK, seen=None) -> Runner:
     first = every[0]
     states, tables = np.stack([a.state for a in every], axis=1), np.stack([a.tables for a in every])
     own = watched(every, np.array([True] * len(every) if seen is None else seen))
-    runner = Runner(first.topology, states, tables, loop if loop != "straight line" else "interpreted", recorded_rows(first), watched=own)
+    runner = Runner(
+        first.topology,
+        states,
+        tables,
+        loop if loop != "straight line" else "interpreted",
+        recorded_rows(first),
+        watched=own,
+    )
     if loop == "straight line":
         runner.take = straight_line(runner.topology)(runner.memory)
     runner.look = look
@@ -37,7 +46,9 @@ def side_by_side(steps, loop: str, look: int = LOOK, seen=None) -> Runner:
 
 @pytest.fixture(scope="module")
 def burst() -> int:
-    """The step after which a journal of case c has first left its bearing, or a number is infinite, looked for step by step."""
+    """The step after which a journal of case c has first left its bearing, or a number is infinite, looked
+    for step by step.
+    """
     runner = lanes([assemble(four_bar("BCD"), TOO_LARGE, duration=0.02, force_step=True)], "generated")
     depths = runner.layout["contact_penetration"]
     for step in range(2 * LOOK):
@@ -47,7 +58,10 @@ def burst() -> int:
     raise AssertionError("it never left")
 
 
-@pytest.mark.parametrize(("loop", "look"), [("generated", LOOK), ("data-driven", LOOK), ("generated", 1), ("data-driven", 1), ("straight line", 1)])
+@pytest.mark.parametrize(
+    ("loop", "look"),
+    [("generated", LOOK), ("data-driven", LOOK), ("generated", 1), ("data-driven", 1), ("straight line", 1)],
+)
 def test_a_lane_that_breaks_is_seen_where_somebody_looks(loop, look, burst):
     runner = side_by_side([TOO_LARGE], loop, look)
     runner.advance(1, 1)
@@ -100,9 +114,13 @@ def test_looks_change_no_bit():
 @pytest.mark.parametrize("loop", ["generated", "data-driven"])
 @pytest.mark.parametrize("outputs", [1, 300])
 def test_the_step_of_a_run_is_told_whatever_its_outputs(loop, outputs, burst):
-    """A run of a minute with one output, and one whose outputs come every few steps: the same step, and the rows before it."""
+    """A run of a minute with one output, and one whose outputs come every few steps: the same step, and the
+    rows before it.
+    """
     steps = 600_000 if outputs == 1 else 3000
-    assembly = assemble(four_bar("BCD"), TOO_LARGE, duration=steps * TOO_LARGE, outputs=outputs, force_step=True)
+    assembly = assemble(
+        four_bar("BCD"), TOO_LARGE, duration=steps * TOO_LARGE, outputs=outputs, force_step=True
+    )
     record = run(assembly, loop=loop, companions=3 if loop == "generated" else 0)
     assert record.status == "diverged"
     assert record.burst.step == burst
@@ -112,7 +130,9 @@ def test_the_step_of_a_run_is_told_whatever_its_outputs(loop, outputs, burst):
 
 
 def test_members_of_an_ensemble_break_alone():
-    """A member that breaks is left where it does, whatever runs beside it: what comes after is no number, and no turn of it settles."""
+    """A member that breaks is left where it does, whatever runs beside it: what comes after is no number, and
+    no turn of it settles.
+    """
     coupler = dataclasses.replace(four_bar("BCD").bodies["coupler"], mass=1e-5)
     wild = dataclasses.replace(four_bar("BCD"), bodies=four_bar("BCD").bodies | {"coupler": coupler})
     options = {"step": 1e-5, "turns": 2, "outputs": 40, "tolerance": 1e-3, "loop": "generated", "workers": 1}
@@ -137,7 +157,11 @@ def told(mechanism: Mechanism, **options) -> str:
 def test_a_step_that_was_forced_is_called_that():
     for mechanism in (four_bar("BCD"), four_bar("", "elastic", section=SQUARE)):
         said = told(mechanism, step=TOO_LARGE, turns=5, force_step=True)
-        assert "larger than the stable" in said and "likely cause" in said and "--step auto, without --force-step" in said
+        assert (
+            "larger than the stable" in said
+            and "likely cause" in said
+            and "--step auto, without --force-step" in said
+        )
 
 
 def double_pendulum() -> Mechanism:
@@ -151,6 +175,8 @@ def double_pendulum() -> Mechanism:
 
 
 def test_a_step_far_beyond_the_automatic_one_is_called_that():
-    """Nothing drives a double pendulum out of its reach: where no stable step is known, the automatic one is what a step is held against."""
+    """Nothing drives a double pendulum out of its reach: where no stable step is known, the automatic one is
+    what a step is held against.
+    """
     said = told(double_pendulum(), step=0.5, duration=500.0)
     assert "automatic one" in said and "--step auto" in said and "reach" not in said

@@ -1,4 +1,6 @@
-"""Companions: the same motion with other step sizes, beside a run that does not feel them; the step they find, what they call sensitive."""
+"""Companions: the same motion with other step sizes, beside a run that does not feel them; the step they
+find, what they call sensitive.
+"""
 
 from __future__ import annotations
 
@@ -15,26 +17,37 @@ import pytest
 import vfife
 from support import TURN, four_bar, journal_in_bearing
 from support import lanes as beside
-from vfife.analysis.measured import Measured
-from vfife.analysis.measures import measures
-from vfife.analysis.ranges import band, companion_records, own_ranges, ranged, trust
-from vfife.analysis.turns import record_of_companion
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import StepChoice
 from vfife.errors import ModelError
 from vfife.kernels.arrays import Layout
 from vfife.laws import Ambrosio, Frictionless
+from vfife.measures.catalogue import measures
+from vfife.measures.measured import Measured
+from vfife.measures.ranges import band, companion_records, own_ranges, ranged, trust
+from vfife.measures.turns import record_of_companion
 from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism
 from vfife.report.trust import verdict
-from vfife.result import Result
-from vfife.solvers.companions import DEFAULT, SENSITIVE, Gathering, SeparateLanes, SynchronisedLanes, Watch, step_counts
+from vfife.simulation.result import Result
+from vfife.solvers.companions import (
+    DEFAULT,
+    SENSITIVE,
+    Gathering,
+    SeparateLanes,
+    SynchronisedLanes,
+    Watch,
+    step_counts,
+)
 from vfife.solvers.record import lasting_rows, recorded_rows
 from vfife.solvers.transient import run
 
 ACCELERATION, FORCE = "follower.angular_acceleration.max", "C.force.max"
 STEP = 2.5e-6  # s
-REFERENCE = {"C": (29201.05, 65794.78), "BCD": (38153.31, 68842.16)}  # of tests/verification/test_reference_cases.py
+REFERENCE = {
+    "C": (29201.05, 65794.78),
+    "BCD": (38153.31, 68842.16),
+}  # of tests/verification/test_reference_cases.py
 ROUGH = Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2)
 
 
@@ -57,7 +70,11 @@ def test_the_run_is_what_it_would_be_alone(count: int) -> None:
     alone, accompanied = run(assembly), run(assembly, companions=count)
     assert alone.companions is None
     assert np.array_equal(alone.rows, accompanied.rows)
-    assert alone.final is not None and accompanied.final is not None and np.array_equal(alone.final, accompanied.final)
+    assert (
+        alone.final is not None
+        and accompanied.final is not None
+        and np.array_equal(alone.final, accompanied.final)
+    )
 
 
 def test_companions_of_both_loops_are_the_same() -> None:
@@ -75,7 +92,9 @@ def choice(every: int, step: float = 1.0, stable: float = math.inf) -> StepChoic
     (20, 3, [14, 12, 10]), (20, 1, [10]), (20, 2, [14, 10]), (20, 7, [16, 15, 14, 13, 12, 11, 10]), (44, 3, [31, 26, 22]), (20, 0, []),
     (4, 3, [6, 3, 2]), (2, 3, [4, 3, 1]), (1, 3, [4, 3, 2]),
 ])  # fmt: skip
-def test_companions_make_whole_numbers_of_steps_between_outputs(every: int, companions: int, expected: list[int]) -> None:
+def test_companions_make_whole_numbers_of_steps_between_outputs(
+    every: int, companions: int, expected: list[int]
+) -> None:
     """A half to five sevenths of the run's; more where an interval has too few steps for that."""
     assert step_counts(choice(every), companions).tolist() == expected
 
@@ -90,7 +109,9 @@ def test_no_companion_has_an_unstable_step() -> None:
 @pytest.mark.parametrize("loop", ["generated", "data-driven"])
 @pytest.mark.parametrize("step", [2.5e-6, 1.25e-5])
 def test_a_companion_is_a_run_with_its_step(loop: str, step: float) -> None:
-    """Each has the bits of a run by itself with the same step and outputs; at 12.5 us they are finer than the run."""
+    """Each has the bits of a run by itself with the same step and outputs; at 12.5 us they are finer than the
+    run.
+    """
     assembly = assemble(four_bar("BCD"), step, duration=0.2 * TURN, outputs=200, force_step=True)
     record = run(assembly, companions=3, loop=loop)  # type: ignore[arg-type]
     left = record.companions
@@ -130,13 +151,15 @@ def test_calls_of_any_length_give_the_same_bits() -> None:
     separate.advance(20, 6)
     assert np.array_equal(np.concatenate(pieces), every)
     lasting = lasting_rows(assembly.layout)
-    assert np.array_equal(cut.states[lasting], whole.states[lasting]) and np.array_equal(separate.states[lasting], whole.states[lasting])
+    assert np.array_equal(cut.states[lasting], whole.states[lasting]) and np.array_equal(
+        separate.states[lasting], whole.states[lasting]
+    )
 
 
 def test_a_run_has_three_companions_whatever_the_registers_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     found = []
     for width in (2, 4, 8):
-        monkeypatch.setattr("vfife.codegen.native.widest", lambda width=width: width)
+        monkeypatch.setattr("vfife.compiler.runtime.native.widest", lambda width=width: width)
         left = vfife.simulate(four_bar("C"), turns=0.1, step=1e-5, reference=False).record.companions
         assert left is not None and len(left.counts) == DEFAULT == 3
         found.append(left.rows)
@@ -145,7 +168,9 @@ def test_a_run_has_three_companions_whatever_the_registers_hold(monkeypatch: pyt
 
 @pytest.mark.parametrize("loop", ["generated", "data-driven"])
 def test_a_displaced_first_step_follows_what_is_prescribed(loop: str) -> None:
-    """After it a body turned by a law of time is where the law has it at that part of a step, and turns as fast."""
+    """After it a body turned by a law of time is where the law has it at that part of a step, and turns as
+    fast.
+    """
     m = Mechanism("prescribed")
     m.point("O", 0.0, 0.0)
     m.link("rod", length=0.3, mass=1.0)
@@ -157,8 +182,12 @@ def test_a_displaced_first_step_follows_what_is_prescribed(loop: str) -> None:
     i = a.bodies["rod"].particles[0]
     t = np.array([0.0, 0.25, 0.5, 0.75]) * 1e-3
     swing = 2.0 * math.pi * 20.0
-    assert runner.states[a.layout.row("particle_theta", i)] == pytest.approx(0.4 * np.sin(swing * t), abs=1e-7)
-    assert runner.states[a.layout.row("particle_w", i)] == pytest.approx(0.4 * swing * np.cos(swing * t), rel=1e-5)
+    assert runner.states[a.layout.row("particle_theta", i)] == pytest.approx(
+        0.4 * np.sin(swing * t), abs=1e-7
+    )
+    assert runner.states[a.layout.row("particle_w", i)] == pytest.approx(
+        0.4 * swing * np.cos(swing * t), rel=1e-5
+    )
 
 
 # --------------------------------------------------------------------------------------------------------------- ranges
@@ -175,7 +204,9 @@ def test_the_reference_lies_in_the_range(clear: str) -> None:
 
 
 def test_more_friction_is_called_sensitive() -> None:
-    """Its follower's acceleration, 48401 rad/s^2 by a reference at a thirtieth of the step, is nobody's to tell at any step worth taking."""
+    """Its follower's acceleration, 48401 rad/s^2 by a reference at a thirtieth of the step, is nobody's to
+    tell at any step worth taking.
+    """
     result = rough()
     said = trust(result.record)
     assert said is not None and said.sensitive and said.apart > 0.05
@@ -188,8 +219,12 @@ def test_more_friction_is_called_sensitive() -> None:
 
 
 def test_case_c_without_friction_is_told_with_its_error() -> None:
-    """With companions of one step it was told as 35,810 rad/s^2 within 0.04 %; a step of 0.1 us gives 39,501, and ever finer ones hold to that."""
-    one = vfife.simulate(four_bar("BCD", friction=Frictionless()), turns=2, reference=False).measures[ACCELERATION]
+    """With companions of one step it was told as 35,810 rad/s^2 within 0.04 %; a step of 0.1 us gives 39,501,
+    and ever finer ones hold to that.
+    """
+    one = vfife.simulate(four_bar("BCD", friction=Frictionless()), turns=2, reference=False).measures[
+        ACCELERATION
+    ]
     assert one.low < 39500.7 < one.high and one.width < 0.02 * one
 
 
@@ -211,7 +246,9 @@ def test_the_range_of_a_step_that_was_given_up_is_kept(tmp_path: Path) -> None:
 
 
 def test_a_run_that_left_its_estimated_range_tells_both(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An estimate at twice the step that does not hold what comes out has failed, and with it what the run tells of itself."""
+    """An estimate at twice the step that does not hold what comes out has failed, and with it what the run
+    tells of itself.
+    """
     record = simulated(companions=3, step=STEP).record
     left = record.companions
     assert left is not None
@@ -222,7 +259,13 @@ def test_a_run_that_left_its_estimated_range_tells_both(monkeypatch: pytest.Monk
     below = 0.9 * alone
     monkeypatch.setattr(left, "earlier", {FORCE: (below, below + 1.0)})
     both, said = ranged(record)[FORCE], trust(record)
-    assert both.low < below and both.high > alone.high and said is not None and said.sensitive and said.measure == FORCE
+    assert (
+        both.low < below
+        and both.high > alone.high
+        and said is not None
+        and said.sensitive
+        and said.measure == FORCE
+    )
     # A range that is as wide as the distance from it holds the value: convergence of first order.
     monkeypatch.setattr(left, "earlier", {FORCE: (below, below + 0.06 * alone)})
     assert ranged(record)[FORCE].low == alone.low
@@ -233,14 +276,19 @@ def test_runs_do_part_where_they_are_said_to() -> None:
     record = rough().record
     assert record.companions is not None and record.companions.parting is not None
     parting, step = record.companions.parting.time, record.assembly.choice.step
-    one, other = (run(assemble(four_bar("BCD", friction=ROUGH), size, turns=2, outputs=720)) for size in (step, 2.0 * step))
+    one, other = (
+        run(assemble(four_bar("BCD", friction=ROUGH), size, turns=2, outputs=720))
+        for size in (step, 2.0 * step)
+    )
     forces = [np.sqrt(each.block("contact_force_squared_max")) for each in (one, other)]
     apart = np.abs(forces[0] - forces[1]).max(axis=1) / forces[0].max()
     assert 0.5 * parting < one.steps[np.argmax(apart > 0.05)] * step < 2.0 * parting
 
 
 def test_a_companion_is_measured_as_a_run_is() -> None:
-    """Where they have the run's rows and step, companions are the run: each measure of theirs is the run's own, to the bit."""
+    """Where they have the run's rows and step, companions are the run: each measure of theirs is the run's
+    own, to the bit.
+    """
     result = simulated(companions=3, step=STEP)
     record = result.record
     assert record.companions is not None
@@ -266,7 +314,12 @@ def test_figures_have_a_band_over_the_last_turn() -> None:
 def test_a_measure_is_a_number() -> None:
     one = Measured(2.0, 1.5, 2.25)
     assert (one.value, one.low, one.high, one.width) == (2.0, 1.5, 2.25, 0.75)
-    assert one + 1.0 == 3.0 and math.sqrt(one) == math.sqrt(2.0) and f"{one:.1f}" == "2.0" and json.dumps(one) == "2.0"
+    assert (
+        one + 1.0 == 3.0
+        and math.sqrt(one) == math.sqrt(2.0)
+        and f"{one:.1f}" == "2.0"
+        and json.dumps(one) == "2.0"
+    )
     again = pickle.loads(pickle.dumps(one))
     assert (again, again.low, again.high) == (2.0, 1.5, 2.25)
     alone = Measured(3.0)
@@ -274,12 +327,17 @@ def test_a_measure_is_a_number() -> None:
 
 
 def test_what_is_kept_does_not_grow_with_the_run() -> None:
-    long = vfife.simulate(four_bar("C"), turns=6, step="10 us", outputs=100, reference=False, companions=3).record.companions
+    long = vfife.simulate(
+        four_bar("C"), turns=6, step="10 us", outputs=100, reference=False, companions=3
+    ).record.companions
     assert long is not None and len(long.steps) == 101
     assembly = assemble(four_bar("C"), 1e-5, turns=50, outputs=10)
     gathering = Gathering(assembly, recorded_rows(assembly), step_counts(assembly.choice, 3))
     for first in range(0, 500, 10):
-        gathering.take((first + np.arange(10)) * assembly.choice.outputs_every, np.zeros((10, len(gathering.recorded), 4)))
+        gathering.take(
+            (first + np.arange(10)) * assembly.choice.outputs_every,
+            np.zeros((10, len(gathering.recorded), 4)),
+        )
         assert len(gathering.parts) <= 3
 
 
@@ -302,7 +360,9 @@ def watched(forces: np.ndarray) -> float | None:
     rows = np.zeros((len(forces), len(kept), forces.shape[1]))
     rows[:, np.flatnonzero(kept == Layout(assembly.topology)["contact_force_squared_max"][0])[0]] = forces**2
     watch = Watch(assembly, kept)
-    found = [watch.look(np.arange(first, first + 5), rows[first : first + 5]) for first in range(0, len(rows), 5)]
+    found = [
+        watch.look(np.arange(first, first + 5), rows[first : first + 5]) for first in range(0, len(rows), 5)
+    ]
     return next((one.time / assembly.choice.step for one in found if one is not None), None)
 
 
@@ -320,7 +380,8 @@ def test_a_peak_that_only_one_has_is_one() -> None:
     assert watched(forces) == 24.0
 
 
-# ------------------------------------------------------------------------------------------------------ automatic steps
+# ------------------------------------------------------------------------------------------------------
+# automatic steps
 
 
 def test_case_c_stays_near_one_and_a_half_microseconds() -> None:
@@ -331,16 +392,22 @@ def test_case_c_stays_near_one_and_a_half_microseconds() -> None:
 def test_a_step_is_halved_twice_and_no_more() -> None:
     choice = rough().record.assembly.choice
     first = choice.tried[0][0]
-    assert [step for step, _ in choice.tried] == pytest.approx([first, first / 2.0]) and choice.step == pytest.approx(first / 4.0)
+    assert [step for step, _ in choice.tried] == pytest.approx(
+        [first, first / 2.0]
+    ) and choice.step == pytest.approx(first / 4.0)
     assert all(apart is not None and apart > 0.005 for _, apart in choice.tried)
     assert "halved 2 times" in choice.culprit
 
 
 def test_without_companions_a_step_is_as_fine_as_before() -> None:
-    """Eighty steps in half a period of the contact; a search with companions begins with forty, and twenty of the coarsest companion."""
+    """Eighty steps in half a period of the contact; a search with companions begins with forty, and twenty of
+    the coarsest companion.
+    """
     alone, accompanied = simulated(companions=0), simulated()
     assert alone.record.companions is None and alone.measures[FORCE].width == 0.0
-    assert alone.record.assembly.choice.step == pytest.approx(accompanied.record.assembly.choice.step / 2.0, rel=0.1)
+    assert alone.record.assembly.choice.step == pytest.approx(
+        accompanied.record.assembly.choice.step / 2.0, rel=0.1
+    )
     assert alone.summary["trust"] == {} and alone.summary["ranges"] == {}
 
 

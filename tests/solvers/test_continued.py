@@ -1,4 +1,6 @@
-"""A run that goes on where another ended is one run: to the order of the step for its first step, which starts from v_0 itself."""
+"""A run that goes on where another ended is one run: to the order of the step for its first step, which
+starts from v_0 itself.
+"""
 
 import numpy as np
 import pytest
@@ -32,7 +34,9 @@ def slider_crank(elastic: bool, clearance: bool) -> Mechanism:
 @pytest.mark.parametrize("elastic", [False, True], ids=["rigid", "elastic"])
 @pytest.mark.parametrize("clearance", [False, True], ids=["ideal", "clearance"])
 def test_two_parts_are_one(elastic, clearance):
-    """Second half of a turn after the first: same motion as one run of the whole turn, the crank's angle going on."""
+    """Second half of a turn after the first: same motion as one run of the whole turn, the crank's angle
+    going on.
+    """
     m = slider_crank(elastic, clearance)
     turn = 2 * np.pi / SPEED
     step = turn / 100_000
@@ -42,7 +46,9 @@ def test_two_parts_are_one(elastic, clearance):
     end, there = (result.record.block("particle_x")[-1] for result in (whole, second))
     travel = np.abs(whole.record.block("particle_x")[-1] - whole.record.block("particle_x")[0]).max()
     assert np.abs(end - there).max() < 2e-6 * travel
-    assert second.record.block("particle_theta")[0, 1] == pytest.approx(first.record.block("particle_theta")[-1, 1], abs=1e-15)
+    assert second.record.block("particle_theta")[0, 1] == pytest.approx(
+        first.record.block("particle_theta")[-1, 1], abs=1e-15
+    )
     if elastic:
         axial = "frame_axial_force"
         assert second.record.block(axial)[0] == pytest.approx(first.record.block(axial)[-1], rel=1e-12)
@@ -59,4 +65,6 @@ def test_from_a_folder_and_from_names(tmp_path):
     bar = four_bar("", "elastic", elements=2, section=SQUARE)
     crank = next(iter(bar.bodies))
     begun = vfife.simulate(bar, start={crank: (0.0, 0.0, 0.5)}, duration=1e-4, outputs=5, reference=False)
-    assert begun.record.block("particle_theta")[0, begun.record.assembly.topology.driven[0]] == pytest.approx(0.5)
+    assert begun.record.block("particle_theta")[0, begun.record.assembly.topology.driven[0]] == pytest.approx(
+        0.5
+    )

@@ -1,4 +1,6 @@
-"""What derivatives are put together from: pairs of records, spans of outputs, tables of functions; numbers that a test writes."""
+"""What derivatives are put together from: pairs of records, spans of outputs, tables of functions; numbers
+that a test writes.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from vfife.solvers.record import Columns, recorded_rows
 from vfife.solvers.tangents import Neighbours, changes, displaced, jacobian, rates, spans
 
 
-def test_a_derivative_is_the_difference_of_both_sides_over_what_they_are_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_derivative_is_the_difference_of_both_sides_over_what_they_are_apart(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Two numbers apart by 0.5 and 0.1, two displaced runs each: means of sums and differences."""
     pairs = [[(3.0, 1.0), (5.0, 2.0)], [(3.2, 0.8), (4.0, 3.0)]]
     monkeypatch.setattr(tangents, "tangents", lambda *_: pairs)
@@ -40,7 +44,9 @@ def test_a_derivative_is_the_difference_of_both_sides_over_what_they_are_apart(m
         (0.1, 1001, True, [(1, 1), (1000, 1)]),
     ],
 )
-def test_outputs_are_all_or_the_last_turn_and_what_comes_before(turn: float | None, steps: int, whole: bool, found: list[tuple[int, int]]) -> None:
+def test_outputs_are_all_or_the_last_turn_and_what_comes_before(
+    turn: float | None, steps: int, whole: bool, found: list[tuple[int, int]]
+) -> None:
     choice = SimpleNamespace(turn=turn, step=1e-4, steps=steps, outputs_every=10, outputs=steps // 10)
     assert spans(SimpleNamespace(choice=choice), whole) == found  # type: ignore[arg-type]
 
@@ -55,11 +61,15 @@ def test_both_sides_of_a_run_lie_half_of_the_distance_away_and_extremes_are_size
     for side, sign in ((up, 1.0), (down, -1.0)):
         wanted = rows + sign * 0.1 * slopes
         assert side.rows[:, ~size] == pytest.approx(wanted[:, ~size], rel=1e-14)
-        assert side.rows[:, size] == pytest.approx(np.maximum(wanted[:, size], 0.0), rel=1e-14) and side.steps.tolist() == [0, 5, 10]
+        assert side.rows[:, size] == pytest.approx(
+            np.maximum(wanted[:, size], 0.0), rel=1e-14
+        ) and side.steps.tolist() == [0, 5, 10]
 
 
 def function(period: float, starts: list[float], rows: list[list[float]]) -> np.ndarray:
-    """The table of a function: its pieces, a period with its kinks or none, where they start, seven coefficients of each."""
+    """The table of a function: its pieces, a period with its kinks or none, where they start, seven
+    coefficients of each.
+    """
     head = [float(len(starts))] if not period else [-float(len(starts)), period, 0.0]
     return np.array([*head, *starts, *(value for row in rows for value in (row + [0.0] * 7)[:7])])
 
@@ -93,9 +103,13 @@ class Captured(Exception):
 
 
 def test_each_lane_starts_with_the_run_and_its_own_change(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two numbers, two displaced runs each, in four lanes: the run below the change of its number; tables of f, f' and its change."""
+    """Two numbers, two displaced runs each, in four lanes: the run below the change of its number; tables of
+    f, f' and its change.
+    """
 
-    def runner(topology: Any, states: np.ndarray, tables: np.ndarray, loop: str, kept: np.ndarray, **more: Any) -> None:
+    def runner(
+        topology: Any, states: np.ndarray, tables: np.ndarray, loop: str, kept: np.ndarray, **more: Any
+    ) -> None:
         raise Captured(states, tables, kept, more)
 
     monkeypatch.setattr(tangents, "Runner", runner)
@@ -113,11 +127,17 @@ def test_each_lane_starts_with_the_run_and_its_own_change(monkeypatch: pytest.Mo
             sides.append(SimpleNamespace(state=model.state + sign * slope, tables=tables))
         some.append(Neighbours(*sides, 0.5))  # type: ignore[arg-type]
     with pytest.raises(Captured) as got:
-        tangents._together(model, some, np.array([0.0, 0.5]), 4, 1, np.array([0, 2], dtype=np.uint32), [(1, 1)], None)  # type: ignore[arg-type]
+        tangents._together(
+            model, some, np.array([0.0, 0.5]), 4, 1, np.array([0, 2], dtype=np.uint32), [(1, 1)], None
+        )  # type: ignore[arg-type]
     states, tables, kept, more = got.value.args
     assert states.reshape(2, 3, 4)[0] == pytest.approx(np.tile(model.state[:, None], 4))
     assert pytest.approx(np.array([[1.0, 0, -1]] * 2 + [[0, 7.0, 0]] * 2)) == states.reshape(2, 3, 4)[1].T
-    assert kept.tolist() == [0, 2, 3, 5] and more["shares"].tolist() == [0.0, 0.5, 0.0, 0.5] and more["directions"] == 1
+    assert (
+        kept.tolist() == [0, 2, 3, 5]
+        and more["shares"].tolist() == [0.0, 0.5, 0.0, 0.5]
+        and more["directions"] == 1
+    )
     each = tables.reshape(4, 3, -1)
     assert each[:, 0] == pytest.approx(np.tile(table, (4, 1)))
     assert each[:, 1, -7:] == pytest.approx(np.tile([2.0, 6.0, 0, 0, 0, 0, 0], (4, 1)))

@@ -8,7 +8,7 @@ import pytest
 
 from support import SQUARE, bits, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble, reassembled
-from vfife.codegen import loops
+from vfife.compiler.runtime import loops
 from vfife.laws import Ambrosio, LankaraniNikravesh, Pereira
 from vfife.solvers.ensemble import advance, ensemble, placed
 from vfife.solvers.repeating import distance
@@ -25,7 +25,13 @@ def bars(clearance: float = 2e-4, **joint):
     return four_bar("BCD", "two-particle", clearance=clearance, below=True, joint=options, **laws, **BARS)
 
 
-VARIANTS = [bars(1e-4), bars(2e-4), bars(5e-4), bars(2e-4, axial_length=8e-3), bars(3e-4, friction_moment="mid-overlap")]
+VARIANTS = [
+    bars(1e-4),
+    bars(2e-4),
+    bars(5e-4),
+    bars(2e-4, axial_length=8e-3),
+    bars(3e-4, friction_moment="mid-overlap"),
+]
 STEPS = [1e-6, 1e-6, 1e-6, 1e-6, 1e-6]
 
 
@@ -37,8 +43,12 @@ def single():
 
 @pytest.mark.parametrize(("loop", "lanes", "workers"), [("generated", 4, 2), ("data-driven", 1, 2)])
 def test_members_are_single_runs_to_the_bit(single, loop, lanes, workers):
-    """Five members in four lanes, one batch of them padded, on two threads: the last turn and the extremes of every turn."""
-    members = ensemble(VARIANTS, step=STEPS, turns=TURNS, outputs=OUTPUTS, loop=loop, lanes=lanes, workers=workers)
+    """Five members in four lanes, one batch of them padded, on two threads: the last turn and the extremes of
+    every turn.
+    """
+    members = ensemble(
+        VARIANTS, step=STEPS, turns=TURNS, outputs=OUTPUTS, loop=loop, lanes=lanes, workers=workers
+    )
     for member, record in zip(members, single, strict=True):
         assert (bits(member.last.rows) == bits(record.rows[-OUTPUTS - 1 :])).all()
         assert (member.last.steps == record.steps[-OUTPUTS - 1 :]).all()
@@ -60,12 +70,18 @@ def test_a_member_does_not_depend_on_those_beside_it():
 
 
 def test_steady_turns_are_found_where_they_are():
-    """The first turn within the tolerance is the last one stepped; the next would be within it, too, and the turn before was not."""
+    """The first turn within the tolerance is the last one stepped; the next would be within it, too, and the
+    turn before was not.
+    """
     found = ensemble([VARIANTS[1]], step=1e-6, turns=12, outputs=OUTPUTS, tolerance=1e-3)[0]
     longer = ensemble([VARIANTS[1]], step=1e-6, turns=found.settled + 1, outputs=OUTPUTS)[0]
     assert 2 < found.settled < 8 and len(found.distances) == found.settled
     assert (longer.distances[: found.settled] == found.distances).all()
-    assert math.isinf(found.distances[0]) and (found.distances[1:-1] > 1e-3).all() and found.distances[-1] <= 1e-3
+    assert (
+        math.isinf(found.distances[0])
+        and (found.distances[1:-1] > 1e-3).all()
+        and found.distances[-1] <= 1e-3
+    )
     assert longer.distances[-1] <= 1e-3 and longer.settled is None
 
 
@@ -77,7 +93,12 @@ def test_memory_does_not_grow_with_turns():
 
 def test_lanes_may_differ_in_crank_speed_and_step():
     """A crank half as fast with twice the step has as many steps a turn: same lanes, other step."""
-    members = ensemble([bars(), four_bar("BCD", speed=25 * math.pi), four_bar("BCD")], step=[2e-6, 4e-6, 2e-6], turns=1, outputs=OUTPUTS)
+    members = ensemble(
+        [bars(), four_bar("BCD", speed=25 * math.pi), four_bar("BCD")],
+        step=[2e-6, 4e-6, 2e-6],
+        turns=1,
+        outputs=OUTPUTS,
+    )
     assert members[1].assembly.choice.step == pytest.approx(2 * members[2].assembly.choice.step)
     assert members[1].assembly.choice.steps == members[2].assembly.choice.steps == 20000
     alone = run(members[1].assembly, loop="data-driven")
@@ -99,7 +120,13 @@ def test_a_mechanism_without_a_driver_is_refused():
 def test_progress_and_interruption():
     """Progress comes as members end; Ctrl-C out of it ends the ensemble."""
     told = []
-    ensemble(VARIANTS[:2], step=1e-6, turns=1, outputs=OUTPUTS, progress=lambda done, total: told.append((done, total)))
+    ensemble(
+        VARIANTS[:2],
+        step=1e-6,
+        turns=1,
+        outputs=OUTPUTS,
+        progress=lambda done, total: told.append((done, total)),
+    )
     assert told[-1] == (2, 2)
 
     def stop(done, total):
@@ -119,7 +146,10 @@ def test_refitted_is_assembled_to_the_bit():
 
 def test_refitting_refuses_what_it_cannot_do():
     base = assemble(bars(), 1e-6, force_step=True)
-    other = {name: dataclasses.replace(joint, contact=LankaraniNikravesh()) for name, joint in bars().clearances.items()}
+    other = {
+        name: dataclasses.replace(joint, contact=LankaraniNikravesh())
+        for name, joint in bars().clearances.items()
+    }
     with pytest.raises(ValueError, match="joint 'B' has laws or sides of another kind"):
         reassembled(base, other)
     with pytest.raises(ValueError, match="all of them at once"):
@@ -130,7 +160,10 @@ def test_refitting_refuses_what_it_cannot_do():
 
 
 def test_distance_of_two_turns():
-    before, after = np.array([[1.0, 0.0, -4.0], [2.0, 0.0, 1.0]]), np.array([[1.0, 0.0, -5.0], [1.5, 0.0, 1.0]])
+    before, after = (
+        np.array([[1.0, 0.0, -4.0], [2.0, 0.0, 1.0]]),
+        np.array([[1.0, 0.0, -5.0], [1.5, 0.0, 1.0]]),
+    )
     assert distance(before, after) == pytest.approx(0.25)
     assert distance(before, before) == 0.0
 
@@ -144,7 +177,9 @@ def test_advance_keeps_the_order_of_its_members():
 
 @pytest.mark.system("compiles several loops")
 def test_several_topologies_may_be_prepared_at_once():
-    """The steps of four topologies are written out by four threads that have nothing to go by; Python 3.11 cannot parse in two at once."""
+    """The steps of four topologies are written out by four threads that have nothing to go by; Python 3.11
+    cannot parse in two at once.
+    """
     mixed = [bars(), four_bar("BCD"), four_bar("C"), four_bar("BC")] * 2
     for _ in range(2):
         loops.straight_line.cache_clear()

@@ -1,14 +1,16 @@
-"""Runs of hours or of most of the memory are refused in Python as on the command line, before anything is stepped."""
+"""Runs of hours or of most of the memory are refused in Python as on the command line, before anything is
+stepped.
+"""
 
 from pathlib import Path
 
 import pytest
 
 import vfife
-from vfife import simulation
 from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.job.cost import run_cost
+from vfife.simulation import simulate as simulation
 
 CASE = Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml"
 
@@ -30,10 +32,16 @@ def test_a_run_of_hours_is_refused_unless_it_is_meant(monkeypatch):
 def test_memory_counts_only_where_outputs_stay_in_it(monkeypatch, tmp_path):
     monkeypatch.setattr(simulation, "run", never)
     monkeypatch.setattr("vfife.job.cost.physical_memory", lambda: 10**9)
-    model, given = vfife.load_model(CASE), {"turns": 2, "outputs": 1_000_000, "step": "20 ns", "reference": False}
+    model, given = (
+        vfife.load_model(CASE),
+        {"turns": 2, "outputs": 1_000_000, "step": "20 ns", "reference": False},
+    )
     with pytest.raises(ModelError, match="of memory, of which there are 1 GB.*give a file for the outputs"):
         vfife.simulate(model, **given)
-    with vfife.results.runfile.RunFile.create(tmp_path / "run.sqlite") as file, pytest.raises(AssertionError, match="it was stepped"):
+    with (
+        vfife.store.runfile.RunFile.create(tmp_path / "run.sqlite") as file,
+        pytest.raises(AssertionError, match="it was stepped"),
+    ):
         vfife.simulate(model, file=file, **given)
 
 

@@ -15,16 +15,16 @@ from scipy.integrate import solve_bvp
 
 import vfife
 from vfife import gallery
-from vfife.analysis.measured import Measured
-from vfife.analysis.meshes import error_of, sizes
-from vfife.analysis.ranges import trust
 from vfife.assembly.assemble import assemble
 from vfife.laws import Material
+from vfife.measures.measured import Measured
+from vfife.measures.meshes import error_of, sizes
+from vfife.measures.ranges import trust
 from vfife.model.bodies import Member, Section
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings
 from vfife.report.summary import show
-from vfife.result import Result
+from vfife.simulation.result import Result
 from vfife.solvers import refinement
 from vfife.solvers.refinement import meshed, other_meshes, refinable, worth_other_meshes
 
@@ -50,7 +50,13 @@ def elastica(load: float) -> tuple[float, float]:
         return np.vstack([y[1], -load * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])])
 
     mesh = np.linspace(0.0, 1.0, 201)
-    found = solve_bvp(rates, lambda a, b: np.array([a[0], b[1], a[2], a[3]]), mesh, np.vstack([mesh, 1.0 - mesh, mesh, 0.0 * mesh]), tol=1e-9)
+    found = solve_bvp(
+        rates,
+        lambda a, b: np.array([a[0], b[1], a[2], a[3]]),
+        mesh,
+        np.vstack([mesh, 1.0 - mesh, mesh, 0.0 * mesh]),
+        tol=1e-9,
+    )
     assert found.success
     return float(found.y[1, 0]), math.hypot(found.y[2, -1] - 1.0, found.y[3, -1])
 
@@ -63,7 +69,9 @@ def test_the_elastica_lies_in_the_range(elements: int, load: float) -> None:
     found, moved = result.measures["clamp.moment.max"], result.measures["displacement.max"]
     assert found.low <= moment <= found.high and moved.low <= way <= moved.high
     assert found.estimated and moved.estimated and found.width < 2.0 * moment / elements**1.5
-    assert result.measures["load_factor"].estimated and result.measures["load_factor"].width == 0.0  # nobody doubts that
+    assert (
+        result.measures["load_factor"].estimated and result.measures["load_factor"].width == 0.0
+    )  # nobody doubts that
 
 
 @pytest.mark.parametrize(("elements", "wrong"), [(2, 0.25), (4, 0.0625), (8, 0.0156)])
@@ -93,7 +101,12 @@ def frame(elements: int) -> Mechanism:
     m.point("O", 0.0, 0.0)
     m.point("Q", 1.2, 0.0)
     nodes = {"a": (0.0, 0.0), "b": (0.0, 1.0), "c": (1.2, 1.0), "d": (1.2, 0.0), "e": (0.6, 1.0)}
-    m.frame("frame", nodes=nodes, members=[Member(*ends, elements) for ends in ("ab", "be", "ec", "cd")], **SLENDER)
+    m.frame(
+        "frame",
+        nodes=nodes,
+        members=[Member(*ends, elements) for ends in ("ab", "be", "ec", "cd")],
+        **SLENDER,
+    )
     m.weld("left", "ground.O", "frame.a")
     m.revolute("right", "ground.Q", "frame.d")
     m.loads["P"] = PointForce(name="P", at="frame.e", force=(0.6, -2.0))
@@ -131,7 +144,12 @@ def test_an_error_from_meshes(values: tuple[float, dict[float, float]], error: f
 def test_what_has_no_elements_that_can_be_halved_is_not_estimated() -> None:
     two = cantilever(4)
     two.bodies["beam"] = dataclasses.replace(two.bodies["beam"], model="two-particle")
-    assert refinable(cantilever(4)) and not refinable(two) and not refinable(gallery.toggle_press()) and refinable(frame(1))
+    assert (
+        refinable(cantilever(4))
+        and not refinable(two)
+        and not refinable(gallery.toggle_press())
+        and refinable(frame(1))
+    )
     result = vfife.simulate(gallery.toggle_press())
     assert not result.measures["knee.force.max"].estimated and result.measures["iterations"].estimated
     assert "knee.force.max" in result.summary["not_estimated"] and result.summary["trust"] == {}
@@ -145,7 +163,10 @@ def test_meshes_with_twice_and_half_the_elements() -> None:
 
 
 def test_which_meshes_are_analysed() -> None:
-    shares = {count: set(other_meshes(vfife.simulate(cantilever(count), companions=0).record)) for count in (1, 2, 3)}
+    shares = {
+        count: set(other_meshes(vfife.simulate(cantilever(count), companions=0).record))
+        for count in (1, 2, 3)
+    }
     assert shares == {1: {2.0, 4.0}, 2: {0.5, 2.0}, 3: {2.0, 4.0}}
 
 
@@ -164,7 +185,10 @@ def test_an_analysis_that_fails_has_no_estimate() -> None:
     short.settings = dataclasses.replace(short.settings, iterations=200)
     result = vfife.simulate(short)
     assert result.record.status == "not converged" and result.record.estimate is None
-    assert not result.measures["clamp.force.max"].estimated and "clamp.force.max" in result.summary["not_estimated"]
+    assert (
+        not result.measures["clamp.force.max"].estimated
+        and "clamp.force.max" in result.summary["not_estimated"]
+    )
 
 
 @pytest.mark.system("relaxes frames of several sizes")
@@ -172,7 +196,11 @@ def test_what_carries_nothing_makes_no_mesh_coarse() -> None:
     """A beam under a moment alone has no force at its clamp but what the residual leaves."""
     result = vfife.simulate(gallery.elastica_circle())
     size = sizes(result.record, {name: one.value for name, one in result.measures.items()})
-    assert "clamp.moment.max" in size and "clamp.force.max" not in size and result.measures["clamp.force.max"].estimated
+    assert (
+        "clamp.moment.max" in size
+        and "clamp.force.max" not in size
+        and result.measures["clamp.force.max"].estimated
+    )
 
 
 def test_it_is_shown_and_kept(tmp_path) -> None:
@@ -186,7 +214,9 @@ def test_it_is_shown_and_kept(tmp_path) -> None:
         assert "Ranges are the errors of the mesh" in text and "not estimated" not in text
         [line] = [line for line in text.splitlines() if line.strip().startswith("clamp.moment.max")]
         assert " to " in line
-    assert {name: repr(one) for name, one in again.measures.items()} == {name: repr(one) for name, one in result.measures.items()}
+    assert {name: repr(one) for name, one in again.measures.items()} == {
+        name: repr(one) for name, one in result.measures.items()
+    }
     console = Console(file=io.StringIO(), width=120)
     show(console, vfife.simulate(cantilever(2), companions=0))
     text = console.file.getvalue()

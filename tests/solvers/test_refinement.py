@@ -13,11 +13,11 @@ import pytest
 import vfife
 from support import with_settings
 from vfife import gallery
-from vfife.analysis.measured import Measured
-from vfife.analysis.measures import PEAKS
-from vfife.analysis.ranges import Trust, error_of, estimate, finer, ranged, sizes, trust, values_of
+from vfife.measures.catalogue import PEAKS
+from vfife.measures.measured import Measured
+from vfife.measures.ranges import Trust, error_of, estimate, finer, ranged, sizes, trust, values_of
 from vfife.model.mechanism import Mechanism
-from vfife.result import Result
+from vfife.simulation.result import Result
 from vfife.solvers.refinement import FINER, PARTS, SAMPLED, Differences, refine
 
 
@@ -37,7 +37,9 @@ def test_the_order_is_two(make) -> None:
 
 
 def test_the_error_of_a_pendulum() -> None:
-    """The largest force at the pin is m g (1 + 3/2 (1 - cos a)) at the lowest point: energy and the centripetal acceleration of a rod."""
+    """The largest force at the pin is m g (1 + 3/2 (1 - cos a)) at the lowest point: energy and the
+    centripetal acceleration of a rod.
+    """
     result = vfife.simulate(pendulum(), step=4e-3)
     one = result.measures["O.force.max"]
     truth = 1.5 * 9.81 * (1.0 + 1.5 * (1.0 - math.cos(2.0)))
@@ -45,17 +47,23 @@ def test_the_error_of_a_pendulum() -> None:
     assert one.low <= truth <= one.high
 
 
-@pytest.mark.parametrize("make", [gallery.four_bar_ideal, gallery.six_bar_press, gallery.quick_return, gallery.jansen_leg])
+@pytest.mark.parametrize(
+    "make", [gallery.four_bar_ideal, gallery.six_bar_press, gallery.quick_return, gallery.jansen_leg]
+)
 def test_the_truth_lies_in_the_range(make) -> None:
     result = vfife.simulate(make(), reference=False)
     truth = vfife.simulate(make(), step=result.record.assembly.choice.step / 8.0, companions=0).measures
     turn, driven = result.record.assembly.choice.turn, result.crank
     assert turn is not None
     largest = result.measures["A.force.max" if "A.force.max" in result.measures else "O.force.max"]
-    torque = result.measures[f"{driven}.torque.max"]  # whose mean over a turn without losses is zero, but for the step
+    torque = result.measures[
+        f"{driven}.torque.max"
+    ]  # whose mean over a turn without losses is zero, but for the step
     idle = {".power.mean": 1e-7 * 2.0 * math.pi / turn * torque, ".torque.mean": 1e-7 * torque}
     for name, one in result.measures.items():
-        slack = 1e-6 * abs(one) + next((least for ending, least in idle.items() if name.endswith(ending)), 1e-9 * largest)
+        slack = 1e-6 * abs(one) + next(
+            (least for ending, least in idle.items() if name.endswith(ending)), 1e-9 * largest
+        )
         assert one.low - slack <= truth[name] <= one.high + slack, name
 
 
@@ -78,7 +86,7 @@ def test_companions_turn_it_off_and_on() -> None:
 
 
 def _made(mechanism: Mechanism) -> bool:
-    from vfife.simulation import prepare
+    from vfife.simulation.simulate import prepare
     from vfife.solvers.arguments import RunArguments
 
     return prepare(mechanism, RunArguments()).refined
@@ -94,16 +102,24 @@ def test_it_is_kept(tmp_path) -> None:
 
 
 def test_every_measure_has_an_error() -> None:
-    """Means, powers and shaking forces too; the place of the largest stress jumps from node to node, and has none."""
+    """Means, powers and shaking forces too; the place of the largest stress jumps from node to node, and has
+    none.
+    """
     for make in (gallery.four_bar_ideal, gallery.quick_return, gallery.elastic_pendulum):
         measures = vfife.simulate(make(), reference=False).measures
-        assert [name for name, one in measures.items() if not one.estimated] == [name for name in measures if name.endswith(".place")]
-        assert any(name == "ground.shaking_force.max" and one.low < one < one.high for name, one in measures.items())
+        assert [name for name, one in measures.items() if not one.estimated] == [
+            name for name in measures if name.endswith(".place")
+        ]
+        assert any(
+            name == "ground.shaking_force.max" and one.low < one < one.high for name, one in measures.items()
+        )
 
 
 @pytest.mark.system("runs with a quarter of the step")
 def test_means_of_turns_have_the_error_of_the_same_turns() -> None:
-    """A follower with a damper to the ground, over four turns: the mean power is told with its error, and the truth lies within it."""
+    """A follower with a damper to the ground, over four turns: the mean power is told with its error, and the
+    truth lies within it.
+    """
     mechanism = with_settings(gallery.four_bar_ideal(), turns=4.0)
     mechanism.torsional_spring("damper", "ground", list(mechanism.bodies)[-1], damping=0.05)
     turn = vfife.simulate(mechanism, companions=0).record.assembly.choice.turn
@@ -148,7 +164,10 @@ def test_runs_that_agree_by_chance_leave_a_floor() -> None:
     errors = estimate(record, refined).errors
     size = sizes({name: Measured(value) for name, value in values_of(record, record).items()}, 0.02)
     assert errors["O.force.max"] == pytest.approx(
-        0.1 * size["O.force.max"] * errors["rod.angular_acceleration.max"] / size["rod.angular_acceleration.max"]
+        0.1
+        * size["O.force.max"]
+        * errors["rod.angular_acceleration.max"]
+        / size["rod.angular_acceleration.max"]
     )
     assert errors["O.force.max"] > 0.0
 
@@ -165,7 +184,9 @@ def test_a_run_whose_steps_do_not_come_together_is_sensitive() -> None:
 
 def compared(own: list[float], half: list[float], quarter: list[float]) -> Differences:
     """Differences of a body that moves along x; 80 outputs."""
-    record = vfife.simulate(with_settings(pendulum(), duration=0.8), step=0.01, outputs=80, companions=0, force_step=True).record
+    record = vfife.simulate(
+        with_settings(pendulum(), duration=0.8), step=0.01, outputs=80, companions=0, force_step=True
+    ).record
     differences = Differences(record, record.kept)
     rows = np.zeros((3, 81, len(record.kept)))
     rows[:, :, differences.columns[1]] = own, half, quarter
@@ -179,12 +200,20 @@ def test_differences_that_stop_falling_before_the_end_are_seen() -> None:
     """Second order in the first three quarters, none in the last: there the motion is decided by the steps."""
     time = np.arange(81) / 80.0
     good = compared(np.sin(9.0 * time) + 0.016, np.sin(9.0 * time) + 0.004, np.sin(9.0 * time) + 0.001)
-    assert good.ratio() == pytest.approx(0.25, abs=1e-3) and all(good.converges(part) for part in range(PARTS))
+    assert good.ratio() == pytest.approx(0.25, abs=1e-3) and all(
+        good.converges(part) for part in range(PARTS)
+    )
     late = np.where(time > 0.8, 0.03, 0.0)
     bad = compared(np.sin(9.0 * time) + 0.016, np.sin(9.0 * time) + 0.004 + late, np.sin(9.0 * time) + 0.001)
     assert not bad.converges(0) and not bad.converges(6)
-    early = compared(np.sin(9.0 * time) + 0.016, np.sin(9.0 * time) + 0.004 + 0.03 * (time < 0.2), np.sin(9.0 * time) + 0.001)
-    assert not early.converges(0) and early.converges(4)  # measures of the last turn do not need the first one
+    early = compared(
+        np.sin(9.0 * time) + 0.016,
+        np.sin(9.0 * time) + 0.004 + 0.03 * (time < 0.2),
+        np.sin(9.0 * time) + 0.001,
+    )
+    assert not early.converges(0) and early.converges(
+        4
+    )  # measures of the last turn do not need the first one
     small = compared(np.sin(9.0 * time) + 5e-4, np.sin(9.0 * time), np.sin(9.0 * time) + 5e-4)
     assert small.converges(0)  # differences that decide nothing
 
@@ -195,36 +224,51 @@ def test_a_motion_that_the_steps_decide_is_sensitive() -> None:
     result = vfife.simulate(with_settings(m, duration=60.0), step=1e-3, outputs=600, force_step=True)
     said = trust(result.record, result.measures)
     assert said is not None and not said.converges and said.sensitive
-    assert "does not come closer" in result.summary["warnings"][0] and not result.summary["trust"]["converges"]
+    assert (
+        "does not come closer" in result.summary["warnings"][0] and not result.summary["trust"]["converges"]
+    )
 
 
 def test_repetitions_are_as_long_as_the_run() -> None:
     record = vfife.simulate(pendulum(), companions=0).record
     refined = refine(record)
     for part, one in zip((2, 4), (refined.half, refined.quarter), strict=True):
-        assert one.assembly.choice.step == record.assembly.choice.step / part and one.steps[-1] == part * record.steps[-1]
+        assert (
+            one.assembly.choice.step == record.assembly.choice.step / part
+            and one.steps[-1] == part * record.steps[-1]
+        )
         assert one.rows.shape == record.rows.shape
-        again = vfife.simulate(pendulum(), step=record.assembly.choice.step / part, outputs=len(record.steps) - 1, companions=0).record
+        again = vfife.simulate(
+            pendulum(), step=record.assembly.choice.step / part, outputs=len(record.steps) - 1, companions=0
+        ).record
         np.testing.assert_array_equal(one.rows, again.rows)
 
 
 def test_noise_of_second_differences_goes_with_size_over_acceleration():
-    """Rounding of places of the size L over a squared step is EPS L / dt**2: the share of the accelerations P that it is, is that over P."""
+    """Rounding of places of the size L over a squared step is EPS L / dt**2: the share of the accelerations P
+    that it is, is that over P.
+    """
     size, push, step = 3.0, 40.0, 1e-3
     rows = np.zeros((5, 6))
     rows[:, 0], rows[:, 3] = size, push  # x and ax; nothing turns
     layout = SimpleNamespace(rows_of=lambda name: np.array([SAMPLED.index(name)]))
     choice = SimpleNamespace(step=step)
-    record = SimpleNamespace(assembly=SimpleNamespace(layout=layout, choice=choice), rows=rows, kept=np.arange(6, dtype=np.uint32))
+    record = SimpleNamespace(
+        assembly=SimpleNamespace(layout=layout, choice=choice), rows=rows, kept=np.arange(6, dtype=np.uint32)
+    )
     _, _, noise = Differences(record, np.arange(6, dtype=np.uint32)).scaled()
     rounding = np.finfo(float).eps * (FINER[-1] / step) ** 2
     assert noise[3:5] == pytest.approx(rounding * size / push, rel=1e-12)
-    assert noise[5] == pytest.approx(rounding / (push / size), rel=1e-12), "nothing turns faster than what would push it so"
+    assert noise[5] == pytest.approx(rounding / (push / size), rel=1e-12), (
+        "nothing turns faster than what would push it so"
+    )
 
 
 def test_a_smooth_run_is_known_as_far_as_its_worst_error():
     """The share of the size by which the worst measure may be wrong to each side, not the width of its range."""
-    record = vfife.simulate(vfife.gallery.four_bar_case_b().ideal(), turns=0.3, step="0.2 ms", force_step=True, reference=False).record
+    record = vfife.simulate(
+        vfife.gallery.four_bar_case_b().ideal(), turns=0.3, step="0.2 ms", force_step=True, reference=False
+    ).record
     said = trust(record)
     found = sizes(ranged(record, every=PEAKS), record.assembly.choice.step)
     worst = max(record.estimate.errors[name] / size for name, size in found.items())

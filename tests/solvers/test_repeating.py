@@ -1,4 +1,6 @@
-"""Whether turns repeat, and with which period: sequences whose periods are known, a decay whose rate is, a ball on a table."""
+"""Whether turns repeat, and with which period: sequences whose periods are known, a decay whose rate is, a
+ball on a table.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +11,8 @@ import numpy as np
 import pytest
 
 from support import four_bar
-from vfife.analysis.turns import FEW, MANY, Turns, settling, told
 from vfife.assembly.assemble import assemble
+from vfife.measures.turns import FEW, MANY, Turns, settling, told
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import LONGEST, Comparison, Settling, distance, outputs_of_a_turn, repeated_since
@@ -39,12 +41,19 @@ def logistic(r: float, count: int, start: float = 0.3) -> np.ndarray:
     return np.array(x)
 
 
-# Periods of x -> r x (1 - x), May, Nature 261 (1976): doublings at 3, 1 + sqrt 6, 3.5441; chaos beyond 3.5699 but for windows, 3 from 1 + sqrt 8.
-@pytest.mark.parametrize(("r", "period"), [(2.8, 1), (3.2, 2), (3.5, 4), (3.55, 8), (1.0 + math.sqrt(8.0) + 0.003, 3)])
+# Periods of x -> r x (1 - x), May, Nature 261 (1976): doublings at 3, 1 + sqrt 6, 3.5441; chaos beyond 3.5699
+# but for windows, 3 from 1 + sqrt 8.
+@pytest.mark.parametrize(
+    ("r", "period"), [(2.8, 1), (3.2, 2), (3.5, 4), (3.55, 8), (1.0 + math.sqrt(8.0) + 0.003, 3)]
+)
 def test_the_logistic_map_has_the_periods_it_is_known_for(r: float, period: int) -> None:
     found = say(logistic(r, 300))
     assert (found.motion, found.period) == ("periodic", period)
-    assert found.since is not None and found.first >= found.since and (found.last - found.first + 1) % period == 0
+    assert (
+        found.since is not None
+        and found.first >= found.since
+        and (found.last - found.first + 1) % period == 0
+    )
     assert found.last == found.count == 300
 
 
@@ -56,7 +65,9 @@ def test_chaos_is_not_periodic(r: float) -> None:
 
 
 def test_a_quasi_periodic_sequence_is_not_periodic() -> None:
-    """Turns of the golden mean come near each other after 1, 2, 3, 5, 8 ... turns, by 1/(sqrt 5 n) of a round at the nearest."""
+    """Turns of the golden mean come near each other after 1, 2, 3, 5, 8 ... turns, by 1/(sqrt 5 n) of a round
+    at the nearest.
+    """
     golden = 0.5 * (math.sqrt(5.0) - 1.0)
     found = say(2.0 + np.sin(2.0 * math.pi * golden * np.arange(80)), 0.01)
     assert found.motion == "not periodic" and found.distance > 0.01
@@ -78,12 +89,17 @@ def test_a_transient_of_known_rate_ends_where_it_must(rate: float, tolerance: fl
     assert (found.motion, found.period, found.since) == ("periodic", 1, since)
     assert found.first == since and found.distance == pytest.approx(apart[-1])
     short = say(x[: since - 1], tolerance)
-    assert short.motion == ("settling" if since > 6 else "unsettled") and (short.first, short.last) == (short.count, short.count)
+    assert short.motion == ("settling" if since > 6 else "unsettled") and (short.first, short.last) == (
+        short.count,
+        short.count,
+    )
 
 
 def test_a_slow_decay_is_settling_and_chaos_is_not() -> None:
     assert settling(0.95 ** np.arange(30)) and not settling(np.abs(np.diff(logistic(3.9, 30))))
-    assert not settling(np.full(20, 0.3)) and not settling([0.1, 0.05]) and not settling(0.99 ** np.arange(20))
+    assert (
+        not settling(np.full(20, 0.3)) and not settling([0.1, 0.05]) and not settling(0.99 ** np.arange(20))
+    )
 
 
 def test_a_run_of_few_turns_is_told_by_its_last_period() -> None:
@@ -93,7 +109,10 @@ def test_a_run_of_few_turns_is_told_by_its_last_period() -> None:
         assert (found.motion, found.since, found.first, found.last) == ("periodic", 3, count, count)
     longer = say(x[: FEW + 3])
     assert (longer.since, longer.first, longer.last) == (3, 3, FEW + 3)
-    assert say(logistic(3.9, MANY - 1)).motion == "unsettled" and say(logistic(3.9, MANY)).motion == "not periodic"
+    assert (
+        say(logistic(3.9, MANY - 1)).motion == "unsettled"
+        and say(logistic(3.9, MANY)).motion == "not periodic"
+    )
     assert math.isnan(say(x[:1]).distance)
 
 
@@ -110,10 +129,13 @@ def test_means_are_over_a_hundred_turns_at_the_most() -> None:
 
 
 def bounces(acceleration: float, restitution: float, count: int) -> np.ndarray:
-    """Speeds after each landing of a ball that bounces high on a table which goes up and down, the map of Holmes, J. Sound Vib. 84 (1982):
-    in units in which the table's period is 2 pi and the time of flight is the speed.
+    """Speeds after each landing of a ball that bounces high on a table which goes up and down, the map of
+    Holmes, J. Sound Vib. 84 (1982): in units in which the table's period is 2 pi and the time of flight is
+    the speed.
     """
-    phase = 0.01 - math.acos(max(-1.0, 2.0 * math.pi * (restitution - 1.0) / acceleration))  # near where it lands once a period of the table
+    phase = 0.01 - math.acos(
+        max(-1.0, 2.0 * math.pi * (restitution - 1.0) / acceleration)
+    )  # near where it lands once a period of the table
     speed, found = 2.0 * math.pi, []
     for _ in range(count):
         phase = phase + speed
@@ -123,8 +145,8 @@ def bounces(acceleration: float, restitution: float, count: int) -> np.ndarray:
 
 
 def test_a_bouncing_ball_doubles_its_period_where_theory_says() -> None:
-    """Holmes: bouncing once a period is born at gamma = 2 pi (1 - alpha), where alpha is the restitution, and doubles its period at
-    gamma^2 = (2 pi (1 - alpha))^2 + 4 (1 + alpha)^2.
+    """Holmes: bouncing once a period is born at gamma = 2 pi (1 - alpha), where alpha is the restitution, and
+    doubles its period at gamma^2 = (2 pi (1 - alpha))^2 + 4 (1 + alpha)^2.
     """
     alpha = 0.4
     born = 2.0 * math.pi * (1.0 - alpha)
@@ -134,7 +156,8 @@ def test_a_bouncing_ball_doubles_its_period_where_theory_says() -> None:
     assert say(bounces(1.02 * doubled, alpha, 2000), 1e-4).period == 2
 
 
-# ------------------------------------------------------------------------------------------------------ while a run goes on
+# ------------------------------------------------------------------------------------------------------ while
+# a run goes on
 
 
 @pytest.fixture(scope="module")
@@ -153,9 +176,13 @@ def rows_of(cut, values: np.ndarray) -> np.ndarray:
     return rows
 
 
-@pytest.mark.parametrize("values", [logistic(3.2, 40), logistic(3.5, 40), 1.0 + 0.5 ** np.arange(40), logistic(3.9, 40)])
+@pytest.mark.parametrize(
+    "values", [logistic(3.2, 40), logistic(3.5, 40), 1.0 + 0.5 ** np.arange(40), logistic(3.9, 40)]
+)
 def test_a_run_ends_where_it_is_found_to_repeat(cut, values: np.ndarray) -> None:
-    """The watch ends it at the first turn after which the whole run would be called periodic, whatever pieces outputs come in."""
+    """The watch ends it at the first turn after which the whole run would be called periodic, whatever pieces
+    outputs come in.
+    """
     rows = rows_of(cut, values)
     ends = []
     for piece in (1, 2, 5):
@@ -171,7 +198,9 @@ def test_a_run_ends_where_it_is_found_to_repeat(cut, values: np.ndarray) -> None
 
     def repeats(n: int, period: int) -> bool:
         some = max(period, 2)
-        return n >= period + some and all(comparison.distance(turns[k - period], turns[k]) <= 1e-3 for k in range(n - some, n))
+        return n >= period + some and all(
+            comparison.distance(turns[k - period], turns[k]) <= 1e-3 for k in range(n - some, n)
+        )
 
     wanted = next((n for n in range(1, 41) if any(repeats(n, period) for period in range(1, 9))), None)
     assert ends[0] == wanted
@@ -206,7 +235,9 @@ def test_what_is_next_to_nothing_does_not_keep_turns_apart(cut) -> None:
 
 
 def test_rounding_of_what_carries_nothing_does_not_keep_turns_apart(cut) -> None:
-    """A torque of 1e-5 N m beside forces of 10 kN is none, nor are second differences of an angle that is known to sixteen digits."""
+    """A torque of 1e-5 N m beside forces of 10 kN is none, nor are second differences of an angle that is
+    known to sixteen digits.
+    """
     comparison = Comparison(*cut)
     before, after = np.zeros((2, 5, len(comparison.columns)))
     before[2, comparison.families["squares"][0]] = after[2, comparison.families["squares"][0]] = 1e8
@@ -230,7 +261,9 @@ def test_rows_of_turns_do_not_depend_on_the_pieces_that_come(pieces: list[int]) 
         gathered.take(rows[at : at + piece])
         at += piece
     found = gathered.array(3)
-    assert np.array_equal(found[:, 0], rows[:10, 0].reshape(2, 5, 3).max(axis=1)) and np.array_equal(found[:, 1], rows[[4, 9], 1])
+    assert np.array_equal(found[:, 0], rows[:10, 0].reshape(2, 5, 3).max(axis=1)) and np.array_equal(
+        found[:, 1], rows[[4, 9], 1]
+    )
     assert gathered.array(3, 9).shape == (1, 2, 3)
 
 

@@ -14,7 +14,7 @@ from vfife.model.bodies import Section
 from vfife.model.drivers import AngleTable, ConstantSpeed, StepTo, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings
-from vfife.result import Result
+from vfife.simulation.result import Result
 from vfife.solvers.statics import equilibrium
 
 
@@ -22,7 +22,15 @@ def beam(*factors: float, **settings) -> Mechanism:
     """A cantilever of L = 1 m, EI = 1 N m^2."""
     m = Mechanism("beam", settings=Settings(analysis="static", load_factors=factors or (1.0,), **settings))
     m.point("O", 0.0, 0.0)
-    m.link("b", length=1.0, mass=1.0, model="elastic", elements=4, section=Section(1.0, 1e-4), material=Material(youngs_modulus=1e4))
+    m.link(
+        "b",
+        length=1.0,
+        mass=1.0,
+        model="elastic",
+        elements=4,
+        section=Section(1.0, 1e-4),
+        material=Material(youngs_modulus=1e4),
+    )
     m.weld("clamp", "ground.O", "b.start")
     return m
 
@@ -35,14 +43,18 @@ def test_gravity_and_constant_loads_are_multiplied_and_tables_are_read():
     """Small deflections: F L^3/3EI for each."""
     m = beam(0.5, 1.0)
     m.loads["constant"] = PointForce(name="constant", at="b.end", force=(0.0, 1e-4))
-    m.loads["table"] = PointForce(name="table", at="b.end", force=(0.0, 1e-4), times=(0.0, 0.5, 1.0), factors=(0.0, 3.0, 0.0))
+    m.loads["table"] = PointForce(
+        name="table", at="b.end", force=(0.0, 1e-4), times=(0.0, 0.5, 1.0), factors=(0.0, 3.0, 0.0)
+    )
     found = tip(vfife.simulate(m))
     assert found == pytest.approx(np.array([0.0, 0.5 + 3.0, 1.0]) * 1e-4 / 3.0, rel=1e-4, abs=1e-12)
     n = beam(0.5, 1.0)
     n.gravity = (0.0, -1e-4)
     sag = tip(vfife.simulate(n))
     assert sag[2] == pytest.approx(2.0 * sag[1], rel=1e-4)
-    lumped = sum(w * s**2 * (3.0 - s) / 6.0 for w, s in ((0.25, 0.25), (0.25, 0.5), (0.25, 0.75), (0.125, 1.0)))
+    lumped = sum(
+        w * s**2 * (3.0 - s) / 6.0 for w, s in ((0.25, 0.25), (0.25, 0.5), (0.25, 0.75), (0.125, 1.0))
+    )
     assert sag[2] == pytest.approx(-1e-4 * lumped, rel=1e-4)
 
 
@@ -93,7 +105,9 @@ def test_the_result_is_one_equilibrium_a_factor(tmp_path):
 def test_the_same_bits_again_and_interpreted():
     m = beam(0.2, residual=1e-3)
     m.loads["F"] = PointForce(name="F", at="b.end", force=(0.0, 1.0))
-    m.bodies["b"] = dataclasses.replace(m.bodies["b"], elements=2, material=Material(youngs_modulus=1e4), section=Section(1.0, 1e-2))
+    m.bodies["b"] = dataclasses.replace(
+        m.bodies["b"], elements=2, material=Material(youngs_modulus=1e4), section=Section(1.0, 1e-2)
+    )
     one, two = equilibrium(assemble(m)), equilibrium(assemble(m), loop="interpreted")
     assert (one.rows == two.rows).all()
 
@@ -136,14 +150,18 @@ def test_settings_without_meaning_are_refused_together():
 
 
 def test_a_crank_at_constant_speed_stands_at_speed_times_factor():
-    m = Mechanism("crank", gravity=(0.0, -10.0), settings=Settings(analysis="static", load_factors=(1.0, 2.0)))
+    m = Mechanism(
+        "crank", gravity=(0.0, -10.0), settings=Settings(analysis="static", load_factors=(1.0, 2.0))
+    )
     m.point("O", 0.0, 0.0)
     m.link("crank", length=1.0, mass=1.0, angle=0.2)
     m.revolute("A", "ground.O", "crank.start")
     m.drivers["crank"] = ConstantSpeed(body="crank", speed=0.5)
     record = equilibrium(assemble(m))
     assert record.block("particle_theta")[:, 1] == pytest.approx([0.2, 0.7, 1.2])
-    assert record.block("driven_torque")[1:, 0] == pytest.approx([5.0 * math.cos(0.7), 10.0 * math.cos(1.2)], rel=1e-9)
+    assert record.block("driven_torque")[1:, 0] == pytest.approx(
+        [5.0 * math.cos(0.7), 10.0 * math.cos(1.2)], rel=1e-9
+    )
     assert record.block("driven_fy")[1:, 0] == pytest.approx([10.0, 20.0], rel=1e-9)
 
 

@@ -1,4 +1,6 @@
-"""A mechanism stepped from outside: the bits of a run while nothing is set, closed forms for what is set, and the energy that it brings."""
+"""A mechanism stepped from outside: the bits of a run while nothing is set, closed forms for what is set, and
+the energy that it brings.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ import pytest
 
 import vfife
 from vfife.model.loads import Load
-from vfife.study.cosimulation import Table
+from vfife.simulation.cosimulation import Table
 
 STEP = 1e-5
 
@@ -32,8 +34,23 @@ def stepped(m: vfife.Mechanism, step: float = STEP, **more: Any) -> vfife.Simula
 
 
 TORQUE = {"motor": vfife.Torque(body="rotor", value=0.0)}
-CHANNELS = ["C.force", "C.penetration", "C.impacts", "coupler.angular_velocity", "crank.angular_velocity", "crank.angle", "follower.x"]
-CHANNELS += ["follower.angular_acceleration", "crank.torque", "B.friction_force", "B.eccentricity_y", "kinetic_energy", "energy_residual"]
+CHANNELS = [
+    "C.force",
+    "C.penetration",
+    "C.impacts",
+    "coupler.angular_velocity",
+    "crank.angular_velocity",
+    "crank.angle",
+    "follower.x",
+]
+CHANNELS += [
+    "follower.angular_acceleration",
+    "crank.torque",
+    "B.friction_force",
+    "B.eccentricity_y",
+    "kinetic_energy",
+    "energy_residual",
+]
 
 
 @pytest.mark.parametrize("loop", ["data-driven", "generated"])
@@ -46,19 +63,28 @@ def test_it_has_the_bits_of_a_run_while_nothing_is_set(loop: Any) -> None:
             if between > simulation.time:
                 simulation.advance(between)
         assert simulation.time == time
-        assert {name: simulation.read(name) for name in CHANNELS} == {name: float(result.series[name][k]) for name in CHANNELS}
+        assert {name: simulation.read(name) for name in CHANNELS} == {
+            name: float(result.series[name][k]) for name in CHANNELS
+        }
 
 
-@pytest.mark.parametrize("make", ["slider_crank_loose_pin", "gear_train", "quick_return", "block_on_incline", "six_bar_press"])
+@pytest.mark.parametrize(
+    "make", ["slider_crank_loose_pin", "gear_train", "quick_return", "block_on_incline", "six_bar_press"]
+)
 def test_so_it_has_of_other_mechanisms(make: str) -> None:
     m = getattr(vfife.gallery, make)()
     step = 1e-6 if m.contacts else 1e-5
-    result = vfife.simulate(m, step=step, duration=100 * step, outputs=1, loop="data-driven", companions=0, reference=False)
+    result = vfife.simulate(
+        m, step=step, duration=100 * step, outputs=1, loop="data-driven", companions=0, reference=False
+    )
     simulation = stepped(m, step)
     simulation.advance(result.time[-1])
     assert simulation.time == result.time[-1]
     assert {name: simulation.read(name) for name in result.series if "_max" not in name} == pytest.approx(
-        {name: float(values[-1]) for name, values in result.series.items() if "_max" not in name}, abs=0.0, rel=0.0, nan_ok=True
+        {name: float(values[-1]) for name, values in result.series.items() if "_max" not in name},
+        abs=0.0,
+        rel=0.0,
+        nan_ok=True,
     )
 
 
@@ -76,7 +102,9 @@ def test_a_torque_acts_from_half_a_step_later_and_stays() -> None:
 
 
 def test_what_torques_bring_is_in_the_ledger() -> None:
-    """The work is the sum of torque times the angle that it is felt over, from half a step before to half a step after."""
+    """The work is the sum of torque times the angle that it is felt over, from half a step before to half a
+    step after.
+    """
     simulation, draw = stepped(rotor(**TORQUE)), np.random.default_rng(3)
     torques, angles = [0.0], [0.0]
     for k in range(1, 200):
@@ -91,13 +119,17 @@ def test_what_torques_bring_is_in_the_ledger() -> None:
     angles.append(0.0)
     felt = [0.5 * (after - before) for before, after in zip(angles[:-2], angles[2:], strict=True)]
     felt[-1] = felt_last(simulation, angles)
-    assert supplied == pytest.approx(math.fsum(m * a for m, a in zip(torques[1:], felt, strict=True)), rel=1e-9)
+    assert supplied == pytest.approx(
+        math.fsum(m * a for m, a in zip(torques[1:], felt, strict=True)), rel=1e-9
+    )
     assert supplied == pytest.approx(kinetic, rel=1e-12) and kinetic > 1e-6
     assert simulation.read("energy_residual") == pytest.approx(0.0, abs=1e-12 * kinetic)
 
 
 def felt_last(simulation: vfife.Simulation, angles: list[float]) -> float:
-    """Half of the angle from one step before the last torque to one step after it; two steps more were made since, at constant speed."""
+    """Half of the angle from one step before the last torque to one step after it; two steps more were made
+    since, at constant speed.
+    """
     after = simulation.read("rotor.angle") - simulation.read("rotor.angular_velocity") * STEP
     return 0.5 * (after - angles[-3])
 
@@ -111,7 +143,9 @@ def test_a_torque_over_time_or_speed_gives_way_to_what_is_set() -> None:
     simulation.set("motor", 0.0)
     simulation.set("pulse", 0.0)
     simulation.advance(1e-3)
-    assert simulation.read("rotor.angular_velocity") == pytest.approx(0.0, abs=1e-3)  # of the start, which was before
+    assert simulation.read("rotor.angular_velocity") == pytest.approx(
+        0.0, abs=1e-3
+    )  # of the start, which was before
     speed = simulation.read("rotor.angular_velocity")
     simulation.advance(2e-3)
     assert simulation.read("rotor.angular_velocity") == speed
@@ -146,7 +180,9 @@ def test_a_load_of_any_kind_ends_where_it_is_set_to_nothing(kind: str) -> None:
     after = simulation.read("kinetic_energy")
     simulation.advance(50 * STEP)
     assert 0.0 < before < after == pytest.approx(simulation.read("kinetic_energy"), rel=1e-12)
-    assert simulation.inputs["push"] == ("force of the load along its guide (N)" if noun.along else "what multiplies the load (1)")
+    assert simulation.inputs["push"] == (
+        "force of the load along its guide (N)" if noun.along else "what multiplies the load (1)"
+    )
 
 
 def test_a_load_and_a_driver_of_one_name_are_told_apart() -> None:
@@ -167,7 +203,9 @@ def test_a_driver_goes_evenly_to_its_new_speed() -> None:
     assert simulation.read("rotor.angular_velocity") == pytest.approx(30.0, rel=1e-12)
     assert simulation.read("rotor.angle") == pytest.approx(0.01 + 0.02 * 2.0 + 0.03 * 2.0, rel=1e-12)
     assert simulation.read("rotor.torque") == pytest.approx(0.0, abs=1e-9)
-    assert simulation.read("energy_residual") == pytest.approx(0.0, abs=1e-3 * simulation.read("kinetic_energy"))
+    assert simulation.read("energy_residual") == pytest.approx(
+        0.0, abs=1e-3 * simulation.read("kinetic_energy")
+    )
 
 
 @pytest.mark.parametrize(
@@ -198,13 +236,17 @@ def test_so_does_a_slider_whatever_it_did_before(driver: Any) -> None:
 
 def test_a_table_is_the_polynomial_that_it_says() -> None:
     from vfife.kernels.polynomial import polynomial
-    from vfife.model.polynomials import sine
+    from vfife.model.geometry.polynomials import sine
 
     for function in (sine(1.0, 50.0, 0.3), vfife.Ramp(body="a", speed=3.0, duration=0.1).motion()):
         numbers = function.table()
         at, rate, _, kinks = polynomial(numbers, 0, 0.07)
         Table(memoryview(numbers), 0).go(0.07, 5.0, 0.01)
-        for time, wanted in ((0.07, at), (0.075, at + 0.5 * (rate + 0.5 * (rate + 5.0)) * 0.005), (0.09, at + 0.5 * (rate + 5.0) * 0.01 + 0.05)):
+        for time, wanted in (
+            (0.07, at),
+            (0.075, at + 0.5 * (rate + 0.5 * (rate + 5.0)) * 0.005),
+            (0.09, at + 0.5 * (rate + 5.0) * 0.01 + 0.05),
+        ):
             assert polynomial(numbers, 0, time)[0] == pytest.approx(wanted, rel=1e-12, abs=1e-12)
         assert polynomial(numbers, 0, 0.071)[3] > kinks and polynomial(numbers, 0, 0.085)[3] > kinks + 1
 

@@ -1,4 +1,6 @@
-"""Members wait for lanes: they are made when they are asked for, once each, and who makes some holds up nobody for whom others wait."""
+"""Members wait for lanes: they are made when they are asked for, once each, and who makes some holds up
+nobody for whom others wait.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,8 @@ import numpy as np
 import pytest
 
 from support import four_bar
-from vfife.codegen import native
-from vfife.codegen.runner import Stream
+from vfife.compiler.runtime import native
+from vfife.compiler.runtime.runner import Stream
 from vfife.solvers import streaming
 from vfife.solvers.ensemble import advance, placed
 from vfife.solvers.streaming import Waiting
@@ -32,7 +34,9 @@ class Plain:
 
 
 def waiting(source: Iterator[Any], ahead: int = 8) -> Waiting:
-    return Waiting(source, queue.SimpleQueue(), 4, ahead, kinds=SimpleNamespace(of=lambda member: member.kind))  # type: ignore[arg-type]
+    return Waiting(
+        source, queue.SimpleQueue(), 4, ahead, kinds=SimpleNamespace(of=lambda member: member.kind)
+    )  # type: ignore[arg-type]
 
 
 def number(found: Any) -> int:
@@ -103,15 +107,23 @@ def test_many_threads_take_each_member_once() -> None:
     assert sorted(taken.get_nowait() for _ in range(400)) == list(range(400)) and taken.empty()
 
 
-@pytest.mark.parametrize("features, contact, without", [("+sse2", 2, 2), ("+sse2,+avx", 4, 4), ("+sse2,+avx,+avx512f", 4, 8)])
-def test_lanes_of_a_stream_follow_from_processor_and_contacts(features, contact, without, monkeypatch) -> None:
+@pytest.mark.parametrize(
+    "features, contact, without", [("+sse2", 2, 2), ("+sse2,+avx", 4, 4), ("+sse2,+avx,+avx512f", 4, 8)]
+)
+def test_lanes_of_a_stream_follow_from_processor_and_contacts(
+    features, contact, without, monkeypatch
+) -> None:
     monkeypatch.setattr(native, "processor", lambda: ("some", features))
     assert [native.stream_lanes(count) for count in (0, 1, 6)] == [without, contact, contact]
 
 
 @pytest.mark.parametrize("joints, wanted, found", [("C", None, 4), ("", None, 8), ("C", 8, 8), ("", 2, 2)])
-def test_members_with_contact_have_four_lanes_where_there_are_eight(joints, wanted, found, monkeypatch) -> None:
-    """Also those without contact where so many share one thread; what is asked for is done. Bits are the same in all."""
+def test_members_with_contact_have_four_lanes_where_there_are_eight(
+    joints, wanted, found, monkeypatch
+) -> None:
+    """Also those without contact where so many share one thread; what is asked for is done. Bits are the same
+    in all.
+    """
     monkeypatch.setattr(native, "widest", lambda: 8)
     seen: list[int] = []
 
@@ -131,7 +143,9 @@ def test_members_with_contact_have_four_lanes_where_there_are_eight(joints, want
 
 
 def test_a_lane_keeps_its_outputs_and_ends_where_numbers_leave_all_bounds() -> None:
-    """Sound outputs are kept to the last; a number beyond its bounds, one that is none, or a step that the loop found broken ends it at once."""
+    """Sound outputs are kept to the last; a number beyond its bounds, one that is none, or a step that the
+    loop found broken ends it at once.
+    """
     assembly = placed(four_bar("C"), 1e-5, 1, 4)
     sound = np.tile(assembly.state[streaming.recorded_rows(assembly)], (2, 1))
 
@@ -145,7 +159,9 @@ def test_a_lane_keeps_its_outputs_and_ends_where_numbers_leave_all_bounds() -> N
         assert not whole.ended and whole.outputs == 4
         whole.take(sound, -1, assembly.state)
     assert whole.ended and not whole.doubtful and whole.done == 4
-    assert whole.record.rows.shape == (5, len(whole.handed)) and whole.record.steps.tolist() == [k * whole.every for k in range(5)]
+    assert whole.record.rows.shape == (5, len(whole.handed)) and whole.record.steps.tolist() == [
+        k * whole.every for k in range(5)
+    ]
     column = int(whole.bounds.columns[0])
     for value, broken in ((float("nan"), -1), (1e9, -1), (None, 7)):
         rows, other = sound.copy(), lane()

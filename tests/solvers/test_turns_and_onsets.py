@@ -21,7 +21,9 @@ from vfife.solvers.turn_runner import LANES, Orbits, Start, TurnRunner
 
 
 def test_two_turns_are_apart_by_the_worst_quantity() -> None:
-    """The largest difference over the largest absolute value of both; zeros do not count; what is small is compared with its least."""
+    """The largest difference over the largest absolute value of both; zeros do not count; what is small is
+    compared with its least.
+    """
     before = np.array([[1.0, 10.0, 0.0], [-4.0, 20.0, 0.0]])
     after = np.array([[1.5, 10.0, 0.0], [-3.0, 25.0, 0.0]])
     assert distance(before, after) == pytest.approx(1.0 / 4.0) == distance(after, before)
@@ -30,9 +32,12 @@ def test_two_turns_are_apart_by_the_worst_quantity() -> None:
 
 
 @pytest.mark.parametrize(
-    ("turn", "step", "every", "count"), [(0.1, 1e-4, 10, 100), (0.1, 1e-4, 11, None), (None, 1e-4, 10, None), (1e-4, 1e-3, 1, None)]
+    ("turn", "step", "every", "count"),
+    [(0.1, 1e-4, 10, 100), (0.1, 1e-4, 11, None), (None, 1e-4, 10, None), (1e-4, 1e-3, 1, None)],
 )
-def test_a_turn_holds_a_whole_number_of_outputs_or_none(turn: float | None, step: float, every: int, count: int | None) -> None:
+def test_a_turn_holds_a_whole_number_of_outputs_or_none(
+    turn: float | None, step: float, every: int, count: int | None
+) -> None:
     choice: Any = SimpleNamespace(turn=turn, step=step, outputs_every=every)
     assert whole_outputs(choice) == count
     if count:
@@ -60,7 +65,9 @@ class Plain:
         ([*range(9)] * 2, None),
     ],
 )
-def test_the_shortest_period_counts_from_the_first_turn_that_repeats(values: list[float], found: tuple[int, int] | None) -> None:
+def test_the_shortest_period_counts_from_the_first_turn_that_repeats(
+    values: list[float], found: tuple[int, int] | None
+) -> None:
     """A period of p turns is seen when as many turns as it has repeat the ones p before; up to eight."""
     turns = [np.array([[float(one)]]) for one in values]
     assert repeated_since(turns, Plain(), 0.01) == found  # type: ignore[arg-type]
@@ -78,12 +85,16 @@ def test_small_forces_are_compared_with_a_tenth_of_the_largest_and_noise_with_wh
     least = comparison.least(size)
     assert least[families["squares"]] == pytest.approx(1e4) and least[families["accelerations"][0]] >= 5.0
     assert least[families["moments"]] == pytest.approx(repeating.OVER_NOISE * repeating.NOISE * 1e3)
-    assert least[families["accelerations"][0]] == pytest.approx(max(5.0, repeating.OVER_NOISE * repeating.ROUNDING / 1e-12))
+    assert least[families["accelerations"][0]] == pytest.approx(
+        max(5.0, repeating.OVER_NOISE * repeating.ROUNDING / 1e-12)
+    )
     assert least[families["contact_normal_force"]] == pytest.approx(0.0)
 
 
 def test_a_small_force_is_compared_with_the_largest_of_either_turn() -> None:
-    """1 kN in one output of one turn: a force of 10 N that comes and goes is a hundredth of what counts, a tenth of that."""
+    """1 kN in one output of one turn: a force of 10 N that comes and goes is a hundredth of what counts, a
+    tenth of that.
+    """
     assembly = assemble(four_bar("C"), 1e-6, turns=1, force_step=True)
     comparison = Comparison(assembly, np.arange(assembly.layout.rows, dtype=np.uint32))
     large, small = comparison.families["squares"][:2]
@@ -91,7 +102,11 @@ def test_a_small_force_is_compared_with_the_largest_of_either_turn() -> None:
     before[2, large] = 1e6
     after = 0.998 * before
     after[1, small] = 100.0
-    assert comparison.distance(before, after) == pytest.approx(100.0 / 1e4, rel=1e-9) == comparison.distance(after, before)
+    assert (
+        comparison.distance(before, after)
+        == pytest.approx(100.0 / 1e4, rel=1e-9)
+        == comparison.distance(after, before)
+    )
 
 
 def test_companions_keep_the_rows_of_the_last_turn() -> None:
@@ -100,7 +115,13 @@ def test_companions_keep_the_rows_of_the_last_turn() -> None:
     def kept(turn: float | None, last: int) -> int:
         return oldest_needed(SimpleNamespace(choice=SimpleNamespace(turn=turn, step=1e-3)), last)  # type: ignore[arg-type]
 
-    assert [kept(0.1, 1000), kept(0.1, 60), kept(None, 1000), kept(0.1004, 1000), kept(0.1006, 1000)] == [900, 0, 0, 900, 899]
+    assert [kept(0.1, 1000), kept(0.1, 60), kept(None, 1000), kept(0.1004, 1000), kept(0.1006, 1000)] == [
+        900,
+        0,
+        0,
+        900,
+        899,
+    ]
 
 
 # ------------------------------------------------------------------------------------------------------------------ starts
@@ -108,7 +129,9 @@ def test_companions_keep_the_rows_of_the_last_turn() -> None:
 
 def crank() -> Any:
     """An assembly with so many steps in a turn that a turn at 1/1000 of it is a step."""
-    return assemble(four_bar("C", speed=50.0), 2.0 * math.pi / 50.0 / 1000, turns=1, outputs=1, force_step=True)
+    return assemble(
+        four_bar("C", speed=50.0), 2.0 * math.pi / 50.0 / 1000, turns=1, outputs=1, force_step=True
+    )
 
 
 def test_motions_begin_a_turn_before_and_at_the_phase() -> None:
@@ -128,14 +151,24 @@ def test_members_make_their_turns_and_are_looked_at_once_in_each(monkeypatch: py
     calls: list[tuple[int, int]] = []
     runner = TurnRunner([crank()], 0.25)
     advance = runner.pace.advance
-    monkeypatch.setattr(runner.pace, "advance", lambda which, steps, outputs: calls.append((steps, outputs)) or advance(which, steps, outputs))
+    monkeypatch.setattr(
+        runner.pace,
+        "advance",
+        lambda which, steps, outputs: calls.append((steps, outputs)) or advance(which, steps, outputs),
+    )
     rows, growth = Orbits(1000, 5, 2).through(runner)
-    assert calls == [(1250, 1), (2000, 1), (1000, 3)] and rows.shape == (3, len(runner.kept), 1) and growth.shape == (0, LANES)
+    assert (
+        calls == [(1250, 1), (2000, 1), (1000, 3)]
+        and rows.shape == (3, len(runner.kept), 1)
+        and growth.shape == (0, LANES)
+    )
     assert runner.done == 1251 + 5000
 
 
 def test_pieces_of_a_section_end_where_turns_are_dropped() -> None:
-    """Ten turns before those that are looked at a difference begins; no piece has more than fifty turns, and none crosses an end."""
+    """Ten turns before those that are looked at a difference begins; no piece has more than fifty turns, and
+    none crosses an end.
+    """
     near = Neighbours(crank(), crank(), 1.0)
     one = Sectioning(crank(), near, 0.25, 180, 75)
     assert one.cuts == [(0, 50), (50, 65), (65, 75), (75, 125), (125, 175), (175, 180)]
@@ -173,25 +206,35 @@ def test_an_onset_lies_within_its_step_where_the_penetration_passes_zero() -> No
     own = rows[:, 1 + WIDE :]  # of the second contact
     own[:, 0], own[:, 1], own[:, 2] = [5, 5, 6, 6], [2.0, 2.0, 2.3, 2.3], [-9e-6, -3e-6, 1e-6, 2e-6]
     start = len(PER_CONTACT)
-    own[:, start + 3], own[:, start + 4] = [0.0, 1.0, 5.0, 5.0], [0.0, 2.0, 2.0, 2.0]  # the journal's body moves to x = 4 at the onset
+    own[:, start + 3], own[:, start + 4] = (
+        [0.0, 1.0, 5.0, 5.0],
+        [0.0, 2.0, 2.0, 2.0],
+    )  # the journal's body moves to x = 4 at the onset
     ((contact, time, crank, place, speed, count),) = one._onsets(rows, 100, 1)
     assert (contact, count) == (1.0, 1.0) and speed == pytest.approx(0.3)
     assert time == pytest.approx((100 + 1 + 0.75) * one.assembly.choice.step, rel=1e-12)
     assert crank == pytest.approx(1.1 + 0.75 * 0.2, rel=1e-12)
     layout, state = one.assembly.layout, one.assembly.state
-    pins = {side: [state[layout.row(f"contact_{side}_{axis}", 1)] for axis in "xy"] for side in ("bearing", "journal")}
+    pins = {
+        side: [state[layout.row(f"contact_{side}_{axis}", 1)] for axis in "xy"]
+        for side in ("bearing", "journal")
+    }
     x, y = 4.0 + pins["journal"][0] - pins["bearing"][0], 2.0 + pins["journal"][1] - pins["bearing"][1]
     assert place == pytest.approx(math.atan2(y, x) % math.tau, rel=1e-9)
     assert one._onsets(rows, 100, 0).shape == (0, 6), "the first contact did not begin"
 
 
 def test_an_onset_without_a_passage_lies_in_the_middle_of_its_step() -> None:
-    """A contact that ended and began again within a step: its penetration is above zero at both ends, and there were two."""
+    """A contact that ended and began again within a step: its penetration is above zero at both ends, and
+    there were two.
+    """
     one = struck()
     rows = np.zeros((2, 1 + 2 * WIDE))
     rows[:, 1], rows[:, 2], rows[:, 3] = [1, 3], [0.1, 0.7], [1e-6, 2e-6]
     ((_, time, _, _, speed, count),) = one._onsets(rows, 0, 0)
-    assert time == pytest.approx(0.5 * one.assembly.choice.step) and speed == pytest.approx(0.3) and count == 2.0
+    assert (
+        time == pytest.approx(0.5 * one.assembly.choice.step) and speed == pytest.approx(0.3) and count == 2.0
+    )
 
 
 def test_the_rows_of_an_onset_are_those_of_its_contact_and_bodies() -> None:

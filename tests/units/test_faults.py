@@ -18,11 +18,18 @@ def test_a_fault_without_a_place_is_told_by_its_value() -> None:
     assert str(fault) == "-1: this is negative; allowed: above 0 m. Correct the value."
     placed = fault.at(("run", "turns"), given={("run", "turns")})
     assert (placed.where, placed.what, placed.value) == ("[run] turns (given by set)", fault.what, "-1")
-    assert fault.at("--turns", value="2").value == "-1" and Fault("", "missing").at("--turns", value="2").value == "2"
+    assert (
+        fault.at("--turns", value="2").value == "-1"
+        and Fault("", "missing").at("--turns", value="2").value == "2"
+    )
 
 
 def test_a_fault_is_a_value_that_is_kept_between_processes() -> None:
     fault = Fault("", "this is negative", "-1").at(("run", "turns"))
     again = pickle.loads(pickle.dumps(fault))
-    assert again == fault and hash(again) == hash(fault) and (again.where, again.path) == (fault.where, fault.path)
+    assert (
+        again == fault
+        and hash(again) == hash(fault)
+        and (again.where, again.path) == (fault.where, fault.path)
+    )
     assert fault != Fault("", "this is negative", "-1")

@@ -55,7 +55,10 @@ def test_everyday_units_are_exact(text: str, unit: str, expected: float) -> None
 
 
 def test_everyday_units_need_no_pint() -> None:
-    code = f"import sys\nfrom vfife.units import number\nfor text, unit, _ in {EVERYDAY!r}: number(text, unit)\nsys.exit('pint' in sys.modules)"
+    code = (
+        f"import sys\nfrom vfife.units import number\nfor text, unit, _ in {EVERYDAY!r}: number(text,"
+        " unit)\nsys.exit('pint' in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", code], timeout=60, check=False).returncode == 0
 
 

@@ -1,7 +1,9 @@
-"""Ranges of runs with contact are errors that hold: a sample of mechanisms against a step twenty times smaller, and against plain equations.
+"""Ranges of runs with contact are errors that hold: a sample of mechanisms against a step twenty times
+smaller, and against plain equations.
 
-The sample has other kinds than the rest of the suite (tests/loose_sample.py). The plain equations share nothing with the package: constrained
-motion by Gauss' principle, integrated by DOP853, contacts begun and ended at located roots (tests/differential/constrained.py).
+The sample has other kinds than the rest of the suite (tests/loose_sample.py). The plain equations share
+nothing with the package: constrained motion by Gauss' principle, integrated by DOP853, contacts begun and
+ended at located roots (tests/differential/constrained.py).
 """
 
 from __future__ import annotations
@@ -17,8 +19,8 @@ import vfife
 from differential import constrained as plain
 from differential.pencil import Drawn
 from loose_sample import EACH, FRESH, KINDS, drawn
-from vfife.analysis.ranges import JUDGED, LOADS, own_ranges, sizes, trust
-from vfife.result import Result
+from vfife.measures.ranges import JUDGED, LOADS, own_ranges, sizes, trust
+from vfife.simulation.result import Result
 from vfife.solvers.status import Status
 
 FINER = 20  # times smaller is the step of the truth
@@ -26,7 +28,8 @@ INSIDE = 0.99  # of the measures of runs that are not called sensitive
 OUTSIDE = 0.005  # of its size: by no more may the truth of a measure lie outside of its range
 CALLED = 0.15  # of the runs may be called sensitive
 NOISE = 1e-9  # of the largest load: what is less is rounding
-# Depth (m) at which the plain equations have a contact begin. One that ended where it is zero to rounding, and begins at once again, is seen so.
+# Depth (m) at which the plain equations have a contact begin. One that ended where it is zero to rounding,
+# and begins at once again, is seen so.
 APART = 1e-10
 QUICK = (
     ("hung", 0), ("six-bar", 2), ("offset", 0), ("torque", 0), ("yoke", 0), ("quick-return", 2), ("sprung", 3), ("thrown", 1), ("guide", 2),
@@ -37,7 +40,9 @@ EQUATED = ("hung", "six-bar", "offset", "torque", "yoke", "quick-return", "sprun
 
 @dataclass(frozen=True)
 class Found:
-    """A run, whether it is called sensitive, and by how much of its size the truth of each measure lies outside of its range."""
+    """A run, whether it is called sensitive, and by how much of its size the truth of each measure lies
+    outside of its range.
+    """
 
     result: Result
     sensitive: bool
@@ -45,7 +50,9 @@ class Found:
 
 
 def measure_sizes(result: Result) -> dict[str, float]:
-    """Size of each measure: that of largest values as runs are judged by, else its own or a tenth of the largest of its kind."""
+    """Size of each measure: that of largest values as runs are judged by, else its own or a tenth of the
+    largest of its kind.
+    """
     found, step = result.measures, result.record.assembly.choice.step
     largest = sizes(own_ranges(result.record), step)
     load = max((float(one) for name, one in found.items() if name.endswith(LOADS)), default=0.0)
@@ -58,7 +65,9 @@ def measure_sizes(result: Result) -> dict[str, float]:
     return {
         name: largest.get(name, value)
         for name, value in size.items()
-        if found[name].estimated and (name in largest or not name.endswith(judged)) and value > NOISE * load * name.endswith((".mean", ".total"))
+        if found[name].estimated
+        and (name in largest or not name.endswith(judged))
+        and value > NOISE * load * name.endswith((".mean", ".total"))
     }
 
 
@@ -75,7 +84,9 @@ def checked(kind: str, seed: int) -> Found | None:
     step = result.record.assembly.choice.step / FINER
     truth = vfife.simulate(mechanism, reference=False, step=step, companions=0).measures
     outside = {
-        name: max(truth[name] - result.measures[name].high, result.measures[name].low - truth[name], 0.0) / size
+        name: (
+            max(truth[name] - result.measures[name].high, result.measures[name].low - truth[name], 0.0) / size
+        )
         for name, size in measure_sizes(result).items()
         if name in truth
     }
@@ -84,7 +95,11 @@ def checked(kind: str, seed: int) -> Found | None:
 
 def largest_values(found: Found) -> dict[str, float]:
     """By how much the truth lies outside of the ranges of those values that a run is judged by."""
-    return {name: one for name, one in found.outside.items() if name.endswith(tuple(f".{kind}" for kind in JUDGED))}
+    return {
+        name: one
+        for name, one in found.outside.items()
+        if name.endswith(tuple(f".{kind}" for kind in JUDGED))
+    }
 
 
 @pytest.mark.system("compares whole runs with references")
@@ -93,24 +108,30 @@ def test_the_truth_lies_in_the_range(kind: str, seed: int) -> None:
     found = checked(kind, seed)
     assert found is not None and not found.sensitive
     assert max(largest_values(found).values()) <= OUTSIDE, found.outside
-    assert sum(one == 0.0 for one in found.outside.values()) >= INSIDE * len(found.outside) - 1.0, found.outside
+    assert sum(one == 0.0 for one in found.outside.values()) >= INSIDE * len(found.outside) - 1.0, (
+        found.outside
+    )
 
 
 @pytest.mark.verify
 def test_the_ranges_of_a_sample_hold_the_truth() -> None:
-    """More than 200 runs: 99 % of the measures inside, none outside by more than 0.5 %, few runs called sensitive.
+    """More than 200 runs: 99 % of the measures inside, none outside by more than 0.5 %, few runs called
+    sensitive.
 
-    These mechanisms were drawn after the constants of the estimate had been chosen. Among the 234 with smaller seeds, by which they were
-    chosen, two runs have more than that outside: in yoke 15 the largest value falls into the first output interval of the last turn,
-    whose first instant belongs to the turn before (0.9 %); in other laws 11 losses in impacts change with the step where the largest
-    values do not (22 % of a fortieth of what friction takes).
+    These mechanisms were drawn after the constants of the estimate had been chosen. Among the 234 with
+    smaller seeds, by which they were chosen, two runs have more than that outside: in yoke 15 the largest
+    value falls into the first output interval of the last turn, whose first instant belongs to the turn
+    before (0.9 %); in other laws 11 losses in impacts change with the step where the largest values do not
+    (22 % of a fortieth of what friction takes).
     """
     runs = {(kind, seed): checked(kind, seed) for seed in range(FRESH, FRESH + EACH) for kind in KINDS}
     complete = {key: found for key, found in runs.items() if found is not None}
     certain = {key: found for key, found in complete.items() if not found.sensitive}
     assert len(complete) >= 200 and len(certain) >= (1.0 - CALLED) * len(complete)
     every = [(one, *key, name) for key, found in certain.items() for name, one in found.outside.items()]
-    largest = [(one, *key, name) for key, found in certain.items() for name, one in largest_values(found).items()]
+    largest = [
+        (one, *key, name) for key, found in certain.items() for name, one in largest_values(found).items()
+    ]
     for some in (every, largest):
         misses = sorted((one for one in some if one[0] > 0.0), reverse=True)
         print(f"{len(some)} measures of {len(certain)} runs, {len(misses)} outside: {misses[:20]}")
@@ -119,14 +140,21 @@ def test_the_ranges_of_a_sample_hold_the_truth() -> None:
 
 
 def plain_peaks(one: Drawn, begin: float, end: float) -> dict[str, float]:
-    """Largest contact forces, penetrations and angular accelerations between two times, by the plain equations."""
+    """Largest contact forces, penetrations and angular accelerations between two times, by the plain
+    equations.
+    """
     system, t = one.system, 0.0
     n, root = len(system.mass) - 1, system.root
     y = np.concatenate([np.array(system.q)[1:].ravel(), one.velocity.ravel()])
     found: dict[str, float] = {}
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
-        return np.concatenate([y[3 * n :], system.moved(t, y[: 3 * n].reshape(-1, 3), y[3 * n :].reshape(-1, 3), root)[0] / root])
+        return np.concatenate(
+            [
+                y[3 * n :],
+                system.moved(t, y[: 3 * n].reshape(-1, 3), y[3 * n :].reshape(-1, 3), root)[0] / root,
+            ]
+        )
 
     def crossing(touch: plain.Touch):
         apart = 0.0 if touch.speed > 0.0 else APART
@@ -142,13 +170,26 @@ def plain_peaks(one: Drawn, begin: float, end: float) -> dict[str, float]:
         values = {f"{touch.name}.force.max": abs(touch.force(now)[0]) for touch in system.touches}
         values |= {f"{touch.name}.penetration.max": touch.seen(now)[0] for touch in system.touches}
         turning = np.abs(rates(t, y)[3 * n :].reshape(-1, 3)[:, 2])
-        values |= {f"{body}.angular_acceleration.max": float(value) for body, value in zip(one.m.bodies, turning, strict=True)}
+        values |= {
+            f"{body}.angular_acceleration.max": float(value)
+            for body, value in zip(one.m.bodies, turning, strict=True)
+        }
         for name, value in values.items():
             found[name] = max(found.get(name, 0.0), value)
 
     while t < end:
         events = [crossing(touch) for touch in system.touches]
-        done = solve_ivp(rates, (t, end), y, method="DOP853", rtol=1e-9, atol=1e-12, events=events, max_step=2e-4, dense_output=True)
+        done = solve_ivp(
+            rates,
+            (t, end),
+            y,
+            method="DOP853",
+            rtol=1e-9,
+            atol=1e-12,
+            events=events,
+            max_step=2e-4,
+            dense_output=True,
+        )
         for first, last in zip(done.t[:-1], done.t[1:], strict=True):
             for at in np.linspace(first, last, 7)[1:]:
                 if at > begin:
@@ -177,4 +218,9 @@ def test_the_plain_equations_lie_in_the_range(kind: str, seed: int, monkeypatch:
     size = sizes(own_ranges(result.record), choice.step)
     for name in truth.keys() & size.keys():
         low, high = result.measures[name].low, result.measures[name].high
-        assert low - OUTSIDE * size[name] <= truth[name] <= high + OUTSIDE * size[name], (name, low, truth[name], high)
+        assert low - OUTSIDE * size[name] <= truth[name] <= high + OUTSIDE * size[name], (
+            name,
+            low,
+            truth[name],
+            high,
+        )

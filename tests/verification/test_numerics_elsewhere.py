@@ -1,7 +1,8 @@
 """The routines of ``vfife.numerics`` in code for other processors: the bits that they have here.
 
-Code for AArch64 and for AVX-512 runs in emulated processors; that for a processor with no registers wider than two numbers, and for AVX2, on any of
-today. Elimination, rotations and elementary functions are what closes a mechanism, weighs it and finds its step, so a start is made there, too.
+Code for AArch64 and for AVX-512 runs in emulated processors; that for a processor with no registers wider
+than two numbers, and for AVX2, on any of today. Elimination, rotations and elementary functions are what
+closes a mechanism, weighs it and finds its step, so a start is made there, too.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ import pytest
 import vfife
 from emulated import arm, x86
 from vfife.assembly.assemble import assemble
-from vfife.codegen import native
-from vfife.codegen import native as compiling
+from vfife.compiler.runtime import native
+from vfife.compiler.runtime import native as compiling
 from vfife.numerics import dense, elementwise, library, products
 
 pytestmark = pytest.mark.verify
@@ -78,12 +79,20 @@ class Elsewhere:
         self.routine(*arguments)
 
 
-def routines(monkeypatch: pytest.MonkeyPatch, name: str, head: str = "", machine: Any = None, change: Callable[[str], str] = str) -> dict[str, Any]:
+def routines(
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+    head: str = "",
+    machine: Any = None,
+    change: Callable[[str], str] = str,
+) -> dict[str, Any]:
     """All routines in code for a processor of this name, which no cache keeps."""
     monkeypatch.setattr(native, "processor", lambda: (name, ""))
     if machine is not None:
         monkeypatch.setattr(native, "machine", machine)
-    monkeypatch.setattr(native, "optimised_code", lambda text, wide: OPTIMISED_CODE(head + change(text), wide))
+    monkeypatch.setattr(
+        native, "optimised_code", lambda text, wide: OPTIMISED_CODE(head + change(text), wide)
+    )
     monkeypatch.setattr(compiling.cache, "read", lambda file: None)
     monkeypatch.setattr(compiling.cache, "keep", lambda file, code: None)
     library.compiled.cache_clear()
@@ -98,7 +107,9 @@ def code_for(monkeypatch) -> Iterator[Callable[..., None]]:
 
     def use(kind: str, change: Callable[[str], str] = str) -> None:
         if kind == "AArch64":
-            head = f'target triple = "{arm.TRIPLE}"\ntarget datalayout = "{arm.machine().target_data}"\n{MEMORY}'
+            head = (
+                f'target triple = "{arm.TRIPLE}"\ntarget datalayout = "{arm.machine().target_data}"\n{MEMORY}'
+            )
             processor = arm.processor()
             found = routines(monkeypatch, arm.NAME, head, arm.machine, change)
             found = {name: Elsewhere(one, name, processor) for name, one in found.items()}
@@ -132,10 +143,15 @@ def answers() -> dict[str, bytes]:
         b, shape = rng.random((2, columns)), f"{rows} x {columns}"
         found |= {f"svd {shape} {k}": one for k, one in enumerate(dense.svd(a))}
         found |= {f"qr {shape} {k}": one for k, one in enumerate(dense.qr(a))}
-        found[f"times {shape}"], found[f"product {shape}"] = products.times(a, b), products.product(a, np.swapaxes(a, -1, -2))
+        found[f"times {shape}"], found[f"product {shape}"] = (
+            products.times(a, b),
+            products.product(a, np.swapaxes(a, -1, -2)),
+        )
         if rows == columns:
             found[f"solve {shape}"] = dense.solve(a, b)
-            found |= {f"eigh {shape} {k}": one for k, one in enumerate(dense.eigh(a + np.swapaxes(a, -1, -2)))}
+            found |= {
+                f"eigh {shape} {k}": one for k, one in enumerate(dense.eigh(a + np.swapaxes(a, -1, -2)))
+            }
             found[f"eigenvalue_sizes {shape}"] = dense.eigenvalue_sizes(a)
     x = np.concatenate([(rng.random(200) - 0.5) * 10.0**power for power in range(-6, 6)])
     with np.errstate(over="ignore"):
@@ -162,10 +178,17 @@ def test_a_start_has_the_same_bits_in_code_for(kind, name, code_for):
     here = assemble(mechanism)
     code_for(kind)
     there = assemble(mechanism)
-    assert (here.state.tobytes(), here.tables.tobytes(), here.choice) == (there.state.tobytes(), there.tables.tobytes(), there.choice)
+    assert (here.state.tobytes(), here.tables.tobytes(), here.choice) == (
+        there.state.tobytes(),
+        there.tables.tobytes(),
+        there.choice,
+    )
 
 
-@pytest.mark.parametrize("kind", ["AArch64", pytest.param("AVX-512", marks=pytest.mark.skipif(not X86, reason="asks for x86 processors"))])
+@pytest.mark.parametrize(
+    "kind",
+    ["AArch64", pytest.param("AVX-512", marks=pytest.mark.skipif(not X86, reason="asks for x86 processors"))],
+)
 def test_a_fused_product_would_move_the_bits(kind, code_for):
     """What the tests above would see if the code were allowed it: the emulated processors have it."""
     here = answers()

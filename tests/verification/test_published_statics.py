@@ -17,7 +17,13 @@ from vfife.model.mechanism import Mechanism, Settings
 from vfife.solvers.record import Record
 from vfife.solvers.statics import equilibrium
 
-DEAD = {0.5: (0.015919, 0.162144), 1.0: (0.056433, 0.301721), 2.0: (0.160642, 0.493457), 5.0: (0.387628, 0.713792), 10.0: (0.554996, 0.810609)}
+DEAD = {
+    0.5: (0.015919, 0.162144),
+    1.0: (0.056433, 0.301721),
+    2.0: (0.160642, 0.493457),
+    5.0: (0.387628, 0.713792),
+    10.0: (0.554996, 0.810609),
+}
 
 
 def static(*factors: float, **settings) -> Settings:
@@ -26,7 +32,10 @@ def static(*factors: float, **settings) -> Settings:
 
 def slender(stiffness: float = 1.0, slenderness: float = 1e3) -> dict:
     """Section and material with EI = ``stiffness`` and EA L^2/EI = slenderness^2 for L = 1 m."""
-    return {"section": Section(1.0, slenderness**-2), "material": Material(youngs_modulus=stiffness * slenderness**2)}
+    return {
+        "section": Section(1.0, slenderness**-2),
+        "material": Material(youngs_modulus=stiffness * slenderness**2),
+    }
 
 
 def cantilever(elements: int, *factors: float, **options) -> Mechanism:
@@ -46,7 +55,11 @@ def settled(mechanism: Mechanism) -> Record:
 
 def at(record: Record, body: str, pin: str) -> np.ndarray:
     """Place and angle of a pin's particle under all load factors but the start."""
-    node = record.assembly.bodies[body].nodes[pin] if record.assembly.bodies[body].elements else record.assembly.bodies[body].particles[0]
+    node = (
+        record.assembly.bodies[body].nodes[pin]
+        if record.assembly.bodies[body].elements
+        else record.assembly.bodies[body].particles[0]
+    )
     return np.stack([record.block(f"particle_{axis}")[1:, node] for axis in ("x", "y", "theta")], axis=1)
 
 
@@ -89,7 +102,9 @@ def test_the_elastica_converges_with_the_square_of_the_element():
 
 @pytest.mark.system("compares whole runs with references")
 def test_cantilever_rolled_up_by_an_end_moment():
-    """x = sin(2 pi q)/(2 pi q), y = (1 - cos(2 pi q))/(2 pi q), as far as a closed circle; chords of equal arcs, so right to L/n squared."""
+    """x = sin(2 pi q)/(2 pi q), y = (1 - cos(2 pi q))/(2 pi q), as far as a closed circle; chords of equal
+    arcs, so right to L/n squared.
+    """
     turns = (0.25, 0.5, 1.0)
     m = cantilever(40, *turns, **slender(slenderness=300.0))
     m.loads["M"] = PointForce(name="M", at="beam.end", moment=2.0 * math.pi)
@@ -103,14 +118,21 @@ def test_cantilever_rolled_up_by_an_end_moment():
 
 
 def follower(load: float) -> tuple[float, float, float]:
-    """Tip of an inextensible cantilever under a force that stays normal to its end: shot from the tip for the angle at the wall."""
+    """Tip of an inextensible cantilever under a force that stays normal to its end: shot from the tip for the
+    angle at the wall.
+    """
 
     def tip(angle: float):
         fx, fy = -load * math.sin(angle), load * math.cos(angle)
 
         def back(s, y):  # from the tip to the wall: curvature grows as the force's moment does
             theta, curvature = y[2:]
-            return [-math.cos(theta), -math.sin(theta), -curvature, -(fx * math.sin(theta) - fy * math.cos(theta))]
+            return [
+                -math.cos(theta),
+                -math.sin(theta),
+                -curvature,
+                -(fx * math.sin(theta) - fy * math.cos(theta)),
+            ]
 
         return solve_ivp(back, (0.0, 1.0), [0.0, 0.0, angle, 0.0], method="DOP853", rtol=1e-10, atol=1e-11)
 
@@ -185,7 +207,9 @@ def test_under_load_the_toggle_snaps_through_at_the_limit():
 
 @pytest.mark.system("compares whole runs with references")
 def test_two_bar_truss_against_its_closed_form():
-    """Von Mises' truss of bars whose force is EA times the logarithm of their stretch, as path units add it up."""
+    """Von Mises' truss of bars whose force is EA times the logarithm of their stretch, as path units add it
+    up.
+    """
     half, rise, ea = 1.0, 0.2, 1e6
     drops = np.linspace(0.02, 0.46, 12)
     m = Mechanism("truss", settings=static(*drops))
@@ -212,7 +236,9 @@ def test_two_bar_truss_against_its_closed_form():
     length = np.hypot(half, y)
     force = ea * np.log(length / size)
     assert record.block("frame_axial_force")[1:, 0] == pytest.approx(force, rel=1e-3)
-    assert reaction(record, "push")[:, 1] == pytest.approx(2.0 * force * y / length, rel=1e-3, abs=1e-3 * np.abs(force).max() * 0.01)
+    assert reaction(record, "push")[:, 1] == pytest.approx(
+        2.0 * force * y / length, rel=1e-3, abs=1e-3 * np.abs(force).max() * 0.01
+    )
 
 
 def lee(elements: int) -> float:
@@ -234,7 +260,9 @@ def lee(elements: int) -> float:
 
 @pytest.mark.system("compares whole runs with references")
 def test_limit_load_of_lees_frame():
-    """1.8552, as the literature of path following quotes it (Schweizerhof and Wriggers 1986), is what 10 and 20 elements a leg lead to."""
+    """1.8552, as the literature of path following quotes it (Schweizerhof and Wriggers 1986), is what 10 and
+    20 elements a leg lead to.
+    """
     coarse, fine = lee(10), lee(20)
     assert fine == pytest.approx(1.8552, rel=2e-3)
     assert fine + (fine - coarse) / 3.0 == pytest.approx(1.8552, rel=5e-4)
@@ -245,7 +273,9 @@ def test_limit_load_of_lees_frame():
 
 @pytest.mark.system("compares whole runs with references")
 def test_lateral_stiffness_vanishes_at_the_euler_load():
-    """A pinned column pushed aside in its middle gives way by F/(k (1 - P/P_E)); the root of F/d over P is pi^2 EI/L^2."""
+    """A pinned column pushed aside in its middle gives way by F/(k (1 - P/P_E)); the root of F/d over P is
+    pi^2 EI/L^2.
+    """
     shares = (0.5, 0.8, 0.9, 0.95)
     critical, aside = math.pi**2, 1e-4
     found = []
@@ -254,7 +284,12 @@ def test_lateral_stiffness_vanishes_at_the_euler_load():
         m.point("O", 0.0, 0.0)
         m.point("R", 1.0, 0.0)
         nodes = {"A": (0.0, 0.0), "M": (0.5, 0.0), "B": (1.0, 0.0)}
-        m.frame("c", nodes=nodes, members=(Member("A", "M", 20), Member("M", "B", 20)), **slender(slenderness=300.0))
+        m.frame(
+            "c",
+            nodes=nodes,
+            members=(Member("A", "M", 20), Member("M", "B", 20)),
+            **slender(slenderness=300.0),
+        )
         m.revolute("a", "ground.O", "c.A")
         m.slider("b", "ground.R", "c.B", direction=(1.0, 0.0), turning=True)
         m.loads["P"] = PointForce(name="P", at="c.B", force=(-share * critical, 0.0))
@@ -265,7 +300,8 @@ def test_lateral_stiffness_vanishes_at_the_euler_load():
     assert zero == pytest.approx(critical, rel=1e-3)
 
 
-# ------------------------------------------------------------------------------------------- indeterminate, curved, on springs
+# ------------------------------------------------------------------------------------------- indeterminate,
+# curved, on springs
 
 
 @pytest.mark.system("compares whole runs with references")
@@ -294,7 +330,12 @@ def test_on_three_supports():
     for name, x in (("A", 0.0), ("B", 1.0), ("C", 2.0)):
         m.point(name, x, 0.0)
     nodes = {"A": (0.0, 0.0), "M": (0.5, 0.0), "B": (1.0, 0.0), "C": (2.0, 0.0)}
-    m.frame("b", nodes=nodes, members=(Member("A", "M", 4), Member("M", "B", 4), Member("B", "C", 4)), **slender(slenderness=50.0))
+    m.frame(
+        "b",
+        nodes=nodes,
+        members=(Member("A", "M", 4), Member("M", "B", 4), Member("B", "C", 4)),
+        **slender(slenderness=50.0),
+    )
     m.revolute("a", "ground.A", "b.A")
     m.slider("b", "ground.B", "b.B", turning=True)
     m.slider("c", "ground.C", "b.C", turning=True)
@@ -306,11 +347,17 @@ def test_on_three_supports():
 
 @pytest.mark.system("compares whole runs with references")
 def test_quarter_circle():
-    """A curved cantilever with a force along its end's normal: d = pi F R^3/(4 EI), and F R^3/(2 EI) across, without stretch."""
+    """A curved cantilever with a force along its end's normal: d = pi F R^3/(4 EI), and F R^3/(2 EI) across,
+    without stretch.
+    """
     radius, elements = 1.0, 40
     angles = np.linspace(0.0, 0.5 * math.pi, elements + 1)
-    points = np.stack([np.sin(angles), 1.0 - np.cos(angles)], axis=1) * radius  # from (0, 0), along x, to (1, 1)
-    turned = points @ np.array([[math.cos(math.pi / 4), -math.sin(math.pi / 4)], [math.sin(math.pi / 4), math.cos(math.pi / 4)]])
+    points = (
+        np.stack([np.sin(angles), 1.0 - np.cos(angles)], axis=1) * radius
+    )  # from (0, 0), along x, to (1, 1)
+    turned = points @ np.array(
+        [[math.cos(math.pi / 4), -math.sin(math.pi / 4)], [math.sin(math.pi / 4), math.cos(math.pi / 4)]]
+    )
     m = Mechanism("arch", settings=static(residual=1e-8))
     m.point("O", 0.0, 0.0)
     m.link(
@@ -332,7 +379,9 @@ def test_rigid_body_on_springs():
     m = Mechanism("table", gravity=(0.0, -9.81), settings=static(0.5, 1.0))
     anchors, pins = ((-1.0, 0.0), (0.2, -0.3), (1.3, 0.1)), ((-0.6, 0.8), (0.1, 0.8), (0.7, 0.9))
     stiffness, free = (900.0, 700.0, 1100.0), (0.9, 1.1, 1.0)
-    m.rigid_body("t", mass=20.0, inertia=1.0, center=(0.1, 1.0), pins={f"p{k}": pin for k, pin in enumerate(pins)})
+    m.rigid_body(
+        "t", mass=20.0, inertia=1.0, center=(0.1, 1.0), pins={f"p{k}": pin for k, pin in enumerate(pins)}
+    )
     for k, anchor in enumerate(anchors):
         m.point(f"g{k}", *anchor)
         m.spring(f"s{k}", f"ground.g{k}", f"t.p{k}", stiffness=stiffness[k], free_length=free[k])
@@ -362,7 +411,13 @@ def test_a_journal_settles_in_its_bearing():
     m.point("O", 0.0, 0.0)
     m.point_mass("j", mass=1.0)
     m.clearance(
-        "J", "ground.O", "j.center", clearance=1e-3, bearing_radius=0.01, contact=LankaraniNikravesh(stiffness=6.6e10), friction=Frictionless()
+        "J",
+        "ground.O",
+        "j.center",
+        clearance=1e-3,
+        bearing_radius=0.01,
+        contact=LankaraniNikravesh(stiffness=6.6e10),
+        friction=Frictionless(),
     )
     record = settled(m)
     for factor, place in zip((1.0, 2.0), at(record, "j", "center"), strict=True):
@@ -377,7 +432,14 @@ def test_a_journal_finds_the_lowest_point():
     m = Mechanism("journal", gravity=(5.0, -9.81), settings=static())
     m.point("O", 0.0, 0.0)
     m.point_mass("j", mass=1.0)
-    m.clearance("J", "ground.O", "j.center", clearance=1e-3, bearing_radius=0.01, contact=LankaraniNikravesh(stiffness=6.6e10))
+    m.clearance(
+        "J",
+        "ground.O",
+        "j.center",
+        clearance=1e-3,
+        bearing_radius=0.01,
+        contact=LankaraniNikravesh(stiffness=6.6e10),
+    )
     x, y, _ = at(settled(m), "j", "center")[0]
     assert math.atan2(x, -y) == pytest.approx(math.atan2(5.0, 9.81), abs=1e-6)
 
@@ -389,7 +451,14 @@ def test_a_rod_comes_to_hang(clear):
     m.point("O", 0.0, 0.0)
     m.link("rod", length=1.0, mass=2.0)
     if clear:
-        m.clearance("J", "ground.O", "rod.start", clearance=1e-3, bearing_radius=0.01, contact=LankaraniNikravesh(stiffness=6.6e10))
+        m.clearance(
+            "J",
+            "ground.O",
+            "rod.start",
+            clearance=1e-3,
+            bearing_radius=0.01,
+            contact=LankaraniNikravesh(stiffness=6.6e10),
+        )
     else:
         m.revolute("J", "ground.O", "rod.start")
     found = at(settled(m), "rod", "start")[0]

@@ -1,7 +1,8 @@
-"""Cases b and c: uniform rigid rods at 50 pi rad/s, one and three clearance joints, against an independent reference.
+"""Cases b and c: uniform rigid rods at 50 pi rad/s, one and three clearance joints, against an independent
+reference.
 
-Reference: RK4 with located onsets, 3.2 million steps (peers/README.md); an independent event-located integration agrees to 5e-7 in the
-force of case c. Maxima over the second turn.
+Reference: RK4 with located onsets, 3.2 million steps (peers/README.md); an independent event-located
+integration agrees to 5e-7 in the force of case c. Maxima over the second turn.
 """
 
 import math
@@ -12,7 +13,8 @@ import pytest
 from support import TURN, four_bar, go, largest_alpha, largest_force, onsets, within
 
 CASES = {
-    # joints with clearance: follower acceleration (rad/s^2), force of joint C (N), impacts of the joints with clearance
+    # joints with clearance: follower acceleration (rad/s^2), force of joint C (N), impacts of the joints with
+    # clearance
     "b": ("C", 29201.05, 65794.78, [5]),
     "c": ("BCD", 38153.31, 68842.16, [4, 7, 5]),
 }
@@ -83,7 +85,9 @@ def test_case_a():
 @pytest.mark.system("compares whole runs with references")
 @pytest.mark.parametrize("loop", ["generated", "interpreted"])
 def test_the_other_loops_tell_the_same(loop):
-    """Case c by the other loops (interpreted: its first sixteenth of a turn): the same numbers, not only nearly."""
+    """Case c by the other loops (interpreted: its first sixteenth of a turn): the same numbers, not only
+    nearly.
+    """
     duration = TURN / 16 if loop == "interpreted" else 2 * TURN
     ours, theirs = (go(four_bar("BCD"), 2e-6, duration=duration, loop=name) for name in ("data-driven", loop))
     window = within(ours, 0.0, duration)

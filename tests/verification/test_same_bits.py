@@ -1,7 +1,9 @@
-"""The golden cases in every width, number of threads and kind of processor: the hashes that are kept, to the sign of a zero.
+"""The golden cases in every width, number of threads and kind of processor: the hashes that are kept, to the
+sign of a zero.
 
-Code for a processor without vectors wider than two numbers, and for one with AVX2, runs on any of today. Code with AVX-512 runs where there is such
-a processor, and in an emulated one elsewhere; code for AArch64, with the two lanes of its registers, in an emulated one.
+Code for a processor without vectors wider than two numbers, and for one with AVX2, runs on any of today. Code
+with AVX-512 runs where there is such a processor, and in an emulated one elsewhere; code for AArch64, with
+the two lanes of its registers, in an emulated one.
 """
 
 import platform
@@ -19,9 +21,9 @@ import pytest
 from emulated import arm, loading, x86
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.codegen import loops, native
-from vfife.codegen.cuda import Card
-from vfife.codegen.modules import written
+from vfife.compiler.runtime import loops, native
+from vfife.compiler.runtime.cuda import Card
+from vfife.compiler.runtime.modules import written
 from vfife.errors import DeviceError
 from vfife.numerics import library
 from vfife.solvers.ensemble import ensemble
@@ -33,10 +35,13 @@ golden = module_from_spec(spec)
 spec.loader.exec_module(golden)
 
 pytestmark = pytest.mark.verify
-X86 = pytest.mark.skipif(platform.machine().lower() not in ("x86_64", "amd64"), reason="asks for x86 processors")
+X86 = pytest.mark.skipif(
+    platform.machine().lower() not in ("x86_64", "amd64"), reason="asks for x86 processors"
+)
 OBJECT_CODE = native.object_code
 FUSED = re.compile(r"\bvfn?m(add|sub)")
-# What LLVM calls them: the first of their line, with SSE4, with AVX2 (and fused products, which nobody may use), with AVX-512.
+# What LLVM calls them: the first of their line, with SSE4, with AVX2 (and fused products, which nobody may
+# use), with AVX-512.
 BASELINE, SSE4, AVX2, AVX512 = "x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4"
 
 
@@ -111,18 +116,25 @@ MEMBERS = [four_bar("BCD", clearance=2e-4 * (1 + 0.05 * k)) for k in range(12)]
 @pytest.fixture
 def alone():
     """What members are by themselves, in this processor's own code."""
-    return [run(assemble(one, 4e-6, turns=1, outputs=40), loop="data-driven").rows.tobytes() for one in MEMBERS]
+    return [
+        run(assemble(one, 4e-6, turns=1, outputs=40), loop="data-driven").rows.tobytes() for one in MEMBERS
+    ]
 
 
 @X86
 def test_members_with_avx_512(alone, eight_wide):
     """Members that begin and end on their own in eight lanes."""
-    assert [one.last.rows.tobytes() for one in ensemble(MEMBERS, step=4e-6, turns=1, outputs=40, lanes=8, workers=1)] == alone
+    assert [
+        one.last.rows.tobytes()
+        for one in ensemble(MEMBERS, step=4e-6, turns=1, outputs=40, lanes=8, workers=1)
+    ] == alone
 
 
 @X86
 def test_a_fused_product_would_move_the_bits(eight_wide, monkeypatch):
-    """What the tests above would see if the code were allowed it: they do compute with what the emulated processor has."""
+    """What the tests above would see if the code were allowed it: they do compute with what the emulated
+    processor has.
+    """
     loosely = partial(re.sub, r"\b(fmul|fadd|fsub) <8 x double>", r"\1 contract <8 x double>")
     monkeypatch.setattr(native, "object_code", lambda text, *effort: OBJECT_CODE(loosely(text), *effort))
     monkeypatch.setattr(native.cache, "read", lambda name: None)
@@ -172,7 +184,7 @@ CHILD = """
 import sys
 sys.path[:0] = [{tests!r}, {tests!r} + "/golden"]
 from one_loop import ForAllLaws
-from vfife.codegen import loops, native
+from vfife.compiler import loops, native
 loops.DataDriven = ForAllLaws
 native.processor = lambda: ({name!r}, "")
 import test_golden

@@ -28,7 +28,12 @@ ALLOWED = 0.01  # of what is shown: four step sizes may agree by chance on what 
 
 def told(name: str, found: Outside) -> None:
     """A line of the table of counts, and what is wrong."""
-    print(f"| {name} | {found.derivatives} | {found.changes} | {found.unknown} | {len(found.wrong)} |", *found.wrong, sep="\n    ", flush=True)
+    print(
+        f"| {name} | {found.derivatives} | {found.changes} | {found.unknown} | {len(found.wrong)} |",
+        *found.wrong,
+        sep="\n    ",
+        flush=True,
+    )
 
 
 @pytest.mark.parametrize("name", GALLERY)
@@ -43,7 +48,10 @@ def test_what_is_shown_of_drawn_mechanisms_holds_the_truth(group):
     every = Outside()
     for seed in range(1000 + group, 1000 + SEEDS, GROUPS):
         found = outside(made_up(seed), FEW, seed=seed)
-        every.derivatives, every.changes = every.derivatives + found.derivatives, every.changes + found.changes
+        every.derivatives, every.changes = (
+            every.derivatives + found.derivatives,
+            every.changes + found.changes,
+        )
         every.unknown, every.wrong = every.unknown + found.unknown, every.wrong + found.wrong
     told(f"drawn, {SEEDS // GROUPS} of them", every)
     assert every.shown >= 20

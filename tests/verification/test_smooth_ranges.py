@@ -13,9 +13,9 @@ from scipy.integrate import solve_ivp
 
 import vfife
 from support import with_settings
-from vfife.analysis.ranges import sizes, trust, values_of
+from vfife.measures.ranges import sizes, trust, values_of
 from vfife.model.mechanism import Mechanism
-from vfife.result import Result
+from vfife.simulation.result import Result
 
 GRAVITY = 9.81
 FINER = 32
@@ -23,7 +23,9 @@ QUICK, EVERY = range(8), range(60)
 OUTSIDE = 0.005  # of a measure's size: no further may the truth lie outside of a range
 
 
-def hung(radius: float, length: float, speed: float, stiffness: float, damping: float, angle: float, turns: float) -> Mechanism:
+def hung(
+    radius: float, length: float, speed: float, stiffness: float, damping: float, angle: float, turns: float
+) -> Mechanism:
     """A rod of 1 kg hung on a crank, ``angle`` (rad) from its rest, with a torsional spring and damper to
     the ground.
     """
@@ -38,7 +40,9 @@ def hung(radius: float, length: float, speed: float, stiffness: float, damping: 
     return with_settings(m, turns=turns)
 
 
-def largest_accelerations(radius: float, length: float, speed: float, stiffness: float, damping: float, angle: float, turns: float) -> np.ndarray:
+def largest_accelerations(
+    radius: float, length: float, speed: float, stiffness: float, damping: float, angle: float, turns: float
+) -> np.ndarray:
     """Largest angular acceleration (rad/s^2) of the rod in each turn, by an eighth-order method; it begins
     with the least kinetic energy.
     """
@@ -47,17 +51,26 @@ def largest_accelerations(radius: float, length: float, speed: float, stiffness:
     def rates(time: float, state: np.ndarray) -> list[float]:
         theta, omega = state
         ax, ay = -radius * speed**2 * math.cos(speed * time), -radius * speed**2 * math.sin(speed * time)
-        moment = arm * (math.sin(theta) * ax - math.cos(theta) * (ay + GRAVITY)) - stiffness * (theta + 0.5 * math.pi) - damping * omega
+        moment = (
+            arm * (math.sin(theta) * ax - math.cos(theta) * (ay + GRAVITY))
+            - stiffness * (theta + 0.5 * math.pi)
+            - damping * omega
+        )
         return [omega, moment / inertia]
 
     begin = -0.5 * math.pi + angle
     start = [begin, -arm * radius * speed * math.cos(begin) / inertia]
-    found = solve_ivp(rates, (0.0, turns * turn), start, method="DOP853", rtol=1e-12, atol=1e-12, dense_output=True)
+    found = solve_ivp(
+        rates, (0.0, turns * turn), start, method="DOP853", rtol=1e-12, atol=1e-12, dense_output=True
+    )
     times = np.linspace(0.0, turn, 4001)
-    return np.array([max(abs(rates(t, found.sol(t))[1]) for t in k * turn + times) for k in range(round(turns))])
+    return np.array(
+        [max(abs(rates(t, found.sol(t))[1]) for t in k * turn + times) for k in range(round(turns))]
+    )
 
 
-# radius, length (m), speed (rad/s), stiffness (N m/rad), damping (N m s/rad), angle (rad), turns, steps a turn. The last ones lie beside the end of
+# radius, length (m), speed (rad/s), stiffness (N m/rad), damping (N m s/rad), angle (rad), turns, steps a
+# turn. The last ones lie beside the end of
 # a regular motion: within half a percent of the speed it becomes chaotic.
 CASES = {
     "calm": (0.05, 0.4, 5.0, 0.2, 0.05, 0.3, 10.0, 120),
@@ -91,14 +104,29 @@ def sprung(seed: int) -> Mechanism:
     kind, turns = draw.randrange(3), float(draw.choice([10, 20, 40, 60]))
     if kind == 0:
         length, damping = draw.uniform(0.2, 0.6), 10.0 ** draw.uniform(-3.5, -1.5)
-        speed = math.sqrt(1.5 * GRAVITY / length) * draw.choice([draw.uniform(0.5, 1.2), draw.uniform(1.7, 2.3), draw.uniform(2.3, 5.0)])
-        return hung(draw.uniform(0.02, 0.2), length, speed, draw.uniform(0.001, 2.0), damping, draw.uniform(0.05, 1.5), turns)
+        speed = math.sqrt(1.5 * GRAVITY / length) * draw.choice(
+            [draw.uniform(0.5, 1.2), draw.uniform(1.7, 2.3), draw.uniform(2.3, 5.0)]
+        )
+        return hung(
+            draw.uniform(0.02, 0.2),
+            length,
+            speed,
+            draw.uniform(0.001, 2.0),
+            damping,
+            draw.uniform(0.05, 1.5),
+            turns,
+        )
     if kind == 1:
         m = Mechanism("double pendulum", gravity=(0.0, -GRAVITY))
         m.point("O", 0.0, 0.0)
         swing = draw.choice([draw.uniform(0.1, 0.8), draw.uniform(0.8, 2.0)])
         m.link("a", length=0.3, mass=1.0, angle=-0.5 * math.pi + swing)
-        m.link("b", length=draw.uniform(0.2, 0.5), mass=draw.uniform(0.3, 2.0), angle=-0.5 * math.pi + draw.uniform(-swing, swing))
+        m.link(
+            "b",
+            length=draw.uniform(0.2, 0.5),
+            mass=draw.uniform(0.3, 2.0),
+            angle=-0.5 * math.pi + draw.uniform(-swing, swing),
+        )
         m.revolute("O", "ground.O", "a.start")
         m.revolute("A", "a.end", "b.start")
         return with_settings(m, duration=draw.choice([1.0, 3.0, 6.0]))
@@ -108,10 +136,22 @@ def sprung(seed: int) -> Mechanism:
     m.link("crank", length=draw.uniform(0.01, 0.08), mass=0.1, angle=0.0)
     m.revolute("O", "ground.O", "crank.start")
     m.point_mass("mass", mass=1.0, position=(0.0, draw.uniform(-0.1, 0.1)))
-    free, damping = 0.2 * draw.choice([draw.uniform(0.7, 1.0), draw.uniform(1.02, 1.3)]), 10.0 ** draw.uniform(-1.2, 0.3)
+    free, damping = (
+        0.2 * draw.choice([draw.uniform(0.7, 1.0), draw.uniform(1.02, 1.3)]),
+        10.0 ** draw.uniform(-1.2, 0.3),
+    )
     for name in "PQ":
-        m.spring(name, f"ground.{name}", "mass.center", stiffness=stiffness, damping=damping, free_length=free)
-    m.spring("pull", "crank.end", "mass.center", stiffness=draw.uniform(10.0, 100.0), damping=damping, free_length=0.6)
+        m.spring(
+            name, f"ground.{name}", "mass.center", stiffness=stiffness, damping=damping, free_length=free
+        )
+    m.spring(
+        "pull",
+        "crank.end",
+        "mass.center",
+        stiffness=draw.uniform(10.0, 100.0),
+        damping=damping,
+        free_length=0.6,
+    )
     m.drive("crank", speed=math.sqrt(stiffness) * draw.uniform(0.3, 1.6))
     return with_settings(m, turns=turns)
 
@@ -122,11 +162,23 @@ def compared(seed: int) -> tuple[Result, dict[str, float]]:
     no more than OUTSIDE are left out.
     """
     mechanism = sprung(seed)
-    count, turn = random.Random(seed + 1000).choice([120, 240, 480]), vfife.simulate(mechanism, companions=0).record.assembly.choice.turn
-    length = {"step": turn / count, "outputs": 120} if turn else {"step": mechanism.settings.duration / (10 * count), "outputs": 10 * count}
+    count, turn = (
+        random.Random(seed + 1000).choice([120, 240, 480]),
+        vfife.simulate(mechanism, companions=0).record.assembly.choice.turn,
+    )
+    length = (
+        {"step": turn / count, "outputs": 120}
+        if turn
+        else {"step": mechanism.settings.duration / (10 * count), "outputs": 10 * count}
+    )
     result = vfife.simulate(mechanism, reference=False, **length, force_step=True)
     fine, finer = (
-        values_of(vfife.simulate(mechanism, reference=False, companions=0, **length | {"step": length["step"] / part}).record, result.record)
+        values_of(
+            vfife.simulate(
+                mechanism, reference=False, companions=0, **length | {"step": length["step"] / part}
+            ).record,
+            result.record,
+        )
         for part in (FINER // 2, FINER)
     )  # of the same turns, whatever the finer runs would take
     size, missed = sizes(result.measures, length["step"]), {}
@@ -134,7 +186,9 @@ def compared(seed: int) -> tuple[Result, dict[str, float]]:
         one = result.measures[name]
         scale = size.get(name, max(abs(one), 1e-6 * max(map(abs, result.measures.values()))))
         if (doubt := abs(finer[name] - fine[name])) < OUTSIDE * scale and one.estimated:
-            missed[name] = max(finer[name] - one.high, one.low - finer[name], doubt / 3.0) / scale - doubt / 3.0 / scale
+            missed[name] = (
+                max(finer[name] - one.high, one.low - finer[name], doubt / 3.0) / scale - doubt / 3.0 / scale
+            )
     return result, missed
 
 
@@ -147,7 +201,11 @@ def judged(seeds: range) -> tuple[int, int, float, int]:
         result, missed = compared(seed)
         said = trust(result.record, result.measures)
         if said is not None and not said.sensitive:
-            every, inside, runs = every + len(missed), inside + sum(one <= 0.0 for one in missed.values()), runs + 1
+            every, inside, runs = (
+                every + len(missed),
+                inside + sum(one <= 0.0 for one in missed.values()),
+                runs + 1,
+            )
             worst = max([worst, *missed.values()])
     return every, inside, worst, runs
 

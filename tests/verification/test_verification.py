@@ -11,7 +11,10 @@ import pytest
 from vfife_validation.verification import CASES, Case, Row
 
 SYSTEM = pytest.mark.system("compares whole runs with references")
-QUICK = [pytest.param(one, id=name, marks=SYSTEM if one.quick else pytest.mark.verify) for name, one in CASES.items()]
+QUICK = [
+    pytest.param(one, id=name, marks=SYSTEM if one.quick else pytest.mark.verify)
+    for name, one in CASES.items()
+]
 
 
 def failed(rows: Iterable[Row]) -> set[str]:
@@ -27,12 +30,16 @@ def rows_of(name: str) -> tuple[Row, ...]:
 @pytest.mark.parametrize("case", QUICK)
 def test_passes(case: Case) -> None:
     rows = rows_of(case.name)
-    assert rows and not failed(rows), [(row.quantity, row.reference, row.value, row.error, row.note) for row in rows if not row.passed]
+    assert rows and not failed(rows), [
+        (row.quantity, row.reference, row.value, row.error, row.note) for row in rows if not row.passed
+    ]
 
 
 @pytest.mark.parametrize("case", QUICK)
 def test_every_number_notices_a_nudged_model(case: Case) -> None:
-    """Each nudge breaks a number at least, each number breaks under a nudge at least, and the model still runs."""
+    """Each nudge breaks a number at least, each number breaks under a nudge at least, and the model still
+    runs.
+    """
     told = [case.check({name: value}) for name, value in case.nudges.items()]
     numbers = {row.quantity for row in rows_of(case.name)}
     assert all({row.quantity for row in rows} == numbers for rows in told)
@@ -48,8 +55,17 @@ def test_says_where_it_comes_from(case: Case) -> None:
 
 @pytest.mark.system("runs nudged models")
 def test_tolerances_are_tight() -> None:
-    """Statics 0.1 %, the rest at most 1 %, as a run of the tight cases tells; scales are never larger than what is measured can be."""
-    for name in ("elastica", "closed-circle", "williams-toggle", "follower-frame", "welded-arm", "elastic-guide"):
+    """Statics 0.1 %, the rest at most 1 %, as a run of the tight cases tells; scales are never larger than
+    what is measured can be.
+    """
+    for name in (
+        "elastica",
+        "closed-circle",
+        "williams-toggle",
+        "follower-frame",
+        "welded-arm",
+        "elastic-guide",
+    ):
         assert not CASES[name].quick  # its rows are looked at in the next test, where they are run
     for case in (one for one in CASES.values() if one.quick):
         assert all(row.tolerance <= 1e-2 for row in rows_of(case.name))
@@ -86,4 +102,15 @@ def test_page_is_made_of_the_cases() -> None:
     assert text.count("## Gears, motors and prescribed motion") == 1
     assert "| beta at 0.03 s | rad | 15.8108 | 15.8108 |" in text
     with pytest.raises(RuntimeError, match="'broken'"):
-        tables([Case("broken", "Broken", "none", "tests", lambda nudge: iter([Row("x", "m", 1.0, 2.0, 1e-3)]), {})])
+        tables(
+            [
+                Case(
+                    "broken",
+                    "Broken",
+                    "none",
+                    "tests",
+                    lambda nudge: iter([Row("x", "m", 1.0, 2.0, 1e-3)]),
+                    {},
+                )
+            ]
+        )

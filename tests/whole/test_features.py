@@ -1,4 +1,6 @@
-"""Every feature of the package, used once from outside: the commands of features.toml in one folder, and a user's script."""
+"""Every feature of the package, used once from outside: the commands of features.toml in one folder, and a
+user's script.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ import vfife
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 GROUPS = tomllib.loads((Path(__file__).parent / "features.toml").read_text())["group"]
-MODEL = f'model = "{EXAMPLES}/four_bar_case_b.toml"\nmeasures = ["C.force.max", "crank.power.mean"]\nturns = 1\n'
+MODEL = (
+    f'model = "{EXAMPLES}/four_bar_case_b.toml"\nmeasures = ["C.force.max", "crank.power.mean"]\nturns = 1\n'
+)
 GRID = """
 [vary.clearance]
 path = "joint.C.clearance"
@@ -42,10 +46,15 @@ FORCES = {"ideal": ("B", 39425.3, 1e-3), "b": ("C", 65794.78, 5e-3), "c": ("C", 
 
 def record(path: Path) -> None:
     """Write a curve of case b as measured data."""
-    result = vfife.simulate(vfife.load(EXAMPLES / "four_bar_case_b.toml"), turns=1, outputs=400, companions=0, reference=False)
+    result = vfife.simulate(
+        vfife.load(EXAMPLES / "four_bar_case_b.toml"), turns=1, outputs=400, companions=0, reference=False
+    )
     curve = result.data["body_angular_acceleration"].sel(body="follower")
     rows = zip(curve["time"].values[100:], curve.values[100:], strict=True)
-    path.write_text("time (s),follower.angular_acceleration (rad/s^2)\n" + "".join(f"{time:.9f},{value:.6f}\n" for time, value in rows))
+    path.write_text(
+        "time (s),follower.angular_acceleration (rad/s^2)\n"
+        + "".join(f"{time:.9f},{value:.6f}\n" for time, value in rows)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +69,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def command(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     words = shlex.split(line.replace("EX/", f"{EXAMPLES}/"))
-    return subprocess.run([sys.executable, "-m", "vfife", *words], cwd=folder, capture_output=True, text=True, timeout=300)
+    return subprocess.run(
+        [sys.executable, "-m", "vfife", *words], cwd=folder, capture_output=True, text=True, timeout=300
+    )
 
 
 @pytest.mark.system("starts a process for each of ninety commands")
@@ -105,7 +116,9 @@ def test_the_python_front_end_does_its_work(tmp_path, monkeypatch):
     assert Path("r.csv").stat().st_size > 1000
     simulation = vfife.Simulation(m)
     simulation.advance(1e-3)
-    study = vfife.study(m, vary={"joint.C.clearance": ["0.1 mm", "0.2 mm"]}, measures=["C.force.max"], turns=1)
+    study = vfife.study(
+        m, vary={"joint.C.clearance": ["0.1 mm", "0.2 mm"]}, measures=["C.force.max"], turns=1
+    )
     assert len(study.members) == 2
     for name in vfife.gallery.__all__:
         assert getattr(vfife.gallery, name)().bodies

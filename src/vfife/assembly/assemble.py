@@ -1,4 +1,6 @@
-"""Mechanism -> arrays: numbering, lumped masses, start positions and velocities; assemblies that differ in clearance joints alone."""
+"""Mechanism -> arrays: numbering, lumped masses, start positions and velocities; assemblies that differ in
+clearance joints alone.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +22,8 @@ from ..laws.check import try_out
 from ..model.functions import Polynomials
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
-from ..model.plausibility import contradictions
 from ..model.surfaces import cautions, surfaces
+from ..model.validation.plausibility import contradictions
 from ..numerics.scalar import distance, sincos
 from .assembled import Assembly, StepChoice
 from .checks import redundant, refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck, shared
@@ -34,9 +36,11 @@ Array = NDArray[np.float64]
 
 
 def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
-    """What the data-driven loop can tell apart: the forms of the common laws, so that one compilation serves most models, and of those in use.
+    """What the data-driven loop can tell apart: the forms of the common laws, so that one compilation serves
+    most models, and of those in use.
 
-    Laws that differ in their parameters only are of one form. The order does not depend on that of the joints.
+    Laws that differ in their parameters only are of one form. The order does not depend on that of the
+    joints.
     """
     common = {law.form() for law in base.registry.values() if law.common}
     more = {type(law).form() for law in used} - common
@@ -59,19 +63,26 @@ def assemble(
 ) -> Assembly:
     """Numbers the mechanism and fills its arrays.
 
-    ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is expected to carry, for the stable
-    step. ``given``: a start from known positions. ``motion``: the start, solved before (:func:`ideal_motion`).
-    ``beside``: a mechanism whose laws the loop can do as well, so that both share one compilation.
-    ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the settings. Raises VfifeError (AssemblyError where links cannot reach,
-    StepError where the step is too large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
+    ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is
+    expected to carry, for the stable step. ``given``: a start from known positions. ``motion``: the start,
+    solved before (:func:`ideal_motion`). ``beside``: a mechanism whose laws the loop can do as well, so that
+    both share one compilation. ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the
+    settings. Raises VfifeError (AssemblyError where links cannot reach, StepError where the step is too
+    large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
     refuse_static(mechanism)
     refuse_idle(mechanism)
     numbering = Numbering(mechanism)
     lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
-    laws = [forms(ContactLaw, [joint.contact for joint in lawful]), forms(FrictionLaw, [joint.friction for joint in lawful])]
+    laws = [
+        forms(ContactLaw, [joint.contact for joint in lawful]),
+        forms(FrictionLaw, [joint.friction for joint in lawful]),
+    ]
     pairs = {name: surfaces(mechanism, joint) for name, joint in mechanism.contacts.items()}
-    try_out([(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)], *laws)
+    try_out(
+        [(law, pairs[name]) for name, j in mechanism.contacts.items() for law in (j.contact, j.friction)],
+        *laws,
+    )
     seats = seated(mechanism, motion)
     with np.errstate(over="ignore", invalid="ignore"):
         motion = ideal_motion(standing(mechanism), seats=seats, given=given, known=motion)
@@ -82,21 +93,34 @@ def assemble(
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
     stressed = prestress(mechanism, seats) if wanted(mechanism) and given is None else None
-    filler = filled(Filler(mechanism, numbering, layout_of(topology), motion, stressed, given=given is not None), parts, tables)
+    filler = filled(
+        Filler(mechanism, numbering, layout_of(topology), motion, stressed, given=given is not None),
+        parts,
+        tables,
+    )
     filler.seat(parts.touches, seats)
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     if redundant(filler.layout, filler.state, topology):
         topology = dataclasses.replace(topology, redundant=True)
     ideals = [joint.name for joint in parts.ideals]
     free = motion.mobility.after_drives
-    model = StepModel(mechanism, filler.layout, filler.state, topology, parts.touches, owners, ideals, expected or {}, free)
+    model = StepModel(
+        mechanism, filler.layout, filler.state, topology, parts.touches, owners, ideals, expected or {}, free
+    )
     choice = choose_step(model, StepRequest(step, **run))
     if parts.ideals:
-        topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, filler.layout, filler.state))
+        topology = dataclasses.replace(
+            topology, coarse=coarse(mechanism, choice, filler.layout, filler.state)
+        )
     filler.put("step", choice.step)
     filler.put("damping", mechanism.settings.damping)
     strange = tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
-    notes = cautions(mechanism) + contradictions(mechanism) + strange + missed(mechanism, choice, filler.layout, filler.state)
+    notes = (
+        cautions(mechanism)
+        + contradictions(mechanism)
+        + strange
+        + missed(mechanism, choice, filler.layout, filler.state)
+    )
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),
@@ -107,7 +131,9 @@ def assemble(
 
 
 def filled(filler: Filler, parts: Parts, tables: NDArray[np.float64]) -> Filler:
-    """All that nouns and motion decide, of one mechanism or of many side by side. VfifeError for contacts that start deep."""
+    """All that nouns and motion decide, of one mechanism or of many side by side. VfifeError for contacts
+    that start deep.
+    """
     filler.bodies()
     filler.ideals(parts.ideals, tables)
     filler.touches(parts.touches)
@@ -120,7 +146,11 @@ def filled(filler: Filler, parts: Parts, tables: NDArray[np.float64]) -> Filler:
 
 
 def topology_of(
-    mechanism: Mechanism, numbering: Numbering, parts: Parts, laws: list[tuple[type[Law], ...]], functions: tuple[int, ...]
+    mechanism: Mechanism,
+    numbering: Numbering,
+    parts: Parts,
+    laws: list[tuple[type[Law], ...]],
+    functions: tuple[int, ...],
 ) -> Topology:
     """The integers that say what is joined to what."""
     paths, knots = parts.numbered(), tuple(len(t.joint.contact.knots()) for t in parts.touches)
@@ -169,9 +199,15 @@ def topology_of(
 
 
 def guides_of(parts: Parts) -> tuple[tuple[int, int], ...]:
-    """First contact, and the one after the last, of each joint that has several: the corners of a block in its guide."""
+    """First contact, and the one after the last, of each joint that has several: the corners of a block in
+    its guide.
+    """
     joints = [touch.joint.name for touch in parts.touches]
-    return tuple((joints.index(name), joints.index(name) + joints.count(name)) for name in dict.fromkeys(joints) if joints.count(name) > 1)
+    return tuple(
+        (joints.index(name), joints.index(name) + joints.count(name))
+        for name in dict.fromkeys(joints)
+        if joints.count(name) > 1
+    )
 
 
 def profiles_of(parts: Parts) -> tuple[tuple[int, int], ...]:
@@ -192,23 +228,40 @@ def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np
 
 
 def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
-    """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble`` gives with the same step, sooner.
+    """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble``
+    gives with the same step, sooner.
 
-    ``joints``: all of the mechanism's clearance joints. Raises VfifeError where something else would change too: the kinds of the laws, or
-    the start, which depends on clearances where journals are seated.
+    ``joints``: all of the mechanism's clearance joints. Raises VfifeError where something else would change
+    too: the kinds of the laws, or the start, which depends on clearances where journals are seated.
     """
     mechanism = assembly.mechanism
-    if tuple(joints) != assembly.contacts or mechanism.start.journals == "seated" or assembly.topology.contact_knots:
+    if (
+        tuple(joints) != assembly.contacts
+        or mechanism.start.journals == "seated"
+        or assembly.topology.contact_knots
+    ):
         raise VfifeError(
-            "only clearance joints of a mechanism whose journals start centred and whose laws are no tables can be reassembled, all of them at once"
+            "only clearance joints of a mechanism whose journals start centred and whose laws are no tables"
+            " can be reassembled, all of them at once"
         )
     state, topology = assembly.state.copy(), assembly.topology
     for index, (name, joint) in enumerate(joints.items()):
-        kinds = topology.contact_laws[topology.contact_form[index]], topology.friction_laws[topology.friction_form[index]]
-        if kinds != (joint.contact.form(), joint.friction.form()) or joint.sides != mechanism.joints[name].sides:
-            raise VfifeError(f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the mechanism anew")
+        kinds = (
+            topology.contact_laws[topology.contact_form[index]],
+            topology.friction_laws[topology.friction_form[index]],
+        )
+        if (
+            kinds != (joint.contact.form(), joint.friction.form())
+            or joint.sides != mechanism.joints[name].sides
+        ):
+            raise VfifeError(
+                f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the"
+                " mechanism anew"
+            )
         nowhere = (0, (0.0, 0.0))
-        for row, values in touch_rows(mechanism, assembly.layout, touches_of(name, joint, nowhere, nowhere, 0.0)[0], index):
+        for row, values in touch_rows(
+            mechanism, assembly.layout, touches_of(name, joint, nowhere, nowhere, 0.0)[0], index
+        ):
             state[row : row + len(values)] = values
     fitted = dataclasses.replace(mechanism, joints={**mechanism.joints, **joints})
     return dataclasses.replace(assembly, mechanism=fitted, state=state)
@@ -219,28 +272,46 @@ MOST_CHOICES = 4096  # steps that are remembered
 
 
 class Reassembler:
-    """Makes assemblies with other numbers of clearance joints from one that ``assemble`` made with the same ``step``, ``expected`` and ``run``.
+    """Makes assemblies with other numbers of clearance joints from one that ``assemble`` made with the same
+    ``step``, ``expected`` and ``run``.
 
-    A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the step; nothing else of an assembly whose
-    journals start centred. ``usable``: False where something else is known to follow from them.
+    A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the
+    step; nothing else of an assembly whose journals start centred. ``usable``: False where something else is
+    known to follow from them.
     """
 
-    def __init__(self, assembly: Assembly, step: float | str | None, expected: Mapping[str, float], usable: bool = True, **run: Any) -> None:
+    def __init__(
+        self,
+        assembly: Assembly,
+        step: float | str | None,
+        expected: Mapping[str, float],
+        usable: bool = True,
+        **run: Any,
+    ) -> None:
         self.assembly, self.expected, self.request = assembly, expected, StepRequest(step, **run)
         mechanism, layout = assembly.mechanism, assembly.layout
-        self.places = {name: k for k, name in enumerate(assembly.contact_joints) if mechanism.contacts[name].refits}
+        self.places = {
+            name: k for k, name in enumerate(assembly.contact_joints) if mechanism.contacts[name].refits
+        }
         whole = len(self.places) == len(assembly.contacts) and not assembly.topology.contact_knots
         self.usable = usable and whole and mechanism.start.journals == "centred"
-        self.masses = {name: surfaces(mechanism, mechanism.contacts[name]).effective_mass for name in self.places}
+        self.masses = {
+            name: surfaces(mechanism, mechanism.contacts[name]).effective_mass for name in self.places
+        }
         self.materials = {
-            name: [mechanism.bodies[body].material if body != "ground" else Material() for body, _ in mechanism.contacts[name].sides]
+            name: [
+                mechanism.bodies[body].material if body != "ground" else Material()
+                for body, _ in mechanism.contacts[name].sides
+            ]
             for name in self.places
         }
         self.rows = {name: [layout.row(block, k) for block in TOUCHED] for name, k in self.places.items()}
         self.apart = {name: self._apart(k) for name, k in self.places.items()}
         self.row = layout.row("step")
         self.slots = layout.rows_of("contact_slots")
-        self.choices: dict[bytes, tuple[StepChoice, Topology]] = {assembly.state[self.slots].tobytes(): (assembly.choice, assembly.topology)}
+        self.choices: dict[bytes, tuple[StepChoice, Topology]] = {
+            assembly.state[self.slots].tobytes(): (assembly.choice, assembly.topology)
+        }
 
     def _apart(self, index: int) -> float:
         """Distance of a journal from its bearing at the start (m)."""
@@ -249,26 +320,40 @@ class Reassembler:
         def seen(side: str) -> tuple[float, float]:
             particle = getattr(topology, f"contact_{side}")[index]
             x, y = (float(state[layout.row(f"contact_{side}_{axis}", index)]) for axis in "xy")
-            px, py, angle = (float(state[layout.row(f"particle_{axis}", particle)]) for axis in ("x", "y", "theta"))
+            px, py, angle = (
+                float(state[layout.row(f"particle_{axis}", particle)]) for axis in ("x", "y", "theta")
+            )
             s, c = sincos(angle)
             return px + c * x - s * y, py + s * x + c * y
 
         return distance(seen("bearing"), seen("journal"))
 
     def with_joints(self, joints: Mapping[str, Contact]) -> Assembly | None:
-        """The assembly with some of its joints replaced by others of the same laws; None where it has to be made anew, or cannot be."""
+        """The assembly with some of its joints replaced by others of the same laws; None where it has to be
+        made anew, or cannot be.
+        """
         old = self.assembly
         if not self.usable or not joints.keys() <= self.places.keys():
             return None
         state = old.state.copy()
         for name, joint in joints.items():
             joint, former = cast(Any, joint), cast(Any, old.mechanism.joints[name])
-            alike = (joint.sides, type(joint.contact), type(joint.friction)) == (former.sides, type(former.contact), type(former.friction))
+            alike = (joint.sides, type(joint.contact), type(joint.friction)) == (
+                former.sides,
+                type(former.contact),
+                type(former.friction),
+            )
             alike = alike and joint.wear == former.wear
-            if not alike or any(joint.conflicts()) or not self.apart[name] - joint.clearance <= joint.deepest_start[0]:
+            if (
+                not alike
+                or any(joint.conflicts())
+                or not self.apart[name] - joint.clearance <= joint.deepest_start[0]
+            ):
                 return None
             pair = joint.pair(*self.materials[name]).between(self.masses[name])
-            for row, values in zip(self.rows[name], touch_values(joint, joint.touchings(0.0)[0], pair), strict=True):
+            for row, values in zip(
+                self.rows[name], touch_values(joint, joint.touchings(0.0)[0], pair), strict=True
+            ):
                 if len(values) == 1:
                     state[row] = values[0]
                 else:
@@ -278,21 +363,37 @@ class Reassembler:
             return None
         mechanism = copy(old.mechanism)
         mechanism.joints = {**old.mechanism.joints, **joints}
-        choice, topology = self.choices.get(slots.tobytes()) or self._stepped(mechanism, state, slots.tobytes())
+        choice, topology = self.choices.get(slots.tobytes()) or self._stepped(
+            mechanism, state, slots.tobytes()
+        )
         state[self.row] = choice.step
         found = copy(old)  # a third of the time of replacing fields, and there may be thousands
-        for field, value in (("mechanism", mechanism), ("state", state), ("choice", choice), ("topology", topology)):
+        for field, value in (
+            ("mechanism", mechanism),
+            ("state", state),
+            ("choice", choice),
+            ("topology", topology),
+        ):
             object.__setattr__(found, field, value)
         return found
 
-    def _stepped(self, mechanism: Mechanism, state: NDArray[np.float64], key: bytes) -> tuple[StepChoice, Topology]:
+    def _stepped(
+        self, mechanism: Mechanism, state: NDArray[np.float64], key: bytes
+    ) -> tuple[StepChoice, Topology]:
         """The step, and the topology that it makes, which hang on the laws of contact alone."""
         old = self.assembly
-        touches = [touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()]
+        touches = [
+            touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()
+        ]
         owners = [name for name, body in old.bodies.items() for _ in body.elements]
         mobility = 0 if old.mobility is None else old.mobility.after_drives
         topology = old.topology
-        choice = choose_step(StepModel(mechanism, old.layout, state, topology, touches, owners, old.ideals, self.expected, mobility), self.request)
+        choice = choose_step(
+            StepModel(
+                mechanism, old.layout, state, topology, touches, owners, old.ideals, self.expected, mobility
+            ),
+            self.request,
+        )
         if old.ideals:
             topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, old.layout, state))
         if len(self.choices) < MOST_CHOICES:

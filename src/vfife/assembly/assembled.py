@@ -1,4 +1,6 @@
-"""What assemble hands on: arrays for the kernels, which row belongs to which named thing, and bounds that sound numbers keep."""
+"""What assemble hands on: arrays for the kernels, which row belongs to which named thing, and bounds that
+sound numbers keep.
+"""
 
 from __future__ import annotations
 
@@ -9,22 +11,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..codegen.runner import Watched
+from ..compiler.runtime.runner import Watched
 from ..kernels.arrays import KNOT, Layout
 from ..kernels.topology import Topology
+from ..model.geometry.path import Path
 from ..model.mechanism import Mechanism
-from ..model.path import Path
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class BodyMap:
-    """Where a body is found: its particles (indices), elements (indices), its entry among ``body_*`` blocks and, if driven, ``driven_*``.
+    """Where a body is found: its particles (indices), elements (indices), its entry among ``body_*`` blocks
+    and, if driven, ``driven_*``.
 
-    ``reference`` is the point of the body's frame (m) at which its one particle sits if it is rigid: the centre of mass, or the pivot if it is
-    driven. ``nodes`` are the particles that carry its pins. ``mass`` (kg), ``inertia`` about the centre of mass (kg m^2) and ``center`` (m)
-    are those of the whole body as it is calculated.
+    ``reference`` is the point of the body's frame (m) at which its one particle sits if it is rigid: the
+    centre of mass, or the pivot if it is driven. ``nodes`` are the particles that carry its pins. ``mass``
+    (kg), ``inertia`` about the centre of mass (kg m^2) and ``center`` (m) are those of the whole body as it
+    is calculated.
     """
 
     name: str
@@ -45,8 +49,8 @@ class BodyMap:
 class StepChoice:
     """The step (s), what allowed it, and how long a run with it is.
 
-    ``tried``: larger steps (s) that were given up, with the share by which their companions lay apart, or None where first contacts were
-    too deep or energy was not accounted for.
+    ``tried``: larger steps (s) that were given up, with the share by which their companions lay apart, or
+    None where first contacts were too deep or energy was not accounted for.
     """
 
     step: float
@@ -69,11 +73,13 @@ class StepChoice:
 class Assembly:
     """Model and state of one mechanism.
 
-    ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``contacts``, ``ideals``, ``springs`` and ``pivots`` are names
-    in the order of the rows of ``contact_*``, ``joint_*``, ``spring_*`` and ``driven_*``. A pivot is the ideal joint to the ground of a driven
-    body; gears and drivers without a pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
-    ``contact_joints`` names the joint of each contact, ``contact_paths`` has the path of its slot. ``shared`` are the reactions that redundant
-    joints leave open, ``<joint>.force``, ``<joint>.moment`` and ``<driven body>.torque``: those of least norm are told.
+    ``state`` is S at the start, shape (rows,); ``tables`` the functions of time. ``contacts``, ``ideals``,
+    ``springs`` and ``pivots`` are names in the order of the rows of ``contact_*``, ``joint_*``, ``spring_*``
+    and ``driven_*``. A pivot is the ideal joint to the ground of a driven body; gears and drivers without a
+    pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
+    ``contact_joints`` names the joint of each contact, ``contact_paths`` has the path of its slot. ``shared``
+    are the reactions that redundant joints leave open, ``<joint>.force``, ``<joint>.moment`` and
+    ``<driven body>.torque``: those of least norm are told.
     """
 
     mechanism: Mechanism
@@ -99,8 +105,12 @@ class Assembly:
         return slots_of(self.layout, self.state, self.topology, index, len(law.slots))
 
 
-def slots_of(layout: Layout, state: NDArray[np.float64], topology: Topology, index: int, count: int) -> tuple[Any, ...]:
-    """So many parameters of the law of a contact, from its record; after them the pieces of one that is a table."""
+def slots_of(
+    layout: Layout, state: NDArray[np.float64], topology: Topology, index: int, count: int
+) -> tuple[Any, ...]:
+    """So many parameters of the law of a contact, from its record; after them the pieces of one that is a
+    table.
+    """
     row, (first, pieces) = layout.row("contact_slots", index), topology.knots[index]
     ranges = [(row, count), *((layout.record("knot", first + k), KNOT.SIZE) for k in range(pieces))]
     return tuple(value for start, size in ranges for value in state[start : start + size].tolist())
@@ -111,19 +121,26 @@ STRETCH = 5.0  # of an element's first length, or its inverse
 
 
 def limited_rows(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S with numbers that have bounds: penetrations, the largest since the last output, and lengths of elements."""
+    """Rows of S with numbers that have bounds: penetrations, the largest since the last output, and lengths
+    of elements.
+    """
     return np.concatenate([assembly.layout[name] for name in LIMITED]).astype(np.uint32)
 
 
 def bounds(assembly: Assembly) -> tuple[Array, Array]:
     """The lowest and highest number that :func:`limited_rows` have in a sound run.
 
-    A penetration beyond the bearing's radius and an element beyond a fifth or five times its length are marks of an unstable step, which can
-    stay finite for long; a journal may be back in its bearing when somebody looks.
+    A penetration beyond the bearing's radius and an element beyond a fifth or five times its length are marks
+    of an unstable step, which can stay finite for long; a journal may be back in its bearing when somebody
+    looks.
     """
-    reach = np.array([assembly.mechanism.contacts[name].reach for name in assembly.contact_joints], dtype=float)
+    reach = np.array(
+        [assembly.mechanism.contacts[name].reach for name in assembly.contact_joints], dtype=float
+    )
     length = assembly.state[assembly.layout["reference_length"]]
-    return np.concatenate([np.full(2 * len(reach), -np.inf), length / STRETCH]), np.concatenate([reach, reach, length * STRETCH])
+    return np.concatenate([np.full(2 * len(reach), -np.inf), length / STRETCH]), np.concatenate(
+        [reach, reach, length * STRETCH]
+    )
 
 
 def watched(assemblies: Sequence[Assembly], lanes: NDArray[np.bool_]) -> Watched:
@@ -133,9 +150,13 @@ def watched(assemblies: Sequence[Assembly], lanes: NDArray[np.bool_]) -> Watched
 
 
 class Bounds:
-    """Finds what lies beyond all bounds among recorded numbers, those of the rows ``kept``; ``columns`` are those that have bounds, if known."""
+    """Finds what lies beyond all bounds among recorded numbers, those of the rows ``kept``; ``columns`` are
+    those that have bounds, if known.
+    """
 
-    def __init__(self, assembly: Assembly, kept: NDArray[np.uint32], columns: NDArray[np.intp] | None = None) -> None:
+    def __init__(
+        self, assembly: Assembly, kept: NDArray[np.uint32], columns: NDArray[np.intp] | None = None
+    ) -> None:
         if columns is None:
             order = np.argsort(kept, kind="stable")
             columns = order[np.searchsorted(kept, limited_rows(assembly), sorter=order)]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..codegen.graph import derive
-from ..codegen.tables import tables
+from ..compiler.trace.graph import derive
+from ..compiler.trace.tables import tables
 from ..errors import VfifeError
 from ..kernels.arrays import CONSTRAINT_INDEX, HEADER, Layout
 from ..kernels.constraint import levers
@@ -37,23 +37,33 @@ WHOLE_TURN = 6.283185307179586  # rad
 
 
 def refuse_idle(mechanism: Mechanism) -> None:
-    """VfifeError, all at once, for what turns or holds a particle without inertia, or an end of a link that is released."""
+    """VfifeError, all at once, for what turns or holds a particle without inertia, or an end of a link that
+    is released.
+    """
     points, faults = spinless(mechanism), []
-    released = {name: body.release for name, body in mechanism.bodies.items() if isinstance(body, Link) and body.element_count}
+    released = {
+        name: body.release
+        for name, body in mechanism.bodies.items()
+        if isinstance(body, Link) and body.element_count
+    }
     for what, bodies in turned(mechanism):
         for body in bodies:
             if body in points:
-                faults.append(f"{what} acts on the angle of {body!r}, a particle without inertia, which has none: give it an inertia")
+                faults.append(
+                    f"{what} acts on the angle of {body!r}, a particle without inertia, which has none: give"
+                    " it an inertia"
+                )
             elif released.get(body) in ("start", "both"):
                 faults.append(
-                    f"{what} acts on {body!r} at its start, which is released, and would turn nothing but the pin: exchange start and end, or "
-                    "remove the release"
+                    f"{what} acts on {body!r} at its start, which is released, and would turn nothing but the"
+                    " pin: exchange start and end, or remove the release"
                 )
     for name, joint in mechanism.joints.items():
         for body, pin in joint.sides if {Coincide(), Turn()} <= {*joint.rows()} else ():
             if released.get(body) in (pin, "both"):
                 faults.append(
-                    f"weld {name!r} holds {body}.{pin}, an end that is released, not the link: take an ideal joint, or remove the release"
+                    f"weld {name!r} holds {body}.{pin}, an end that is released, not the link: take an ideal"
+                    " joint, or remove the release"
                 )
     if faults:
         raise VfifeError("; ".join(faults))
@@ -66,7 +76,10 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
     for name, spring in mechanism.springs.items():
         if spring.turns and spring.between_pins:
             points = [end.partition(".") for end in (spring.first, spring.second)]
-            yield f"{spring.kind} {name!r}", tuple(body for body, _, _ in points if isinstance(mechanism.bodies.get(body), PointMass))
+            yield (
+                f"{spring.kind} {name!r}",
+                tuple(body for body, _, _ in points if isinstance(mechanism.bodies.get(body), PointMass)),
+            )
         elif spring.turns:
             yield f"spring {name!r}", (spring.first, spring.second)
     for name, driver in mechanism.drivers.items():
@@ -83,11 +96,16 @@ def turned(mechanism: Mechanism) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 def refuse_infinite(motion: Motion) -> None:
     """VfifeError where the start has numbers beyond all bounds."""
-    for what, values in (("position", motion.position), ("velocity", motion.velocity), ("acceleration", motion.acceleration)):
+    for what, values in (
+        ("position", motion.position),
+        ("velocity", motion.velocity),
+        ("acceleration", motion.acceleration),
+    ):
         bad = [name for k, name in enumerate(motion.names) if not np.isfinite(values[..., k, :]).all()]
         if bad:
             raise VfifeError(
-                f"the {what} of {', '.join(bad)} at the start is beyond all numbers: check the units of speeds, forces, lengths and masses"
+                f"the {what} of {', '.join(bad)} at the start is beyond all numbers: check the units of"
+                " speeds, forces, lengths and masses"
             )
 
 
@@ -99,8 +117,9 @@ def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
         if depth > limit:
             bearing, journal = touch.joint.bearing, touch.joint.journal
             faults.append(
-                f"joint {touch.joint.name!r} starts with {journal} {depth:.4g} m deep in {bearing}, beyond {told}: check position and angle of "
-                f"{journal.partition('.')[0]!r}, the side of the surface (a line's material lies to the right of its direction), and units"
+                f"joint {touch.joint.name!r} starts with {journal} {depth:.4g} m deep in {bearing}, beyond"
+                f" {told}: check position and angle of {journal.partition('.')[0]!r}, the side of the surface"
+                " (a line's material lies to the right of its direction), and units"
             )
     if faults:
         raise VfifeError("; ".join(dict.fromkeys(faults)))
@@ -123,13 +142,16 @@ def refuse_stuck(motion: Motion) -> None:
         names = ", ".join(drive.name for drive in drives)
         left = found.free - found.after_drives
         raise VfifeError(
-            f"the drivers ({names}) prescribe {len(drives)} motions, and the joints leave {left} of them free here: joints or another driver hold "
-            "what is driven, or this is a dead centre; remove a driver, loosen a joint, or start elsewhere"
+            f"the drivers ({names}) prescribe {len(drives)} motions, and the joints leave {left} of them free"
+            " here: joints or another driver hold what is driven, or this is a dead centre; remove a driver,"
+            " loosen a joint, or start elsewhere"
         )
 
 
 def refuse_static(mechanism: Mechanism) -> None:
-    """VfifeError, all faults at once, for settings and drivers that a static analysis, if there is to be one, has no use for."""
+    """VfifeError, all faults at once, for settings and drivers that a static analysis, if there is to be one,
+    has no use for.
+    """
     if mechanism.settings.analysis != "static":
         return
     settings, faults = mechanism.settings, []
@@ -137,9 +159,14 @@ def refuse_static(mechanism: Mechanism) -> None:
         faults.append("load_factors is empty: give one or more, as in load_factors = [0.5, 1]")
     for name in ("turns", "duration"):
         if getattr(settings, name) is not None:
-            faults.append(f"{name} = {getattr(settings, name):g} has no meaning, since the load factor takes the place of time: leave it out")
+            faults.append(
+                f"{name} = {getattr(settings, name):g} has no meaning, since the load factor takes the place"
+                " of time: leave it out"
+            )
     if settings.step != "auto":
-        faults.append(f"step = {settings.step} has no meaning, since iterations have a step of their own: leave it out")
+        faults.append(
+            f"step = {settings.step} has no meaning, since iterations have a step of their own: leave it out"
+        )
     widest = max((abs(b - a) for a, b in pairwise((0.0, *settings.load_factors))), default=0.0)
     for name, driver in mechanism.drivers.items():
         speed = driver.steady_speed
@@ -148,22 +175,30 @@ def refuse_static(mechanism: Mechanism) -> None:
         way = widest * abs(speed)
         if way > WHOLE_TURN * (1.0 + 1e-9):
             faults.append(
-                f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {speed:.4g} rad/s, the load factor being the "
-                f"time); at most one turn, {WHOLE_TURN:.4g} rad, can be followed: take a table of angles, load factors closer together, or a "
-                "dynamic analysis"
+                f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {speed:.4g}"
+                f" rad/s, the load factor being the time); at most one turn, {WHOLE_TURN:.4g} rad, can be"
+                " followed: take a table of angles, load factors closer together, or a dynamic analysis"
             )
     if faults:
         raise VfifeError("static analysis: " + "; ".join(faults))
 
 
 DEPENDENT = 1e-9  # pivot, of what it was before elimination, of a row that may follow from those before it
-VANISHING = 1e-7  # singular value of rows of unit length that is none: a pivot goes as its square, and small ones are not told from it there
+# singular value of rows of unit length that is none: a pivot goes as its square, and small ones are not told
+# from it there
+VANISHING = 1e-7
 FELT = 1e-6  # part of a joint in reactions that move nothing, of all of them
 
 
 def redundant(layout: Layout, state: Array, topology: Topology) -> bool:
-    """Whether a constraint follows from the others, in the state of the start; only those that close loops may."""
-    return any(derive(topology).closing) and _small(layout, state, topology) and idle(layout, state, topology)[1].shape[1] > 0
+    """Whether a constraint follows from the others, in the state of the start; only those that close loops
+    may.
+    """
+    return (
+        any(derive(topology).closing)
+        and _small(layout, state, topology)
+        and idle(layout, state, topology)[1].shape[1] > 0
+    )
 
 
 def _small(layout: Layout, state: Array, topology: Topology) -> bool:
@@ -187,13 +222,17 @@ def _small(layout: Layout, state: Array, topology: Topology) -> bool:
 
 
 def idle(layout: Layout, state: Array, topology: Topology) -> tuple[Array, Array, list[int]]:
-    """G [rows, 3 particles], reactions N [rows, k] that move nothing, orthonormal in energy, and the particles: the joined ones, in order.
+    """G [rows, 3 particles], reactions N [rows, k] that move nothing, orthonormal in energy, and the
+    particles: the joined ones, in order.
 
-    G M^-1 G^T N = 0. Rows of G are divided by the roots of their own diagonals of G M^-1 G^T, so that N does not depend on units: N^T N = 1 are
-    squares of reactions times what they would do alone, as the step weighs them.
+    G M^-1 G^T N = 0. Rows of G are divided by the roots of their own diagonals of G M^-1 G^T, so that N does
+    not depend on units: N^T N = 1 are squares of reactions times what they would do alone, as the step weighs
+    them.
     """
     joined = sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
-    inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1).reshape(-1)
+    inverse = np.stack(
+        [state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1
+    ).reshape(-1)
     rows = constraint_rows(layout, state, topology, joined)
     own = np.sqrt((rows * rows * inverse).sum(axis=1))
     rows = rows / np.where(own > 0.0, own, 1.0)[:, None]
@@ -202,10 +241,16 @@ def idle(layout: Layout, state: Array, topology: Topology) -> tuple[Array, Array
 
 
 def shared(
-    layout: Layout, state: Array, topology: Topology, ideals: Sequence[str], pivots: Sequence[str], driven: Sequence[str]
+    layout: Layout,
+    state: Array,
+    topology: Topology,
+    ideals: Sequence[str],
+    pivots: Sequence[str],
+    driven: Sequence[str],
 ) -> tuple[str, ...]:
-    """Reactions that rigid bodies leave open, ``<joint>.force``, ``<joint>.moment`` and ``<driven body>.torque``: those that have a part in some
-    distribution that moves nothing. What is told of them is the one of least norm.
+    """Reactions that rigid bodies leave open, ``<joint>.force``, ``<joint>.moment`` and
+    ``<driven body>.torque``: those that have a part in some distribution that moves nothing. What is told of
+    them is the one of least norm.
 
     ``ideals``, ``pivots`` and ``driven`` are names in the order of the topology's joints and driven bodies.
     """
@@ -214,7 +259,9 @@ def shared(
     rows, stress, joined = idle(layout, state, topology)
     parts = norm(stress, axis=1)
     found = []
-    for (place, turn), first, end, name in zip(topology.held, topology.constraint_starts, topology.constraint_starts[1:], ideals, strict=False):
+    for (place, turn), first, end, name in zip(
+        topology.held, topology.constraint_starts, topology.constraint_starts[1:], ideals, strict=False
+    ):
         turns = end if turn == FREE else end - 1
         found += [f"{name}.force"] if PLACE_ROWS[place] and parts[first:turns].max() > FELT else []
         found += [f"{name}.moment"] if turn != FREE and parts[turns] > FELT else []

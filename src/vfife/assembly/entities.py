@@ -1,4 +1,6 @@
-"""What bodies, joints, gears, drivers, contacts, springs and loads are to the kernels: particles, kinds, places on particles, functions."""
+"""What bodies, joints, gears, drivers, contacts, springs and loads are to the kernels: particles, kinds,
+places on particles, functions.
+"""
 
 from __future__ import annotations
 
@@ -29,11 +31,24 @@ from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
 from ..kinematics.pins import local_point
 from ..model.functions import Polynomials, carrier_of, motion_function
+from ..model.geometry.path import Path
 from ..model.joints import Contact
 from ..model.lumping import Mesh, is_elastic, mesh, rigid_properties
 from ..model.mechanism import Mechanism
-from ..model.path import Path
-from ..model.rows import Across, Along, Apart, Coincide, Guided, OnPath, Row, Touching, Turn, loosened, place_row, turn_row
+from ..model.rows import (
+    Across,
+    Along,
+    Apart,
+    Coincide,
+    Guided,
+    OnPath,
+    Row,
+    Touching,
+    Turn,
+    loosened,
+    place_row,
+    turn_row,
+)
 from ..model.springs import AnySpring
 from .assembled import BodyMap
 
@@ -101,7 +116,10 @@ class Numbering:
         if where.elements:
             if side[1] not in where.nodes:
                 known = ", ".join(where.nodes)
-                raise VfifeError(f"pin {side[0]}.{side[1]}: this {where.model} body has pins at {known} only; make it rigid, or split it there")
+                raise VfifeError(
+                    f"pin {side[0]}.{side[1]}: this {where.model} body has pins at {known} only; make it"
+                    " rigid, or split it there"
+                )
             return where.nodes[side[1]], (0.0, 0.0)
         return where.particles[0], (point[0] - where.reference[0], point[1] - where.reference[1])
 
@@ -127,7 +145,9 @@ GEOMETRIES = {"bearing": BEARING, "round": ROUND, "line": LINE, "slot": SLOT}
 
 @dataclass(frozen=True)
 class Ideal:
-    """An ideal joint, gear or prescribed motion: the rows it holds, its two places, the function of a prescribed motion, the carrier of gears."""
+    """An ideal joint, gear or prescribed motion: the rows it holds, its two places, the function of a
+    prescribed motion, the carrier of gears.
+    """
 
     name: str
     rows: tuple[Row, ...]
@@ -147,7 +167,9 @@ class Ideal:
         row = turn_row(self.rows)
         if row is None:
             return FREE
-        return GEARED if row.ratio != 1.0 or (self.place == NOWHERE and self.function < 0) else KEPT  # a gear's ratio is data, also at 1
+        return (
+            GEARED if row.ratio != 1.0 or (self.place == NOWHERE and self.function < 0) else KEPT
+        )  # a gear's ratio is data, also at 1
 
     @property
     def ratio(self) -> float:
@@ -206,17 +228,29 @@ class Load:
 
 
 def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
-    """Joints without play that are no pivots of driven bodies, then gears, then drivers of anything else than a body on its pivot."""
+    """Joints without play that are no pivots of driven bodies, then gears, then drivers of anything else than
+    a body on its pivot.
+    """
     pivots = {joint.name for joint in numbering.pivots.values()}
     points, found = spinless(mechanism), []
     for joint in mechanism.joints.values():
         if joint.name not in pivots and not isinstance(joint, Contact):
             bearing, journal = (numbering.place(side) for side in joint.sides)
             idle = points & {side[0] for side in joint.sides}  # there is no angle to keep
-            found.append(Ideal(joint.name, loosened(joint.rows()) if idle else joint.rows(), bearing, journal))
+            found.append(
+                Ideal(joint.name, loosened(joint.rows()) if idle else joint.rows(), bearing, journal)
+            )
     for gear in mechanism.gears.values():
         ends = [(numbering.particle(body), (0.0, 0.0)) for body in (gear.first, gear.second)]
-        found.append(Ideal(gear.name, gear.rows(), ends[0], ends[1], carrier=numbering.particle(carrier_of(mechanism, gear))))
+        found.append(
+            Ideal(
+                gear.name,
+                gear.rows(),
+                ends[0],
+                ends[1],
+                carrier=numbering.particle(carrier_of(mechanism, gear)),
+            )
+        )
     for name, driver in constraint_drivers(mechanism).items():
         function = numbering.function(motion_function(driver, 0.0, mechanism.clock))
         if driver.slider and (guided := guide_of(mechanism, driver.slider)):
@@ -224,15 +258,23 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
             found.append(Ideal(name, (Along(guided[1].direction),), bearing, journal, function))
         elif driver.point:
             body, _, pin = driver.point.partition(".")
-            found.append(Ideal(name, (Along(driver.direction),), (0, (0.0, 0.0)), numbering.place((body, pin)), function))
+            found.append(
+                Ideal(
+                    name, (Along(driver.direction),), (0, (0.0, 0.0)), numbering.place((body, pin)), function
+                )
+            )
         else:
-            ends = [(numbering.particle(body), (0.0, 0.0)) for body in (driver.against, driven_body(name, driver))]
+            ends = [
+                (numbering.particle(body), (0.0, 0.0)) for body in (driver.against, driven_body(name, driver))
+            ]
             found.append(Ideal(name, (Turn(),), ends[0], ends[1], function))
     return found
 
 
 def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Touch]:
-    """Every place where journal and bearing can touch; where a joint has several they are numbered, ``joint.1`` and on."""
+    """Every place where journal and bearing can touch; where a joint has several they are numbered,
+    ``joint.1`` and on.
+    """
     found = []
     for name, joint in mechanism.contacts.items():
         bearing, journal = (numbering.place(side) for side in joint.sides)
@@ -242,7 +284,9 @@ def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list
 
 
 def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned: float) -> list[Touch]:
-    """The contacts of a joint at two places; ``turned`` (rad) is the angle of the bearing's body less that of the journal's, at the start."""
+    """The contacts of a joint at two places; ``turned`` (rad) is the angle of the bearing's body less that of
+    the journal's, at the start.
+    """
     all_of_them = joint.touchings(turned)
     found = []
     for k, one in enumerate(all_of_them, start=1):
@@ -254,14 +298,19 @@ def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned
 def spring_places(numbering: Numbering, spring: AnySpring) -> tuple[Place, Place]:
     """Pins of a spring or bushing, or the particles that stand for two bodies."""
     if spring.between_pins:
-        first, second = (numbering.place((body, pin)) for body, _, pin in (end.partition(".") for end in (spring.first, spring.second)))
+        first, second = (
+            numbering.place((body, pin))
+            for body, _, pin in (end.partition(".") for end in (spring.first, spring.second))
+        )
         return first, second
     return (numbering.particle(spring.first), (0.0, 0.0)), (numbering.particle(spring.second), (0.0, 0.0))
 
 
 @dataclass(frozen=True)
 class Parts:
-    """All of them; springs as (noun, kind, first, second), ``driven`` the functions of driven angles, -1 at constant speed."""
+    """All of them; springs as (noun, kind, first, second), ``driven`` the functions of driven angles, -1 at
+    constant speed.
+    """
 
     ideals: list[Ideal]
     touches: list[Touch]
@@ -287,23 +336,39 @@ def parts_of(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> Part
     return Parts(
         ideal_joints(mechanism, numbering),
         contacts(mechanism, numbering, motion),
-        [(spring, kind_of_spring(spring), *spring_places(numbering, spring)) for spring in mechanism.springs.values()],
+        [
+            (spring, kind_of_spring(spring), *spring_places(numbering, spring))
+            for spring in mechanism.springs.values()
+        ],
         tuple(driven_function(mechanism, numbering, motion, name) for name in numbering.driven),
         loads(mechanism, numbering, motion),
     )
 
 
 def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
-    """Particles whose direction is needed: those with arms, driven ones, those that carry a guide, a wall or a following load."""
+    """Particles whose direction is needed: those with arms, driven ones, those that carry a guide, a wall or
+    a following load.
+    """
     ideals, touches, springs, applied = parts.ideals, parts.touches, parts.springs, parts.loads
     places = [place for joint in ideals for place in (joint.bearing, joint.journal)]
     places += [place for touch in touches for place in (touch.bearing, touch.journal)]
     places += [place for spring in springs for place in spring[2:4]] + [load.place for load in applied]
     armed = {p for p, at in places if p and at != (0.0, 0.0)}
-    armed |= {j.bearing[0] for j in ideals if j.place in (ACROSS, ALONG, ON_PATH)} | {t.bearing[0] for t in touches if t.kind in (LINE, SLOT)}
-    armed |= {place[0] for t in touches for place, count in zip((t.bearing, t.journal), t.harmonics, strict=True) if count}
-    armed |= {s[2][0] for s in springs if s[1] == BUSHING} | {load.place[0] for load in applied if load.follow}
-    armed |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {numbering.held(name) for name in numbering.driven}
+    armed |= {j.bearing[0] for j in ideals if j.place in (ACROSS, ALONG, ON_PATH)} | {
+        t.bearing[0] for t in touches if t.kind in (LINE, SLOT)
+    }
+    armed |= {
+        place[0]
+        for t in touches
+        for place, count in zip((t.bearing, t.journal), t.harmonics, strict=True)
+        if count
+    }
+    armed |= {s[2][0] for s in springs if s[1] == BUSHING} | {
+        load.place[0] for load in applied if load.follow
+    }
+    armed |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {
+        numbering.held(name) for name in numbering.driven
+    }
     return tuple(sorted(armed - {0}))
 
 

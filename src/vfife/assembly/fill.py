@@ -16,9 +16,9 @@ from ..kinematics.drives import kinematic_drivers
 from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion, Seat
 from ..laws import Pair
+from ..model.geometry.path import Path
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
-from ..model.path import Path
 from ..model.rows import Touching
 from ..model.springs import AnySpring
 from ..model.surfaces import surfaces
@@ -45,7 +45,13 @@ class Filler:
         given: bool = False,
     ) -> None:
         self.lengths = motion.datum.spring if given else {}
-        self.mechanism, self.numbering, self.layout, self.motion, self.stressed = mechanism, numbering, layout, motion, stressed
+        self.mechanism, self.numbering, self.layout, self.motion, self.stressed = (
+            mechanism,
+            numbering,
+            layout,
+            motion,
+            stressed,
+        )
         self.state = np.zeros(layout.rows)
         self.free = frozenset(numbering.free)
 
@@ -111,13 +117,19 @@ class Filler:
         if self.stressed is not None and name in self.stressed.shapes:
             shape = self.stressed.shapes[name]
             for kind in ("frame", "reference") if self.mechanism.settings.path_unit > 1 else ("frame",):
-                values |= {f"{kind}_axial_force": shape.axial, f"{kind}_moment_1": shape.moment_1, f"{kind}_moment_2": shape.moment_2}
+                values |= {
+                    f"{kind}_axial_force": shape.axial,
+                    f"{kind}_moment_1": shape.moment_1,
+                    f"{kind}_moment_2": shape.moment_2,
+                }
         elements = slice(where.elements[0], where.elements[-1] + 1)
         for block, value in values.items():
             self.put(block, value, elements)
 
     def _moved(self, name: str, where: BodyMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Positions and velocities (n, 3) of an elastic body's particles: bent as its forces want, or moved as a rigid body."""
+        """Positions and velocities (n, 3) of an elastic body's particles: bent as its forces want, or moved
+        as a rigid body.
+        """
         position, velocity, _ = self.motion.of(name)
         if self.stressed is not None:
             if name in self.stressed.shapes:
@@ -126,15 +138,21 @@ class Filler:
         x, y = (self.numbering.meshes[name].position - np.array(where.center)).T
         there, moving = carried(coordinates(position), coordinates(velocity), x, y)
         ones = np.ones(len(x))
-        return np.column_stack([value * ones for value in there]), np.column_stack([value * ones for value in moving])
+        return np.column_stack([value * ones for value in there]), np.column_stack(
+            [value * ones for value in moving]
+        )
 
-    def _pins(self, kind: str, index: int, ends: Sequence[Place], sides: tuple[str, str] = ("bearing", "journal")) -> None:
+    def _pins(
+        self, kind: str, index: int, ends: Sequence[Place], sides: tuple[str, str] = ("bearing", "journal")
+    ) -> None:
         for side, (_, at) in zip(sides, ends, strict=True):
             for axis, value in zip("xy", at, strict=True):
                 self.put(f"{kind}_{side}_{axis}", value, index)
 
     def ideals(self, ideals: Sequence[Ideal], tables: NDArray[np.float64]) -> None:
-        """Pins, guides and ratios of ideal joints; what their bodies keep between them is what they have at the start."""
+        """Pins, guides and ratios of ideal joints; what their bodies keep between them is what they have at
+        the start.
+        """
         for index, joint in enumerate(ideals):
             self._pins("joint", index, (joint.bearing, joint.journal))
             for axis, value in zip("xy", joint.direction, strict=True):
@@ -153,7 +171,10 @@ class Filler:
             carrier = self.angle((joint.carrier, (0.0, 0.0)))
             return relative_turn(angles[0], angles[1], joint.ratio, carrier) - begin
         s, c = sincos(angles[0])
-        dx, dy = c * joint.direction[0] - s * joint.direction[1], s * joint.direction[0] + c * joint.direction[1]
+        dx, dy = (
+            c * joint.direction[0] - s * joint.direction[1],
+            s * joint.direction[0] + c * joint.direction[1],
+        )
         (bx, by), (kx, ky) = self.seen(joint.bearing), self.seen(joint.journal)
         return dx * (kx - bx) + dy * (ky - by) - begin
 
@@ -186,7 +207,9 @@ class Filler:
     def profiles(self, touches: Sequence[Touch]) -> None:
         """Depths of worn surfaces, of bearing and journal of one contact after the other."""
         worn = [touch.joint.wear for touch in touches if touch.joint.wear is not None]
-        depths = [profile for wear in worn for profile in (wear.bearing_profile, wear.journal_profile) if profile]
+        depths = [
+            profile for wear in worn for profile in (wear.bearing_profile, wear.journal_profile) if profile
+        ]
         numbers = [number for mean, *more in depths for number in (mean, 0.0, *more)]
         self.state[self.layout.rows_of("harmonic_cosine")] = numbers[::2]
         self.state[self.layout.rows_of("harmonic_sine")] = numbers[1::2]
@@ -198,10 +221,14 @@ class Filler:
             self.state[start : start + len(numbers)] = numbers
 
     def springs(self, springs: Sequence[tuple[AnySpring, int, Place, Place]]) -> None:
-        """Stiffness, damping and free lengths; those that are not given are what the start has, and the model's own where another one was given."""
+        """Stiffness, damping and free lengths; those that are not given are what the start has, and the
+        model's own where another one was given.
+        """
         for index, (spring, kind, first, second) in enumerate(springs):
             self._pins("spring", index, (first, second), ("first", "second"))
-            start = self.lengths[spring.name] if spring.name in self.lengths else self._apart(kind, first, second)
+            start = (
+                self.lengths[spring.name] if spring.name in self.lengths else self._apart(kind, first, second)
+            )
             for name, values in spring_fields(spring, start).items():
                 row = self.layout.row(f"spring_{name}", index)
                 self.state[row : row + len(values)] = values
@@ -231,7 +258,9 @@ class Filler:
                 held = self.numbering.held(name) - where.particles[0]
                 mesh = self.numbering.meshes[name]
                 mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
-            self.put("driven_angle", self.motion.datum.angle.get(name, self.mechanism.bodies[name].angle), index)
+            self.put(
+                "driven_angle", self.motion.datum.angle.get(name, self.mechanism.bodies[name].angle), index
+            )
             self.put("driven_speed", driver.steady_speed or 0.0, index)
             self.put("driven_inertia", inertia, index)
             self.put("driven_moment_x", mass * rx, index)
@@ -240,14 +269,18 @@ class Filler:
             self.put("driven_weight_y", self.mechanism.gravity[1], index)
         for index, load in enumerate(loads):
             entries = (*load.place[1], *load.force, load.moment)
-            for block, value in zip(("load_x", "load_y", "load_fx", "load_fy", "load_m"), entries, strict=True):
+            for block, value in zip(
+                ("load_x", "load_y", "load_fx", "load_fy", "load_m"), entries, strict=True
+            ):
                 self.put(block, value, index)
         for function, numbers in self.numbering.travels.items():
             first = self.layout.row("function_first_x", function)
             self.state[first : first + len(numbers)] = numbers
 
 
-def touch_rows(mechanism: Mechanism, layout: Layout, touch: Touch, index: int) -> list[tuple[int, tuple[float, ...]]]:
+def touch_rows(
+    mechanism: Mechanism, layout: Layout, touch: Touch, index: int
+) -> list[tuple[int, tuple[float, ...]]]:
     """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
     values = touch_values(touch.joint, touch.touching, surfaces(mechanism, touch.joint))
     return [(layout.row(block, index), own) for block, own in zip(TOUCHED, values, strict=True)]

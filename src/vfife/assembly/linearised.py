@@ -1,8 +1,9 @@
 """A mechanism as linear about its start, at rest: masses, tangent stiffness and constraints of its particles.
 
-Joints count as ideal, drivers hold what they drive (or are released), and weight and springs press. What bends under them has bent; rigid motions
-stay where the start has them. The stiffness is that of all forces, M q'' + K q = 0 in motions that leave the joints closed, G q = 0:
-K = -d(f + G^T lambda)/dq with the forces f of elements and springs, and the reactions lambda that carry them and the weight.
+Joints count as ideal, drivers hold what they drive (or are released), and weight and springs press. What
+bends under them has bent; rigid motions stay where the start has them. The stiffness is that of all forces, M
+q'' + K q = 0 in motions that leave the joints closed, G q = 0: K = -d(f + G^T lambda)/dq with the forces f of
+elements and springs, and the reactions lambda that carry them and the weight.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ from .entities import Numbering, Place, ideal_joints, spring_places
 
 Array = NDArray[np.float64]
 CHANGE = 2e-4  # m or rad: of differences of fourth order of springs and of directions of constraints
-STIFF = 1e-10  # of the largest w^2: motions that springs and elements hold by more settle under weight, others stay
+# of the largest w^2: motions that springs and elements hold by more settle under weight, others stay
+STIFF = 1e-10
 SETTLINGS = 3  # Newton steps of that
 RANK = 1e-7  # singular value of constraints, of 1 each, below which they depend on one another
 
@@ -39,9 +41,10 @@ RANK = 1e-7  # singular value of constraints, of 1 each, below which they depend
 class Linearised:
     """M q'' + K q = 0 in the motions G q = 0 of the particles' (x, y, theta).
 
-    ``mass`` (3 n,), 0 where nothing moves; ``stiffness`` and ``motions`` in mass-weighted coordinates sqrt(M) q of the ``moving`` ones of these:
-    (m, m) and (m, k), whose k columns are orthonormal and leave the joints closed. ``position`` (n, 3) of the particles, the ground first.
-    ``unbalanced`` is the share of weight and springs that nothing carries: 0 in equilibrium.
+    ``mass`` (3 n,), 0 where nothing moves; ``stiffness`` and ``motions`` in mass-weighted coordinates sqrt(M)
+    q of the ``moving`` ones of these: (m, m) and (m, k), whose k columns are orthonormal and leave the joints
+    closed. ``position`` (n, 3) of the particles, the ground first. ``unbalanced`` is the share of weight and
+    springs that nothing carries: 0 in equilibrium.
     """
 
     numbering: Numbering
@@ -56,7 +59,9 @@ class Linearised:
 def linearised(mechanism: Mechanism, released: bool = False) -> Linearised:
     """About the start; ``released``: without drivers. Raises AssemblyError where the links cannot reach."""
     joints = {name: ideal for name, joint in mechanism.joints.items() if (ideal := joint.ideal()) is not None}
-    bodies = {name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()}
+    bodies = {
+        name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
+    }
     drivers = {} if released else {name: driver for name, driver in mechanism.drivers.items() if driver.moves}
     held = dataclasses.replace(mechanism, joints=joints, bodies=bodies, drivers=drivers, loads={})
     return _Parts(held).settled()
@@ -64,7 +69,9 @@ def linearised(mechanism: Mechanism, released: bool = False) -> Linearised:
 
 @dataclass(frozen=True, eq=False)
 class _There:
-    """At one position, mass-weighted but for the stiffness: forces, constraints with the sizes of their rows, motions that these leave."""
+    """At one position, mass-weighted but for the stiffness: forces, constraints with the sizes of their rows,
+    motions that these leave.
+    """
 
     push: Array
     stiffness: Array
@@ -80,11 +87,23 @@ class _Parts:
         self.mechanism, self.numbering = mechanism, Numbering(mechanism)
         self.position, self.mass = self._start(), self._masses()
         self.moving = np.flatnonzero(self.mass > 0.0)
-        self.elements = [one for name, part in self.numbering.meshes.items() for one in elements_of(part, self.numbering.bodies[name].particles[0])]
+        self.elements = [
+            one
+            for name, part in self.numbering.meshes.items()
+            for one in elements_of(part, self.numbering.bodies[name].particles[0])
+        ]
         self.springs = [(one, *spring_places(self.numbering, one)) for one in mechanism.springs.values()]
         self.apart = [_apart(one, ends, self.position) for one, *ends in self.springs]
         self.joints = [
-            Constraint(joint.name, joint.bearing[0], joint.journal[0], joint.rows, joint.bearing[1], joint.journal[1], body_c=joint.carrier)
+            Constraint(
+                joint.name,
+                joint.bearing[0],
+                joint.journal[0],
+                joint.rows,
+                joint.bearing[1],
+                joint.journal[1],
+                body_c=joint.carrier,
+            )
             for joint in ideal_joints(mechanism, self.numbering)
         ]
 
@@ -96,7 +115,11 @@ class _Parts:
         for name, body in self.numbering.bodies.items():
             at = motion.of(name)[0]
             s, c = sincos(at[2])
-            local = self.numbering.meshes[name].position if name in self.numbering.meshes else np.array([body.reference])
+            local = (
+                self.numbering.meshes[name].position
+                if name in self.numbering.meshes
+                else np.array([body.reference])
+            )
             arms = product(local - np.array(body.center), np.array([[c, s], [-s, c]]))
             found[list(body.particles)] = np.column_stack([at[:2] + arms, np.full(len(arms), at[2])])
         return found
@@ -120,18 +143,32 @@ class _Parts:
         trial = self.position.copy()
         for _ in range(SETTLINGS + 1):
             there = self._at(trial, root)
-            values, vectors = dense.eigh(product(product(there.motions.T, self._weighted(there.stiffness, root)), there.motions))
+            values, vectors = dense.eigh(
+                product(product(there.motions.T, self._weighted(there.stiffness, root)), there.motions)
+            )
             stiff = values > STIFF * max(float(values.max(initial=0.0)), 1e-300)
             held = times(vectors[:, stiff].T, times(there.motions.T, there.push))
             if not norm(held) < least:  # too soft for a few steps of Newton's method: as it starts
                 break
             position, least = trial.copy(), norm(held)
-            trial.reshape(-1)[self.moving] += times(there.motions, times(vectors[:, stiff], held / values[stiff])) / root
+            trial.reshape(-1)[self.moving] += (
+                times(there.motions, times(vectors[:, stiff], held / values[stiff])) / root
+            )
         found, whole = self._at(position, root), norm(self._applied()[self.moving] / root)
-        multiplier = dense.least_squares((found.rows / found.sizes[:, None]).T, -found.push, RANK) / found.sizes
+        multiplier = (
+            dense.least_squares((found.rows / found.sizes[:, None]).T, -found.push, RANK) / found.sizes
+        )
         weighted = self._weighted(found.stiffness + self.turning(position, multiplier), root)
         left = norm(times(found.motions.T, found.push))
-        return Linearised(self.numbering, position, self.mass, self.moving, weighted, found.motions, left / whole if whole > 0.0 else 0.0)
+        return Linearised(
+            self.numbering,
+            position,
+            self.mass,
+            self.moving,
+            weighted,
+            found.motions,
+            left / whole if whole > 0.0 else 0.0,
+        )
 
     def _at(self, position: Array, root: Array) -> _There:
         """Forces, stiffness and joints at a position."""
@@ -146,7 +183,11 @@ class _Parts:
         force = self.mass * np.tile([*self.mechanism.gravity, 0.0], len(self.position))
         for (spring, *ends), start in zip(self.springs, self.apart, strict=True):
             at = self.position[[place[0] for place in ends]].reshape(-1)
-            np.add.at(force, [3 * place[0] + axis for place in ends for axis in range(3)], pulled_at(spring, start, at, ends))
+            np.add.at(
+                force,
+                [3 * place[0] + axis for place in ends for axis in range(3)],
+                pulled_at(spring, start, at, ends),
+            )
         return np.asarray(force, dtype=float)
 
     def _weighted(self, stiffness: Array, root: Array) -> Array:
@@ -154,7 +195,9 @@ class _Parts:
         return np.asarray(0.5 * (found + found.T), dtype=float)
 
     def _leave_spinning(self, position: Array) -> None:
-        """Ends of elastic links that are released turn by themselves, held by nothing: they have no part in any motion."""
+        """Ends of elastic links that are released turn by themselves, held by nothing: they have no part in
+        any motion.
+        """
         stiffness, rows = self.pulls(position)[1], self.rows(position)
         nodes = [p for name in self.numbering.meshes for p in self.numbering.bodies[name].particles]
         idle = [3 * p + 2 for p in nodes if not stiffness[3 * p + 2].any() and not rows[:, 3 * p + 2].any()]
@@ -171,7 +214,9 @@ class _Parts:
             columns = [3 * place[0] + axis for place in ends for axis in range(3)]
             now = position.reshape(-1)[columns]
 
-            def pulled(at: Array, spring: AnySpring = spring, ends: Sequence[Place] = ends, start: float = start) -> Array:
+            def pulled(
+                at: Array, spring: AnySpring = spring, ends: Sequence[Place] = ends, start: float = start
+            ) -> Array:
                 return pulled_at(spring, start, at, ends)
 
             np.add.at(force, columns, pulled(now))
@@ -191,7 +236,9 @@ class _Parts:
         return np.array(found).reshape(-1, position.size)
 
     def turning(self, position: Array, multiplier: Array) -> Array:
-        """-d(G^T lambda)/dq at constant lambda (3 n, 3 n): reactions keep their sizes and turn with their joints."""
+        """-d(G^T lambda)/dq at constant lambda (3 n, 3 n): reactions keep their sizes and turn with their
+        joints.
+        """
         found, first = np.zeros((position.size, position.size)), 0
         for joint in self.joints:
             own = multiplier[first : first + joint.size]
@@ -210,7 +257,9 @@ class _Parts:
 
 @dataclass(frozen=True)
 class Element:
-    """A frame element between two particles, with its length without forces (m), E A (N), the matrix of its end moments (N m) and rest angles."""
+    """A frame element between two particles, with its length without forces (m), E A (N), the matrix of its
+    end moments (N m) and rest angles.
+    """
 
     first: int
     second: int
@@ -222,8 +271,9 @@ class Element:
     def put(self, position: Array, force: Array, stiffness: Array) -> None:
         """Adds its forces and its tangent.
 
-        With B the change of length and of both end rotations, K = B^T D B + N/l z z^T + (m_1 + m_2)/l^2 (r z^T + z r^T), r along and z across;
-        Crisfield, Non-linear Finite Element Analysis of Solids and Structures 1 (1991), Section 7.3.
+        With B the change of length and of both end rotations, K = B^T D B + N/l z z^T + (m_1 + m_2)/l^2 (r
+        z^T + z r^T), r along and z across; Crisfield, Non-linear Finite Element Analysis of Solids and
+        Structures 1 (1991), Section 7.3.
         """
         (x1, y1, t1), (x2, y2, t2) = position[self.first].tolist(), position[self.second].tolist()
         length, inverse, c, s = frame.chord(x2 - x1, y2 - y1)
@@ -235,21 +285,34 @@ class Element:
         columns = [3 * body + axis for body in (self.first, self.second) for axis in range(3)]
         np.add.at(force, columns, -(n * r + times(turns.T, moments)))
         tangent = self.axial / self.length * np.outer(r, r) + product(product(turns.T, self.moments), turns)
-        tangent += n * inverse * np.outer(z, z) + moments.sum() * inverse * inverse * (np.outer(r, z) + np.outer(z, r))
+        tangent += n * inverse * np.outer(z, z) + moments.sum() * inverse * inverse * (
+            np.outer(r, z) + np.outer(z, r)
+        )
         np.add.at(stiffness, np.ix_(columns, columns), tangent)
 
 
 def elements_of(part: Mesh, first: int) -> list[Element]:
-    """The elements of an elastic body whose particles are numbered from ``first``; its nodes do not turn against it without forces."""
+    """The elements of an elastic body whose particles are numbered from ``first``; its nodes do not turn
+    against it without forces.
+    """
     found = []
-    for (a, b), length, release, axial, bending in zip(part.nodes, part.length, part.release, part.axial, part.bending, strict=True):
+    for (a, b), length, release, axial, bending in zip(
+        part.nodes, part.length, part.release, part.axial, part.bending, strict=True
+    ):
         inverse = 1.0 / float(length)
         _, _, near, far = frame.stiffness(inverse, inverse, float(axial), float(bending))
         alone = frame.stiffness_released(inverse, inverse, float(bending))[1]
-        held = {0: [[near, far], [far, near]], 1: [[0.0, 0.0], [0.0, alone]], 2: [[alone, 0.0], [0.0, 0.0]], 3: [[0.0, 0.0], [0.0, 0.0]]}[release]
+        held = {
+            0: [[near, far], [far, near]],
+            1: [[0.0, 0.0], [0.0, alone]],
+            2: [[alone, 0.0], [0.0, 0.0]],
+            3: [[0.0, 0.0], [0.0, 0.0]],
+        }[release]
         dx, dy = (part.position[b] - part.position[a]).tolist()
         rest = -float(atan2(dy, dx))
-        found.append(Element(first + int(a), first + int(b), float(length), float(axial), np.array(held), (rest, rest)))
+        found.append(
+            Element(first + int(a), first + int(b), float(length), float(axial), np.array(held), (rest, rest))
+        )
     return found
 
 
@@ -265,14 +328,22 @@ def differences(function: Callable[[Array], Array], at: Array) -> Array:
     """d function/d at by central differences of fourth order, (values, len(at))."""
     found = []
     for step in np.eye(len(at)) * CHANGE:
-        near, far = function(at + step) - function(at - step), function(at + 2.0 * step) - function(at - 2.0 * step)
+        near, far = (
+            function(at + step) - function(at - step),
+            function(at + 2.0 * step) - function(at - 2.0 * step),
+        )
         found.append((8.0 * near - far) / (12.0 * CHANGE))
     return np.array(found).T
 
 
 def pulled_at(spring: AnySpring, start: float, at: Array, ends: Sequence[Place]) -> Array:
-    """Forces (N, N, N m) of a spring on the two particles that carry its pins, at (x, y, theta) of both, shape (6,)."""
-    pins = [End("", "", _seen(one, place), float(one[2]), (0.0, 0.0, 0.0)) for one, (_, place) in zip((at[:3], at[3:]), ends, strict=True)]
+    """Forces (N, N, N m) of a spring on the two particles that carry its pins, at (x, y, theta) of both,
+    shape (6,).
+    """
+    pins = [
+        End("", "", _seen(one, place), float(one[2]), (0.0, 0.0, 0.0))
+        for one, (_, place) in zip((at[:3], at[3:]), ends, strict=True)
+    ]
     found = []
     for one, pin, (fx, fy, moment) in zip((at[:3], at[3:]), pins, pull(spring, start, pins), strict=True):
         found += [fx, fy, moment + (pin.at[0] - one[0]) * fy - (pin.at[1] - one[1]) * fx]

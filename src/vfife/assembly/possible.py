@@ -1,4 +1,6 @@
-"""Whether the ideal mechanism can do what its drivers ask for, in words: refused where it cannot, a caution where it may be bridged or splits."""
+"""Whether the ideal mechanism can do what its drivers ask for, in words: refused where it cannot, a caution
+where it may be bridged or splits.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ from ..kinematics.passage import Jam, Singular, passage, unclosed
 from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
-from ..model.plausibility import suspects
+from ..model.validation.plausibility import suspects
 from ..modelfile import dump
 from .timestep import length_of
 
@@ -24,12 +26,15 @@ STRETCH = 0.01  # of the length of the two-particle links of a loop: more is bey
 FAR = math.radians(50.0)  # from an approximate angle, to close
 MOST_LENGTHS = 3
 MOST_PLACES = 4
-MOST_KNOWN = 64  # motions whose outlook is kept: to follow one takes longer than to assemble it, and commands ask several times
+# motions whose outlook is kept: to follow one takes longer than to assemble it, and commands ask several
+# times
+MOST_KNOWN = 64
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """What the ideal mechanism makes of a motion: ``notes`` for people, and whether it gets ``through``, so that a reference can be run.
+    """What the ideal mechanism makes of a motion: ``notes`` for people, and whether it gets ``through``, so
+    that a reference can be run.
 
     ``motion`` is the start that was solved for that, ``turn`` the turn of its crank, or of that of the
     neighbour, where one was looked at as a whole.
@@ -44,12 +49,18 @@ class Outlook:
 KNOWN: OrderedDict[tuple[str, float], Outlook] = OrderedDict()
 
 
-def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None, neighbour: Outlook | None = None) -> Outlook:
-    """Follows the ideal mechanism through a run. AssemblyError where it jams and neither play nor elastic links can bridge what opens.
+def outlook(
+    mechanism: Mechanism,
+    turns: float | None = None,
+    duration: float | None = None,
+    neighbour: Outlook | None = None,
+) -> Outlook:
+    """Follows the ideal mechanism through a run. AssemblyError where it jams and neither play nor elastic
+    links can bridge what opens.
 
-    Nothing is said of mechanisms that their drivers do not determine, of more than some 30 bodies, nor of a static analysis. ``neighbour``: the
-    outlook of a mechanism that differs in numbers alone, with which a turn of a crank is looked at as a whole; only where that leaves doubt is it
-    followed.
+    Nothing is said of mechanisms that their drivers do not determine, of more than some 30 bodies, nor of a
+    static analysis. ``neighbour``: the outlook of a mechanism that differs in numbers alone, with which a
+    turn of a crank is looked at as a whole; only where that leaves doubt is it followed.
     """
     doubts = suspects(mechanism)
     driven = any(driver.moves for driver in mechanism.drivers.values())
@@ -71,14 +82,18 @@ def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | 
 
 
 def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
-    """What an outlook follows from: the text of a mechanism without how it is stepped; None where no text says all of it."""
+    """What an outlook follows from: the text of a mechanism without how it is stepped; None where no text
+    says all of it.
+    """
     try:
         return dump(replace(mechanism, settings=Settings(analysis=mechanism.settings.analysis))), length
     except (TypeError, ValueError):
         return None
 
 
-def _followed(mechanism: Mechanism, length: float, doubts: tuple[str, ...], neighbour: Outlook | None = None) -> Outlook:
+def _followed(
+    mechanism: Mechanism, length: float, doubts: tuple[str, ...], neighbour: Outlook | None = None
+) -> Outlook:
     """The outlook of a mechanism that is driven for so long (s)."""
     try:
         motion = ideal_motion(mechanism)
@@ -87,7 +102,9 @@ def _followed(mechanism: Mechanism, length: float, doubts: tuple[str, ...], neig
             lengths = _lengths(unclosed(mechanism, error, length))
             least = f". One length that would do: {lengths}" if lengths else ""
             as_it_is = "As it is, " if doubts else ""
-            raise AssemblyError(" ".join((*doubts, f"{as_it_is}{error}{least}")), error.joints, error.gaps) from None
+            raise AssemblyError(
+                " ".join((*doubts, f"{as_it_is}{error}{least}")), error.joints, error.gaps
+            ) from None
         return Outlook(doubts)  # told where the run is assembled
     notes = (*doubts, *turned(mechanism, motion))
     if neighbour is not None:
@@ -97,7 +114,9 @@ def _followed(mechanism: Mechanism, length: float, doubts: tuple[str, ...], neig
         turn = full_turn(motion, speed, neighbour.turn) if speed else None
         if turn is not None:
             return Outlook(notes, True, motion, turn)
-    jam, passed = passage(mechanism, max(length, turn_of(mechanism) or 0.0), motion)  # the reference takes a whole turn
+    jam, passed = passage(
+        mechanism, max(length, turn_of(mechanism) or 0.0), motion
+    )  # the reference takes a whole turn
     notes = (*notes, *singular(mechanism, tuple(one for one in passed if one.time <= length)))
     before = None if neighbour is None else neighbour.turn
     if jam is None or jam.time > length:
@@ -105,7 +124,12 @@ def _followed(mechanism: Mechanism, length: float, doubts: tuple[str, ...], neig
     bridge = bridged(mechanism, jam)
     if bridge is None:
         raise AssemblyError(" ".join((*doubts, refused(mechanism, jam))), jam.joints)
-    return Outlook((*notes, f"{jammed(mechanism, jam)}. {bridge} There is no ideal motion to compare with."), False, motion, before)
+    return Outlook(
+        (*notes, f"{jammed(mechanism, jam)}. {bridge} There is no ideal motion to compare with."),
+        False,
+        motion,
+        before,
+    )
 
 
 def _one_speed(mechanism: Mechanism) -> float | None:
@@ -115,7 +139,9 @@ def _one_speed(mechanism: Mechanism) -> float | None:
 
 
 def _moves_alike(one: Motion, other: Motion) -> bool:
-    """Whether two mechanisms pass the same positions in a run of as many turns: masses and the size of a steady speed do not change them."""
+    """Whether two mechanisms pass the same positions in a run of as many turns: masses and the size of a
+    steady speed do not change them.
+    """
     if one.mechanism is None or other.mechanism is None or one.hand != other.hand:
         return False
     speeds = _one_speed(one.mechanism), _one_speed(other.mechanism)
@@ -130,7 +156,9 @@ def refused(mechanism: Mechanism, jam: Jam) -> str:
     lengths = _lengths(jam.lengths)
     drivers = ", ".join(_drivers(mechanism))
     least = (
-        f"One length that would do: {lengths}" if lengths else "No length of a single link was found that would do: check all of them, and guides"
+        f"One length that would do: {lengths}"
+        if lengths
+        else "No length of a single link was found that would do: check all of them, and guides"
     )
     return f"{sentence}. {least}; or let the driver ({drivers}) stay clear of there"
 
@@ -141,7 +169,14 @@ def jammed(mechanism: Mechanism, jam: Jam) -> str:
     first = f"the mechanism cannot do the motion asked for: with ideal joints it jams at {where}"
     if math.isnan(jam.gap):
         return f"{first}, where joints {jam.joint} hold it"
-    where = "" if jam.gap == 0.0 else f"; further on {jam.joint} would be open by {1e3 * jam.gap:.4g} mm (at {_place(mechanism, jam.widest)})"
+    where = (
+        ""
+        if jam.gap == 0.0
+        else (
+            f"; further on {jam.joint} would be open by {1e3 * jam.gap:.4g} mm (at"
+            f" {_place(mechanism, jam.widest)})"
+        )
+    )
     return f"{first}, where joint {jam.joint} opens{where}"
 
 
@@ -153,11 +188,20 @@ def bridged(mechanism: Mechanism, jam: Jam) -> str | None:
         listed = ", ".join(joint.name for joint in loose)
         return f"The play of {listed}, {1e3 * play:.4g} mm together, may bridge that."
     soft = [
-        name for name in jam.bodies if isinstance(body := mechanism.bodies[name], Frame) or (isinstance(body, Link) and body.model == "elastic")
+        name
+        for name in jam.bodies
+        if isinstance(body := mechanism.bodies[name], Frame)
+        or (isinstance(body, Link) and body.model == "elastic")
     ]
     if soft:
-        return f"Only {', '.join(soft)}, which {'is' if len(soft) == 1 else 'are'} elastic, can give way to it."
-    bars = [body for name in jam.bodies if isinstance(body := mechanism.bodies[name], Link) and body.model == "two-particle"]
+        return (
+            f"Only {', '.join(soft)}, which {'is' if len(soft) == 1 else 'are'} elastic, can give way to it."
+        )
+    bars = [
+        body
+        for name in jam.bodies
+        if isinstance(body := mechanism.bodies[name], Link) and body.model == "two-particle"
+    ]
     if bars and jam.gap - play <= STRETCH * sum(body.length for body in bars):
         return f"Only a stretch of {', '.join(body.name for body in bars)} can bridge that."
     return None
@@ -167,16 +211,23 @@ def singular(mechanism: Mechanism, passed: tuple[Singular, ...]) -> tuple[str, .
     """Singular positions passed, as one caution."""
     if not passed:
         return ()
-    places = ", ".join(_place(mechanism, one.aims) for one in passed[:MOST_PLACES]) + (", ..." if len(passed) > MOST_PLACES else "")
+    places = ", ".join(_place(mechanism, one.aims) for one in passed[:MOST_PLACES]) + (
+        ", ..." if len(passed) > MOST_PLACES else ""
+    )
     joints = ", ".join(dict.fromkeys(name for one in passed for name in one.joints))
     return (
-        f"The ideal mechanism passes a singular position (a change point) at {places}, with joints {joints}: it can go on in two ways there, and "
-        "which one it takes is not determined. A length that differs a little, or a second linkage out of step, determines it.",
+        (
+            f"The ideal mechanism passes a singular position (a change point) at {places}, with joints"
+            f" {joints}: it can go on in two ways there, and which one it takes is not determined. A length"
+            " that differs a little, or a second linkage out of step, determines it."
+        ),
     )
 
 
 def turned(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
-    """Bodies that had to turn far from their approximate angles to close the mechanism, which may be the mirror image of what is meant."""
+    """Bodies that had to turn far from their approximate angles to close the mechanism, which may be the
+    mirror image of what is meant.
+    """
     found = []
     points = spinless(mechanism)
     for name, body in mechanism.bodies.items():
@@ -186,7 +237,12 @@ def turned(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
             found.append(f"{name} from {math.degrees(start):.4g}° to {math.degrees(start + off):.4g}°")
     if not found:
         return ()
-    return (f"To close the mechanism, {' and '.join(found)} had to be turned: is this its mirror image? Approximate angles choose the branch.",)
+    return (
+        (
+            f"To close the mechanism, {' and '.join(found)} had to be turned: is this its mirror image?"
+            " Approximate angles choose the branch."
+        ),
+    )
 
 
 def _drivers(mechanism: Mechanism) -> list[str]:

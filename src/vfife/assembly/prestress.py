@@ -1,8 +1,10 @@
-"""A start without ringing: elastic links bent and stretched as the forces of the ideal motion want them, moving as these forces change.
+"""A start without ringing: elastic links bent and stretched as the forces of the ideal motion want them,
+moving as these forces change.
 
-A link is a chain of particles, so its element forces follow from equilibrium with the ideal accelerations (d'Alembert), element by element.
-They deform it; the mechanism is closed again with the deformed links, until nothing changes. Velocities and accelerations come from the same
-shapes a moment before and after: what is left out is of the order of the square of crank speed over natural frequency, twice over.
+A link is a chain of particles, so its element forces follow from equilibrium with the ideal accelerations
+(d'Alembert), element by element. They deform it; the mechanism is closed again with the deformed links, until
+nothing changes. Velocities and accelerations come from the same shapes a moment before and after: what is
+left out is of the order of the square of crank speed over natural frequency, twice over.
 """
 
 from __future__ import annotations
@@ -30,7 +32,9 @@ MOMENT = 2e-3  # rad of the crank between two shapes of a path
 
 @dataclass(frozen=True)
 class Shape:
-    """A deformed link: particles in its frame (k + 1, 3: m, m, rad), and axial force (N) and end moments (N m) of its elements."""
+    """A deformed link: particles in its frame (k + 1, 3: m, m, rad), and axial force (N) and end moments (N
+    m) of its elements.
+    """
 
     local: Array
     axial: Array
@@ -49,11 +53,17 @@ class PrestressedState:
 
 def elastic_links(mechanism: Mechanism) -> dict[str, Link]:
     """Straight links that deform; bent ones and frames start as they are."""
-    return {name: body for name, body in mechanism.bodies.items() if isinstance(body, Link) and body.element_count and not body.via}
+    return {
+        name: body
+        for name, body in mechanism.bodies.items()
+        if isinstance(body, Link) and body.element_count and not body.via
+    }
 
 
 def wanted(mechanism: Mechanism) -> bool:
-    """Whether the start is to be prestressed: elastic links, a consistent start, and joints that press from the beginning."""
+    """Whether the start is to be prestressed: elastic links, a consistent start, and joints that press from
+    the beginning.
+    """
     pressed = not mechanism.contacts or mechanism.start.journals == "seated"
     moving = mechanism.settings.analysis == "dynamic"
     return moving and bool(elastic_links(mechanism)) and mechanism.start.mode == "consistent" and pressed
@@ -66,7 +76,10 @@ def as_rigid(link: Link, shape: Shape) -> RigidBody:
     center = [(lumps.mass * shape.local[:, axis]).sum() / mass for axis in (0, 1)]
     x, y = shape.local[:, 0] - center[0], shape.local[:, 1] - center[1]
     inertia = float((lumps.mass * (x * x + y * y)).sum() + _turning(link, lumps).sum())
-    pins = {"start": (float(shape.local[0, 0]), float(shape.local[0, 1])), "end": (float(shape.local[-1, 0]), float(shape.local[-1, 1]))}
+    pins = {
+        "start": (float(shape.local[0, 0]), float(shape.local[0, 1])),
+        "end": (float(shape.local[-1, 0]), float(shape.local[-1, 1])),
+    }
     return RigidBody(
         name=link.name, angle=link.angle, position=link.position, material=link.material, velocity=link.velocity,
         mass=mass, inertia=inertia, center=(float(center[0]), float(center[1])), pins=pins,
@@ -100,7 +113,9 @@ def end_forces(mechanism: Mechanism, motion: Motion, link: str) -> dict[str, Arr
 
 
 def columns(*values: Array) -> Array:
-    """An array (length, columns), each column of which lies together: a frame of 100,000 elements is gone through some hundred times."""
+    """An array (length, columns), each column of which lies together: a frame of 100,000 elements is gone
+    through some hundred times.
+    """
     return np.stack(values).T
 
 
@@ -115,12 +130,18 @@ def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Arra
     return (
         columns(position[0] + x, position[1] + y, position[2] + shape.local[:, 2]),
         columns(velocity[0] - w * y, velocity[1] + w * x, w * ones),
-        columns(acceleration[0] - alpha * y - w * w * x, acceleration[1] + alpha * x - w * w * y, alpha * ones),
+        columns(
+            acceleration[0] - alpha * y - w * w * x, acceleration[1] + alpha * x - w * w * y, alpha * ones
+        ),
     )
 
 
-def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, shape: Shape, extra: Array) -> Shape:
-    """Element forces in equilibrium with the motion, ``extra`` (k + 1, 3) acceleration added, and the shape that they make."""
+def deformed(
+    mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, shape: Shape, extra: Array
+) -> Shape:
+    """Element forces in equilibrium with the motion, ``extra`` (k + 1, 3) acceleration added, and the shape
+    that they make.
+    """
     lumps = mesh(link)
     position, _, acceleration = particle_motion(motion, held, shape)
     acceleration = acceleration + extra
@@ -134,8 +155,11 @@ def deformed(mechanism: Mechanism, link: Link, motion: Motion, held: RigidBody, 
     shear = force[:, 1] * along[:, 0] - force[:, 0] * along[:, 1]
     k, size = link.element_count, link.length / link.element_count
     twist = _turning(link, lumps) * acceleration[:, 2]
-    # one after the other: m1 = before - twist, m2 = -(size shear + m1), and -m2 is what the next element has before
-    sums = np.cumsum(np.concatenate([ends["start"][2:], np.column_stack([-twist[:-1], size * shear]).reshape(-1)]))
+    # one after the other: m1 = before - twist, m2 = -(size shear + m1), and -m2 is what the next element has
+    # before
+    sums = np.cumsum(
+        np.concatenate([ends["start"][2:], np.column_stack([-twist[:-1], size * shear]).reshape(-1)])
+    )
     m1, m2 = sums[1::2].copy(), -sums[2::2]
     if link.release == "both" and k == 1:
         m1[:], m2[:] = 0.0, 0.0
@@ -151,7 +175,9 @@ def _shape(length: Array, axial: Array, m1: Array, m2: Array, rotations: tuple[A
     """The chain laid out from its start with the lengths and end rotations of its elements."""
     first, second = rotations
     # from an element to its second end, and on to the next element: the directions of both in turns
-    turns = np.cumsum(np.concatenate([[0.0], np.column_stack([second, np.append(-first[1:], 0.0)]).reshape(-1)]))
+    turns = np.cumsum(
+        np.concatenate([[0.0], np.column_stack([second, np.append(-first[1:], 0.0)]).reshape(-1)])
+    )
     direction = turns[:-1:2]
     local = np.zeros((3, len(axial) + 1)).T
     local[1:, 0], local[1:, 1] = np.cumsum(length * cos(direction)), np.cumsum(length * sin(direction))
@@ -174,35 +200,56 @@ def straight(link: Link) -> Shape:
 
 
 def settle(
-    mechanism: Mechanism, time: float, shapes: dict[str, Shape], extra: dict[str, Array], seats: Mapping[str, Seat], datum: Datum
+    mechanism: Mechanism,
+    time: float,
+    shapes: dict[str, Shape],
+    extra: dict[str, Array],
+    seats: Mapping[str, Seat],
+    datum: Datum,
 ) -> tuple[Motion, dict[str, Shape], Mechanism]:
     """Shapes and motion at ``time`` that agree with each other."""
     links = elastic_links(mechanism)
     guess = None
     for _ in range(PASSES):
-        bodies: dict[str, Body] = {**mechanism.bodies, **{name: as_rigid(link, shapes[name]) for name, link in links.items()}}
+        bodies: dict[str, Body] = {
+            **mechanism.bodies,
+            **{name: as_rigid(link, shapes[name]) for name, link in links.items()},
+        }
         held = dataclasses.replace(mechanism, bodies=bodies)
-        motion = ideal_motion(held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats, datum=datum)
+        motion = ideal_motion(
+            held, time, guess, inertial=_inertial(held, links, shapes, extra), seats=seats, datum=datum
+        )
         guess = motion.position
         bent = {
             name: deformed(mechanism, link, motion, bodies[name], shapes[name], extra[name])  # type: ignore[arg-type]
             for name, link in links.items()
         }
-        # the last motion is closed with the shapes it was found for: the least gap in a joint would be a blow at the first step
+        # the last motion is closed with the shapes it was found for: the least gap in a joint would be a blow
+        # at the first step
         closed = {name: dataclasses.replace(bent[name], local=shapes[name].local) for name in links}
         shapes = bent
     return motion, closed, held
 
 
-def _inertial(held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]) -> dict[str, tuple[Array, Array, Array]]:
-    """Forces (N, N m) of accelerations that come on top of a rigid motion: masses, local points and accelerations of each link."""
+def _inertial(
+    held: Mechanism, links: dict[str, Link], shapes: dict[str, Shape], extra: dict[str, Array]
+) -> dict[str, tuple[Array, Array, Array]]:
+    """Forces (N, N m) of accelerations that come on top of a rigid motion: masses, local points and
+    accelerations of each link.
+    """
     return {
-        name: (mesh(link).mass, shapes[name].local[:, :2] - np.array(held.bodies[name].points["center"]), extra[name])
+        name: (
+            mesh(link).mass,
+            shapes[name].local[:, :2] - np.array(held.bodies[name].points["center"]),
+            extra[name],
+        )
         for name, link in links.items()
     }
 
 
-def placed(mechanism: Mechanism, motion: Motion, held: Mechanism, shapes: dict[str, Shape]) -> dict[str, Array]:
+def placed(
+    mechanism: Mechanism, motion: Motion, held: Mechanism, shapes: dict[str, Shape]
+) -> dict[str, Array]:
     """Positions of the particles of the elastic links, and of the centres of mass of the other bodies."""
     result = {}
     for name in mechanism.bodies:
@@ -214,18 +261,26 @@ def placed(mechanism: Mechanism, motion: Motion, held: Mechanism, shapes: dict[s
 
 
 def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> PrestressedState:
-    """PrestressedState of a mechanism with elastic links: positions, velocities and element forces that go on smoothly.
+    """PrestressedState of a mechanism with elastic links: positions, velocities and element forces that go on
+    smoothly.
 
-    Without a driver the motion before and after is not known; the velocities are then those of the rigid mechanism.
+    Without a driver the motion before and after is not known; the velocities are then those of the rigid
+    mechanism.
     """
     links = elastic_links(mechanism)
     none = {name: np.zeros((link.element_count + 1, 3)) for name, link in links.items()}
     datum = datum_of(mechanism)
-    motion, shapes, held = settle(mechanism, 0.0, {name: straight(link) for name, link in links.items()}, none, seats, datum)
+    motion, shapes, held = settle(
+        mechanism, 0.0, {name: straight(link) for name, link in links.items()}, none, seats, datum
+    )
     turn = turn_of(mechanism)
     if not kinematic_drivers(mechanism) or turn is None:
         velocity = {
-            name: particle_motion(motion, held.bodies[name], shapes[name])[1] if name in shapes else motion.of(name)[1][None, :]  # type: ignore[arg-type]
+            name: (
+                particle_motion(motion, held.bodies[name], shapes[name])[1]  # type: ignore[arg-type]
+                if name in shapes
+                else motion.of(name)[1][None, :]
+            )
             for name in mechanism.bodies
         }
         return PrestressedState(placed(mechanism, motion, held, shapes), velocity, shapes)
@@ -244,13 +299,20 @@ def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> PrestressedSta
 def _differences(
     path: list[tuple[dict[str, Array], Motion, Mechanism, dict[str, Shape]]], h: float, links: dict[str, Link]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Velocities, and what the accelerations of the links' particles have beyond those of a rigid motion; fourth order in h."""
+    """Velocities, and what the accelerations of the links' particles have beyond those of a rigid motion;
+    fourth order in h.
+    """
     before2, before, now, after, after2 = (entry[0] for entry in path)
-    velocity = {name: (8.0 * (after[name] - before[name]) - (after2[name] - before2[name])) / (12.0 * h) for name in now}
+    velocity = {
+        name: (8.0 * (after[name] - before[name]) - (after2[name] - before2[name])) / (12.0 * h)
+        for name in now
+    }
     _, motion, held, shapes = path[2]
     extra = {}
     for name in links:
-        second = (16.0 * (after[name] + before[name]) - after2[name] - before2[name] - 30.0 * now[name]) / (12.0 * h * h)
+        second = (16.0 * (after[name] + before[name]) - after2[name] - before2[name] - 30.0 * now[name]) / (
+            12.0 * h * h
+        )
         rigid: Array = particle_motion(motion, held.bodies[name], shapes[name])[2]  # type: ignore[arg-type]
         extra[name] = np.subtract(second, rigid)
     return velocity, extra

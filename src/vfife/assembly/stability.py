@@ -1,10 +1,12 @@
-"""The largest step that stays stable: 2/w of the central difference, w a bound of the highest frequency, piece by piece.
+"""The largest step that stays stable: 2/w of the central difference, w a bound of the highest frequency,
+piece by piece.
 
-The mass of a particle is shared among the pieces that hold it (elements, springs, contacts); each piece on its share has a frequency, and the
-highest of these bounds that of the whole (Irons and Treharne 1971). Pieces of one sort share in the ratio of their stiffness, so that w^2 of a
-piece is the sum over its motions of D/m, D the stiffness of all of the sort on that motion. Sorts (elements along, elements across, springs and
-contacts) share as the roots of their D, so that a soft sort on a stiff one costs little. Directions change in a run, so a spring or contact
-counts in any direction, and its arm as if it were across.
+The mass of a particle is shared among the pieces that hold it (elements, springs, contacts); each piece on
+its share has a frequency, and the highest of these bounds that of the whole (Irons and Treharne 1971). Pieces
+of one sort share in the ratio of their stiffness, so that w^2 of a piece is the sum over its motions of D/m,
+D the stiffness of all of the sort on that motion. Sorts (elements along, elements across, springs and
+contacts) share as the roots of their D, so that a soft sort on a stiff one costs little. Directions change in
+a run, so a spring or contact counts in any direction, and its arm as if it were across.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..codegen.tables import tables
+from ..compiler.trace.tables import tables
 from ..kernels import frame
 from ..kernels.arrays import CONSTRAINT, Layout
 from ..kernels.constraint import levers
@@ -37,14 +39,19 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Limits = list[tuple[str, float]]  # (s)
 
-CLOSED = 0.8  # root of the growth of a joint's error in a step that Newton's method still closes: rows of one to three bodies hold at 0.9
-DEPTHS = tuple(accumulate(range(218), lambda depth, _: depth * 1.1, initial=1e-9))  # (m), to a metre: in one of them an impact ends
+# root of the growth of a joint's error in a step that Newton's method still closes: rows of one to three
+# bodies hold at 0.9
+CLOSED = 0.8
+DEPTHS = tuple(
+    accumulate(range(218), lambda depth, _: depth * 1.1, initial=1e-9)
+)  # (m), to a metre: in one of them an impact ends
 STRAIGHT = 1e-3  # sine of the angle between two elements up to which they count as in line
 
 
 @dataclass(frozen=True)
 class Held:
-    """Stiffness of springs and contacts on each particle: in any direction (N/m), that on its arm and that about the axis of the plane (N m/rad).
+    """Stiffness of springs and contacts on each particle: in any direction (N/m), that on its arm and that
+    about the axis of the plane (N m/rad).
 
     Shape (particles,).
     """
@@ -61,7 +68,9 @@ class Held:
 
 @dataclass(frozen=True)
 class ElementStiffness:
-    """Stiffness of each element: ``along`` and ``across`` (N/m), moment at first and second node for their own turn, at one for the other's."""
+    """Stiffness of each element: ``along`` and ``across`` (N/m), moment at first and second node for their
+    own turn, at one for the other's.
+    """
 
     nodes: NDArray[np.intp]
     along: Array
@@ -72,10 +81,15 @@ class ElementStiffness:
 
 def element_stiffness(layout: Layout, state: Array, topology: Topology) -> ElementStiffness:
     """That of the step's own element, with what is released; ``own`` has shape (elements, 2)."""
-    nodes, release = np.array(topology.frame_nodes, dtype=np.intp).reshape(-1, 2), np.array(topology.frame_release, dtype=int)
+    nodes, release = (
+        np.array(topology.frame_nodes, dtype=np.intp).reshape(-1, 2),
+        np.array(topology.frame_release, dtype=int),
+    )
     counted, present = state[layout["reference_inverse_length"]], 1.0 / state[layout["reference_length"]]
     bending = state[layout["frame_bending_stiffness"]]
-    along, across, near, far = frame.stiffness(counted, present, state[layout["frame_axial_stiffness"]], bending)
+    along, across, near, far = frame.stiffness(
+        counted, present, state[layout["frame_axial_stiffness"]], bending
+    )
     across_released, near_released = frame.stiffness_released(counted, present, bending)
     none = np.zeros(len(nodes))
     across = np.select([release == 0, release == 3], [across, none], across_released)
@@ -113,9 +127,11 @@ def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: in
 
 @dataclass(frozen=True)
 class Demands:
-    """What each sort of pieces asks of each particle, w^2 times mass (N/m) or inertia (N m/rad), shape (particles,): its stiffness over its share.
+    """What each sort of pieces asks of each particle, w^2 times mass (N/m) or inertia (N m/rad), shape
+    (particles,): its stiffness over its share.
 
-    ``along``, ``across`` and ``turns`` are those of elements, ``straight`` and ``turning`` those of springs and contacts.
+    ``along``, ``across`` and ``turns`` are those of elements, ``straight`` and ``turning`` those of springs
+    and contacts.
     """
 
     along: Array
@@ -126,12 +142,16 @@ class Demands:
 
 
 def demands(layout: Layout, state: Array, topology: Topology, load: Held) -> Demands:
-    """Stiffness over shares. Where elements meet at an angle one's length is the other's breadth, and both share; in line they do not meet."""
+    """Stiffness over shares. Where elements meet at an angle one's length is the other's breadth, and both
+    share; in line they do not meet.
+    """
     along = across = own = np.zeros(topology.particles)
     bent = np.zeros(topology.particles, dtype=bool)
     if topology.frame_nodes:
         k = element_stiffness(layout, state, topology)
-        along, across, own = (_at_nodes(k.nodes, values, topology.particles) for values in (k.along, k.across, k.own))
+        along, across, own = (
+            _at_nodes(k.nodes, values, topology.particles) for values in (k.along, k.across, k.own)
+        )
         bent = _bent(layout, state, k.nodes, topology.particles)
     a, b, c, d, e = (np.sqrt(values) for values in (along, across, load.straight, own, load.turning))
     elements = np.where(bent, a + b, np.maximum(a, b))
@@ -145,15 +165,18 @@ def demands(layout: Layout, state: Array, topology: Topology, load: Held) -> Dem
 def _square(layout: Layout, state: Array, load: Demands, arms: Sequence[tuple[int, Any]]) -> Any:
     """w^2 of a spring or contact along a line."""
     im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
-    shares = ((load.straight[b] * im[b], load.turning[b] * ii[b] if square > 0.0 else 0.0) for b, square in arms)
+    shares = (
+        (load.straight[b] * im[b], load.turning[b] * ii[b] if square > 0.0 else 0.0) for b, square in arms
+    )
     return float(sum(straight + turning for straight, turning in shares))
 
 
 def element_limits(layout: Layout, state: Array, topology: Topology, load: Demands) -> tuple[Array, Array]:
     """Stable steps (s) of each element, axial and bending.
 
-    Axial: w^2 = sum over both nodes of D/m. Bending has two modes: both ends turn alike, 3 EI/l on the turns and 12 EI/l^3 across, or against each
-    other, EI/l; the larger root of the two together, each node's inertia shared by 4 EI/l.
+    Axial: w^2 = sum over both nodes of D/m. Bending has two modes: both ends turn alike, 3 EI/l on the turns
+    and 12 EI/l^3 across, or against each other, EI/l; the larger root of the two together, each node's
+    inertia shared by 4 EI/l.
     """
     k = element_stiffness(layout, state, topology)
     im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
@@ -162,7 +185,11 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
     turns = np.where(k.own > 0.0, (load.turns * ii)[k.nodes], 0.0)
     first, second = (turns / np.where(k.own > 0.0, k.own, 1.0)).T
     alike, against = 0.5 * (k.own[:, 0] + k.other), 0.5 * (k.own[:, 0] - k.other)
-    a, b, c = alike * (first + second) + sway, against * (first + second), np.sqrt(np.maximum(alike * against, 0.0)) * (first - second)
+    a, b, c = (
+        alike * (first + second) + sway,
+        against * (first + second),
+        np.sqrt(np.maximum(alike * against, 0.0)) * (first - second),
+    )
     whole = 0.5 * (a + b) + np.sqrt(0.25 * ((a - b) * (a - b)) + c * c)
     with np.errstate(divide="ignore"):
         return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(np.where(k.other > 0.0, whole, turns.sum(axis=1) + sway))
@@ -193,47 +220,74 @@ def _bent(layout: Layout, state: Array, nodes: NDArray[np.intp], count: int) -> 
 def joint_mobility(layout: Layout, state: Array, topology: Topology, index: int) -> Any:
     """Largest inverse mass (1/kg) that a clearance joint can meet in any direction."""
     im, ii = state[layout["particle_inverse_mass"]], state[layout["particle_inverse_inertia"]]
-    return float(sum(im[body] + square * ii[body] for body, square in _arms(layout, state, topology, "contact", index)))
+    return float(
+        sum(im[body] + square * ii[body] for body, square in _arms(layout, state, topology, "contact", index))
+    )
 
 
 def contact_stiffness(
     touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, expected: Mapping[str, float]
 ) -> list[tuple[Any, Any]]:
-    """Tangent (N/m) of each contact's law under twice the force that it is expected to carry, and the mobility (1/kg) that it meets."""
+    """Tangent (N/m) of each contact's law under twice the force that it is expected to carry, and the
+    mobility (1/kg) that it meets.
+    """
     found = []
     for index, touch in enumerate(touches):
         law = touch.joint.contact
         slots = slots_of(layout, state, topology, index, len(law.slots))
         mobility = joint_mobility(layout, state, topology, index)
-        force = 2.0 * expected.get(touch.joint.name, 0.0) or _impact_force(law, slots, state, layout, mobility)
+        force = 2.0 * expected.get(touch.joint.name, 0.0) or _impact_force(
+            law, slots, state, layout, mobility
+        )
         found.append((tangent(law, slots, force)[1], mobility))
     return found
 
 
 def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[float]:
-    """Stiffness (N/m) with which each contact counts on its bodies: those of a joint with one wall share it, as two corners of a block do."""
+    """Stiffness (N/m) with which each contact counts on its bodies: those of a joint with one wall share it,
+    as two corners of a block do.
+    """
     together = Counter((touch.joint.name, touch.touching.normal) for touch in touches)
-    return [k / together[touch.joint.name, touch.touching.normal] for touch, (k, _) in zip(touches, stiffness, strict=True)]
+    return [
+        k / together[touch.joint.name, touch.touching.normal]
+        for touch, (k, _) in zip(touches, stiffness, strict=True)
+    ]
 
 
-def contact_periods(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[tuple[str, float]]:
+def contact_periods(
+    touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]
+) -> list[tuple[str, float]]:
     """Half a period (s) of each contact by itself."""
     roots = [2.0 / math.sqrt(k * mobility) if mobility > 0.0 else math.inf for k, mobility in stiffness]
     return [(touch.name, 0.5 * math.pi * root) for touch, root in zip(touches, roots, strict=True)]
 
 
-def contact_limits(touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, load: Demands) -> Limits:
+def contact_limits(
+    touches: Sequence[Touch], layout: Layout, state: Array, topology: Topology, load: Demands
+) -> Limits:
     """Stable step (s) of each contact."""
-    squares = [_square(layout, state, load, _arms(layout, state, topology, "contact", index)) for index in range(len(touches))]
-    return [(f"contact of joint {t.name}", 2.0 / math.sqrt(w) if w > 0.0 else math.inf) for t, w in zip(touches, squares, strict=True)]
+    squares = [
+        _square(layout, state, load, _arms(layout, state, topology, "contact", index))
+        for index in range(len(touches))
+    ]
+    return [
+        (f"contact of joint {t.name}", 2.0 / math.sqrt(w) if w > 0.0 else math.inf)
+        for t, w in zip(touches, squares, strict=True)
+    ]
 
 
-def spring_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str], load: Demands) -> Limits:
+def spring_limits(
+    layout: Layout, state: Array, topology: Topology, names: Sequence[str], load: Demands
+) -> Limits:
     """Stable step (s) of each spring: along its axes, and about the axis of the plane."""
     ii, found = state[layout["particle_inverse_inertia"]], []
     for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
         straight, turning = spring_stiffness(layout, state, index)
-        along = _square(layout, state, load, _arms(layout, state, topology, "spring", index)) if straight > 0.0 else 0.0
+        along = (
+            _square(layout, state, load, _arms(layout, state, topology, "spring", index))
+            if straight > 0.0
+            else 0.0
+        )
         about = load.turning[first] * ii[first] + load.turning[second] * ii[second] if turning > 0.0 else 0.0
         square = max(along, float(about))
         if square > 0.0:
@@ -242,21 +296,31 @@ def spring_limits(layout: Layout, state: Array, topology: Topology, names: Seque
 
 
 def arm_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str]) -> Limits:
-    """Steps (s) beyond which ideal joints far outside a light body's radius of gyration k may not be closed any more.
+    """Steps (s) beyond which ideal joints far outside a light body's radius of gyration k may not be closed
+    any more.
 
-    A correction turns an arm r by what it would be worth at the present angle. In a step the body turns by w dt; an error across the arm leaves
-    one along it, (r/k)^2 w dt as large, and that is one across it a step later, w dt as large: in all (w dt r/k)^2. In a chain one joint's error
-    is also the next one's, and in the place of (r/k)^2 stands what ``turning_error`` has of the start. Both at the fastest turning of the start:
+    A correction turns an arm r by what it would be worth at the present angle. In a step the body turns by w
+    dt; an error across the arm leaves one along it, (r/k)^2 w dt as large, and that is one across it a step
+    later, w dt as large: in all (w dt r/k)^2. In a chain one joint's error is also the next one's, and in the
+    place of (r/k)^2 stands what ``turning_error`` has of the start. Both at the fastest turning of the start:
     what a run comes to later is not known here.
     """
     spin = float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
     found = []
     for k, name in enumerate(names):
         for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
-            mass, inertia = (float(state[layout.row(f"particle_inverse_{kind}", bodies[k])]) for kind in ("mass", "inertia"))
+            mass, inertia = (
+                float(state[layout.row(f"particle_inverse_{kind}", bodies[k])])
+                for kind in ("mass", "inertia")
+            )
             arm = hypot(*(state[layout.row(f"joint_{side}_{axis}", k)] for axis in "xy"))
             if mass > 0.0 and inertia > 0.0 and arm * spin > 0.0:
-                found.append((f"small inertia on an arm at joint {name}", CLOSED * math.sqrt(mass / inertia) / (arm * spin)))
+                found.append(
+                    (
+                        f"small inertia on an arm at joint {name}",
+                        CLOSED * math.sqrt(mass / inertia) / (arm * spin),
+                    )
+                )
     growth = spin * math.sqrt(turning_error(layout, state, topology)) if found else 0.0
     if growth > 0.0:
         found.append(("small inertia on arms of several joints", CLOSED / growth))
@@ -264,17 +328,25 @@ def arm_limits(layout: Layout, state: Array, topology: Topology, names: Sequence
 
 
 def turning_error(layout: Layout, state: Array, topology: Topology) -> Any:
-    """Growth of an error of the reactions in two steps over the square of the angle (rad) by which all bodies turn in one: (r/k)^2 for one arm.
+    """Growth of an error of the reactions in two steps over the square of the angle (rad) by which all bodies
+    turn in one: (r/k)^2 for one arm.
 
-    It is the spectral radius of (G M^-1 G^T)^-1 dG M^-1 G^T Q, with the constraints G, their change dG with the angle, and the quarter turn Q of
-    the forces of joints, which stay in space while the bodies turn.
+    It is the spectral radius of (G M^-1 G^T)^-1 dG M^-1 G^T Q, with the constraints G, their change dG with
+    the angle, and the quarter turn Q of the forces of joints, which stay in space while the bodies turn.
     """
     joined = sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
-    inverse = np.stack([state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=-1).reshape(1, -1)
+    inverse = np.stack(
+        [state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=-1
+    ).reshape(1, -1)
     turn = 1e-6
-    now, before, after = (constraint_rows(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn))
+    now, before, after = (
+        constraint_rows(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn)
+    )
     there = now.T
-    left = product(dense.pinv(product(now * inverse, there), 1e-10), product((after - before) / (2.0 * turn) * inverse, there))
+    left = product(
+        dense.pinv(product(now * inverse, there), 1e-10),
+        product((after - before) / (2.0 * turn) * inverse, there),
+    )
     quarter = np.zeros(left.shape)
     for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
         if place == PINNED:
@@ -282,27 +354,40 @@ def turning_error(layout: Layout, state: Array, topology: Topology) -> Any:
     return float(dense.eigenvalue_sizes(product(left, quarter)).max(initial=0.0))
 
 
-def constraint_rows(layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float = 0.0) -> Any:
-    """Rows of all constraints on (x, y, theta) of the joined particles, as the step has them, all bodies turned by an angle (rad)."""
+def constraint_rows(
+    layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float = 0.0
+) -> Any:
+    """Rows of all constraints on (x, y, theta) of the joined particles, as the step has them, all bodies
+    turned by an angle (rad).
+    """
     integers, _, rows = tables(topology)
     S = [*state.tolist(), *([0.0] * (rows - layout.rows))]
-    angle = np.where(np.arange(topology.particles) > 0, state[layout["particle_theta"]] + turn, 0.0)[list(topology.bound)]
+    angle = np.where(np.arange(topology.particles) > 0, state[layout["particle_theta"]] + turn, 0.0)[
+        list(topology.bound)
+    ]
     for name, values in zip(("s", "c"), sincos(angle), strict=True):
         for row, value in zip(layout[name].tolist(), values.tolist(), strict=True):
             S[row] = value
     levers(S, [int(value) for value in integers])
     starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], len(joined), 3))
-    for joint, (bearing, journal, carrier) in enumerate(zip(topology.joint_bearing, topology.joint_journal, topology.carriers, strict=True)):
+    for joint, (bearing, journal, carrier) in enumerate(
+        zip(topology.joint_bearing, topology.joint_journal, topology.carriers, strict=True)
+    ):
         for k in range(starts[joint], starts[joint + 1]):
             row = layout.record("constraint", k)
-            nx, ny, jb, jk, jc = (S[row + field] for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc))
+            nx, ny, jb, jk, jc = (
+                S[row + field]
+                for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc)
+            )
             found[k, joined.index(bearing)] -= (nx, ny, jb)
             found[k, joined.index(journal)] += (nx, ny, jk)
             found[k, joined.index(carrier), 2] -= jc
     return found.reshape(len(found), -1)
 
 
-def _impact_force(law: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float) -> float:
+def _impact_force(
+    law: object, slots: tuple[float, ...], state: Array, layout: Layout, mobility: float
+) -> float:
     """Force of an impact at the largest speed in the mechanism, where no ideal reaction is known."""
     speed = max(float(hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max()), 0.1)
     energy = 0.5 * (speed * speed) / max(mobility, 1e-12)

@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from .. import __version__
-from .commands import Named, Plainly, UsageError
+from .registry import Named, Plainly, UsageError
 from .signals import NOW, Signals
 from .terminal import BAD_INPUT, fail, failed, tell
 
@@ -60,7 +60,10 @@ app = typer.Typer(
     name="vfife",
     cls=Group,
     help="Planar mechanisms whose pins have play.",
-    epilog="Start with: vfife new, vfife check MODEL.toml, vfife run MODEL.toml. Every command has its own --help.",
+    epilog=(
+        "Start with: vfife new, vfife check MODEL.toml, vfife run MODEL.toml. Every command has its own"
+        " --help."
+    ),
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -76,6 +79,9 @@ def show_version(wanted: bool) -> None:
 
 @app.callback()
 def root(
-    version: Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and end.")] = False,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and end."),
+    ] = False,
 ) -> None:
     """Planar mechanisms whose pins have play."""

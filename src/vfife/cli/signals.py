@@ -1,4 +1,5 @@
-"""Signals that end a command: Ctrl-C, SIGTERM, SIGHUP. Each becomes a sentence and an exit code, within two seconds, whatever is under way.
+"""Signals that end a command: Ctrl-C, SIGTERM, SIGHUP. Each becomes a sentence and an exit code, within two
+seconds, whatever is under way.
 
 Next to nothing is imported here, for this is what a process loads first.
 """
@@ -27,9 +28,15 @@ class Asked:
 ASKED = Asked()
 
 
-CODES = {getattr(signal, name): code for name, code in (("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)) if hasattr(signal, name)}
+CODES = {
+    getattr(signal, name): code
+    for name, code in (("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129))
+    if hasattr(signal, name)
+}
 WORDS = {code: name for name, code in (("Ctrl-C", 130), ("SIGTERM", 143), ("SIGHUP", 129))}
-GRACE = 1.6  # s after a signal, within which a command ends by itself; compilers and drawers do not always hear
+GRACE = (
+    1.6  # s after a signal, within which a command ends by itself; compilers and drawers do not always hear
+)
 NOTHING = "Nothing was begun, so there is nothing to keep."
 DONE = "What was asked for is done."
 
@@ -55,7 +62,9 @@ NOW = Ending()
 
 
 def listen() -> None:
-    """From here on a signal ends the process at once, with a sentence; what is ignored, as by nohup, stays so."""
+    """From here on a signal ends the process at once, with a sentence; what is ignored, as by nohup, stays
+    so.
+    """
     for number in CODES:
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             signal.signal(number, _leave)
@@ -75,8 +84,8 @@ def rest() -> None:
 
 
 class Signals:
-    """While it is entered, signals raise KeyboardInterrupt in the main thread; one that is not heard there in time ends the process, as does a
-    second one.
+    """While it is entered, signals raise KeyboardInterrupt in the main thread; one that is not heard there in
+    time ends the process, as does a second one.
     """
 
     def __enter__(self) -> Signals:
@@ -99,7 +108,9 @@ class Signals:
             threading.Thread(target=_watch, args=(far,), daemon=True).start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         for number, handler in self.former.items():
             signal.signal(number, handler)
         if self.near >= 0:
@@ -138,7 +149,9 @@ def _watch(far: int) -> None:
 
 
 def end_at_once() -> NoReturn:
-    """Ends the process with a sentence, and with ``--json`` with an object; nothing is imported, for an import may be what was interrupted."""
+    """Ends the process with a sentence, and with ``--json`` with an object; nothing is imported, for an
+    import may be what was interrupted.
+    """
     try:
         for action in NOW.last:
             action()
@@ -147,14 +160,22 @@ def end_at_once() -> NoReturn:
         sentence = f"{NOW.by}. {NOW.saved}"
         os.write(2, f"interrupted: {sentence}\n".encode(errors="replace"))
         if ASKED.as_json and not ASKED.printed:
-            os.write(1, f'{{\n  "status": "interrupted",\n  "faults": [\n    {{\n      "what": {quoted(sentence)}\n    }}\n  ]\n}}\n'.encode())
+            os.write(
+                1,
+                f'{{\n  "status": "interrupted",\n  "faults": [\n    {{\n      "what": {quoted(sentence)}\n  '
+                "  }\n  ]\n}\n".encode(),
+            )
     finally:
         os._exit(NOW.code)
 
 
 def quoted(text: str) -> str:
     """A text as JSON has it."""
-    return '"' + "".join(sign if " " <= sign < "\x7f" and sign not in '"\\' else _escaped(sign) for sign in text) + '"'
+    return (
+        '"'
+        + "".join(sign if " " <= sign < "\x7f" and sign not in '"\\' else _escaped(sign) for sign in text)
+        + '"'
+    )
 
 
 def _escaped(sign: str) -> str:

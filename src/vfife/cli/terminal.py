@@ -1,4 +1,6 @@
-"""What all commands say in the same way: sentences on standard error, one object on standard output, exit codes."""
+"""What all commands say in the same way: sentences on standard error, one object on standard output, exit
+codes.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,11 @@ STATUS = {
     130: "interrupted",
     143: "interrupted",
 }
-STORAGE_ERRORS = {getattr(errno, name) for name in ("ENOSPC", "EIO", "EDQUOT", "EROFS", "EFBIG", "EMFILE", "ENFILE") if hasattr(errno, name)}
+STORAGE_ERRORS = {
+    getattr(errno, name)
+    for name in ("ENOSPC", "EIO", "EDQUOT", "EROFS", "EFBIG", "EMFILE", "ENFILE")
+    if hasattr(errno, name)
+}
 PIPE_WIDTH = 120  # columns of a table that goes into a file or a pipe
 
 
@@ -48,7 +54,11 @@ def command() -> str:
     called = sys.argv[0]
     if os.path.basename(called).partition(".")[0] == "vfife":
         found = shutil.which("vfife")
-        return "vfife" if found and os.path.exists(called) and os.path.samefile(found, called) else shlex.quote(called)
+        return (
+            "vfife"
+            if found and os.path.exists(called) and os.path.samefile(found, called)
+            else shlex.quote(called)
+        )
     if os.path.basename(called) == "__main__.py":
         python = shutil.which("python")
         same = python and os.path.abspath(python) == os.path.abspath(sys.executable)
@@ -64,7 +74,9 @@ def output() -> Console:
 
 
 def errors() -> Console:
-    """Standard error as it is now; long sentences are wrapped by the terminal alone, so that they can be searched."""
+    """Standard error as it is now; long sentences are wrapped by the terminal alone, so that they can be
+    searched.
+    """
     from rich.console import Console
 
     return Console(stderr=True, highlight=False, soft_wrap=True)
@@ -78,7 +90,9 @@ def tell(word: str, sentence: str, style: str = "bold yellow") -> None:
 
 
 def fail(sentence: str, code: int = BAD_INPUT, faults: Sequence[Fault] = (), word: str = "error") -> NoReturn:
-    """Ends with a sentence and an exit code; with ``--json`` also with an object that has the status and the faults."""
+    """Ends with a sentence and an exit code; with ``--json`` also with an object that has the status and the
+    faults.
+    """
     tell(word, sentence, "bold red" if word == "error" else "bold yellow")
     failed(sentence, code, faults)
     raise typer.Exit(code)
@@ -87,13 +101,18 @@ def fail(sentence: str, code: int = BAD_INPUT, faults: Sequence[Fault] = (), wor
 def failed(sentence: str, code: int, faults: Sequence[Fault] = ()) -> None:
     """The object that ``--json`` prints where there is no result."""
     if ASKED.as_json and not ASKED.printed:
-        told = [{name: getattr(one, name) for name in ("where", "what", "value", "limit", "remedy")} for one in faults]
+        told = [
+            {name: getattr(one, name) for name in ("where", "what", "value", "limit", "remedy")}
+            for one in faults
+        ]
         print_json({"status": STATUS.get(code, "error"), "faults": told or [{"what": sentence}]})
 
 
 @contextmanager
 def sentences(name: str) -> Iterator[None]:
-    """Ends with exit code 2 and a sentence where input cannot be used; ``name`` is the file or folder that it is about."""
+    """Ends with exit code 2 and a sentence where input cannot be used; ``name`` is the file or folder that it
+    is about.
+    """
     try:
         yield
     except OSError as error:
@@ -103,12 +122,15 @@ def sentences(name: str) -> Iterator[None]:
         message = message if message.startswith((name, "-")) else f"{name}: {message}"
         fail(message, STORAGE if isinstance(error, StorageError) else BAD_INPUT, getattr(error, "faults", ()))
     except MemoryError:
-        fail(f"{name}: there is not enough memory for this; ask for fewer outputs, turns or elements", STORAGE)
+        fail(
+            f"{name}: there is not enough memory for this; ask for fewer outputs, turns or elements", STORAGE
+        )
 
 
 @contextmanager
 def writing(name: str, kept: str = "") -> Iterator[None]:
-    """Ends with exit code 5 where something cannot be written: what, why, free bytes where these may be why, and what is ``kept``.
+    """Ends with exit code 5 where something cannot be written: what, why, free bytes where these may be why,
+    and what is ``kept``.
 
     With 2 where no file can be.
     """
@@ -116,13 +138,21 @@ def writing(name: str, kept: str = "") -> Iterator[None]:
         yield
     except (FileNotFoundError, FileExistsError, IsADirectoryError, NotADirectoryError) as error:
         at = Path(name)
-        remedy = f"Make the folder {at.parent} first, or name another place" if not at.parent.is_dir() else "Name another place"
+        remedy = (
+            f"Make the folder {at.parent} first, or name another place"
+            if not at.parent.is_dir()
+            else "Name another place"
+        )
         fail(f"{name}: {error.strerror or error}. {remedy}. {kept}".rstrip())
     except (OSError, MemoryError) as error:
         free = free_bytes(Path(getattr(error, "filename", None) or name))
         forbidden = isinstance(error, PermissionError) or getattr(error, "errno", None) == errno.EROFS
         room = "" if free is None or forbidden else f"; {free:,} bytes are free there"
-        said = of_the_system(name, error) if isinstance(error, OSError) else f"{name}: there is not enough memory"
+        said = (
+            of_the_system(name, error)
+            if isinstance(error, OSError)
+            else f"{name}: there is not enough memory"
+        )
         fail(f"{said}{room}. {kept}".rstrip(), STORAGE)
     except ValueError as error:
         if not isinstance(error, StorageError):
@@ -143,9 +173,15 @@ def print_json(value: Any) -> None:
 
 
 def json_text(value: Any) -> str:
-    """JSON by the book: numbers that are not finite become null, numpy's become Python's; signs that cannot be printed are escaped."""
+    """JSON by the book: numbers that are not finite become null, numpy's become Python's; signs that cannot
+    be printed are escaped.
+    """
     text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
-    return "".join(sign if sign.isprintable() or sign == "\n" else json.dumps(sign)[1:-1] for sign in text) if not _printable(text) else text
+    return (
+        "".join(sign if sign.isprintable() or sign == "\n" else json.dumps(sign)[1:-1] for sign in text)
+        if not _printable(text)
+        else text
+    )
 
 
 def _printable(text: str) -> bool:
@@ -153,7 +189,9 @@ def _printable(text: str) -> bool:
 
 
 def answer(document: Document, as_json: bool = False) -> None:
-    """An answer on standard output: the value of ``--json``, or words and tables; asides go to standard error."""
+    """An answer on standard output: the value of ``--json``, or words and tables; asides go to standard
+    error.
+    """
     if as_json:
         print_json(document.data)
         return

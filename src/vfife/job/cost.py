@@ -1,8 +1,10 @@
-"""The cost of work before it begins: time from one table of costs, or from a chunk that is timed, memory, bytes on the disk.
+"""The cost of work before it begins: time from one table of costs, or from a chunk that is timed, memory,
+bytes on the disk.
 
-A step costs a time that depends on its loop and on the number of joints and elements. On the table alone a forecast is right within a factor of
-two to three on common processors. Work that is longer than :data:`WORTH` is therefore calibrated: the first chunk of it is timed
-(:func:`timed_step`, :func:`timed`), in processor time, so that other programs on the machine do not count.
+A step costs a time that depends on its loop and on the number of joints and elements. On the table alone a
+forecast is right within a factor of two to three on common processors. Work that is longer than :data:`WORTH`
+is therefore calibrated: the first chunk of it is timed (:func:`timed_step`, :func:`timed`), in processor
+time, so that other programs on the machine do not count.
 """
 
 from __future__ import annotations
@@ -18,13 +20,14 @@ from typing import Any
 
 from .. import files
 from ..assembly.assembled import Assembly
-from ..codegen.straight_line import about
+from ..compiler.trace.straight_line import about
 from ..solvers.record import recorded_rows
 from ..solvers.refinement import iterations
 from ..solvers.transient import choose_loop, run
 from .amounts import amount_of_bytes, counted, span
 
-# Time (ns) of a step, and what each clearance joint, ideal joint and element adds to it; one lane, common cores of 2 to 3 GHz.
+# Time (ns) of a step, and what each clearance joint, ideal joint and element adds to it; one lane, common
+# cores of 2 to 3 GHz.
 NANOSECONDS = {
     "data-driven": {"step": 30.0, "clearance": 75.0, "ideal": 170.0, "element": 27.0},
     "generated": {"step": 20.0, "clearance": 60.0, "ideal": 55.0, "element": 10.0},
@@ -33,11 +36,16 @@ COMPANIONS = 1.7  # a step with companions, by that of a run alone
 LANES = {1: 1.0, 2: 1.1, 4: 1.3, 8: 1.8}  # a step of so many lanes, by that of one
 TANGENTS = {1: 3.2, 2: 3.3, 4: 3.7}  # the same with derivatives by one number
 DATA_DRIVEN_COMPILATION = 10.0  # s, once for all models with the same forms of laws; kept on disk
-STRAIGHT_LINE_COMPILATION = 0.2, 2.2e-4  # s, and for each line of the step, once for all models of the same topology
+STRAIGHT_LINE_COMPILATION = (
+    0.2,
+    2.2e-4,
+)  # s, and for each line of the step, once for all models of the same topology
 STATIC_LOOKS = 3000.0  # ns that looks at an iteration add to it
 MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, by those of its first try
 REFINED = 7.0  # steps of a smooth run that is repeated with half and with a quarter of its step, by its own
-MESHED = 5.5  # time of a static analysis that is repeated with twice and with half the elements, by its own; 3.5 to 6 in the examples
+# time of a static analysis that is repeated with twice and with half the elements, by its own; 3.5 to 6 in
+# the examples
+MESHED = 5.5
 ASSEMBLY = 0.03  # s in which a case is assembled and its results are taken, alone
 
 RECORD_COPIES = 2.5  # memory of those who read a record, by its bytes
@@ -47,15 +55,20 @@ COMPRESSED = 0.5  # bytes of outputs in a run file, by those of the numbers
 BRIEF = 2.0  # s of an ideal reference that need not be forecast before it is run
 WORTH = 1.5  # s of work from which on a chunk of it is timed
 CHUNK_STEPS = 20_000
-LONG, SHARE = 3600.0, 0.5  # s, and share of the memory or of the free disk, beyond which work has to be confirmed
+LONG, SHARE = (
+    3600.0,
+    0.5,
+)  # s, and share of the memory or of the free disk, beyond which work has to be confirmed
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """The cost of work that is left: ``count`` runs (called by the ``noun``) of ``steps`` steps, beside ``known`` ones that are in the file.
+    """The cost of work that is left: ``count`` runs (called by the ``noun``) of ``steps`` steps, beside
+    ``known`` ones that are in the file.
 
-    ``seconds`` on this machine without other load, with so many ``threads`` of ``lanes``; bytes of ``memory`` and on the ``disk``. ``work`` are
-    words for what is computed, in place of those of count and steps; ``less``: how to ask for less; ``note``: what may make it more.
+    ``seconds`` on this machine without other load, with so many ``threads`` of ``lanes``; bytes of ``memory``
+    and on the ``disk``. ``work`` are words for what is computed, in place of those of count and steps;
+    ``less``: how to ask for less; ``note``: what may make it more.
     """
 
     noun: str
@@ -75,13 +88,17 @@ class Forecast:
     first_look: float = math.inf  # s that a first look at the same takes
 
     def excess(self, place: Path) -> str:
-        """Words for what of it is so much that it may not be meant: hours, half the memory or half of the disk; empty where nothing is."""
+        """Words for what of it is so much that it may not be meant: hours, half the memory or half of the
+        disk; empty where nothing is.
+        """
         free, memory = files.free_bytes(place), physical_memory()
         parts = []
         if self.seconds > LONG:
             parts.append(f"some {span(self.seconds)}")
         if memory is not None and self.memory > SHARE * memory:
-            parts.append(f"some {amount_of_bytes(self.memory)} of memory, of which there are {amount_of_bytes(memory)}")
+            parts.append(
+                f"some {amount_of_bytes(self.memory)} of memory, of which there are {amount_of_bytes(memory)}"
+            )
         if free is not None and self.disk > SHARE * free:
             parts.append(f"some {amount_of_bytes(self.disk)} on a disk that has {amount_of_bytes(free)} left")
         return " and ".join(parts)
@@ -118,8 +135,9 @@ def physical_memory() -> int | None:
 
 @dataclass(frozen=True)
 class RunCost:
-    """The cost of one run: loop, time of a step (ns), of all steps and of a first compilation (s), rows of the state, bytes of the record; those
-    of the ideal reference; bytes of memory and on the disk. Of an automatic step the first try is meant.
+    """The cost of one run: loop, time of a step (ns), of all steps and of a first compilation (s), rows of
+    the state, bytes of the record; those of the ideal reference; bytes of memory and on the disk. Of an
+    automatic step the first try is meant.
     """
 
     loop: str
@@ -138,9 +156,15 @@ class RunCost:
 
 
 def run_cost(
-    assembly: Assembly, reference: Assembly | None = None, *, companions: int = 0, refined: bool = False, measured: bool = False
+    assembly: Assembly,
+    reference: Assembly | None = None,
+    *,
+    companions: int = 0,
+    refined: bool = False,
+    measured: bool = False,
 ) -> RunCost:
-    """The cost of a run with its ideal ``reference`` and ``companions``, from the table; ``measured``: long work is calibrated by a chunk.
+    """The cost of a run with its ideal ``reference`` and ``companions``, from the table; ``measured``: long
+    work is calibrated by a chunk.
 
     ``refined``: a smooth run, repeated with smaller steps, or a static one, repeated on other meshes.
     """
@@ -166,8 +190,13 @@ def _alone(assembly: Assembly) -> RunCost:
     topology, choice = assembly.topology, assembly.choice
     static = assembly.mechanism.settings.analysis == "static"
     loop = "data-driven" if static else choose_loop(assembly, "auto")
-    ns, entities = NANOSECONDS[loop], (len(topology.contact_bearing), len(topology.joint_bearing), len(topology.frame_nodes))
-    step = ns["step"] + sum(ns[name] * count for name, count in zip(("clearance", "ideal", "element"), entities, strict=True))
+    ns, entities = (
+        NANOSECONDS[loop],
+        (len(topology.contact_bearing), len(topology.joint_bearing), len(topology.frame_nodes)),
+    )
+    step = ns["step"] + sum(
+        ns[name] * count for name, count in zip(("clearance", "ideal", "element"), entities, strict=True)
+    )
     steps = choice.outputs * iterations(assembly) if static else choice.steps
     step += STATIC_LOOKS * static
     begin, each = STRAIGHT_LINE_COMPILATION
@@ -187,10 +216,15 @@ def timed(work: Callable[[], Any]) -> float:
 
 
 def timed_step(assembly: Assembly, companions: int = 0) -> float:
-    """Processor time (s) of a step of this assembly on this machine, from a short run; its step is compiled for it, as the run needs it anyway."""
+    """Processor time (s) of a step of this assembly on this machine, from a short run; its step is compiled
+    for it, as the run needs it anyway.
+    """
     choice = assembly.choice
     every = min(choice.outputs_every, CHUNK_STEPS)
-    short = dataclasses.replace(assembly, choice=dataclasses.replace(choice, outputs_every=every, outputs=math.ceil(CHUNK_STEPS / every)))
+    short = dataclasses.replace(
+        assembly,
+        choice=dataclasses.replace(choice, outputs_every=every, outputs=math.ceil(CHUNK_STEPS / every)),
+    )
     run(short, companions=companions)
     return timed(lambda: run(short, companions=companions)) / short.choice.steps
 
@@ -200,8 +234,8 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
 
 @dataclass(frozen=True)
 class Stream:
-    """Runs side by side in the lanes of all cores: ``overhead`` (s) of one in Python, one after another; ``steps`` (s of processor time) of one;
-    ``width``: how many are asked for together.
+    """Runs side by side in the lanes of all cores: ``overhead`` (s) of one in Python, one after another;
+    ``steps`` (s of processor time) of one; ``width``: how many are asked for together.
     """
 
     overhead: float
@@ -217,7 +251,11 @@ class Stream:
 def stream(assembly: Assembly, width: float, lanes: int) -> Stream:
     """The stream of runs like this one, from the table."""
     alone = _alone(assembly)
-    return Stream(ASSEMBLY, alone.seconds * LANES[lanes] / min(lanes, width) if alone.loop == "generated" else alone.seconds, width)
+    return Stream(
+        ASSEMBLY,
+        alone.seconds * LANES[lanes] / min(lanes, width) if alone.loop == "generated" else alone.seconds,
+        width,
+    )
 
 
 def pilot(once: Callable[[int], Any], turns: int, count: int, width: float = math.inf) -> Stream:

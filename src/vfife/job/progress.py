@@ -1,4 +1,6 @@
-"""Progress of long work on standard error: a bar on a terminal, a line that changes in a notebook, elsewhere a line every ten seconds."""
+"""Progress of long work on standard error: a bar on a terminal, a line that changes in a notebook, elsewhere
+a line every ten seconds.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from ..codegen import cache
+from ..compiler.runtime import cache
 from ..solvers.status import Progress
 from .amounts import span
 
@@ -17,12 +19,17 @@ if TYPE_CHECKING:
 
 PLAIN_SECONDS = 10.0  # between two lines where standard error is no terminal
 START = "preparing the loop"
-COMPILING = "compiling the step for this kind of mechanism and these laws; it is kept, and later runs of the kind begin at once"
+COMPILING = (
+    "compiling the step for this kind of mechanism and these laws; it is kept, and later runs of the kind"
+    " begin at once"
+)
 PATIENCE = 1.0  # s of work in a script that need no line
 
 
 class ProgressLine:
-    """Percentage, speed and time left: one line that changes on a terminal, else one every ten seconds and the last."""
+    """Percentage, speed and time left: one line that changes on a terminal, else one every ten seconds and
+    the last.
+    """
 
     def __init__(self, quiet: bool) -> None:
         self.quiet, self.live = quiet, not quiet and on_terminal()
@@ -37,7 +44,12 @@ class ProgressLine:
             from rich.progress import Progress as Bars
 
             console = Console(stderr=True, highlight=False, soft_wrap=True)
-            self.bars = Bars(BarColumn(), TextColumn("{task.description}", markup=False), console=console, auto_refresh=False)
+            self.bars = Bars(
+                BarColumn(),
+                TextColumn("{task.description}", markup=False),
+                console=console,
+                auto_refresh=False,
+            )
             self.task = self.bars.add_task(START, total=1.0)
             self.bars.start()
             self.bars.refresh()
@@ -59,7 +71,9 @@ class ProgressLine:
 
     def __call__(self, progress: Progress) -> None:
         """Show where the work stands; called after each chunk of it."""
-        halved = self.step_count and progress.steps > self.step_count and not progress.text  # a search may ask for more members, too
+        halved = (
+            self.step_count and progress.steps > self.step_count and not progress.text
+        )  # a search may ask for more members, too
         again = " (again, with half the step)" if halved else ""
         if again or not self.step_count:
             self.step_count, self.again = progress.steps, again
@@ -92,7 +106,9 @@ class NotebookLine:
 
 
 class ScriptLine:
-    """The progress of work that a script asked for: nothing in its first second, nor where nobody would see it."""
+    """The progress of work that a script asked for: nothing in its first second, nor where nobody would see
+    it.
+    """
 
     def __init__(self) -> None:
         self.began = time.monotonic()
@@ -131,7 +147,9 @@ def plain_text(text: str) -> Any:
 
 
 class Counter:
-    """Progress of work that consists of many things alike: how many are done, their rate and the time that is left."""
+    """Progress of work that consists of many things alike: how many are done, their rate and the time that is
+    left.
+    """
 
     def __init__(self, noun: str) -> None:
         self.noun, self.began, self.first, self.failed = noun, time.monotonic(), -1, 0
@@ -144,11 +162,15 @@ class Counter:
         rate = (done - self.first) / seconds
         left = f"{span((total - done) / rate)} left" if done < total and rate else f"in {span(seconds)}"
         bad = f"  {self.failed:,} failed" if self.failed else ""
-        return Progress(done, total, seconds, f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}")
+        return Progress(
+            done, total, seconds, f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
+        )
 
 
 def on_terminal() -> bool:
-    """Whether standard error is a terminal, or is to be taken for one; the library that draws is loaded only where it may be."""
+    """Whether standard error is a terminal, or is to be taken for one; the library that draws is loaded only
+    where it may be.
+    """
     forced = {"FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE"} & set(os.environ)
     if not (forced or sys.stderr.isatty()):
         return False
@@ -164,7 +186,11 @@ def sentence(progress: Progress) -> str:
     head = f"{100.0 * progress.share:3.0f} %  {progress.done:,} of {progress.steps:,} steps"
     if not progress.speed:
         return head
-    left = f"  {span(progress.left)} left" if progress.done < progress.steps else f"  in {span(progress.seconds)}"
+    left = (
+        f"  {span(progress.left)} left"
+        if progress.done < progress.steps
+        else f"  in {span(progress.seconds)}"
+    )
     return f"{head}  {speed(progress.speed)}{left}"
 
 

@@ -1,38 +1,47 @@
-"""The loop driver, one text for all loops: which steps are taken, which are taken again in parts, what is recorded, and when a lane breaks.
+"""The loop driver, one text for all loops: which steps are taken, which are taken again in parts, what is
+recorded, and when a lane breaks.
 
-A central difference takes the force at the end of a step for all of it. Where a contact begins, friction changes its regime or a load has a kink,
-that is an error of first order in the step; eight steps of an eighth leave a sixty-fourth of it. Such a step is an *event*, and is taken again in
-``parts``.
+A central difference takes the force at the end of a step for all of it. Where a contact begins, friction
+changes its regime or a load has a kink, that is an error of first order in the step; eight steps of an eighth
+leave a sixty-fourth of it. Such a step is an *event*, and is taken again in ``parts``.
 
 The driver calls four functions, which differ between loops:
 
-    lean(S, R, T, I, n, count, watching)  takes up to ``count`` steps from step n and stops before the first that the lean step cannot take;
+    lean(S, R, T, I, n, count, watching)  takes up to ``count`` steps from step n and stops before the first
+    that the lean step cannot take;
                                           returns how many it took. R is scratch of the size of S.
     whole(S, T, I, n)                     takes step n, whatever happens in it.
     functions(S, T, I, n)                 functions of time at step n.
-    resize(S, I, C)                       gives the state the step size C[0], phase C[1] and adds C[2] to the count of events, lane by lane.
+    resize(S, I, C)                       gives the state the step size C[0], phase C[1] and adds C[2] to the
+    count of events, lane by lane.
 
 Those of the data-driven loop are in :mod:`~vfife.kernels.data_driven`. Straight-line code has its own
-(:mod:`vfife.codegen.straight_line`); there the driver is compiled once for all mechanisms, or translated to JavaScript.
+(:mod:`vfife.compiler.trace.straight_line`); there the driver is compiled once for all mechanisms, or
+translated to JavaScript.
 
-Row r of lane w lies at ``S[r * stride + w]``: lanes side by side on a processor, members of a tile on a graphics card. Q, R and C are scratch: two
-copies of the state and three rows.
+Row r of lane w lies at ``S[r * stride + w]``: lanes side by side on a processor, members of a tile on a
+graphics card. Q, R and C are scratch: two copies of the state and three rows.
 """
 
 from .arrays import SYSTEM, Fields
 from .data_driven import copy_lane, lean, resize, whole
 from .step import functions
 
-# Numbers of a run, the array N: lanes, distance of two rows, rows of a state, parts of a step with an event, steps between two checks of lanes.
+# Numbers of a run, the array N: lanes, distance of two rows, rows of a state, parts of a step with an event,
+# steps between two checks of lanes.
 RUN = Fields((name, 1) for name in ("lanes", "stride", "rows", "parts", "look"))
 
 
-def advance(S, Q, R, C, T, I, N, shares, kept, extremes, limited, limits, broken, anew, until, n0, count, outputs, out):
-    """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``kept`` after each ``count`` in ``out`` (outputs, kept, lanes).
+def advance(
+    S, Q, R, C, T, I, N, shares, kept, extremes, limited, limits, broken, anew, until, n0, count, outputs, out
+):
+    """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``kept`` after each ``count``
+    in ``out`` (outputs, kept, lanes).
 
-    Rows ``extremes`` start from zero before each output where ``anew`` is not 0. Nothing is recorded into an empty ``out``. Right after the start
-    lane w takes a step of ``shares[w]`` of one, where that is not zero. Lanes are checked ``until`` steps from n0 and every ``look`` steps from
-    there; when no lane is left that is sound and watched, the rest is left out.
+    Rows ``extremes`` start from zero before each output where ``anew`` is not 0. Nothing is recorded into an
+    empty ``out``. Right after the start lane w takes a step of ``shares[w]`` of one, where that is not zero.
+    Lanes are checked ``until`` steps from n0 and every ``look`` steps from there; when no lane is left that
+    is sound and watched, the rest is left out.
     """
     lanes, stride, look = N[RUN.lanes], N[RUN.stride], N[RUN.look]
     n = n0
@@ -63,12 +72,36 @@ def advance(S, Q, R, C, T, I, N, shares, kept, extremes, limited, limits, broken
                     copy_numbers(out, (first + q) * lanes, S, kept[q] * stride, lanes)
 
 
-def stream(S, Q, R, C, T, I, N, kept, extremes, sound, limited, limits, broken, due, every, at, stop, out, room, until, n0, count):
+def stream(
+    S,
+    Q,
+    R,
+    C,
+    T,
+    I,
+    N,
+    kept,
+    extremes,
+    sound,
+    limited,
+    limits,
+    broken,
+    due,
+    every,
+    at,
+    stop,
+    out,
+    room,
+    until,
+    n0,
+    count,
+):
     """Take up to ``count`` steps from step n0, which is not 0; every lane records outputs of its own.
 
-    After step ``due[w]`` the rows ``kept`` of lane w are recorded as output ``at[w]`` in ``out`` (lanes, room, kept), its extremes start from zero,
-    and it is due again ``every[w]`` steps later. Rows ``sound`` are checked, as :func:`advance` does. It ends when a lane has reached its output
-    ``stop[w]`` or is found broken; the number of steps made since the very start is returned.
+    After step ``due[w]`` the rows ``kept`` of lane w are recorded as output ``at[w]`` in ``out`` (lanes,
+    room, kept), its extremes start from zero, and it is due again ``every[w]`` steps later. Rows ``sound``
+    are checked, as :func:`advance` does. It ends when a lane has reached its output ``stop[w]`` or is found
+    broken; the number of steps made since the very start is returned.
     """
     lanes, stride, look = N[RUN.lanes], N[RUN.stride], N[RUN.look]
     last = n0 + count
@@ -110,10 +143,12 @@ def proceed(S, Q, R, C, T, I, N, n, end):
 
 
 def watch(S, N, kept, limited, limits, broken, n):
-    """Mark lanes that have failed after n steps, and return whether to go on: a sound watched lane is left, or none has failed.
+    """Mark lanes that have failed after n steps, and return whether to go on: a sound watched lane is left,
+    or none has failed.
 
-    A lane fails where one of the rows ``kept`` is not finite (times zero it is NaN then) or a row of ``limited`` is not between its two ``limits``
-    (limited, 2, lanes). ``broken`` is 0 for a sound lane, else the step at which it was found broken, or negative if the lane is not watched.
+    A lane fails where one of the rows ``kept`` is not finite (times zero it is NaN then) or a row of
+    ``limited`` is not between its two ``limits`` (limited, 2, lanes). ``broken`` is 0 for a sound lane, else
+    the step at which it was found broken, or negative if the lane is not watched.
     """
     lanes, stride = N[RUN.lanes], N[RUN.stride]
     left = False
@@ -136,10 +171,12 @@ def watch(S, N, kept, limited, limits, broken, n):
 
 
 def event(S, Q, R, C, T, I, N, n):
-    """Take step n as a whole; lanes in which something began, ended or changed its regime take it again in ``parts``.
+    """Take step n as a whole; lanes in which something began, ended or changed its regime take it again in
+    ``parts``.
 
-    The small steps are those of a state of its own, Q, from before step n: they are numbered from (n - 1) parts + 1 to n parts, and the phase
-    is multiplied by ``parts``, so that time stays (step + phase) * size. All lanes go along; only those with an event keep the result.
+    The small steps are those of a state of its own, Q, from before step n: they are numbered from (n - 1)
+    parts + 1 to n parts, and the phase is multiplied by ``parts``, so that time stays (step + phase) * size.
+    All lanes go along; only those with an event keep the result.
     """
     lanes, stride, rows, parts = N[RUN.lanes], N[RUN.stride], N[RUN.rows], N[RUN.parts]
     copy(Q, S, rows, lanes, stride)
@@ -178,7 +215,9 @@ def event(S, Q, R, C, T, I, N, n):
 
 
 def displace(S, Q, C, T, I, N, shares):
-    """After the start, take a first step of a share of one in lanes where that is not zero: their later steps lie between those of the others."""
+    """After the start, take a first step of a share of one in lanes where that is not zero: their later steps
+    lie between those of the others.
+    """
     lanes, stride, rows = N[RUN.lanes], N[RUN.stride], N[RUN.rows]
     moved = False
     for w in range(lanes):

@@ -1,11 +1,14 @@
-"""Where every number of a step lies, and the records that its loops walk through; what the numbers are is said in :mod:`~vfife.kernels.blocks`.
+"""Where every number of a step lies, and the records that its loops walk through; what the numbers are is
+said in :mod:`~vfife.kernels.blocks`.
 
 All of it lies in one array ``S`` of shape ``(rows, lanes)``, entity by entity. One array is what lets the
-compiler see that two rows never overlap, so that several simulations share a vector register; records keep what belongs together in one cache
-line. A particle that no joint, load or driver touches is *plain* and has a shorter record. A checkpoint is this array and the step number, a
-run's record is its state and extremes at each output step.
+compiler see that two rows never overlap, so that several simulations share a vector register; records keep
+what belongs together in one cache line. A particle that no joint, load or driver touches is *plain* and has a
+shorter record. A checkpoint is this array and the step number, a run's record is its state and extremes at
+each output step.
 
-The topology reaches the data-driven loop as one array ``I`` of unsigned integers: a header, then lists of records.
+The topology reaches the data-driven loop as one array ``I`` of unsigned integers: a header, then lists of
+records.
 """
 
 from __future__ import annotations
@@ -43,11 +46,16 @@ ENTITIES = (
 
 
 def _fields(*entities: str) -> Fields:
-    return Fields((block.field, block.width) for entity in entities for block in BLOCKS if block.entity == entity)
+    return Fields(
+        (block.field, block.width) for entity in entities for block in BLOCKS if block.entity == entity
+    )
 
 
-# Rows of each entity's record; PARTICLE is that of a bound particle, whose first PLAIN rows are those of a plain one.
-RECORDS = {entity: _fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES}
+# Rows of each entity's record; PARTICLE is that of a bound particle, whose first PLAIN rows are those of a
+# plain one.
+RECORDS = {
+    entity: _fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES
+}
 SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, GUIDE, JOINT, CONSTRAINT = list(RECORDS.values())[:8]
 SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE, KNOT, WEAR, HARMONIC = list(RECORDS.values())[8:]
 PLAIN = _fields("particle").SIZE
@@ -58,21 +66,63 @@ FRAME_INDEX = Fields((name, 1) for name in ("row", "first", "second", "release",
 CONTACT_INDEX = Fields(
     (name, 1)
     for name in (
-        *("row", "bearing", "journal", "shared", "constrained", "contact", "friction", "ahead", "kinked", "film", "simultaneous"),
-        *("kind", "piece", "pieces", "knot", "knots", "wear", "bearing_first", "bearing_count", "journal_first", "journal_count"),
+        *(
+            "row",
+            "bearing",
+            "journal",
+            "shared",
+            "constrained",
+            "contact",
+            "friction",
+            "ahead",
+            "kinked",
+            "film",
+            "simultaneous",
+        ),
+        *(
+            "kind",
+            "piece",
+            "pieces",
+            "knot",
+            "knots",
+            "wear",
+            "bearing_first",
+            "bearing_count",
+            "journal_first",
+            "journal_count",
+        ),
     )
 )
 GUIDE_INDEX = Fields((name, 1) for name in ("row", "corners", "corners_end"))
 JOINT_INDEX = Fields(
-    (name, 1) for name in ("row", "bearing", "journal", "place", "turn", "first", "y", "function", "rows", "piece", "pieces", "carrier")
+    (name, 1)
+    for name in (
+        "row",
+        "bearing",
+        "journal",
+        "place",
+        "turn",
+        "first",
+        "y",
+        "function",
+        "rows",
+        "piece",
+        "pieces",
+        "carrier",
+    )
 )
-CONSTRAINT_INDEX = Fields((name, 1) for name in ("row", "bearing", "journal", "start", "at", "closing", "carrier"))
+CONSTRAINT_INDEX = Fields(
+    (name, 1) for name in ("row", "bearing", "journal", "start", "at", "closing", "carrier")
+)
 SPRING_INDEX = Fields((name, 1) for name in ("row", "first", "second", "kind"))
 DRIVEN_INDEX = Fields((name, 1) for name in ("row", "body", "function"))
 LOAD_INDEX = Fields((name, 1) for name in ("row", "body", "function", "follow"))
 BODY_INDEX = Fields((name, 1) for name in ("row", "first", "second", "frame"))
 FUNCTION_INDEX = Fields((name, 1) for name in ("row", "table", "argument", "first", "second"))
-COUPLE_INDEX = Fields((name, 1) for name in ("first", "second", "body", "first_lever", "second_lever", "same", "at", "pins", "lower"))
+COUPLE_INDEX = Fields(
+    (name, 1)
+    for name in ("first", "second", "body", "first_lever", "second_lever", "same", "at", "pins", "lower")
+)
 TILE_INDEX = Fields((name, 1) for name in ("drift", "drift_end", "frame", "frame_end", "kick", "kick_end"))
 
 LISTS = (
@@ -123,7 +173,9 @@ NONE = np.zeros(0, dtype=np.intp)
 
 
 class Layout:
-    """Where each block lies: ``layout["particle_x"]`` are its rows, in order; ``layout.row("particle_x", 3)`` one of them."""
+    """Where each block lies: ``layout["particle_x"]`` are its rows, in order; ``layout.row("particle_x", 3)``
+    one of them.
+    """
 
     def __init__(self, topology: Topology) -> None:
         counts = topology.counts()
@@ -134,14 +186,18 @@ class Layout:
             if entity == "particle":
                 sizes = np.full(count, PLAIN, dtype=np.intp)
                 sizes[list(topology.bound)] = PARTICLE.SIZE
-                order = np.argsort(sizes == PLAIN, kind="stable")  # bound ones first, so that plain ones follow each other
+                order = np.argsort(
+                    sizes == PLAIN, kind="stable"
+                )  # bound ones first, so that plain ones follow each other
                 starts = np.empty_like(sizes)
                 starts[order] = self.rows + np.cumsum(sizes[order]) - sizes[order]
                 self.plain = self.rows + len(topology.bound) * PARTICLE.SIZE
                 self.records["bound"] = starts[list(topology.bound)]
                 self.rows += int(sizes.sum())
             else:
-                starts = np.arange(self.rows, self.rows + count * size, size, dtype=np.intp) if count else NONE
+                starts = (
+                    np.arange(self.rows, self.rows + count * size, size, dtype=np.intp) if count else NONE
+                )
                 self.rows += count * size
             self.records[entity] = starts
         self.known: dict[str, NDArray[np.intp]] = {}
@@ -165,7 +221,9 @@ class Layout:
         return self.whole[name]
 
     def row(self, name: str, index: int = 0) -> int:
-        """Row of entity ``index`` in block ``name``; of its first row where the block is wider. Of bound blocks the index is the particle's."""
+        """Row of entity ``index`` in block ``name``; of its first row where the block is wider. Of bound
+        blocks the index is the particle's.
+        """
         block = BY_NAME[name]
         if block.entity == "bound":
             return int(self.records["particle"][index]) + int(getattr(PARTICLE, block.field))

@@ -1,7 +1,8 @@
 """Blocks of the state: every number a step reads or writes, with its entity, unit, role and meaning.
 
-Each entity (a particle, an element, a joint ...) has a record of rows, one for each of its blocks: state, memory (what only the next step
-needs), extremes since the last output, parameters, scratch. Where they lie in the one array ``S`` is said in :mod:`~vfife.kernels.arrays`.
+Each entity (a particle, an element, a joint ...) has a record of rows, one for each of its blocks: state,
+memory (what only the next step needs), extremes since the last output, parameters, scratch. Where they lie in
+the one array ``S`` is said in :mod:`~vfife.kernels.arrays`.
 """
 
 from __future__ import annotations
@@ -36,7 +37,10 @@ class Block:
 
 def _blocks(role: Role, entity: str, table: str) -> list[Block]:
     rows = [[cell.strip() for cell in line.split("|")] for line in table.strip().splitlines()]
-    return [Block(name, entity, unit, role, meaning, int(width[0]) if width else 1) for name, unit, meaning, *width in rows]
+    return [
+        Block(name, entity, unit, role, meaning, int(width[0]) if width else 1)
+        for name, unit, meaning, *width in rows
+    ]
 
 
 BLOCKS: tuple[Block, ...] = (

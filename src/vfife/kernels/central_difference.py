@@ -1,12 +1,14 @@
-"""Small pieces of a step that every loop shares: coefficients of the central difference, work, what drivers and links do."""
+"""Small pieces of a step that every loop shares: coefficients of the central difference, work, what drivers
+and links do.
+"""
 
 
 def coefficients(start, dt, damping):
     """Coefficients of one central difference step with mass-proportional damping z = damping dt / 2.
 
-    Returned: h, decay, gain, p with v_n = p (v + h a), v_(n+1/2) = decay v_(n-1/2) + gain a. With c1 = 1/(1 + z), c2 = c1 (1 - z)
-    this is d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1), which is Eq. 5 for z = 0. The first step starts from v_0 itself:
-    d_(-1) = d_0 - dt v_0 + dt^2 a_0 / 2.
+    Returned: h, decay, gain, p with v_n = p (v + h a), v_(n+1/2) = decay v_(n-1/2) + gain a. With c1 = 1/(1 +
+    z), c2 = c1 (1 - z) this is d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1), which is Eq. 5 for z = 0. The
+    first step starts from v_0 itself: d_(-1) = d_0 - dt v_0 + dt^2 a_0 / 2.
     """
     z = 0.5 * dt * damping
     c1 = 1.0 / (1.0 + z)
@@ -18,7 +20,8 @@ def coefficients(start, dt, damping):
 
 
 def resized(u, a, old, size, damping):
-    """Velocity half a step after t_n where the next step is ``size`` and not ``old`` long, from the one that was, u, and the acceleration at t_n.
+    """Velocity half a step after t_n where the next step is ``size`` and not ``old`` long, from the one that
+    was, u, and the acceleration at t_n.
 
     Both come from the same v_n: v_(n+1/2) = (1 - z) v_n + h/2 a_n, z = damping h / 2 for a step of h.
     """
@@ -31,9 +34,11 @@ def larger(a, b):
 
 
 def driven_reaction(c, s, w, alpha, fx, fy, mz, inertia, mx, my, gx, gy):
-    """Torque of the driver and force of the ground on a body turned about a fixed pivot, from the forces fx, fy, mz it feels there.
+    """Torque of the driver and force of the ground on a body turned about a fixed pivot, from the forces fx,
+    fy, mz it feels there.
 
-    (mx, my) is mass times centre of mass in the body's frame, seen from the pivot; its acceleration is alpha x r - w^2 r.
+    (mx, my) is mass times centre of mass in the body's frame, seen from the pivot; its acceleration is alpha
+    x r - w^2 r.
     """
     rx = c * mx - s * my
     ry = s * mx + c * my
@@ -43,5 +48,7 @@ def driven_reaction(c, s, w, alpha, fx, fy, mz, inertia, mx, my, gx, gy):
 
 
 def chord_acceleration(dx, dy, ax, ay, inverse):
-    """Angular acceleration (rad/s^2) of a link's chord: its ends' relative acceleration across the chord, over the length."""
+    """Angular acceleration (rad/s^2) of a link's chord: its ends' relative acceleration across the chord,
+    over the length.
+    """
     return (dx * ay - dy * ax) * inverse * inverse

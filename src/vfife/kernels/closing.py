@@ -1,17 +1,31 @@
 """Reactions of ideal joints at t_n: those that keep the joints closed until t_(n+1).
 
-What is solved are the increments of a step, not the positions at its end: u dt and the turns of arms are small, and so is their rounding, eps v dt
-instead of eps x. Closing positions makes of that a noise of eps x/dt^2 in the accelerations, which drowns the reactions of a short step. What is
-open at t_n is fed back by a ``GAIN``, a sixteenth a step, in which rounding is lost.
+What is solved are the increments of a step, not the positions at its end: u dt and the turns of arms are
+small, and so is their rounding, eps v dt instead of eps x. Closing positions makes of that a noise of eps
+x/dt^2 in the accelerations, which drowns the reactions of a short step. What is open at t_n is fed back by a
+``GAIN``, a sixteenth a step, in which rounding is lost.
 
-The first correction uses the directions of t_n. But forces in these directions close constraints that have turned by t_(n+1): per unit of the angle
-of a step an error stays, which on a body of radius of gyration k on an arm r counts (r/k)^2 times, and which the next step has to make up for: it
-grows. How the rows turn is known after the first correction, and with it what is left. A run in coarse steps corrects once or twice more with the
-same factors; where what is left is still not next to nothing (a fast light body on a long arm, a link that swings through in a few steps) Newton's
-method follows with the turned rows, and where that does not close either, the step is taken again in parts.
+The first correction uses the directions of t_n. But forces in these directions close constraints that have
+turned by t_(n+1): per unit of the angle of a step an error stays, which on a body of radius of gyration k on
+an arm r counts (r/k)^2 times, and which the next step has to make up for: it grows. How the rows turn is
+known after the first correction, and with it what is left. A run in coarse steps corrects once or twice more
+with the same factors; where what is left is still not next to nothing (a fast light body on a long arm, a
+link that swings through in a few steps) Newton's method follows with the turned rows, and where that does not
+close either, the step is taken again in parts.
 """
 
-from .arrays import CONSTRAINT, CONSTRAINT_INDEX, DRIVEN, DRIVEN_INDEX, FUNCTION, HEADER, JOINT, JOINT_INDEX, PARTICLE, SYSTEM
+from .arrays import (
+    CONSTRAINT,
+    CONSTRAINT_INDEX,
+    DRIVEN,
+    DRIVEN_INDEX,
+    FUNCTION,
+    HEADER,
+    JOINT,
+    JOINT_INDEX,
+    PARTICLE,
+    SYSTEM,
+)
 from .constraint import gear_reaction, lever, levers, placed, pull, relative_turn
 from .elementary import sincos, turned
 from .factors import FLOOR, REDUNDANT, equations, factor, fill, fill_turned, halves, idle, solve, solve_turned
@@ -19,11 +33,14 @@ from .frame import chord
 from .geometry import arm, seldom
 from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
 
-GAIN = 0.0625  # of what is open at t_n, of which all is closed in coarse steps, where rounding over dt^2 is small
+# of what is open at t_n, of which all is closed in coarse steps, where rounding over dt^2 is small
+GAIN = 0.0625
 LEFT = 5e-11  # sizes of a mechanism that the corrections along the rows of t_n may leave open in a step
 LEFT_COARSE = 5e-10  # the same in coarse steps, in which it does not add up
-LEFT_BY_CONTACTS = 1e-8  # the same where impacts change the reactions from step to step: next to nothing beside a penetration
-MUCH = 1e-6  # sizes that a third step of Newton's method may have to close; what it leaves is of the order of the square
+# the same where impacts change the reactions from step to step: next to nothing beside a penetration
+LEFT_BY_CONTACTS = 1e-8
+# sizes that a third step of Newton's method may have to close; what it leaves is of the order of the square
+MUCH = 1e-6
 
 
 def ahead(S, I, dt):
@@ -41,8 +58,11 @@ def ahead(S, I, dt):
 
 
 def extrapolate(S, q):
-    """Reaction that goes on as it did: with it the first correction closes the joints to third order in the step."""
-    # Linear extrapolation through the last two steps. The force is set to zero because apply_reaction adds to it.
+    """Reaction that goes on as it did: with it the first correction closes the joints to third order in the
+    step.
+    """
+    # Linear extrapolation through the last two steps. The force is set to zero because apply_reaction adds to
+    # it.
     force = S[q + CONSTRAINT.force]
     before = S[q + CONSTRAINT.before]
     S[q + CONSTRAINT.before] = force
@@ -114,8 +134,10 @@ def turning(S, q, nx, ny, jb, jk):
 
 def residual(S, I):
     """What opens in each constraint from t_n to t_(n+1), with a share of what is open; and how its row turns."""
-    # Opening = what the step moves the two pins apart + a share of what is open at t_n (Baumgarte's feedback, but of positions alone). Differences
-    # of increments come first and positions are multiplied by the small gain, so that rounding of positions hardly enters.
+    # Opening = what the step moves the two pins apart + a share of what is open at t_n (Baumgarte's feedback,
+    # but of positions alone). Differences
+    # of increments come first and positions are multiplied by the small gain, so that rounding of positions
+    # hardly enters.
     gain = 1.0 if I[HEADER.coarse] != 0 else GAIN
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
@@ -153,14 +175,29 @@ def residual(S, I):
             y = y + (I[r + JOINT_INDEX.rows] - 1)
             ratio = S[i + JOINT.ratio] if turn == GEARED else 1.0
             c = I[r + JOINT_INDEX.carrier]
-            apart = relative_turn(S[b + PARTICLE.theta], S[k + PARTICLE.theta], ratio, S[c + PARTICLE.theta] if c != 0 else 0.0) - aim
-            turned_by = relative_turn(S[b + PARTICLE.step_turn], S[k + PARTICLE.step_turn], ratio, S[c + PARTICLE.step_turn] if c != 0 else 0.0)
+            apart = (
+                relative_turn(
+                    S[b + PARTICLE.theta],
+                    S[k + PARTICLE.theta],
+                    ratio,
+                    S[c + PARTICLE.theta] if c != 0 else 0.0,
+                )
+                - aim
+            )
+            turned_by = relative_turn(
+                S[b + PARTICLE.step_turn],
+                S[k + PARTICLE.step_turn],
+                ratio,
+                S[c + PARTICLE.step_turn] if c != 0 else 0.0,
+            )
             S[y] = (turned_by - move) + gain * apart
             turning(S, q, 0.0, 0.0, 0.0, 0.0)
 
 
 def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
-    """The same for a guide, a path or a massless link: the journal's pin is (ex, ey) from the bearing's, goes (dx, dy), and a share is closed."""
+    """The same for a guide, a path or a massless link: the journal's pin is (ex, ey) from the bearing's, goes
+    (dx, dy), and a share is closed.
+    """
     i = I[r + JOINT_INDEX.row]
     b = I[r + JOINT_INDEX.bearing]
     k = I[r + JOINT_INDEX.journal]
@@ -202,7 +239,9 @@ def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
 
 
 def linearisation_error(S, I, dt, gain):
-    """Square (m^2) of what the last correction along the rows of t_n leaves open, because they turn to t_(n+1) while its forces do not."""
+    """Square (m^2) of what the last correction along the rows of t_n leaves open, because they turn to
+    t_(n+1) while its forces do not.
+    """
     total = 0.0
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
@@ -233,7 +272,9 @@ def correct(S, I, dt, gain):
     for m in range(I[HEADER.joint_count]):
         r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
         for c in range(I[r + JOINT_INDEX.rows]):
-            S[I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE + CONSTRAINT.force] += scale * S[I[r + JOINT_INDEX.y] + c]
+            S[I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE + CONSTRAINT.force] += (
+                scale * S[I[r + JOINT_INDEX.y] + c]
+            )
 
 
 def apply_corrections(S, I, dt, gain):
@@ -293,7 +334,9 @@ def closure_error(S, I, dt, decay, gain):
 
 
 def newton(S, I, dt, decay, gain):
-    """Corrects the reactions with the rows turned to t_(n+1); returned: as :func:`closure_error` has it, of before."""
+    """Corrects the reactions with the rows turned to t_(n+1); returned: as :func:`closure_error` has it, of
+    before.
+    """
     total = closure_error(S, I, dt, decay, gain)
     fill_turned(S, I)
     halves(S, I, S[SYSTEM.share] + (REDUNDANT if I[HEADER.redundant] != 0 else 0.0))
@@ -311,8 +354,11 @@ def once_more(S, I, dt, decay, gain):
 
 
 def repeat(S, I, dt, decay, gain, much):
-    """Newton's method where the corrections so far do not do; a coarse step that it does not close is one with an event."""
-    # Two corrections with fresh factors each; their error is of second order, so the second tells what the first has left.
+    """Newton's method where the corrections so far do not do; a coarse step that it does not close is one
+    with an event.
+    """
+    # Two corrections with fresh factors each; their error is of second order, so the second tells what the
+    # first has left.
     newton(S, I, dt, decay, gain)
     left = newton(S, I, dt, decay, gain)
     if I[HEADER.coarse] != 0:
@@ -322,9 +368,12 @@ def repeat(S, I, dt, decay, gain, much):
 def close(S, I, dt, decay, gain):
     """Corrects the reactions so that the joints are closed at t_(n+1)."""
     # 1. Corrections with the factors of t_n, which are there already: one in fine steps, more in coarse ones.
-    # 2. What these leave open follows from how the rows turn (linearisation_error), without looking at positions again. Only where it is not next
-    #    to nothing does Newton's method follow, with its own factors: an unlikely branch, which the lean step leaves out.
-    # 3. In the coarsest steps Newton's method is the rule; its second correction has the factors of the first (once_more).
+    # 2. What these leave open follows from how the rows turn (linearisation_error), without looking at
+    # positions again. Only where it is not next
+    #    to nothing does Newton's method follow, with its own factors: an unlikely branch, which the lean step
+    # leaves out.
+    # 3. In the coarsest steps Newton's method is the rule; its second correction has the factors of the first
+    # (once_more).
     # All tests are of squares, in (m and rad)^2: a root would be waited for.
     much = MUCH * S[SYSTEM.size] * (MUCH * S[SYSTEM.size])
     for _ in range(I[HEADER.corrections]):
@@ -333,7 +382,13 @@ def close(S, I, dt, decay, gain):
         solve(S, I, I[HEADER.y])
         correct(S, I, dt, gain)
     if I[HEADER.newton] == 0:
-        left = LEFT_BY_CONTACTS if I[HEADER.contact_count] != 0 else LEFT_COARSE if I[HEADER.coarse] != 0 else LEFT
+        left = (
+            LEFT_BY_CONTACTS
+            if I[HEADER.contact_count] != 0
+            else LEFT_COARSE
+            if I[HEADER.coarse] != 0
+            else LEFT
+        )
         most = left * S[SYSTEM.size]
         if seldom(linearisation_error(S, I, dt, gain) > most * most):
             repeat(S, I, dt, decay, gain, much)
@@ -346,9 +401,13 @@ def close(S, I, dt, decay, gain):
 
 
 def close_velocities(S, I, dt):
-    """Corrects the half-step velocities so that the joints are closed after a step of another size; the reactions are told as they were."""
-    # The change of a step's size keeps positions; half-step velocities shift by dt^2 and open the joints by a third order of the step. With the
-    # forces set to zero, what correct() would add as reactions are impulses that close them; they are no reactions and are not recorded.
+    """Corrects the half-step velocities so that the joints are closed after a step of another size; the
+    reactions are told as they were.
+    """
+    # The change of a step's size keeps positions; half-step velocities shift by dt^2 and open the joints by a
+    # third order of the step. With the
+    # forces set to zero, what correct() would add as reactions are impulses that close them; they are no
+    # reactions and are not recorded.
     for q in range(I[HEADER.trig_count]):
         i = I[I[HEADER.trig] + q]
         S[i + PARTICLE.s], S[i + PARTICLE.c] = sincos(S[i + PARTICLE.theta])

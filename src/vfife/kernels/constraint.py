@@ -1,12 +1,15 @@
-"""Ideal joints (paper Eq. 14-17, generalised): reactions that keep what is joined joined, one row for each constraint.
+"""Ideal joints (paper Eq. 14-17, generalised): reactions that keep what is joined joined, one row for each
+constraint.
 
-For two particles alone the block of a revolute is (1/m_B + 1/m_J) and its solution is Eq. 16 with external forces. Equal accelerations alone
-let positions drift, so the reaction at t_n is the one that closes the joint at t_(n+1) (SHAKE: Ryckaert, Ciccotti and Berendsen 1977). Where
-bodies carry several joints the rows couple; they are factored along the profile of the joint graph, never as a matrix of the mechanism.
+For two particles alone the block of a revolute is (1/m_B + 1/m_J) and its solution is Eq. 16 with external
+forces. Equal accelerations alone let positions drift, so the reaction at t_n is the one that closes the joint
+at t_(n+1) (SHAKE: Ryckaert, Ciccotti and Berendsen 1977). Where bodies carry several joints the rows couple;
+they are factored along the profile of the joint graph, never as a matrix of the mechanism.
 
-A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b, less jc w_c where a third body carries gears. A joint
-holds a place, a turn or both: a revolute has a row for x and one for y, a slider one across its guide and one for the turn, a weld all three, a pin
-on a path one across it, a massless link one along it, gears and prescribed angles one for the turn with n = 0.
+A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b, less jc w_c
+where a third body carries gears. A joint holds a place, a turn or both: a revolute has a row for x and one
+for y, a slider one across its guide and one for the turn, a weld all three, a pin on a path one across it, a
+massless link one along it, gears and prescribed angles one for the turn with n = 0.
 """
 
 from .arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, HEADER, JOINT, JOINT_INDEX, PARTICLE
@@ -31,9 +34,11 @@ def lever(rx, ry, nx, ny):
 
 
 def placed(S, place, piece, pieces, c, s, dx, dy, ex, ey):
-    """What a row along or across a guide, from a path or along a massless link measures (m), and its direction in space.
+    """What a row along or across a guide, from a path or along a massless link measures (m), and its
+    direction in space.
 
-    (ex, ey) is the journal's pin seen from the bearing's, in space; (c, s) the direction of the bearing's body, (dx, dy) that of the guide in it.
+    (ex, ey) is the journal's pin seen from the bearing's, in space; (c, s) the direction of the bearing's
+    body, (dx, dy) that of the guide in it.
     """
     if place == ON_PATH:
         measured, nx, ny = from_path(S, piece, pieces, c * ex + s * ey, c * ey - s * ex)
@@ -49,7 +54,9 @@ def placed(S, place, piece, pieces, c, s, dx, dy, ex, ey):
 
 
 def relative_turn(bearing, journal, ratio, carrier):
-    """What a row of the turn measures (rad): (journal - carrier) - ratio (bearing - carrier), Willis' formula."""
+    """What a row of the turn measures (rad): (journal - carrier) - ratio (bearing - carrier), Willis'
+    formula.
+    """
     return (journal - ratio * bearing) - (1.0 - ratio) * carrier
 
 
@@ -125,7 +132,9 @@ def reaction(S, I, r):
 
 
 def spread(S, I, w, y, b, k, fx, fy, mk, mb):
-    """Velocities (rows from PARTICLE.rn or .rt of each body) per unit of a force pair: f and mk on k, -f and -mb on b, all pinned bodies along."""
+    """Velocities (rows from PARTICLE.rn or .rt of each body) per unit of a force pair: f and mk on k, -f and
+    -mb on b, all pinned bodies along.
+    """
     for q in range(I[HEADER.jointed_count]):
         i = I[I[HEADER.jointed] + q]
         S[i + w] = 0.0
@@ -144,7 +153,9 @@ def spread(S, I, w, y, b, k, fx, fy, mk, mb):
         q = I[r + CONSTRAINT_INDEX.journal] + w
         nx = S[i + CONSTRAINT.nx]
         ny = S[i + CONSTRAINT.ny]
-        S[y + m] = (nx * S[q] + ny * S[q + 1] + S[i + CONSTRAINT.jk] * S[q + 2]) - (nx * S[p] + ny * S[p + 1] + S[i + CONSTRAINT.jb] * S[p + 2])
+        S[y + m] = (nx * S[q] + ny * S[q + 1] + S[i + CONSTRAINT.jk] * S[q + 2]) - (
+            nx * S[p] + ny * S[p + 1] + S[i + CONSTRAINT.jb] * S[p + 2]
+        )
         c = I[r + CONSTRAINT_INDEX.carrier]
         if c != 0:
             S[y + m] -= S[i + CONSTRAINT.jc] * S[c + w + 2]
@@ -168,7 +179,9 @@ def spread(S, I, w, y, b, k, fx, fy, mk, mb):
 
 
 def joint_compliance(S, I, j, b, k):
-    """Inverse masses (1/kg) of clearance joint j along n and t, and their coupling, where its bodies hang in ideal joints."""
+    """Inverse masses (1/kg) of clearance joint j along n and t, and their coupling, where its bodies hang in
+    ideal joints.
+    """
     nx = S[j + CONTACT.nx]
     ny = S[j + CONTACT.ny]
     jn = S[j + CONTACT.jn]
@@ -188,7 +201,9 @@ def joint_compliance(S, I, j, b, k):
 
 
 def apply_response(S, I, h, normal, friction):
-    """Velocities at t_n and reactions after a change of the force in the clearance joint of the last :func:`joint_compliance`."""
+    """Velocities at t_n and reactions after a change of the force in the clearance joint of the last
+    :func:`joint_compliance`.
+    """
     for q in range(I[HEADER.jointed_count]):
         i = I[I[HEADER.jointed] + q]
         S[i + PARTICLE.vu] += h * (friction * S[i + PARTICLE.rt] - normal * S[i + PARTICLE.rn])
@@ -197,6 +212,12 @@ def apply_response(S, I, h, normal, friction):
     for m in range(I[HEADER.constraint_count]):
         r = I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m
         force = normal * S[I[HEADER.gn] + m] - friction * S[I[HEADER.gt] + m]
-        pull(S, I[r + CONSTRAINT_INDEX.row], I[r + CONSTRAINT_INDEX.bearing], I[r + CONSTRAINT_INDEX.journal], force)
+        pull(
+            S,
+            I[r + CONSTRAINT_INDEX.row],
+            I[r + CONSTRAINT_INDEX.bearing],
+            I[r + CONSTRAINT_INDEX.journal],
+            force,
+        )
         if I[r + CONSTRAINT_INDEX.carrier] != 0:
             gear_reaction(S, I[r + CONSTRAINT_INDEX.row], I[r + CONSTRAINT_INDEX.carrier], force)

@@ -1,19 +1,24 @@
-"""Contacts at a step: where journal and bearing stand, whether a contact begins, and the force that answers (paper Eq. 18-33).
+"""Contacts at a step: where journal and bearing stand, whether a contact begins, and the force that answers
+(paper Eq. 18-33).
 
-A journal meets the bearing around it, a round beside it, a straight line (the wall of a guide, met by the corners of a block), or the wall of a
-slot along a path, the one on its side.
+A journal meets the bearing around it, a round beside it, a straight line (the wall of a guide, met by the
+corners of a block), or the wall of a slot along a path, the one on its side.
 
-Damping and friction are stiff: both act on the velocity at t_n, which a central difference does not know yet, so each joint solves for its
-force in closed form. Joints that share a body are visited in turn, from the last step's forces.
+Damping and friction are stiff: both act on the velocity at t_n, which a central difference does not know yet,
+so each joint solves for its force in closed form. Joints that share a body are visited in turn, from the last
+step's forces.
 
-**Simultaneous contacts.** Contacts from outside that share a body and may begin in the same step get their normal forces together, whatever
-their order. Solved in turn, the first of two corners that meet a wall feels the last step's force of the second, the second the new one of
-the first, and a block that should stay upright turns. Here every contact answers to the same velocities, several times over (Jacobi's
-sweeps). With the force of a pair of bodies counted as often as contacts press on each of them, no such sweep overshoots: sum_ij x_i g_i g_j
-x_j <= c sum_i (g_i x_i)^2 for c contacts on a body (Cauchy and Schwarz), so the sweeps approach the common solution from any start. Joints
-whose bodies hang in ideal joints, and bearings around journals, are solved in turn.
+**Simultaneous contacts.** Contacts from outside that share a body and may begin in the same step get their
+normal forces together, whatever their order. Solved in turn, the first of two corners that meet a wall feels
+the last step's force of the second, the second the new one of the first, and a block that should stay upright
+turns. Here every contact answers to the same velocities, several times over (Jacobi's sweeps). With the force
+of a pair of bodies counted as often as contacts press on each of them, no such sweep overshoots: sum_ij x_i
+g_i g_j x_j <= c sum_i (g_i x_i)^2 for c contacts on a body (Cauchy and Schwarz), so the sweeps approach the
+common solution from any start. Joints whose bodies hang in ideal joints, and bearings around journals, are
+solved in turn.
 
-b and k are the bearing's and the journal's body in all functions of joints; decay and gain make the velocity of t_(n+1/2).
+b and k are the bearing's and the journal's body in all functions of joints; decay and gain make the velocity
+of t_(n+1/2).
 """
 
 from .arrays import CONTACT, CONTACT_INDEX, GUIDE, GUIDE_INDEX, HEADER, PARTICLE, SYSTEM, WEAR
@@ -55,17 +60,26 @@ def update_velocities(S, j, b, k, h, normal, friction):
     hb = h * S[b + PARTICLE.inverse_mass]
     S[k + PARTICLE.vu] -= hk * px
     S[k + PARTICLE.vv] += hk * py
-    S[k + PARTICLE.vw] += h * S[k + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn])
+    S[k + PARTICLE.vw] += (
+        h * S[k + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn])
+    )
     S[b + PARTICLE.vu] += hb * px
     S[b + PARTICLE.vv] -= hb * py
-    S[b + PARTICLE.vw] -= h * S[b + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn])
+    S[b + PARTICLE.vw] -= (
+        h * S[b + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn])
+    )
 
 
 def approach_rate(S, j, b, k):
     """Rate of the penetration at the velocities of t_n."""
     ru = S[k + PARTICLE.vu] - S[b + PARTICLE.vu]
     rv = S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
-    return S[j + CONTACT.nx] * ru + S[j + CONTACT.ny] * rv + S[j + CONTACT.jn] * S[k + PARTICLE.vw] - S[j + CONTACT.bn] * S[b + PARTICLE.vw]
+    return (
+        S[j + CONTACT.nx] * ru
+        + S[j + CONTACT.ny] * rv
+        + S[j + CONTACT.jn] * S[k + PARTICLE.vw]
+        - S[j + CONTACT.bn] * S[b + PARTICLE.vw]
+    )
 
 
 def solve_simultaneous(S, I, h):
@@ -84,25 +98,45 @@ def solve_simultaneous(S, I, h):
         for m in range(I[HEADER.contact_count]):
             r = I[HEADER.contact] + CONTACT_INDEX.SIZE * m
             if I[r + CONTACT_INDEX.simultaneous] != 0:
-                force_change(S, I[r + CONTACT_INDEX.row], I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], h)
+                force_change(
+                    S, I[r + CONTACT_INDEX.row], I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], h
+                )
         for m in range(I[HEADER.contact_count]):
             r = I[HEADER.contact] + CONTACT_INDEX.SIZE * m
             if I[r + CONTACT_INDEX.simultaneous] != 0:
                 j = I[r + CONTACT_INDEX.row]
-                apply_contact_force(S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], S[j + CONTACT.more], 0.0)
-                update_velocities(S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], h, S[j + CONTACT.more], 0.0)
+                apply_contact_force(
+                    S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], S[j + CONTACT.more], 0.0
+                )
+                update_velocities(
+                    S,
+                    j,
+                    I[r + CONTACT_INDEX.bearing],
+                    I[r + CONTACT_INDEX.journal],
+                    h,
+                    S[j + CONTACT.more],
+                    0.0,
+                )
                 S[j + CONTACT.normal] += S[j + CONTACT.more]
 
 
 def force_change(S, j, b, k, h):
-    """By how much the normal force of a contact changes at the present velocities, its mobility counted for all contacts on its bodies."""
+    """By how much the normal force of a contact changes at the present velocities, its mobility counted for
+    all contacts on its bodies.
+    """
     jn = S[j + CONTACT.jn]
     bn = S[j + CONTACT.bn]
-    on_journal = S[k + PARTICLE.touches] * (S[k + PARTICLE.inverse_mass] + jn * jn * S[k + PARTICLE.inverse_inertia])
-    on_bearing = S[b + PARTICLE.touches] * (S[b + PARTICLE.inverse_mass] + bn * bn * S[b + PARTICLE.inverse_inertia])
+    on_journal = S[k + PARTICLE.touches] * (
+        S[k + PARTICLE.inverse_mass] + jn * jn * S[k + PARTICLE.inverse_inertia]
+    )
+    on_bearing = S[b + PARTICLE.touches] * (
+        S[b + PARTICLE.inverse_mass] + bn * bn * S[b + PARTICLE.inverse_inertia]
+    )
     g = h * (on_journal + on_bearing)
     old = S[j + CONTACT.normal]
-    normal, _ = normal_force(S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient], approach_rate(S, j, b, k) + g * old, g)
+    normal, _ = normal_force(
+        S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient], approach_rate(S, j, b, k) + g * old, g
+    )
     S[j + CONTACT.more] = normal - old
 
 
@@ -113,21 +147,32 @@ def velocities(S, I, p, h):
         im = h * S[i + PARTICLE.inverse_mass]
         S[i + PARTICLE.vu] = p * (S[i + PARTICLE.u] + im * S[i + PARTICLE.fx])
         S[i + PARTICLE.vv] = p * (S[i + PARTICLE.v] + im * S[i + PARTICLE.fy])
-        S[i + PARTICLE.vw] = p * (S[i + PARTICLE.w] + (h * S[i + PARTICLE.inverse_inertia]) * S[i + PARTICLE.mz])
+        S[i + PARTICLE.vw] = p * (
+            S[i + PARTICLE.w] + (h * S[i + PARTICLE.inverse_inertia]) * S[i + PARTICLE.mz]
+        )
 
 
 def expected(S, i, p, h):
     """Velocity at t_n of a particle under the last step's acceleration."""
     turning = S[i + PARTICLE.inverse_inertia] > 0.0
     w = p * (S[i + PARTICLE.w] + h * S[i + PARTICLE.aw]) if turning else S[i + PARTICLE.w]
-    return p * (S[i + PARTICLE.u] + h * S[i + PARTICLE.ax]), p * (S[i + PARTICLE.v] + h * S[i + PARTICLE.ay]), w
+    return (
+        p * (S[i + PARTICLE.u] + h * S[i + PARTICLE.ax]),
+        p * (S[i + PARTICLE.v] + h * S[i + PARTICLE.ay]),
+        w,
+    )
 
 
 def expected_rate(S, j, b, k, p, h):
     """Rate of the penetration at t_n under the last step's accelerations."""
     bu, bv, bw = expected(S, b, p, h)
     ku, kv, kw = expected(S, k, p, h)
-    return S[j + CONTACT.nx] * (ku - bu) + S[j + CONTACT.ny] * (kv - bv) + S[j + CONTACT.jn] * kw - S[j + CONTACT.bn] * bw
+    return (
+        S[j + CONTACT.nx] * (ku - bu)
+        + S[j + CONTACT.ny] * (kv - bv)
+        + S[j + CONTACT.jn] * kw
+        - S[j + CONTACT.bn] * bw
+    )
 
 
 def onset(S, j, b, k, depth, start, p, h, stretch):
@@ -160,8 +205,9 @@ def law_of(S, I, r, depth, slowness, p, h, stretch):
 
 
 def met(S, I, r, ex, ey):
-    """Signed penetration (m) and normal of contact r, the journal's centre being (ex, ey) from the bearing's pin, and by how much the levers of
-    the normal and of the friction force on the bearing differ from those of a journal in a round one (m).
+    """Signed penetration (m) and normal of contact r, the journal's centre being (ex, ey) from the bearing's
+    pin, and by how much the levers of the normal and of the friction force on the bearing differ from those
+    of a journal in a round one (m).
     """
     j = I[r + CONTACT_INDEX.row]
     b = I[r + CONTACT_INDEX.bearing]
@@ -173,7 +219,15 @@ def met(S, I, r, ex, ey):
         depth = (nx * ex + ny * ey) - S[j + CONTACT.size]
         along = nx * ey - ny * ex
     elif kind == SLOT:
-        away, nx, ny = in_slot(S, I[r + CONTACT_INDEX.piece], I[r + CONTACT_INDEX.pieces], S[b + PARTICLE.c], S[b + PARTICLE.s], ex, ey)
+        away, nx, ny = in_slot(
+            S,
+            I[r + CONTACT_INDEX.piece],
+            I[r + CONTACT_INDEX.pieces],
+            S[b + PARTICLE.c],
+            S[b + PARTICLE.s],
+            ex,
+            ey,
+        )
         depth = away - S[j + CONTACT.size]
         along = nx * ey - ny * ex
         beyond = (nx * ex + ny * ey) - away
@@ -202,7 +256,8 @@ def contact_geometry(S, I, start, p, h):
         if w != 0:
             S[w + WEAR.nx] = nx
             S[w + WEAR.ny] = ny
-        # A worn surface shifts the place of contact, and the law sees the penetration stretched along the normal.
+        # A worn surface shifts the place of contact, and the law sees the penetration stretched along the
+        # normal.
         stretch = 1.0
         turns = 0.0
         lost = 0.0
@@ -211,7 +266,8 @@ def contact_geometry(S, I, start, p, h):
             depth, nx, ny, along, turns, stretch = worn(S, I, r, depth, nx, ny)
             lost = S[w + WEAR.journal] if I[r + CONTACT_INDEX.journal_count] != 0 else 0.0
             beyond = (nx * ex + ny * ey) - (depth + S[j + CONTACT.size]) - lost
-        # Levers of the normal (jn, bn) and of friction (jt, bt) about the bodies' particles. Friction acts at the surface, a radius from the pin's
+        # Levers of the normal (jn, bn) and of friction (jt, bt) about the bodies' particles. Friction acts at
+        # the surface, a radius from the pin's
         # centre, which the penetration shifts.
         overlap = S[j + CONTACT.arm_overlap] * depth
         S[j + CONTACT.nx] = nx
@@ -220,7 +276,8 @@ def contact_geometry(S, I, start, p, h):
         S[j + CONTACT.bn] = bx * ny - by * nx - along
         S[j + CONTACT.jt] = kx * nx + ky * ny + (S[j + CONTACT.arm_journal] - overlap) - lost
         S[j + CONTACT.bt] = bx * nx + by * ny + (S[j + CONTACT.arm_bearing] + overlap) + beyond
-        # Onset and end of a contact are events: the step is taken again in parts, so that the impact speed is located within an eighth of it.
+        # Onset and end of a contact are events: the step is taken again in parts, so that the impact speed is
+        # located within an eighth of it.
         touching = depth > 0.0
         if seldom(touching and S[j + CONTACT.slowness] <= 0.0):
             onset(S, j, b, k, depth, start, p, h, stretch)
@@ -230,11 +287,14 @@ def contact_geometry(S, I, start, p, h):
         slowness = S[j + CONTACT.slowness]
         S[j + CONTACT.penetration] = depth
         S[j + CONTACT.duration] += S[SYSTEM.step] if touching else 0.0
-        S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient] = law_of(S, I, r, depth if touching else 0.0, slowness, p, h, stretch)
+        S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient] = law_of(
+            S, I, r, depth if touching else 0.0, slowness, p, h, stretch
+        )
         if shaped:
             S[j + CONTACT.elastic] *= stretch
             S[j + CONTACT.damping_coefficient] *= stretch * stretch
-        # Joints that share a body start from the last step's forces, which solve_contacts then corrects one by one (Gauss and Seidel).
+        # Joints that share a body start from the last step's forces, which solve_contacts then corrects one
+        # by one (Gauss and Seidel).
         S[j + CONTACT.normal] = 0.0
         S[j + CONTACT.friction] = 0.0
         if I[r + CONTACT_INDEX.film] != 0:
@@ -250,9 +310,11 @@ def contact_geometry(S, I, start, p, h):
 
 
 def film_coefficients(S, contact, j, b, k, h):
-    """A film between the surfaces: forces at rest and their dependence on the velocities at t_n, of which only the sense is taken beforehand.
+    """A film between the surfaces: forces at rest and their dependence on the velocities at t_n, of which
+    only the sense is taken beforehand.
 
-    What runs into the film is e (w_J + w_B) - 2 v_t, v_t along t between the centres; friction has no arms in a joint with a film.
+    What runs into the film is e (w_J + w_B) - 2 v_t, v_t along t between the centres; friction has no arms in
+    a joint with a film.
     """
     nx = S[j + CONTACT.nx]
     ny = S[j + CONTACT.ny]
@@ -266,7 +328,9 @@ def film_coefficients(S, contact, j, b, k, h):
     )
     turning = (S[j + CONTACT.penetration] + S[j + CONTACT.size]) * (kw + bw)
     sense = 1.0 if turning > 2.0 * slide else -1.0
-    radial, across, damping, along, cross = film_law(contact, S[j + CONTACT.penetration], turning, sense, S, j + CONTACT.slots)
+    radial, across, damping, along, cross = film_law(
+        contact, S[j + CONTACT.penetration], turning, sense, S, j + CONTACT.slots
+    )
     S[j + CONTACT.film_radial] = radial
     S[j + CONTACT.film_across] = across
     S[j + CONTACT.damping_coefficient] += damping
@@ -275,25 +339,33 @@ def film_coefficients(S, contact, j, b, k, h):
 
 
 def eliminate_film(S, j, slip, gt):
-    """Normal force at rest (N) and damping coefficient (N s/m) of a joint with a film, its force along t eliminated from the two equations.
+    """Normal force at rest (N) and damping coefficient (N s/m) of a joint with a film, its force along t
+    eliminated from the two equations.
 
-    F_N = radial + D_n v_n - X v_t and F_T = across + X v_n - D_t v_t, with v_t = slip + gt F_T; X^2 < D_n D_t keeps the damping positive.
+    F_N = radial + D_n v_n - X v_t and F_T = across + X v_n - D_t v_t, with v_t = slip + gt F_T; X^2 < D_n D_t
+    keeps the damping positive.
     """
     share = 1.0 / (1.0 + gt * S[j + CONTACT.film_damping])
     cross = S[j + CONTACT.film_cross]
-    push = S[j + CONTACT.elastic] + S[j + CONTACT.film_radial] - cross * share * (slip + gt * S[j + CONTACT.film_across])
+    push = (
+        S[j + CONTACT.elastic]
+        + S[j + CONTACT.film_radial]
+        - cross * share * (slip + gt * S[j + CONTACT.film_across])
+    )
     return push, S[j + CONTACT.damping_coefficient] - cross * cross * gt * share
 
 
 def film_force(S, j, rate, slip, gt):
     """Force of the film along t (N) for the rate along n that was solved."""
-    return (S[j + CONTACT.film_across] + S[j + CONTACT.film_cross] * rate - S[j + CONTACT.film_damping] * slip) / (
-        1.0 + gt * S[j + CONTACT.film_damping]
-    )
+    return (
+        S[j + CONTACT.film_across] + S[j + CONTACT.film_cross] * rate - S[j + CONTACT.film_damping] * slip
+    ) / (1.0 + gt * S[j + CONTACT.film_damping])
 
 
 def mobilities(S, I, j, b, k, constrained):
-    """Inverse masses of joint j along n and t and their coupling (1/kg), of the two bodies alone or with what is pinned to them."""
+    """Inverse masses of joint j along n and t and their coupling (1/kg), of the two bodies alone or with what
+    is pinned to them.
+    """
     jn = S[j + CONTACT.jn]
     jt = S[j + CONTACT.jt]
     bn = S[j + CONTACT.bn]
@@ -311,29 +383,47 @@ def mobilities(S, I, j, b, k, constrained):
 
 
 def onward(S, i, decay, gain):
-    """Velocity at t_(n+1/2) of a particle under the forces so far, as ``kick`` will make it; a driven one turns as prescribed."""
+    """Velocity at t_(n+1/2) of a particle under the forces so far, as ``kick`` will make it; a driven one
+    turns as prescribed.
+    """
     im = S[i + PARTICLE.inverse_mass]
     ii = S[i + PARTICLE.inverse_inertia]
-    w = decay * S[i + PARTICLE.w] + gain * (ii * S[i + PARTICLE.mz]) if ii > 0.0 else S[i + PARTICLE.w] + 0.5 * S[SYSTEM.step] * S[i + PARTICLE.aw]
-    return decay * S[i + PARTICLE.u] + gain * (im * S[i + PARTICLE.fx]), decay * S[i + PARTICLE.v] + gain * (im * S[i + PARTICLE.fy]), w
+    w = (
+        decay * S[i + PARTICLE.w] + gain * (ii * S[i + PARTICLE.mz])
+        if ii > 0.0
+        else S[i + PARTICLE.w] + 0.5 * S[SYSTEM.step] * S[i + PARTICLE.aw]
+    )
+    return (
+        decay * S[i + PARTICLE.u] + gain * (im * S[i + PARTICLE.fx]),
+        decay * S[i + PARTICLE.v] + gain * (im * S[i + PARTICLE.fy]),
+        w,
+    )
 
 
 def slip_after(S, j, bearing, journal, decay, gain):
     """Sliding velocity of joint j at t_(n+1/2) under the forces so far."""
     bu, bv, bw = onward(S, bearing, decay, gain)
     ku, kv, kw = onward(S, journal, decay, gain)
-    return S[j + CONTACT.nx] * (kv - bv) - S[j + CONTACT.ny] * (ku - bu) + S[j + CONTACT.jt] * kw - S[j + CONTACT.bt] * bw
+    return (
+        S[j + CONTACT.nx] * (kv - bv)
+        - S[j + CONTACT.ny] * (ku - bu)
+        + S[j + CONTACT.jt] * kw
+        - S[j + CONTACT.bt] * bw
+    )
 
 
 def solve_contacts(S, I, span, central):
-    """Normal and friction force of every clearance joint at t_n, each solved in closed form, in turn where joints share a body.
+    """Normal and friction force of every clearance joint at t_n, each solved in closed form, in turn where
+    joints share a body.
 
-    Most friction laws are solved with the velocity at t_n. A set-valued one must make the half-step velocity zero to stick: at t_n it would
-    only turn that round, and the body would tremble. ``ahead`` marks such a joint.
+    Most friction laws are solved with the velocity at t_n. A set-valued one must make the half-step velocity
+    zero to stick: at t_n it would only turn that round, and the body would tremble. ``ahead`` marks such a
+    joint.
 
-    Of each joint the normal force is solved first, from the rate under all forces so far, this joint's former ones among them. Its change moves the
-    surfaces along t as well, by the coupling gm; friction is solved after it, from the sliding velocity that would be there without friction. The
-    changes of both are then applied to bodies and velocities, so that the next joint sees them.
+    Of each joint the normal force is solved first, from the rate under all forces so far, this joint's former
+    ones among them. Its change moves the surfaces along t as well, by the coupling gm; friction is solved
+    after it, from the sliding velocity that would be there without friction. The changes of both are then
+    applied to bodies and velocities, so that the next joint sees them.
     """
     half, decay, gain, p = central
     h = p * half
@@ -355,7 +445,12 @@ def solve_contacts(S, I, span, central):
         ru = S[k + PARTICLE.vu] - S[b + PARTICLE.vu]
         rv = S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
         rate = approach_rate(S, j, b, k)
-        slip = nx * rv - ny * ru + S[j + CONTACT.jt] * S[k + PARTICLE.vw] - S[j + CONTACT.bt] * S[b + PARTICLE.vw]
+        slip = (
+            nx * rv
+            - ny * ru
+            + S[j + CONTACT.jt] * S[k + PARTICLE.vw]
+            - S[j + CONTACT.bt] * S[b + PARTICLE.vw]
+        )
         push = S[j + CONTACT.elastic]
         resisting = S[j + CONTACT.damping_coefficient]
         if I[r + CONTACT_INDEX.film] != 0:
@@ -375,10 +470,21 @@ def solve_contacts(S, I, span, central):
         free = loose
         mobility = gt
         if I[r + CONTACT_INDEX.ahead] != 0:
-            free = slip_after(S, j, b, k, decay, gain) - ahead_m * more - ahead_t * (S[j + CONTACT.friction] - across)
+            free = (
+                slip_after(S, j, b, k, decay, gain)
+                - ahead_m * more
+                - ahead_t * (S[j + CONTACT.friction] - across)
+            )
             mobility = ahead_t
         friction = friction_law(
-            I[r + CONTACT_INDEX.friction], dry, free, mobility, S[SYSTEM.step], S, j + CONTACT.friction_slots, j + CONTACT.memory
+            I[r + CONTACT_INDEX.friction],
+            dry,
+            free,
+            mobility,
+            S[SYSTEM.step],
+            S,
+            j + CONTACT.friction_slots,
+            j + CONTACT.memory,
         )
         if I[r + CONTACT_INDEX.kinked] != 0:
             change_regime(S, I, r, free, free + mobility * friction, normal)
@@ -410,7 +516,9 @@ def account(S, j, span, lost, rubbed):
 
 
 def guides(S, I):
-    """Extremes of blocks in guides with play: the corners' forces -F_N n + F_T t together, which no corner alone has."""
+    """Extremes of blocks in guides with play: the corners' forces -F_N n + F_T t together, which no corner
+    alone has.
+    """
     for g in range(I[HEADER.guide_count]):
         r = I[HEADER.guide] + GUIDE_INDEX.SIZE * g
         fx = 0.0
@@ -426,7 +534,9 @@ def guides(S, I):
 
 
 def change_regime(S, I, r, free, sliding, normal):
-    """Tells where friction passes a kink of its curve, at the sliding velocity that it leaves of the free one; sticking leaves rounding alone."""
+    """Tells where friction passes a kink of its curve, at the sliding velocity that it leaves of the free
+    one; sticking leaves rounding alone.
+    """
     j = I[r + CONTACT_INDEX.row]
     if I[r + CONTACT_INDEX.ahead] != 0:
         sliding = sliding if abs(sliding) > STICKS * abs(free) else 0.0

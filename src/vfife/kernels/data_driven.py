@@ -1,4 +1,6 @@
-"""What the driver calls in the data-driven loop: steps of one lane, and the change from steps of one size to another."""
+"""What the driver calls in the data-driven loop: steps of one lane, and the change from steps of one size to
+another.
+"""
 
 from .arrays import (
     CONSTRAINT,
@@ -21,7 +23,8 @@ from .closing import close_velocities
 from .step import functions, step
 from .topology import TIME
 
-# Steps between two copies of the state in the data-driven loop. A copy before every step takes a seventh of a small step's time; the few steps
+# Steps between two copies of the state in the data-driven loop. A copy before every step takes a seventh of a
+# small step's time; the few steps
 # since the last copy are taken again instead, with the same bits.
 KEPT = 8
 
@@ -33,7 +36,9 @@ def copy_lane(to, source, rows, stride, w):
 
 
 def lean(S, R, T, I, n, count, watching):
-    """Steps of the data-driven loop, one lane: up to ``count`` from step n; where ``watching``, one with an event is undone and is the last."""
+    """Steps of the data-driven loop, one lane: up to ``count`` from step n; where ``watching``, one with an
+    event is undone and is the last.
+    """
     watched = watching and I[HEADER.watched] != 0
     since = 0  # steps since the state was copied to R
     for k in range(n, n + count):
@@ -63,11 +68,12 @@ def resize(S, I, C):
 
 
 def change_step(S, I, size, shift, repeated):
-    """Change the state after step n to what steps of another size (s) have: velocities and works up to t_n + size/2, reactions before at
-    t_n - size.
+    """Change the state after step n to what steps of another size (s) have: velocities and works up to t_n +
+    size/2, reactions before at t_n - size.
 
-    At t_n positions, velocities and accelerations are all known, so nothing is lost there, but that ideal joints would open by a third order
-    of the step: they are closed. For one size this changes nothing but rounding.
+    At t_n positions, velocities and accelerations are all known, so nothing is lost there, but that ideal
+    joints would open by a third order of the step: they are closed. For one size this changes nothing but
+    rounding.
     """
     old = S[SYSTEM.step]
     zeta = S[SYSTEM.damping] if I[HEADER.damped] != 0 else 0.0
@@ -90,12 +96,16 @@ def change_step(S, I, size, shift, repeated):
     S[SYSTEM.external_work] += more * S[SYSTEM.external_power]
     for m in range(I[HEADER.constraint_count]):
         q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m]
-        S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force] - (S[q + CONSTRAINT.force] - S[q + CONSTRAINT.before]) * (size / old)
+        S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force] - (
+            S[q + CONSTRAINT.force] - S[q + CONSTRAINT.before]
+        ) * (size / old)
     S[SYSTEM.pivots_before] = S[SYSTEM.pivots] - (S[SYSTEM.pivots] - S[SYSTEM.pivots_before]) * (size / old)
     for m in range(I[HEADER.function_count]):
         f = I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.row]
         if I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.argument] == TIME:
-            S[f + FUNCTION.next] = S[f + FUNCTION.value] + size * (S[f + FUNCTION.rate] + 0.5 * size * S[f + FUNCTION.acceleration])
+            S[f + FUNCTION.next] = S[f + FUNCTION.value] + size * (
+                S[f + FUNCTION.rate] + 0.5 * size * S[f + FUNCTION.acceleration]
+            )
     if I[HEADER.joint_count] > 0:
         close_velocities(S, I, size)
     S[SYSTEM.step] = size

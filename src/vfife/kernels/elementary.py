@@ -1,7 +1,8 @@
-"""Sine, cosine, logarithm, exponential and powers from + - * / and comparisons alone: the same bits on every machine, in every lane,
-compiled or not.
+"""Sine, cosine, logarithm, exponential and powers from + - * / and comparisons alone: the same bits on every
+machine, in every lane, compiled or not.
 
-The functions of the C library differ from machine to machine in the last bit and stay scalar in a vector loop.
+The functions of the C library differ from machine to machine in the last bit and stay scalar in a vector
+loop.
 """
 
 import math
@@ -15,11 +16,13 @@ def nearest(x):
 def sincos(angle):
     """Sine and cosine of an angle (rad), error below 1 ulp or so for |angle| < 1e6.
 
-    The angle is reduced by quarter turns with a three-part pi/2; the kernels are the polynomials of FreeBSD's msun (k_sin.c, k_cos.c), summed in
-    pairs (Estrin 1960), since a step waits for them.
+    The angle is reduced by quarter turns with a three-part pi/2; the kernels are the polynomials of FreeBSD's
+    msun (k_sin.c, k_cos.c), summed in pairs (Estrin 1960), since a step waits for them.
     """
     k = nearest(angle * 0.6366197723675814)
-    r = ((angle - k * 1.57079632673412561417) - k * 6.07710050630396597660e-11) - k * 2.02226624879595063154e-21
+    r = (
+        (angle - k * 1.57079632673412561417) - k * 6.07710050630396597660e-11
+    ) - k * 2.02226624879595063154e-21
     z = r * r
     z2 = z * z
     z4 = z2 * z2
@@ -28,7 +31,9 @@ def sincos(angle):
     s = r + (r * z) * ((p + z2 * q) + z4 * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10))
     p = 4.16666666666666019037e-02 + z * -1.38888888888741095749e-03
     q = 2.48015872894767294178e-05 + z * -2.75573143513906633035e-07
-    c = (1.0 - 0.5 * z) + z2 * ((p + z2 * q) + z4 * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))
+    c = (1.0 - 0.5 * z) + z2 * (
+        (p + z2 * q) + z4 * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)
+    )
     m = k - 4.0 * nearest(k * 0.25)  # quarter turns, from -2 to 2
     odd = abs(m) == 1.0
     sign = 1.0 - abs(m)
@@ -42,7 +47,9 @@ def turned(angle):
     z = angle * angle
     z2 = z * z
     less = (1.0 / 6.0 - z * (1.0 / 120.0)) + z2 * (1.0 / 5040.0 - z * (1.0 / 362880.0))
-    versine = z * ((0.5 - z * (1.0 / 24.0)) + z2 * ((1.0 / 720.0 - z * (1.0 / 40320.0)) + z2 * (1.0 / 3628800.0)))
+    versine = z * (
+        (0.5 - z * (1.0 / 24.0)) + z2 * ((1.0 / 720.0 - z * (1.0 / 40320.0)) + z2 * (1.0 / 3628800.0))
+    )
     return angle - (angle * z) * less, versine
 
 
@@ -72,8 +79,12 @@ def small_exp(y):
     z = y * y
     q = z * z
     low = (0.5 + y * 1.6666666666666666e-01) + z * (4.1666666666666664e-02 + y * 8.333333333333333e-03)
-    middle = (1.3888888888888889e-03 + y * 1.984126984126984e-04) + z * (2.48015873015873e-05 + y * 2.7557319223985893e-06)
-    high = (2.755731922398589e-07 + y * 2.505210838544172e-08) + z * (2.08767569878681e-09 + y * 1.6059043836821613e-10)
+    middle = (1.3888888888888889e-03 + y * 1.984126984126984e-04) + z * (
+        2.48015873015873e-05 + y * 2.7557319223985893e-06
+    )
+    high = (2.755731922398589e-07 + y * 2.505210838544172e-08) + z * (
+        2.08767569878681e-09 + y * 1.6059043836821613e-10
+    )
     return 1.0 + (y + z * (low + q * (middle + q * high)))
 
 
@@ -85,11 +96,14 @@ def exp2(whole, part):
 def exp(x):
     """e**x for |x| < 88; relative error below 1e-15. The multiple of ln 2 is taken off in two parts (msun, e_exp.c)."""
     whole = nearest(x * 1.4426950408889634)
-    return two_to(whole) * small_exp((x - whole * 6.93147180369123816490e-01) - whole * 1.90821492927058770002e-10)
+    return two_to(whole) * small_exp(
+        (x - whole * 6.93147180369123816490e-01) - whole * 1.90821492927058770002e-10
+    )
 
 
 def reduced(x):
-    """m in [sqrt(1/2), sqrt(2)) and integer-valued e with x = m 2**e, for 2**-95 <= x < 2**32; below, as for 2**-95.
+    """m in [sqrt(1/2), sqrt(2)) and integer-valued e with x = m 2**e, for 2**-95 <= x < 2**32; below, as for
+    2**-95.
 
     Exact: x is multiplied by powers of two, two binary digits of e at a time.
     """
@@ -116,7 +130,8 @@ def reduced(x):
 def log(x):
     """Natural logarithm for 2**-95 <= x < 2**32, of 2**-95 below; error below 1 ulp.
 
-    x = m 2**e, s = (m - 1)/(m + 1), log m = f - f^2/2 + s (f^2/2 + R(s^2)), f = m - 1: the polynomial of FreeBSD's msun (e_log.c).
+    x = m 2**e, s = (m - 1)/(m + 1), log m = f - f^2/2 + s (f^2/2 + R(s^2)), f = m - 1: the polynomial of
+    FreeBSD's msun (e_log.c).
     """
     m, e = reduced(x)
     return log_of(m, e)
@@ -129,17 +144,23 @@ def log_of(m, e):
     z = s * s
     w = z * z
     odd = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01))
-    even = z * (6.666666666666735130e-01 + w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01)))
+    even = z * (
+        6.666666666666735130e-01
+        + w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01))
+    )
     half = 0.5 * f * f
-    return e * 6.93147180369123816490e-01 - ((half - (s * (half + (odd + even)) + e * 1.90821492927058770002e-10)) - f)
+    return e * 6.93147180369123816490e-01 - (
+        (half - (s * (half + (odd + even)) + e * 1.90821492927058770002e-10)) - f
+    )
 
 
 def logarithmic(level):
-    """w >= 1 of w - ln w = level, which is -W(-exp(-level)) on the lower branch of Lambert's function, as numerator and denominator.
+    """w >= 1 of w - ln w = level, which is -W(-exp(-level)) on the lower branch of Lambert's function, as
+    numerator and denominator.
 
-    A law that divides by w divides once. For 1.003 < level < 60; relative error below 1e-13. ln w is a quotient of two polynomials of the root t
-    of 2 (level - 1), about which w = 1 + t + t^2/3 + ...: fitted to the exact function in the largest relative error, and summed in pairs, which
-    waits less.
+    A law that divides by w divides once. For 1.003 < level < 60; relative error below 1e-13. ln w is a
+    quotient of two polynomials of the root t of 2 (level - 1), about which w = 1 + t + t^2/3 + ...: fitted to
+    the exact function in the largest relative error, and summed in pairs, which waits less.
     """
     y = 2.0 * (level - 1.0)
     t = math.sqrt(y)
@@ -152,7 +173,11 @@ def logarithmic(level):
     below = (
         (1.0 + 0.9194659965492309 * t)
         + y * (0.37263404665249034 + 0.08127064821988474 * t)
-        + q * ((0.009664905143209593 + 0.0005623556008692475 * t) + y * (1.217158267344985e-05 + 5.296604246656522e-08 * t))
+        + q
+        * (
+            (0.009664905143209593 + 0.0005623556008692475 * t)
+            + y * (1.217158267344985e-05 + 5.296604246656522e-08 * t)
+        )
     )
     return level * below + above, below
 
@@ -160,8 +185,8 @@ def logarithmic(level):
 def power(x, exponent):
     """x**exponent for 0 <= x < 2**32 and |exponent log2 x| < 120; relative error below 1e-14; 0 for x below 2**-95.
 
-    x is brought to [sqrt(1/2), sqrt(2)) by exact powers of two, its logarithm is 2 artanh((m - 1)/(m + 1)). The exponent is split so that
-    its product with the integer part of the logarithm is exact.
+    x is brought to [sqrt(1/2), sqrt(2)) by exact powers of two, its logarithm is 2 artanh((m - 1)/(m + 1)).
+    The exponent is split so that its product with the integer part of the logarithm is exact.
     """
     tiny = x < 2.524354896707238e-29
     m, e = reduced(x)
@@ -170,7 +195,11 @@ def power(x, exponent):
     y = z * z
     q = y * y
     series = (1.0 / 3.0 + z * 0.2) + y * (1.0 / 7.0 + z * (1.0 / 9.0))
-    more = (1.0 / 11.0 + z * (1.0 / 13.0)) + y * (1.0 / 15.0 + z * (1.0 / 17.0)) + q * (1.0 / 19.0 + z * (1.0 / 21.0))
+    more = (
+        (1.0 / 11.0 + z * (1.0 / 13.0))
+        + y * (1.0 / 15.0 + z * (1.0 / 17.0))
+        + q * (1.0 / 19.0 + z * (1.0 / 21.0))
+    )
     log2m = 2.8853900817779268 * (s + s * z * (series + q * more))
     coarse = (exponent + 6442450944.0) - 6442450944.0
     rest = (exponent - coarse) * e + exponent * log2m
@@ -182,16 +211,20 @@ def power(x, exponent):
 def approach(x):
     """1 - exp(-x) for x >= 0, relative error below 1e-14; beyond 40 it is 1.
 
-    Taylor's polynomial, at x itself up to 0.6 and else at x/64, from where six squarings lead back. Sums in pairs, because what counts here is
-    how long one product waits for another.
+    Taylor's polynomial, at x itself up to 0.6 and else at x/64, from where six squarings lead back. Sums in
+    pairs, because what counts here is how long one product waits for another.
     """
     near = x < 0.6
     t = x if near else 0.015625 * (x if x < 40.0 else 40.0)
     z = t * t
     y = z * z
     low = (1.0 - 0.5 * t) + z * (0.16666666666666666 - 0.041666666666666664 * t)
-    middle = (0.008333333333333333 - 0.001388888888888889 * t) + z * (0.0001984126984126984 - 2.48015873015873e-05 * t)
-    high = (2.7557319223985893e-06 - 2.755731922398589e-07 * t) + z * (2.505210838544172e-08 - 2.08767569878681e-09 * t)
+    middle = (0.008333333333333333 - 0.001388888888888889 * t) + z * (
+        0.0001984126984126984 - 2.48015873015873e-05 * t
+    )
+    high = (2.7557319223985893e-06 - 2.755731922398589e-07 * t) + z * (
+        2.505210838544172e-08 - 2.08767569878681e-09 * t
+    )
     last = 1.6059043836821613e-10 - 1.1470745597729725e-11 * t
     q = t * ((low + y * middle) + (y * y) * (high + y * last))
     e = 1.0 - q

@@ -1,32 +1,42 @@
-"""The equations of the reactions: G M^-1 G^T along the profile of the joint graph, factored in place, and what is done where it is singular.
+"""The equations of the reactions: G M^-1 G^T along the profile of the joint graph, factored in place, and
+what is done where it is singular.
 
-**Singular positions.** Where the directions of two constraints become one, a pivot goes as the square of the angle that is left, and within some
-steps of there it changes by as much as itself in a step: what a whole correction does is unbounded. There all pivots get a share more (Levenberg
-1944), and inertia carries the mechanism through. A pivot may also be small and stay so, in a flat arch or a light body far off its pin; that is
-no passage. What becomes small is told from what is small by the product of the pivots that close loops: the parabola through its last three
-values has its least value near zero, and soon. A tree of bodies has no such pivots.
+**Singular positions.** Where the directions of two constraints become one, a pivot goes as the square of the
+angle that is left, and within some steps of there it changes by as much as itself in a step: what a whole
+correction does is unbounded. There all pivots get a share more (Levenberg 1944), and inertia carries the
+mechanism through. A pivot may also be small and stay so, in a flat arch or a light body far off its pin; that
+is no passage. What becomes small is told from what is small by the product of the pivots that close loops:
+the parabola through its last three values has its least value near zero, and soon. A tree of bodies has no
+such pivots.
 
-**Redundant joints.** With rows that depend on one another all pivots have a floor, so that the order of the rows does not matter, and the part of
-the reactions that moves nothing is taken off again: what is left is their solution of least norm, each row weighed by its own diagonal.
+**Redundant joints.** With rows that depend on one another all pivots have a floor, so that the order of the
+rows does not matter, and the part of the reactions that moves nothing is taken off again: what is left is
+their solution of least norm, each row weighed by its own diagonal.
 
-**Turned rows.** The forces of t_n act along the rows of t_n, G, and close those of t_(n+1), G + dG: (G + dG) M^-1 G^T, the matrix of
-Newton's method, is not symmetric, and its error is of second order in what is still open, whatever the angle of the step. It has the
-profile of the symmetric one, once below and once above the diagonal.
+**Turned rows.** The forces of t_n act along the rows of t_n, G, and close those of t_(n+1), G + dG: (G + dG)
+M^-1 G^T, the matrix of Newton's method, is not symmetric, and its error is of second order in what is still
+open, whatever the angle of the step. It has the profile of the symmetric one, once below and once above the
+diagonal.
 """
 
 from .arrays import CONSTRAINT, CONSTRAINT_INDEX, COUPLE_INDEX, HEADER, PARTICLE, SYSTEM
 from .central_difference import larger
 from .geometry import seldom
 
-NEAR = 32.0  # second differences of the product of pivots, over itself, that count as a passage: eight steps away from it
-AT_ALL = 2.0  # second differences, of the least that the parabola through the last three products comes to: it passes two steps away, or nearer
+# second differences of the product of pivots, over itself, that count as a passage: eight steps away from it
+NEAR = 32.0
+# second differences, of the least that the parabola through the last three products comes to: it passes two
+# steps away, or nearer
+AT_ALL = 2.0
 SINGULAR = 16.0  # share of the pivots there, in squared turns of a step: that of four steps away
 COARSE = 1e-2  # the largest such share
 FLOOR = 1e-8  # share of the pivots where joints are redundant
 LOST = 1e-12  # pivot, of what it was before elimination, that is nothing but rounding
 TURNED = CONSTRAINT.turn_b - CONSTRAINT.jb  # from a lever to its change
 LEAST = 1e-9  # pivot, of the diagonal, that is not divided by
-REDUNDANT = 1e-5  # share of the diagonal where joints are redundant: they are so only where they are closed, and there is no hurry for them
+# share of the diagonal where joints are redundant: they are so only where they are closed, and there is no
+# hurry for them
+REDUNDANT = 1e-5
 
 
 def fill(S, I):
@@ -61,14 +71,17 @@ def fill(S, I):
 
 
 def factor(S, I, share):
-    """L D L^T of the matrix along its profile, in place, its diagonal enlarged by ``share``; a pivot lost to rounding is left out.
+    """L D L^T of the matrix along its profile, in place, its diagonal enlarged by ``share``; a pivot lost to
+    rounding is left out.
 
     Returned: the product of the pivots of rows that close loops, over what each was before elimination.
     """
     inverse = I[HEADER.inverse]
     stiff = 1.0
-    # Row by row (Jennings' skyline scheme): a row has entries from column ``first`` on, and factors fill in nothing before that. ``at`` is where
-    # column 0 of the row would lie. The upper half is never stored: the second loop divides by the pivots only after the row's sums are done.
+    # Row by row (Jennings' skyline scheme): a row has entries from column ``first`` on, and factors fill in
+    # nothing before that. ``at`` is where
+    # column 0 of the row would lie. The upper half is never stored: the second loop divides by the pivots
+    # only after the row's sums are done.
     for r in range(I[HEADER.constraint_count]):
         first = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start]
         at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
@@ -103,7 +116,9 @@ def passage(S, I, dt):
 
 
 def equations(S, I, dt, start):
-    """The matrix of t_n and its factors, damped where the step before saw the mechanism pass a singular position: a test that waits for nothing."""
+    """The matrix of t_n and its factors, damped where the step before saw the mechanism pass a singular
+    position: a test that waits for nothing.
+    """
     fill(S, I)
     floor = FLOOR if I[HEADER.redundant] != 0 else 0.0
     pivots = factor(S, I, floor)
@@ -112,15 +127,19 @@ def equations(S, I, dt, start):
         if seldom(start):
             S[SYSTEM.pivots] = pivots
             S[SYSTEM.pivots_before] = pivots
-        # The parabola through the last three products of pivots: near a passage it is small against its curvature, and its least value,
-        # last - slope^2 / (2 bent), is below two second differences. The damping comes a step later, so that factoring waits for no test.
+        # The parabola through the last three products of pivots: near a passage it is small against its
+        # curvature, and its least value,
+        # last - slope^2 / (2 bent), is below two second differences. The damping comes a step later, so that
+        # factoring waits for no test.
         last = S[SYSTEM.pivots]
         slope = 0.5 * (pivots - S[SYSTEM.pivots_before])
         bent = (pivots - last) - (last - S[SYSTEM.pivots_before])
         S[SYSTEM.pivots_before] = last
         S[SYSTEM.pivots] = pivots
         before = S[SYSTEM.passing]
-        S[SYSTEM.passing] = 1.0 if NEAR * bent > pivots and 2.0 * bent * (last - AT_ALL * bent) < slope * slope else 0.0
+        S[SYSTEM.passing] = (
+            1.0 if NEAR * bent > pivots and 2.0 * bent * (last - AT_ALL * bent) < slope * slope else 0.0
+        )
         if seldom(before > 0.5):
             fill(S, I)
             share = passage(S, I, dt)
@@ -157,7 +176,9 @@ def solve(S, I, y):
 
 
 def idle(S, I, y):
-    """Part of the reactions that moves nothing, of redundant joints: (A + f D)^-1 f D times what they are, with the floor f and the diagonal D."""
+    """Part of the reactions that moves nothing, of redundant joints: (A + f D)^-1 f D times what they are,
+    with the floor f and the diagonal D.
+    """
     for r in range(I[HEADER.constraint_count]):
         at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
         q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.row]
@@ -166,7 +187,9 @@ def idle(S, I, y):
 
 
 def entry(S, a, c, x, y):
-    """What a body of unit mass and one of unit inertia add where row a stands with the turned row c, and the reverse; levers in rows x and y."""
+    """What a body of unit mass and one of unit inertia add where row a stands with the turned row c, and the
+    reverse; levers in rows x and y.
+    """
     ax = S[a + CONSTRAINT.nx]
     ay = S[a + CONSTRAINT.ny]
     cx = S[c + CONSTRAINT.nx]
@@ -178,7 +201,9 @@ def entry(S, a, c, x, y):
 
 
 def meet(S, I, a, c, x, y, im, ii, at):
-    """Adds a body to the two entries of a pair of rows; the entry of the lower half lies ``at`` rows from the profile's begin."""
+    """Adds a body to the two entries of a pair of rows; the entry of the lower half lies ``at`` rows from the
+    profile's begin.
+    """
     below, above, under, over = entry(S, a, c, x, y)
     low = I[HEADER.turned] + at
     high = low + I[HEADER.profile_count]
@@ -205,13 +230,25 @@ def fill_turned(S, I):
         if I[r + COUPLE_INDEX.pins] != 0:  # two revolutes: their four entries
             lower = I[r + COUPLE_INDEX.lower] - I[HEADER.profile]
             meet(S, I, a + CONSTRAINT.SIZE, c, x + CONSTRAINT.SIZE, y, im, ii, lower)
-            meet(S, I, a + CONSTRAINT.SIZE, c + CONSTRAINT.SIZE, x + CONSTRAINT.SIZE, y + CONSTRAINT.SIZE, im, ii, lower + 1)
+            meet(
+                S,
+                I,
+                a + CONSTRAINT.SIZE,
+                c + CONSTRAINT.SIZE,
+                x + CONSTRAINT.SIZE,
+                y + CONSTRAINT.SIZE,
+                im,
+                ii,
+                lower + 1,
+            )
             if a != c:
                 meet(S, I, a, c + CONSTRAINT.SIZE, x, y + CONSTRAINT.SIZE, im, ii, at + 1)
 
 
 def halves(S, I, share):
-    """L U of the matrix in place, L with a unit diagonal; pivots are kept as inverses, 0 where they are next to nothing."""
+    """L U of the matrix in place, L with a unit diagonal; pivots are kept as inverses, 0 where they are next
+    to nothing.
+    """
     shift = I[HEADER.turned] - I[HEADER.profile]
     up = I[HEADER.profile_count]
     inverse = I[HEADER.turned] + 2 * up

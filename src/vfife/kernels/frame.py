@@ -1,7 +1,9 @@
-"""Internal force of the plane frame element by the fictitious reversed rigid-body motion (Ting, Shih and Wang 2004; paper Eq. 6-13).
+"""Internal force of the plane frame element by the fictitious reversed rigid-body motion (Ting, Shih and Wang
+2004; paper Eq. 6-13).
 
-Within a path unit the element is turned back from its present direction to that at the start of the unit; what is left is the axial
-deformation and two end rotations, and their force increments are added to the forces at the start of the unit.
+Within a path unit the element is turned back from its present direction to that at the start of the unit;
+what is left is the axial deformation and two end rotations, and their force increments are added to the
+forces at the start of the unit.
 """
 
 import math
@@ -15,7 +17,9 @@ def chord(dx, dy):
 
 
 def turn(c, s, ca, sa):
-    """Rotation (rad) of the direction (c, s) from (ca, sa): odd series of the arcsine, error below 1e-13 up to 0.05 rad."""
+    """Rotation (rad) of the direction (c, s) from (ca, sa): odd series of the arcsine, error below 1e-13 up
+    to 0.05 rad.
+    """
     z = s * ca - c * sa
     q = z * z
     return z * (1.0 + q * (1.0 / 6.0 + q * (0.075 + q * (15.0 / 336.0))))
@@ -40,20 +44,26 @@ def bending(theta_1, theta_2, ila, m1a, m2a, bending_stiffness):
 
 
 def bending_released(theta, ila, ma, bending_stiffness):
-    """Moment at the end that is not released: increment 3EI/l theta (condensed stiffness, not Eq. 12b with a zero struck in)."""
+    """Moment at the end that is not released: increment 3EI/l theta (condensed stiffness, not Eq. 12b with a
+    zero struck in).
+    """
     return ma + 3.0 * bending_stiffness * ila * theta
 
 
 def nodal_force(c, s, inverse, n, m1, m2):
-    """Force (N) of the element on the particle at its first node; the second takes the opposite. Shear from Eq. 11: -(m1 + m2)/l."""
+    """Force (N) of the element on the particle at its first node; the second takes the opposite. Shear from
+    Eq. 11: -(m1 + m2)/l.
+    """
     q = (m1 + m2) * inverse
     return c * n + s * q, s * n - c * q
 
 
 def stiffness(ila, inverse, axial_stiffness, bending_stiffness):
-    """Of the element with both ends held: along EA/l, across 12EI/l^3 (N/m), moment at an end for its turn 4EI/l, for the other's 2EI/l (N m).
+    """Of the element with both ends held: along EA/l, across 12EI/l^3 (N/m), moment at an end for its turn
+    4EI/l, for the other's 2EI/l (N m).
 
-    ``ila``: inverse of the length that stiffness counts on, ``inverse`` of the present one, on which two of the three l across do.
+    ``ila``: inverse of the length that stiffness counts on, ``inverse`` of the present one, on which two of
+    the three l across do.
     """
     near, far = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
     m1, m2 = bending(inverse, inverse, ila, 0.0, 0.0, bending_stiffness)
@@ -62,11 +72,15 @@ def stiffness(ila, inverse, axial_stiffness, bending_stiffness):
 
 def stiffness_released(ila, inverse, bending_stiffness):
     """With one end released: across (N/m) 3EI/l^3, and moment at the other end for its own turn 3EI/l (N m)."""
-    return bending_released(inverse, ila, 0.0, bending_stiffness) * inverse, bending_released(1.0, ila, 0.0, bending_stiffness)
+    return bending_released(inverse, ila, 0.0, bending_stiffness) * inverse, bending_released(
+        1.0, ila, 0.0, bending_stiffness
+    )
 
 
 def end_rotations(m1, m2, ila, bending_stiffness):
-    """Rotations (rad) of both ends under moments (N m) on them, ``bending`` solved for them: l/6EI (2 m1 - m2) and l/6EI (2 m2 - m1)."""
+    """Rotations (rad) of both ends under moments (N m) on them, ``bending`` solved for them: l/6EI (2 m1 -
+    m2) and l/6EI (2 m2 - m1).
+    """
     near, far = bending(1.0, 0.0, ila, 0.0, 0.0, bending_stiffness)
     inverse = 1.0 / (near * near - far * far)
     return (near * m1 - far * m2) * inverse, (near * m2 - far * m1) * inverse

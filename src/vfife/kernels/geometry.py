@@ -1,14 +1,17 @@
-"""Revolute joints: where the two centres are, how the journal meets the bearing, and the force that answers (paper Eq. 14-31).
+"""Revolute joints: where the two centres are, how the journal meets the bearing, and the force that answers
+(paper Eq. 14-31).
 
-Both bodies of a joint are particles with mass and inertia; on a rigid body the centre sits on an arm, on an elastic link the arm is zero.
-n points from the bearing centre to the journal centre, t is n turned anticlockwise. Forces are those on the journal: -F_N n + F_T t.
+Both bodies of a joint are particles with mass and inertia; on a rigid body the centre sits on an arm, on an
+elastic link the arm is zero. n points from the bearing centre to the journal centre, t is n turned
+anticlockwise. Forces are those on the journal: -F_N n + F_T t.
 
 Paths of pieces of constant curvature, straight or round, and how far a point is from one.
 
-A piece begins at (x, y) along a unit vector t, with its normal n on its left, and bends to the left with a curvature k. Of a point at a = t . r and
-b = n . r from there, f = 2 b - k (a^2 + b^2) gives the signed distance f/(1 + sqrt(1 - k f)), positive on the left: one formula for lines and
-arcs. A piece counts where the foot of the point lies on it: past its begin and short of its end, where the path turns no corner. An arc turns by
-180 degrees at most, so that both are half planes. Where several pieces count, the nearest is taken.
+A piece begins at (x, y) along a unit vector t, with its normal n on its left, and bends to the left with a
+curvature k. Of a point at a = t . r and b = n . r from there, f = 2 b - k (a^2 + b^2) gives the signed
+distance f/(1 + sqrt(1 - k f)), positive on the left: one formula for lines and arcs. A piece counts where the
+foot of the point lies on it: past its begin and short of its end, where the path turns no corner. An arc
+turns by 180 degrees at most, so that both are half planes. Where several pieces count, the nearest is taken.
 """
 
 import math
@@ -33,9 +36,10 @@ def eccentricity(ex, ey, clearance):
 def onset_speed(penetration, before, rate, dt):
     """Penetration rate (m/s) at the sign change of the penetration (Eq. 29), located inside the step.
 
-    The parabola through the penetration before, the penetration now and the rate now crosses zero with the speed
-    sqrt(rate^2 - 2 b penetration), b its curvature. Second order, where the chord of Eq. 30 is first; the rate at the end of the step, which
-    a plain loop takes, is what leads a near-grazing impact to the wrong branch.
+    The parabola through the penetration before, the penetration now and the rate now crosses zero with the
+    speed sqrt(rate^2 - 2 b penetration), b its curvature. Second order, where the chord of Eq. 30 is first;
+    the rate at the end of the step, which a plain loop takes, is what leads a near-grazing impact to the
+    wrong branch.
     """
     curvature = 2.0 * (rate - (penetration - before) / dt) / dt
     square = rate * rate - 2.0 * curvature * penetration
@@ -43,14 +47,18 @@ def onset_speed(penetration, before, rate, dt):
 
 
 def seldom(condition):
-    """Marks a branch that is taken in few steps: the lean step leaves it out and tells where the whole step is needed."""
+    """Marks a branch that is taken in few steps: the lean step leaves it out and tells where the whole step
+    is needed.
+    """
     return condition
 
 
 def normal_force(elastic, damping, rate, mobility):
-    """F_N (N) and penetration rate (m/s) at step n, solved together: F = elastic + damping r, r = rate - mobility F.
+    """F_N (N) and penetration rate (m/s) at step n, solved together: F = elastic + damping r, r = rate -
+    mobility F.
 
-    ``rate`` is the rate without this force, ``mobility`` (m/s/N) half a step times the joint's inverse mass. Never attractive.
+    ``rate`` is the rate without this force, ``mobility`` (m/s/N) half a step times the joint's inverse mass.
+    Never attractive.
     """
     solved = (rate - mobility * elastic) / (1.0 + mobility * damping)
     force = elastic + damping * solved
@@ -59,7 +67,9 @@ def normal_force(elastic, damping, rate, mobility):
 
 
 def from_piece(S, i, x, y):
-    """Signed distance (m) of a point from the line or circle of a piece, the normal there, and whether the foot is on the piece."""
+    """Signed distance (m) of a point from the line or circle of a piece, the normal there, and whether the
+    foot is on the piece.
+    """
     c = S[i + PIECE.cosine]
     s = S[i + PIECE.sine]
     k = S[i + PIECE.curvature]
@@ -73,12 +83,16 @@ def from_piece(S, i, x, y):
     inverse = 1.0 / (root + 1e-300)
     nx, ny = arm(c, s, -k * a * inverse, (1.0 - k * b) * inverse)
     past = S[i + PIECE.opens] * a
-    left = S[i + PIECE.end_cosine] * (x - S[i + PIECE.end_x]) + S[i + PIECE.end_sine] * (y - S[i + PIECE.end_y])
+    left = S[i + PIECE.end_cosine] * (x - S[i + PIECE.end_x]) + S[i + PIECE.end_sine] * (
+        y - S[i + PIECE.end_y]
+    )
     return f / (1.0 + root), nx, ny, past >= 0.0 and left <= 0.0
 
 
 def from_path(S, first, count, x, y):
-    """Signed distance (m) of a point from a path of ``count`` pieces, positive on its left, and the path's normal to the left at the foot."""
+    """Signed distance (m) of a point from a path of ``count`` pieces, positive on its left, and the path's
+    normal to the left at the foot.
+    """
     distance, nx, ny, on = from_piece(S, first, x, y)
     if count > 1:
         nearest = abs(distance) if on else FAR
@@ -93,7 +107,9 @@ def from_path(S, first, count, x, y):
 
 
 def in_slot(S, first, count, c, s, ex, ey):
-    """Distance (m) of a pin from the middle of a slot and the direction of the nearer wall, in space; (c, s) is that of the slot's body."""
+    """Distance (m) of a pin from the middle of a slot and the direction of the nearer wall, in space; (c, s)
+    is that of the slot's body.
+    """
     away, px, py = from_path(S, first, count, c * ex + s * ey, c * ey - s * ex)
     side = 1.0 if away >= 0.0 else -1.0
     nx, ny = arm(c, s, side * px, side * py)

@@ -1,15 +1,18 @@
 """Functions of time as piecewise polynomials: a ramp is one exactly, a table becomes one by a spline.
 
-Layout of a table: number of pieces, then their start times, then seven coefficients each (constant first, time counted from the piece's start),
-then for each piece the number of kinks up to its begin. A negative number of pieces says that the function repeats itself; its period and the
-number of kinks in it follow, before the start times, which lie in [0, period).
+Layout of a table: number of pieces, then their start times, then seven coefficients each (constant first,
+time counted from the piece's start), then for each piece the number of kinks up to its begin. A negative
+number of pieces says that the function repeats itself; its period and the number of kinks in it follow,
+before the start times, which lie in [0, period).
 """
 
 from .elementary import nearest
 
 
 def polynomial(table, start, time):
-    """Value, first two derivatives and the number of kinks before ``time``; the first piece goes on before its start and the last for ever."""
+    """Value, first two derivatives and the number of kinks before ``time``; the first piece goes on before
+    its start and the last for ever.
+    """
     pieces = int(table[start])
     first = start + 1
     kinks = 0.0

@@ -1,7 +1,9 @@
-"""Springs and dampers between two bodies, each axis solved for the velocity at t_n in closed form, as contacts are.
+"""Springs and dampers between two bodies, each axis solved for the velocity at t_n in closed form, as
+contacts are.
 
-A damper acts on the velocity at t_n, which a central difference does not know yet. The velocity expected from the last step's acceleration
-holds the last resistance already; the change of the resistance enters through the mobility of the two bodies, so a stiff damper is stable.
+A damper acts on the velocity at t_n, which a central difference does not know yet. The velocity expected from
+the last step's acceleration holds the last resistance already; the change of the resistance enters through
+the mobility of the two bodies, so a stiff damper is stable.
 """
 
 import math
@@ -16,13 +18,16 @@ from .topology import BUSHING, LINEAR, STOP
 def resist(S, g, axis, b, k, n, x, p, h):
     """Force (N, N m) along one axis, against its lengthening; returned with its elastic part and the rate.
 
-    ``n`` is (nx, ny, jb, jk): direction and levers on the two bodies; ``x`` the elastic lengthening of a stiffness at ``SPRING.stiffness + axis``.
+    ``n`` is (nx, ny, jb, jk): direction and levers on the two bodies; ``x`` the elastic lengthening of a
+    stiffness at ``SPRING.stiffness + axis``.
     """
     nx, ny, jb, jk = n
     bu, bv, bw = expected(S, b, p, h)
     ku, kv, kw = expected(S, k, p, h)
     both = (nx * nx + ny * ny) * (S[k + PARTICLE.inverse_mass] + S[b + PARTICLE.inverse_mass])
-    mobility = p * h * (both + jk * jk * S[k + PARTICLE.inverse_inertia] + jb * jb * S[b + PARTICLE.inverse_inertia])
+    mobility = (
+        p * h * (both + jk * jk * S[k + PARTICLE.inverse_inertia] + jb * jb * S[b + PARTICLE.inverse_inertia])
+    )
     c = S[g + SPRING.damping + axis]
     elastic = S[g + SPRING.stiffness + axis] * x
     rate = nx * (ku - bu) + ny * (kv - bv) + jk * kw - jb * bw + mobility * S[g + SPRING.resistance + axis]
@@ -47,7 +52,9 @@ def springs(S, I, span, p, h):
     for m in range(I[HEADER.spring_count]):
         r = I[HEADER.spring] + SPRING_INDEX.SIZE * m
         g = I[r + SPRING_INDEX.row]
-        power = spring(S, g, I[r + SPRING_INDEX.first], I[r + SPRING_INDEX.second], I[r + SPRING_INDEX.kind], p, h)
+        power = spring(
+            S, g, I[r + SPRING_INDEX.first], I[r + SPRING_INDEX.second], I[r + SPRING_INDEX.kind], p, h
+        )
         S[g + SPRING.damping_power] = power
         S[g + SPRING.damping_work] += span * power
         at = g + SPRING.force_squared_max
@@ -55,7 +62,9 @@ def springs(S, I, span, p, h):
 
 
 def spring(S, g, b, k, kind, p, h):
-    """Force of one of them on its two bodies; returned: power lost. With h = 0 the velocities are those at t_n, as they stand."""
+    """Force of one of them on its two bodies; returned: power lost. With h = 0 the velocities are those at
+    t_n, as they stand.
+    """
     bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[g + SPRING.first_x], S[g + SPRING.first_y])
     kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[g + SPRING.second_x], S[g + SPRING.second_y])
     ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
@@ -92,7 +101,8 @@ def stretch(S, g, b, k, arms, ex, ey, p, h):
 def twist(S, g, b, k, stop, angle, p, h):
     """Torsional spring, or a stop beyond one of its limits, which never pulls back; returned: power lost.
 
-    A stop that does not push any more relaxes by itself: what it has stored goes into its damper as the angle comes back.
+    A stop that does not push any more relaxes by itself: what it has stored goes into its damper as the angle
+    comes back.
     """
     n = (0.0, 0.0, 1.0, 1.0)
     over = angle - S[g + SPRING.free]
@@ -100,7 +110,11 @@ def twist(S, g, b, k, stop, angle, p, h):
     x = (over if over < 0.0 else beyond if beyond > 0.0 else 0.0) if stop else over
     moment, elastic, rate = resist(S, g, 2, b, k, n, x, p, h)
     pushes = moment * x > 0.0 if stop else True
-    rate = rate if pushes else rate + p * h * (S[k + PARTICLE.inverse_inertia] + S[b + PARTICLE.inverse_inertia]) * moment
+    rate = (
+        rate
+        if pushes
+        else rate + p * h * (S[k + PARTICLE.inverse_inertia] + S[b + PARTICLE.inverse_inertia]) * moment
+    )
     moment = moment if pushes else 0.0
     add(S, g, 2, b, k, n, moment)
     S[g + SPRING.moment] = -moment

@@ -1,7 +1,8 @@
 """The data-driven step: any mechanism, compiled once, the topology read from integer tables.
 
-``codegen`` writes the same step out for one topology; the two must agree to the bit, so each sum here has one fixed order. The step n:
-drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2). Velocities at half steps are algebraically the paper's Eq. 3-5.
+``codegen`` writes the same step out for one topology; the two must agree to the bit, so each sum here has one
+fixed order. The step n: drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2).
+Velocities at half steps are algebraically the paper's Eq. 3-5.
 """
 
 from .arrays import (
@@ -38,36 +39,51 @@ from .topology import CURRENT, SLIDING, TIME, TRAVEL, TURNED
 
 
 def travel(S, i, j, f, dt):
-    """Travel (m) at t_n of a pin of body j from one of body i along a direction of body i, and its rate (m/s), as function f has them."""
+    """Travel (m) at t_n of a pin of body j from one of body i along a direction of body i, and its rate
+    (m/s), as function f has them.
+    """
     si, ci = sincos(S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w])
     sj, cj = sincos(S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w])
     gx, gy = arm(ci, si, S[f + FUNCTION.along_x], S[f + FUNCTION.along_y])
     rix, riy = arm(ci, si, S[f + FUNCTION.first_x], S[f + FUNCTION.first_y])
     rjx, rjy = arm(cj, sj, S[f + FUNCTION.second_x], S[f + FUNCTION.second_y])
-    dx = (S[j + PARTICLE.x] + dt * S[j + PARTICLE.u] + rjx) - (S[i + PARTICLE.x] + dt * S[i + PARTICLE.u] + rix)
-    dy = (S[j + PARTICLE.y] + dt * S[j + PARTICLE.v] + rjy) - (S[i + PARTICLE.y] + dt * S[i + PARTICLE.v] + riy)
+    dx = (S[j + PARTICLE.x] + dt * S[j + PARTICLE.u] + rjx) - (
+        S[i + PARTICLE.x] + dt * S[i + PARTICLE.u] + rix
+    )
+    dy = (S[j + PARTICLE.y] + dt * S[j + PARTICLE.v] + rjy) - (
+        S[i + PARTICLE.y] + dt * S[i + PARTICLE.v] + riy
+    )
     wi = S[i + PARTICLE.w] + 0.5 * dt * S[i + PARTICLE.aw]
     wj = S[j + PARTICLE.w] + 0.5 * dt * S[j + PARTICLE.aw]
-    u = (S[j + PARTICLE.u] + 0.5 * dt * S[j + PARTICLE.ax] - wj * rjy) - (S[i + PARTICLE.u] + 0.5 * dt * S[i + PARTICLE.ax] - wi * riy)
-    v = (S[j + PARTICLE.v] + 0.5 * dt * S[j + PARTICLE.ay] + wj * rjx) - (S[i + PARTICLE.v] + 0.5 * dt * S[i + PARTICLE.ay] + wi * rix)
+    u = (S[j + PARTICLE.u] + 0.5 * dt * S[j + PARTICLE.ax] - wj * rjy) - (
+        S[i + PARTICLE.u] + 0.5 * dt * S[i + PARTICLE.ax] - wi * riy
+    )
+    v = (S[j + PARTICLE.v] + 0.5 * dt * S[j + PARTICLE.ay] + wj * rjx) - (
+        S[i + PARTICLE.v] + 0.5 * dt * S[i + PARTICLE.ay] + wi * rix
+    )
     return gx * dx + gy * dy, gx * u + gy * v + wi * (gx * dy - gy * dx)
 
 
 def argument(S, kind, i, j, f, time, dt):
-    """What function f depends on, at t_n: time, the angle (rad) of body j from body i, its relative speed (rad/s), its travel (m) or the rate
-    of that (m/s).
+    """What function f depends on, at t_n: time, the angle (rad) of body j from body i, its relative speed
+    (rad/s), its travel (m) or the rate of that (m/s).
 
-    ``dt`` is the step that leads to t_n, 0 at the start. Speeds at t_n are expected from the last step's acceleration. The table of a travel
-    whose two ways differ has that of the way back a gap before that of the way out, with a kink between them.
+    ``dt`` is the step that leads to t_n, 0 at the start. Speeds at t_n are expected from the last step's
+    acceleration. The table of a travel whose two ways differ has that of the way back a gap before that of
+    the way out, with a kink between them.
     """
     x = time
     if kind == TURNED:
-        x = (S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w]) - (S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w])
+        x = (S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w]) - (
+            S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w]
+        )
     elif kind == TRAVEL or kind == SLIDING:
         at, rate = travel(S, i, j, f, dt)
         x = rate if kind == SLIDING else at - (S[f + FUNCTION.gap] if rate < 0.0 else 0.0)
     elif kind != TIME:
-        x = (S[j + PARTICLE.w] + 0.5 * dt * S[j + PARTICLE.aw]) - (S[i + PARTICLE.w] + 0.5 * dt * S[i + PARTICLE.aw])
+        x = (S[j + PARTICLE.w] + 0.5 * dt * S[j + PARTICLE.aw]) - (
+            S[i + PARTICLE.w] + 0.5 * dt * S[i + PARTICLE.aw]
+        )
     return x
 
 
@@ -164,7 +180,8 @@ def loads(S, I):
 def elements(S, I, first, last, renew):
     """Element forces from the reversed rigid-body motion; the reference is renewed where a path unit ends.
 
-    Stiffness counts on the length that the element has there, as the paper's does, or for good on the length that it has without forces.
+    Stiffness counts on the length that the element has there, as the paper's does, or for good on the length
+    that it has without forces.
     """
     own = I[HEADER.path_unit] == 1
     for m in range(first, last):
@@ -173,7 +190,9 @@ def elements(S, I, first, last, renew):
         i = I[r + FRAME_INDEX.first]
         j = I[r + FRAME_INDEX.second]
         a = I[r + FRAME_INDEX.unit]
-        length, inverse, c, s = chord(S[j + PARTICLE.x] - S[i + PARTICLE.x], S[j + PARTICLE.y] - S[i + PARTICLE.y])
+        length, inverse, c, s = chord(
+            S[j + PARTICLE.x] - S[i + PARTICLE.x], S[j + PARTICLE.y] - S[i + PARTICLE.y]
+        )
         ila = S[e + FRAME.reference_inverse_length]
         na = S[e + FRAME.axial_force] if own else S[a + UNIT.reference_axial_force]
         n = axial(length, S[e + FRAME.reference_length], ila, na, S[e + FRAME.axial_stiffness])
@@ -248,7 +267,9 @@ def lost_power(S, i, zeta, u, v, w):
 
 
 def tiles(S, I, renew, d, h, decay, gain, p):
-    """Elements, with the plain particles around them drifting just before and kicked just after, while they are in the cache."""
+    """Elements, with the plain particles around them drifting just before and kicked just after, while they
+    are in the cache.
+    """
     lost = 0.0
     zeta = S[SYSTEM.damping]
     damped = I[HEADER.damped] != 0
@@ -267,7 +288,9 @@ def tiles(S, I, renew, d, h, decay, gain, p):
 
 
 def settle(S, I, span, h, decay, gain, p):
-    """Kick of the bound particles; power of damping, of time-dependent loads and of prescribed travels at t_n."""
+    """Kick of the bound particles; power of damping, of time-dependent loads and of prescribed travels at
+    t_n.
+    """
     lost = 0.0
     zeta = S[SYSTEM.damping]
     damped = I[HEADER.damped] != 0
@@ -348,7 +371,13 @@ def observe(S, I, span):
             inverse = S[e + FRAME.reference_inverse_length]
             if e == 0:
                 inverse = chord(dx, dy)[1]
-            alpha = chord_acceleration(dx, dy, S[j + PARTICLE.ax] - S[i + PARTICLE.ax], S[j + PARTICLE.ay] - S[i + PARTICLE.ay], inverse)
+            alpha = chord_acceleration(
+                dx,
+                dy,
+                S[j + PARTICLE.ax] - S[i + PARTICLE.ax],
+                S[j + PARTICLE.ay] - S[i + PARTICLE.ay],
+                inverse,
+            )
         S[k + BODY.alpha] = alpha
         at = k + BODY.alpha_max
         S[at] = larger(S[at], abs(alpha))

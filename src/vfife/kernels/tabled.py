@@ -1,15 +1,16 @@
 """A contact law as a table: loading and unloading over the penetration, as pieces of cubics.
 
-The force is the mean of both branches and half of what they are apart times a factor, which is 1 while the surfaces approach, -1 while they
-part, and passes from one to the other with the rate where that is less than a share of the impact speed. Where a table's branches are apart by
-nothing its force is elastic.
+The force is the mean of both branches and half of what they are apart times a factor, which is 1 while the
+surfaces approach, -1 while they part, and passes from one to the other with the rate where that is less than
+a share of the impact speed. Where a table's branches are apart by nothing its force is elastic.
 """
 
 from .arrays import KNOT
 
 
 def turned_slowness(slowness, inverse_transition, rate):
-    """The slowness (s/m) that makes half of the branches' distance times it and the rate the force beyond their mean.
+    """The slowness (s/m) that makes half of the branches' distance times it and the rate the force beyond
+    their mean.
 
     1/|rate| while the surfaces approach or part, and no more than that of the ``transition``, a share of the impact speed 1/slowness, where they
     turn. The rate is the one expected; the force is solved for the rate that results.
@@ -20,7 +21,9 @@ def turned_slowness(slowness, inverse_transition, rate):
 
 
 def tabled_law(S, first, count, depth, slowness):
-    """Elastic force (N) and damping coefficient (N s/m) at a penetration (m); the first piece begins at 0, the last goes on for ever."""
+    """Elastic force (N) and damping coefficient (N s/m) at a penetration (m); the first piece begins at 0,
+    the last goes on for ever.
+    """
     begin = S[first + KNOT.begin]
     m0 = S[first + KNOT.mean]
     m1 = S[first + KNOT.mean + 1]

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-# What an ideal joint holds: a place (its rows: 0, 2, 1, 1, 1, 1) and the turn of one body with the other (0, 1, 1); then kinds of contacts, springs
-# and arguments of functions. A revolute pins a place, a slider lets it go along a line and keeps the turn, a gear couples turns alone,
+# What an ideal joint holds: a place (its rows: 0, 2, 1, 1, 1, 1) and the turn of one body with the other (0,
+# 1, 1); then kinds of contacts, springs
+# and arguments of functions. A revolute pins a place, a slider lets it go along a line and keeps the turn, a
+# gear couples turns alone,
 # a massless link keeps two pins apart.
 NOWHERE, PINNED, ACROSS, ALONG, ON_PATH, APART = range(6)
 FREE, KEPT, GEARED = range(3)
@@ -15,19 +17,22 @@ AIMED = (ALONG, APART)  # places whose row keeps a length that is data
 BEARING, ROUND, LINE, SLOT = range(4)
 LINEAR, TORSIONAL, STOP, BUSHING = range(4)
 TIME, TURNED, SPEED, TRAVEL, SLIDING = range(5)
-CURRENT, REFERENCE = range(2)  # what length the stiffness of an element counts on: the present one (the paper's), or that without forces
+CURRENT, REFERENCE = range(
+    2
+)  # what length the stiffness of an element counts on: the present one (the paper's), or that without forces
 
 
 @dataclass(frozen=True)
 class Topology:
     """Integers that say what is joined to what. Two models with equal topology share one generated step.
 
-    Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per entity.
-    ``contact_path`` and ``joint_path`` are indices of
-    paths, -1 for none; ``path_pieces`` the number of pieces of each; ``contact_knots`` those of the tables of contact laws, all 0 where it is
-    left out. ``guides`` are the first contact and the one after the last of each block in
-    a guide with play, whose corners are contacts of their own. ``wears`` are the contacts of which wear is kept, ``profiles`` how many harmonics
-    the worn profiles of bearing and journal have in each of them; none unless said.
+    Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per
+    entity. ``contact_path`` and ``joint_path`` are indices of
+    paths, -1 for none; ``path_pieces`` the number of pieces of each; ``contact_knots`` those of the tables of
+    contact laws, all 0 where it is left out. ``guides`` are the first contact and the one after the last of
+    each block in a guide with play, whose corners are contacts of their own. ``wears`` are the contacts of
+    which wear is kept, ``profiles`` how many harmonics the worn profiles of bearing and journal have in each
+    of them; none unless said.
     """
 
     particles: int
@@ -77,7 +82,9 @@ class Topology:
     def held(self) -> tuple[tuple[int, int], ...]:
         """What each ideal joint holds, place and turn; revolutes unless said."""
         count = len(self.joint_bearing)
-        return tuple(zip(self.joint_place or (PINNED,) * count, self.joint_turn or (FREE,) * count, strict=True))
+        return tuple(
+            zip(self.joint_place or (PINNED,) * count, self.joint_turn or (FREE,) * count, strict=True)
+        )
 
     @property
     def strains(self) -> tuple[int, ...]:
@@ -98,8 +105,13 @@ class Topology:
         return tuple(starts)
 
     def pieces(self, paths: tuple[int, ...], count: int) -> list[tuple[int, int]]:
-        """First piece and number of pieces of the path of each of ``count`` joints or contacts; (0, 0) for those without one."""
-        return [(sum(self.path_pieces[:path]), self.path_pieces[path]) if path >= 0 else (0, 0) for path in paths or (-1,) * count]
+        """First piece and number of pieces of the path of each of ``count`` joints or contacts; (0, 0) for
+        those without one.
+        """
+        return [
+            (sum(self.path_pieces[:path]), self.path_pieces[path]) if path >= 0 else (0, 0)
+            for path in paths or (-1,) * count
+        ]
 
     @property
     def knots(self) -> list[tuple[int, int]]:

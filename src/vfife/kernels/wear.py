@@ -1,14 +1,16 @@
 """Wear: what rubs where, by Archard's law, and the shape of surfaces that are worn.
 
-The volume that a surface loses is its coefficient times the normal force times the sliding distance (Archard 1953). A step keeps that product and
-the direction between the centres in which it was done; what is made of it where is said by the analysis, output by output.
+The volume that a surface loses is its coefficient times the normal force times the sliding distance (Archard
+1953). A step keeps that product and the direction between the centres in which it was done; what is made of
+it where is said by the analysis, output by output.
 
 A worn surface is round no more: where the centres lie e apart, n pointing at angle psi, the penetration is
 
     delta = e - c - h_B(psi - theta_B) - h_J(psi - theta_J)
 
-with the depths h of bearing and journal there, each a sum of cosines and sines. The force is F grad(delta): it leans from n by the slope of the
-profiles and turns the bodies by it, so that what a contact without damping and friction takes it gives back, to the last of it.
+with the depths h of bearing and journal there, each a sum of cosines and sines. The force is F grad(delta):
+it leans from n by the slope of the profiles and turns the bodies by it, so that what a contact without
+damping and friction takes it gives back, to the last of it.
 """
 
 import math
@@ -18,7 +20,9 @@ from .central_difference import larger
 
 
 def profile(S, first, count, body, nx, ny):
-    """Depth (m) of a worn profile of a body in the direction n, and its derivative by the angle (m/rad); the profile turns with the body."""
+    """Depth (m) of a worn profile of a body in the direction n, and its derivative by the angle (m/rad); the
+    profile turns with the body.
+    """
     cb = S[body + PARTICLE.c]
     sb = S[body + PARTICLE.s]
     c = cb * nx + sb * ny
@@ -39,10 +43,11 @@ def profile(S, first, count, body, nx, ny):
 
 
 def worn(S, I, r, depth, nx, ny):
-    """Penetration, normal, and levers of the profiles on bearing and journal of contact r, which was met as if it were round.
+    """Penetration, normal, and levers of the profiles on bearing and journal of contact r, which was met as
+    if it were round.
 
-    The normal is of length one; ``stretch`` is that of grad(delta), by which the law's force is larger and its rate faster than along n. The slope
-    counts on half the clearance at the least, where nothing touches.
+    The normal is of length one; ``stretch`` is that of grad(delta), by which the law's force is larger and
+    its rate faster than along n. The slope counts on half the clearance at the least, where nothing touches.
     """
     w = I[r + CONTACT_INDEX.wear]
     size = S[I[r + CONTACT_INDEX.row] + CONTACT.size]
@@ -51,18 +56,29 @@ def worn(S, I, r, depth, nx, ny):
     on_journal = 0.0
     count = I[r + CONTACT_INDEX.bearing_count]
     if count != 0:
-        worn_b, on_bearing = profile(S, I[r + CONTACT_INDEX.bearing_first], count, I[r + CONTACT_INDEX.bearing], nx, ny)
+        worn_b, on_bearing = profile(
+            S, I[r + CONTACT_INDEX.bearing_first], count, I[r + CONTACT_INDEX.bearing], nx, ny
+        )
         depth -= worn_b
     count = I[r + CONTACT_INDEX.journal_count]
     if count != 0:
-        worn_k, on_journal = profile(S, I[r + CONTACT_INDEX.journal_first], count, I[r + CONTACT_INDEX.journal], nx, ny)
+        worn_k, on_journal = profile(
+            S, I[r + CONTACT_INDEX.journal_first], count, I[r + CONTACT_INDEX.journal], nx, ny
+        )
         depth -= worn_k
         S[w + WEAR.journal] = worn_k
     slope = inverse * (on_bearing + on_journal)
     stretch = math.sqrt(1.0 + slope * slope)
     share = 1.0 / stretch
     S[w + WEAR.stretch] = stretch
-    return depth, share * (nx + slope * ny), share * (ny - slope * nx), share * on_bearing, share * on_journal, stretch
+    return (
+        depth,
+        share * (nx + slope * ny),
+        share * (ny - slope * nx),
+        share * on_bearing,
+        share * on_journal,
+        stretch,
+    )
 
 
 def rub(S, w, j, span, slip):

@@ -1,1 +1,3 @@
-"""The ideal mechanism: constraints between rigid bodies, closed positions, velocities, accelerations, reactions, mobility."""
+"""The ideal mechanism: constraints between rigid bodies, closed positions, velocities, accelerations,
+reactions, mobility.
+"""

@@ -1,10 +1,13 @@
-"""Constraints between planar rigid bodies: what joints, gears and drivers hold, each with phi, its derivatives and its reaction.
+"""Constraints between planar rigid bodies: what joints, gears and drivers hold, each with phi, its
+derivatives and its reaction.
 
-A body's motion is (x, y, theta) of its centre of mass; body 0 is the ground.  Points and directions are in a body's own axes, points in m from its
-centre of mass (for the ground: from the origin).  What a row measures, which way it pulls and on which lever is the text of the step,
-:mod:`vfife.kernels.constraint`, run as plain Python; gamma comes from the same text, run on numbers that carry their derivatives in time.
-Rows that are angles are multiplied by a length L, 1/L^2 = 1/l_b^2 + (ratio/l_a)^2 with l the reaches of the two bodies (none for the ground), so
-that a row of G in (x, y, l theta) has unit length.
+A body's motion is (x, y, theta) of its centre of mass; body 0 is the ground.  Points and directions are in a
+body's own axes, points in m from its centre of mass (for the ground: from the origin).  What a row measures,
+which way it pulls and on which lever is the text of the step,
+:mod:`vfife.kernels.constraint`, run as plain Python; gamma comes from the same text, run on numbers that
+carry their derivatives in time. Rows that are angles are multiplied by a length L, 1/L^2 = 1/l_b^2 +
+(ratio/l_a)^2 with l the reaches of the two bodies (none for the ground), so that a row of G in (x, y, l
+theta) has unit length.
 """
 
 from __future__ import annotations
@@ -56,7 +59,11 @@ class Taylor:
 
     def __mul__(self, other: Any) -> Taylor:
         a, b = self, other if isinstance(other, Taylor) else Taylor(other)
-        return Taylor(a.value * b.value, a.rate * b.value + a.value * b.rate, a.second * b.value + 2.0 * a.rate * b.rate + a.value * b.second)
+        return Taylor(
+            a.value * b.value,
+            a.rate * b.value + a.value * b.rate,
+            a.second * b.value + 2.0 * a.rate * b.rate + a.value * b.second,
+        )
 
     __rmul__ = __mul__
 
@@ -117,11 +124,16 @@ SOMEWHERE = 1e-9  # of the length of a massless link whose pins a first guess pu
 KERNEL = lifted(geometry, constraint)  # arm, lever, placed and relative_turn, as the step has them
 
 
-STILL, AT_REST = [(0.0, 0.0, 0.0)] * 2, [0.0] * 2  # what two pins in one place have of a third body, and at rest
+STILL, AT_REST = (
+    [(0.0, 0.0, 0.0)] * 2,
+    [0.0] * 2,
+)  # what two pins in one place have of a third body, and at rest
 
 
 class Rows(NamedTuple):
-    """phi [r] (m), blocks of G for bodies a, b and c [r, 3] (1 or m), and gamma [r] (m/s2): what G a must be, but for a drive's acceleration."""
+    """phi [r] (m), blocks of G for bodies a, b and c [r, 3] (1 or m), and gamma [r] (m/s2): what G a must be,
+    but for a drive's acceleration.
+    """
 
     phi: Sequence[float]
     a: Sequence[Sequence[float]]
@@ -134,8 +146,9 @@ class Rows(NamedTuple):
 class Constraint:
     """Two bodies, a point of each, and the rows that tie them: a place, a turn or both.
 
-    ``body_c`` carries the gears of a row of the turn, the ground if nothing else. ``aim`` is what the row of the turn (rad) or along a guide (m)
-    keeps. A drive prescribes it at the instant, with its ``speed`` and ``acceleration``.
+    ``body_c`` carries the gears of a row of the turn, the ground if nothing else. ``aim`` is what the row of
+    the turn (rad) or along a guide (m) keeps. A drive prescribes it at the instant, with its ``speed`` and
+    ``acceleration``.
     """
 
     name: str
@@ -205,15 +218,25 @@ class Constraint:
         return 1.0 if self.turn is None else self.turn.ratio
 
     def rows(self, p: Any, v: Any, length: float, facing: Sequence[Any] = ()) -> Rows:
-        """phi, G and gamma (zero without ``v``) at position p and velocity v, both [n, 3], arrays or lists; rows of angles times ``length`` (m).
+        """phi, G and gamma (zero without ``v``) at position p and velocity v, both [n, 3], arrays or lists;
+        rows of angles times ``length`` (m).
 
         ``facing``: cosine and sine of each body's angle, where they are known.
         """
         a, b = _numbers(p, self.body_a), _numbers(p, self.body_b)
-        face_a, face_b = (facing[k] if facing and facing[k] else _facing(at) for k, at in ((self.body_a, a), (self.body_b, b)))
+        face_a, face_b = (
+            facing[k] if facing and facing[k] else _facing(at)
+            for k, at in ((self.body_a, a), (self.body_b, b))
+        )
         (ax, ay), (bx, by) = self._arms(face_a, face_b)
         if v is None and self.pinned:
-            return Rows([(b[0] + bx) - (a[0] + ax), (b[1] + by) - (a[1] + ay)], _pins(ax, ay, -1.0), _pins(bx, by, 1.0), STILL, AT_REST)
+            return Rows(
+                [(b[0] + bx) - (a[0] + ax), (b[1] + by) - (a[1] + ay)],
+                _pins(ax, ay, -1.0),
+                _pins(bx, by, 1.0),
+                STILL,
+                AT_REST,
+            )
         phi, seen = self._places((ax, ay), (bx, by), a, b, face_a)
         foot = (ax, ay) if isinstance(self.place, Coincide) else (bx + b[0] - a[0], by + b[1] - a[1])
         on_a = [(-nx, -ny, -KERNEL.lever(*foot, nx, ny)) for nx, ny in seen]
@@ -226,13 +249,21 @@ class Constraint:
         if isinstance(self.place, Apart):
             phi = [phi[0] - self.place.length]
         if self.turn is not None:
-            phi = [*phi, length * (KERNEL.relative_turn(a[2], b[2], self.ratio, _numbers(p, self.body_c)[2]) - self.aim)]
+            phi = [
+                *phi,
+                length
+                * (KERNEL.relative_turn(a[2], b[2], self.ratio, _numbers(p, self.body_c)[2]) - self.aim),
+            ]
             on_a, on_b = [*on_a, (0.0, 0.0, -length * self.ratio)], [*on_b, (0.0, 0.0, length)]
             gamma = [*gamma, 0.0]
-        on_c = [(0.0, 0.0, 0.0)] * len(seen) + [(0.0, 0.0, -length * (1.0 - self.ratio))] * (self.turn is not None)
+        on_c = [(0.0, 0.0, 0.0)] * len(seen) + [(0.0, 0.0, -length * (1.0 - self.ratio))] * (
+            self.turn is not None
+        )
         return Rows(phi, on_a, on_b, on_c, gamma)
 
-    def _gamma(self, a: list[float], b: list[float], va: list[float], vb: list[float], facing: tuple[Any, Any]) -> list[float]:
+    def _gamma(
+        self, a: list[float], b: list[float], va: list[float], vb: list[float], facing: tuple[Any, Any]
+    ) -> list[float]:
         """- dG/dt v: the second derivatives of phi with all accelerations zero, turned round."""
         moving = [[Taylor(x, u) for x, u in zip(at, speed, strict=True)] for at, speed in ((a, va), (b, vb))]
         faces = []
@@ -263,8 +294,12 @@ class Constraint:
         dx, dy = self.place.unit() if isinstance(self.place, Guided) else (1.0, 0.0)
         return ACROSS if isinstance(self.place, Across) else ALONG, [], 0, dx, dy
 
-    def _places(self, arm_a: Any, arm_b: Any, a: Any, b: Any, face: Any) -> tuple[list[Any], list[tuple[Any, Any]]]:
-        """What the rows of a place measure, and their directions in space; of floats, or of numbers with derivatives."""
+    def _places(
+        self, arm_a: Any, arm_b: Any, a: Any, b: Any, face: Any
+    ) -> tuple[list[Any], list[tuple[Any, Any]]]:
+        """What the rows of a place measure, and their directions in space; of floats, or of numbers with
+        derivatives.
+        """
         if self.place is None:
             return [], []
         ex, ey = (b[0] + arm_b[0]) - (a[0] + arm_a[0]), (b[1] + arm_b[1]) - (a[1] + arm_a[1])
@@ -277,10 +312,14 @@ class Constraint:
         return [measured], [(nx, ny)]
 
     def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:
-        """Force (N) on body b at its point, and moment (N m) on it; body a has the opposite at the same place."""
+        """Force (N) on body b at its point, and moment (N m) on it; body a has the opposite at the same
+        place.
+        """
         rows = self.rows(p, None, length).b[: self.lengths]
         values = multiplier.tolist()
-        fx, fy = (float(sum(row[axis] * value for row, value in zip(rows, values, strict=False))) for axis in (0, 1))
+        fx, fy = (
+            float(sum(row[axis] * value for row, value in zip(rows, values, strict=False))) for axis in (0, 1)
+        )
         return fx, fy, 0.0 if self.turn is None else length * values[-1]
 
     def at(self, p: Array) -> float:
@@ -303,7 +342,10 @@ class Constraint:
 
 def _pins(x: Any, y: Any, sign: float) -> list[tuple[Any, Any, Any]]:
     """Blocks of G for a body whose pin, at (x, y) from its centre of mass, is held along both axes."""
-    return [(sign, 0.0, sign * KERNEL.lever(x, y, 1.0, 0.0)), (0.0, sign, sign * KERNEL.lever(x, y, 0.0, 1.0))]
+    return [
+        (sign, 0.0, sign * KERNEL.lever(x, y, 1.0, 0.0)),
+        (0.0, sign, sign * KERNEL.lever(x, y, 0.0, 1.0)),
+    ]
 
 
 def _facing(at: list[float]) -> tuple[float, float]:

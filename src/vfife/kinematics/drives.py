@@ -26,27 +26,36 @@ Array = NDArray[np.float64]
 
 
 def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
-    """Drivers that turn a body about its ideal pivot on the ground, by body. AssemblyError where two turn the same one."""
+    """Drivers that turn a body about its ideal pivot on the ground, by body. AssemblyError where two turn the
+    same one.
+    """
     found: dict[str, Driver] = {}
     for name, driver in mechanism.drivers.items():
         body = driven_body(name, driver)
         if not driver.moves or not body or driver.against != "ground":
             continue
         if body in found:
-            raise AssemblyError(f"driver {name!r} turns body {body!r}, which another driver turns already; remove one of them")
+            raise AssemblyError(
+                f"driver {name!r} turns body {body!r}, which another driver turns already; remove one of them"
+            )
         found[body] = driver
     return found
 
 
 def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
-    """All other drivers that prescribe a motion, by name: against another body, along a slider, or of a point along a direction."""
+    """All other drivers that prescribe a motion, by name: against another body, along a slider, or of a point
+    along a direction.
+    """
     return {
-        name: driver for name, driver in mechanism.drivers.items() if driver.moves and (driver.against != "ground" or not driven_body(name, driver))
+        name: driver
+        for name, driver in mechanism.drivers.items()
+        if driver.moves and (driver.against != "ground" or not driven_body(name, driver))
     }
 
 
 def standing(mechanism: Mechanism) -> Mechanism:
-    """What a static analysis starts from: driven bodies held at their angles at time 0, no travels or paths, no loads and no springs.
+    """What a static analysis starts from: driven bodies held at their angles at time 0, no travels or paths,
+    no loads and no springs.
 
     The mechanism itself where the analysis is dynamic.
     """
@@ -56,7 +65,9 @@ def standing(mechanism: Mechanism) -> Mechanism:
     for body, driver in kinematic_drivers(mechanism).items():
         angle = driver.motion(0.0)(0.0)[0]
         drivers[body] = AngleTable(body=body, times=(0.0, 1.0), values=(angle, angle))
-    bodies = {name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()}
+    bodies = {
+        name: dataclasses.replace(body, velocity=(0.0, 0.0, 0.0)) for name, body in mechanism.bodies.items()
+    }
     return dataclasses.replace(mechanism, bodies=bodies, drivers=drivers, loads={}, springs={})
 
 
@@ -65,11 +76,14 @@ def pivot_of(mechanism: Mechanism, body: str) -> Joint:
     found = [
         joint
         for joint in mechanism.joints.values()
-        if joint.revolves and not isinstance(joint, Contact) and {body, "ground"} == {side[0] for side in joint.sides}
+        if joint.revolves
+        and not isinstance(joint, Contact)
+        and {body, "ground"} == {side[0] for side in joint.sides}
     ]
     if len(found) != 1:
         raise AssemblyError(
-            f"the driver of body {body!r} needs exactly one ideal joint between {body!r} and the ground to turn it about; there are {len(found)}"
+            f"the driver of body {body!r} needs exactly one ideal joint between {body!r} and the ground to"
+            f" turn it about; there are {len(found)}"
         )
     return found[0]
 
@@ -83,11 +97,13 @@ def rigid_system(
     seats: Mapping[str, tuple[float, float]] | None = None,
     travels: bool = True,
 ) -> RigidSystem:
-    """The mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s); external contacts are left out.
+    """The mechanism with every joint ideal and every link rigid, its drivers at ``time`` (s); external
+    contacts are left out.
 
-    Weld, slider and gear keep the relative angle that the bodies' approximate angles have. ``datum``: where driven angles and travels count from
-    (angles: the approximate ones unless given). ``seats``: eccentricities (m, in the bearing body's frame) of seated journals. Without
-    ``travels`` only driven angles are held.
+    Weld, slider and gear keep the relative angle that the bodies' approximate angles have. ``datum``: where
+    driven angles and travels count from (angles: the approximate ones unless given). ``seats``:
+    eccentricities (m, in the bearing body's frame) of seated journals. Without ``travels`` only driven angles
+    are held.
     """
     datum = Datum() if datum is None else datum
     names = ("ground", *mechanism.bodies)
@@ -97,7 +113,10 @@ def rigid_system(
         if joint.name not in open_joints and joint.rows():
             joints.append(_joint(mechanism, names, joint, (seats or {}).get(joint.name, (0.0, 0.0))))
     joints += [_gear(mechanism, names, gear) for gear in mechanism.gears.values()]
-    drives = [_drive(mechanism, names, body, driver, time, datum) for body, driver in kinematic_drivers(mechanism).items()]
+    drives = [
+        _drive(mechanism, names, body, driver, time, datum)
+        for body, driver in kinematic_drivers(mechanism).items()
+    ]
     for name, driver in constraint_drivers(mechanism).items():
         if travels or driven_body(name, driver):
             drives.append(_drive(mechanism, names, name, driver, time, datum))
@@ -111,7 +130,9 @@ def _angle(mechanism: Mechanism, body: str) -> float:
     return 0.0 if body == "ground" else mechanism.bodies[body].angle
 
 
-def _joint(mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tuple[float, float]) -> Constraint:
+def _joint(
+    mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tuple[float, float]
+) -> Constraint:
     """What a joint holds without play; its bodies keep the angle that they have between them approximately."""
     (a, pin_a), (b, pin_b) = joint.sides
     (x, y), point_b = from_center(mechanism, (a, pin_a)), from_center(mechanism, (b, pin_b))
@@ -124,20 +145,45 @@ def _joint(mechanism: Mechanism, names: tuple[str, ...], joint: Joint, seat: tup
 
 def _gear(mechanism: Mechanism, names: tuple[str, ...], gear: Gear) -> Constraint:
     carrier = carrier_of(mechanism, gear)
-    offset = KERNEL.relative_turn(*(_angle(mechanism, body) for body in (gear.first, gear.second)), gear.ratio, _angle(mechanism, carrier))
+    offset = KERNEL.relative_turn(
+        *(_angle(mechanism, body) for body in (gear.first, gear.second)),
+        gear.ratio,
+        _angle(mechanism, carrier),
+    )
     ends = names.index(gear.first), names.index(gear.second)
     return Constraint(gear.name, *ends, gear.rows(), aim=offset, body_c=names.index(carrier))
 
 
-def _drive(mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, time: float, datum: Datum) -> Constraint:
+def _drive(
+    mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, time: float, datum: Datum
+) -> Constraint:
     """A driver's constraint; what it prescribes counts from the datum."""
     body = driven_body(name, driver)
     if body:
-        start = datum.angle.get(body, _angle(mechanism, body)) - datum.angle.get(driver.against, _angle(mechanism, driver.against))
+        start = datum.angle.get(body, _angle(mechanism, body)) - datum.angle.get(
+            driver.against, _angle(mechanism, driver.against)
+        )
         steady = driver.steady_speed if time == 0.0 and mechanism.clock == 0.0 else None
-        angle, rate, second = motion_function(driver, start, mechanism.clock)(time) if steady is None else (start, steady, 0.0)
-        return Constraint(name, names.index(driver.against), names.index(body), (Turn(),), aim=angle, speed=rate, acceleration=second, driven=True)
-    return travel_of(mechanism, names, name, driver, *motion_function(driver, datum.travel.get(name, 0.0), mechanism.clock)(time))
+        angle, rate, second = (
+            motion_function(driver, start, mechanism.clock)(time) if steady is None else (start, steady, 0.0)
+        )
+        return Constraint(
+            name,
+            names.index(driver.against),
+            names.index(body),
+            (Turn(),),
+            aim=angle,
+            speed=rate,
+            acceleration=second,
+            driven=True,
+        )
+    return travel_of(
+        mechanism,
+        names,
+        name,
+        driver,
+        *motion_function(driver, datum.travel.get(name, 0.0), mechanism.clock)(time),
+    )
 
 
 def guide_of(mechanism: Mechanism, slider: str) -> tuple[Joint, Guided] | None:
@@ -148,7 +194,13 @@ def guide_of(mechanism: Mechanism, slider: str) -> tuple[Joint, Guided] | None:
 
 
 def travel_of(
-    mechanism: Mechanism, names: tuple[str, ...], name: str, driver: Driver, value: float = 0.0, rate: float = 0.0, second: float = 0.0
+    mechanism: Mechanism,
+    names: tuple[str, ...],
+    name: str,
+    driver: Driver,
+    value: float = 0.0,
+    rate: float = 0.0,
+    second: float = 0.0,
 ) -> Constraint:
     """The place of a slider along its guide, or of a point along a direction of space, as a constraint."""
     if driver.slider:
@@ -158,13 +210,24 @@ def travel_of(
             raise AssemblyError(f"driver {name!r}: {driver.slider!r} is no slider; there are {sliders}")
         joint, guide = found
         (a, pin_a), (b, pin_b) = joint.sides
-        ends = names.index(a), names.index(b), (Along(guide.direction),), from_center(mechanism, (a, pin_a)), from_center(mechanism, (b, pin_b))
+        ends = (
+            names.index(a),
+            names.index(b),
+            (Along(guide.direction),),
+            from_center(mechanism, (a, pin_a)),
+            from_center(mechanism, (b, pin_b)),
+        )
         return Constraint(name, *ends, value, rate, second, driven=True)
     body, _, pin = driver.point.partition(".")
     if body not in mechanism.bodies:
-        raise AssemblyError(f"driver {name!r} moves {driver.point!r}, which is no pin of a body; give it body.pin")
+        raise AssemblyError(
+            f"driver {name!r} moves {driver.point!r}, which is no pin of a body; give it body.pin"
+        )
     if hypot(*driver.direction) == 0.0:
-        raise VfifeError(f"driver {name!r}: its direction (0, 0) has no length; give two numbers (x, y) that are not both zero")
+        raise VfifeError(
+            f"driver {name!r}: its direction (0, 0) has no length; give two numbers (x, y) that are not both"
+            " zero"
+        )
     to = 0, names.index(body), (Along(driver.direction),), (0.0, 0.0), from_center(mechanism, (body, pin))
     return Constraint(name, *to, value, rate, second, driven=True)
 
@@ -173,5 +236,7 @@ def spinless(mechanism: Mechanism) -> frozenset[str]:
     """Particles without rotary inertia whose angle nothing prescribes: they have none."""
     driven = kinematic_drivers(mechanism)
     return frozenset(
-        name for name, body in mechanism.bodies.items() if isinstance(body, PointMass) and not body.inertia > 0.0 and name not in driven
+        name
+        for name, body in mechanism.bodies.items()
+        if isinstance(body, PointMass) and not body.inertia > 0.0 and name not in driven
     )

@@ -1,8 +1,11 @@
-"""The ideal mechanism followed through a driven motion: how far it goes, and which singular positions it passes.
+"""The ideal mechanism followed through a driven motion: how far it goes, and which singular positions it
+passes.
 
-Positions are predicted along velocity and curvature and closed by Newton's method; the sign of the determinant of all rows tells when a singular
-position lies between two of them (Gosselin and Angeles, IEEE Transactions on Robotics and Automation 6 (1990) 281-290, singularities of the second
-kind: drivers held, something still moves). Where the mechanism closes beyond it, two branches cross there; where it does not, the motion ends.
+Positions are predicted along velocity and curvature and closed by Newton's method; the sign of the
+determinant of all rows tells when a singular position lies between two of them (Gosselin and Angeles, IEEE
+Transactions on Robotics and Automation 6 (1990) 281-290, singularities of the second kind: drivers held,
+something still moves). Where the mechanism closes beyond it, two branches cross there; where it does not, the
+motion ends.
 """
 
 from __future__ import annotations
@@ -32,7 +35,9 @@ Aims = Callable[[float], Array]
 PACE = math.radians(10.0)  # largest part of a way in one stride
 FINE = 1e-5  # rad, or of a body's reach: to this a motion that ends is followed
 SINGULAR = 1e-4  # to this a change of sign is closed in on
-HOP = 4e-3  # over so much a singular position is passed; a mechanism that closes on both sides of less is as good as one that closes between
+# over so much a singular position is passed; a mechanism that closes on both sides of less is as good as one
+# that closes between
+HOP = 4e-3
 CLOSED = 1e-9  # open distance over the extent of the bodies
 QUICK = 1e-5  # open distance that one step more squares
 NEAR = 1e-4  # of the extent, if that step is no longer
@@ -44,9 +49,11 @@ MOST_STRIDES = 3000
 
 @dataclass(frozen=True, eq=False)
 class Passage:
-    """How far a way was followed (``reached`` of it), the positions [n, 3] there, and the singular positions passed: places on the way.
+    """How far a way was followed (``reached`` of it), the positions [n, 3] there, and the singular positions
+    passed: places on the way.
 
-    ``jammed`` where it goes no further; ``stressed`` [rows] is the self-stress there, and ``singular`` holds a place and its self-stress each.
+    ``jammed`` where it goes no further; ``stressed`` [rows] is the self-stress there, and ``singular`` holds
+    a place and its self-stress each.
     """
 
     reached: float
@@ -68,12 +75,16 @@ class Follower:
 
     @classmethod
     def of(cls, system: RigidSystem, position: Array) -> Follower | None:
-        """None where drives and joints do not determine every motion that a joint feels, or hold one twice with the drives."""
+        """None where drives and joints do not determine every motion that a joint feels, or hold one twice
+        with the drives.
+        """
         gathered = Gathered(system)
         if not system.drives or not gathered.rows or gathered.columns > DENSE:
             return None
         kept = gathered.aimed(np.array([drive.aim for drive in system.drives]))
-        aside = position + 0.1 * cos(np.arange(position.size)).reshape(position.shape) * np.array([1.0, 1.0, 1.0])
+        aside = position + 0.1 * cos(np.arange(position.size)).reshape(position.shape) * np.array(
+            [1.0, 1.0, 1.0]
+        )
         felt = np.flatnonzero(np.abs(gathered.at(aside, kept)[1]).max(axis=0) > 0.0)
         jacobian = gathered.at(position, kept)[1][:, felt]
         rows = np.arange(gathered.rows)
@@ -86,11 +97,18 @@ class Follower:
             return None
         whole = len(rows) == gathered.rows and len(felt) == gathered.columns - 3
         picked = (slice(None), slice(None)) if whole else np.ix_(rows, felt)
-        return cls(gathered, rows, felt, max(float(system.reach[1:].max()), float(np.abs(position[:, :2]).max())), picked)
+        return cls(
+            gathered,
+            rows,
+            felt,
+            max(float(system.reach[1:].max()), float(np.abs(position[:, :2]).max())),
+            picked,
+        )
 
     def closed(self, guess: Array, aims: Array, quick: bool = False) -> tuple[Array, Array] | None:
-        """The position near a guess, and its square matrix, which ``quick`` is that of a position next to it; None where Newton's method does not
-        close it."""
+        """The position near a guess, and its square matrix, which ``quick`` is that of a position next to it;
+        None where Newton's method does not close it.
+        """
         position, kept, best = guess, self.gathered.aimed(aims), math.inf
         for _ in range(NEWTON):
             phi, jacobian = self.gathered.at(position, kept)
@@ -104,14 +122,23 @@ class Follower:
             if step is None:
                 return None
             position = position - step
-            if quick and size <= QUICK * self.extent and len(self.rows) == self.gathered.rows and self.moved(step) <= NEAR * self.extent:
+            if (
+                quick
+                and size <= QUICK * self.extent
+                and len(self.rows) == self.gathered.rows
+                and self.moved(step) <= NEAR * self.extent
+            ):
                 return position, square  # squared by this step; the matrix is as near as the position was
         return None
 
     def solved(self, square: Array, right: Array) -> Array | None:
         """J^-1 right as a change of position [n, 3]; None where a body would turn by half a turn or more."""
         step = self.solved_freely(square, right)
-        return step if step is not None and np.isfinite(step).all() and np.abs(step.ravel()[2::3]).max() < math.pi else None
+        return (
+            step
+            if step is not None and np.isfinite(step).all() and np.abs(step.ravel()[2::3]).max() < math.pi
+            else None
+        )
 
     def moved(self, step: Array) -> float:
         """Size of a step: the largest coordinate in (x, y, l theta)."""
@@ -141,15 +168,23 @@ class Follower:
         return stress
 
 
-def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length: float, pace: float = PACE) -> Passage:
-    """Follows a way of ``length`` from a closed position [n, 3]: the drives' ``aims`` [d] and ``rates`` [d] by place on the way."""
+def follow(
+    follower: Follower, position: Array, aims: Aims, rates: Aims, length: float, pace: float = PACE
+) -> Passage:
+    """Follows a way of ``length`` from a closed position [n, 3]: the drives' ``aims`` [d] and ``rates`` [d]
+    by place on the way.
+    """
     start = follower.closed(position, aims(0.0))
     if start is None:
         return Passage(0.0, position, False, None, ())
     (here, square), at = start, 0.0
     found: list[tuple[float, Array]] = []
     sign = dense.determinant_sign(square)
-    going, bend, stride = follower.velocity(square, rates(0.0)), np.zeros_like(position), 0.382 * pace  # a change point lies at a round angle
+    going, bend, stride = (
+        follower.velocity(square, rates(0.0)),
+        np.zeros_like(position),
+        0.382 * pace,
+    )  # a change point lies at a round angle
     for _ in range(MOST_STRIDES):
         if at >= length * (1.0 - 1e-12):
             break
@@ -157,8 +192,14 @@ def follow(follower: Follower, position: Array, aims: Aims, rates: Aims, length:
             return Passage(at, here, True, follower.stress(square), tuple(found))
         stride = min(stride, length - at)
         guess = here + stride * going + 0.5 * (stride * stride) * bend
-        tried = follower.closed(guess, aims(at + stride), quick=stride > 0.2 * pace)  # in small steps lies what is singular
-        if tried is not None and follower.moved(tried[0] - guess) > ASTRAY * follower.moved(tried[0] - here) + 1e-9 * follower.extent:
+        tried = follower.closed(
+            guess, aims(at + stride), quick=stride > 0.2 * pace
+        )  # in small steps lies what is singular
+        if (
+            tried is not None
+            and follower.moved(tried[0] - guess)
+            > ASTRAY * follower.moved(tried[0] - here) + 1e-9 * follower.extent
+        ):
             tried = None
         turned = tried is not None and dense.determinant_sign(tried[1]) != sign
         if tried is not None and not turned:
@@ -190,7 +231,10 @@ def _hopped(
     hop = min(HOP, length - at)
     guess = here + hop * going + 0.5 * (hop * hop) * bend
     tried = follower.closed(guess, aims(at + hop))
-    if tried is None or follower.moved(tried[0] - guess) > ASTRAY * follower.moved(hop * going) + 1e-6 * follower.extent:
+    if (
+        tried is None
+        or follower.moved(tried[0] - guess) > ASTRAY * follower.moved(hop * going) + 1e-6 * follower.extent
+    ):
         return None
     return tried, at + hop
 
@@ -205,7 +249,8 @@ MOST_WAY_STRIDES = 400  # of several drivers together
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A way of ``length`` from the start: the drives' values [d] (rad, m) by place on it, their rates, the longest stride, and the time (s) there.
+    """A way of ``length`` from the start: the drives' values [d] (rad, m) by place on it, their rates, the
+    longest stride, and the time (s) there.
 
     ``turning``: whether it is a turn after which a mechanism may be where it was.
     """
@@ -219,9 +264,11 @@ class Way:
 
 
 def ways_of(mechanism: Mechanism, motion: Motion, duration: float) -> list[Way]:
-    """The ways of all drivers that prescribe a motion within ``duration`` (s), in the system of a motion, which may be a mirror image.
+    """The ways of all drivers that prescribe a motion within ``duration`` (s), in the system of a motion,
+    which may be a mirror image.
 
-    One driver alone goes from its start to its largest and to its smallest value, whichever comes first first; several go through time together.
+    One driver alone goes from its start to its largest and to its smallest value, whichever comes first
+    first; several go through time together.
     """
     drives = motion.system.drives
     by_name: dict[str, Driver] = {**kinematic_drivers(mechanism), **constraint_drivers(mechanism)}
@@ -236,16 +283,31 @@ def ways_of(mechanism: Mechanism, motion: Motion, duration: float) -> list[Way]:
     offsets = start - [sign * function(0.0)[0] for sign, function in zip(signs, functions, strict=True)]
 
     def sampled(place: float, which: int) -> Array:
-        return np.array([sign * function(place)[which] for sign, function in zip(signs, functions, strict=True)])
+        return np.array(
+            [sign * function(place)[which] for sign, function in zip(signs, functions, strict=True)]
+        )
 
     times = np.linspace(0.0, duration, LOOKS)
-    fastest = max(float(np.abs(function.sampled(times)[:, 1]).max()) / pace for function, pace in zip(functions, paces, strict=True))
+    fastest = max(
+        float(np.abs(function.sampled(times)[:, 1]).max()) / pace
+        for function, pace in zip(functions, paces, strict=True)
+    )
     if fastest == 0.0:
         return []
-    return [Way(lambda t: offsets + sampled(t, 0), lambda t: sampled(t, 1), min(duration, MOST_WAY_STRIDES / fastest), 1.0 / fastest, lambda t: t)]
+    return [
+        Way(
+            lambda t: offsets + sampled(t, 0),
+            lambda t: sampled(t, 1),
+            min(duration, MOST_WAY_STRIDES / fastest),
+            1.0 / fastest,
+            lambda t: t,
+        )
+    ]
 
 
-def _there_and_back(driver: Driver, sign: float, start: float, duration: float, pace: float, turns: bool) -> list[Way]:
+def _there_and_back(
+    driver: Driver, sign: float, start: float, duration: float, pace: float, turns: bool
+) -> list[Way]:
     """The ways of one driver: to its largest and its smallest value, in the order of time."""
     function = driver.motion(0.0)
     times = np.linspace(0.0, min(duration, function.period or duration), LOOKS)
@@ -262,7 +324,11 @@ def _there_and_back(driver: Driver, sign: float, start: float, duration: float, 
             after = int(np.argmax(reach >= place * (1.0 - 1e-12)))
             before = max(after - 1, 0)
             step = reach[after] - reach[before]
-            return float(times[before] + (times[after] - times[before]) * (place - reach[before]) / step) if step > 0.0 else float(times[after])
+            return (
+                float(times[before] + (times[after] - times[before]) * (place - reach[before]) / step)
+                if step > 0.0
+                else float(times[after])
+            )
 
         one = Way(
             lambda s, towards=towards: np.array([start + towards * s]),  # type: ignore[misc]
@@ -287,6 +353,10 @@ def followed(follower: Follower, start: Array, way: Way) -> Passage:
         off[:, 2] -= TURN * np.round(off[:, 2] / TURN)
         felt = np.zeros(off.size)
         felt[3 + follower.columns] = (off.ravel() * follower.gathered.reach)[3 + follower.columns]
-        if found.reached < length or np.abs(felt).max() <= BACK * follower.extent or done >= way.length * (1.0 - 1e-12):
+        if (
+            found.reached < length
+            or np.abs(felt).max() <= BACK * follower.extent
+            or done >= way.length * (1.0 - 1e-12)
+        ):
             return Passage(done, here, found.jammed, found.stressed, tuple(singular))
     return Passage(done, here, False, None, tuple(singular))

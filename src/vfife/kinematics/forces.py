@@ -1,6 +1,8 @@
-"""Forces that are known before the motion: weight, loads, torques, springs, dampers, stops and bushings, at one instant.
+"""Forces that are known before the motion: weight, loads, torques, springs, dampers, stops and bushings, at
+one instant.
 
-They are those of a step: its own functions, run as plain Python on records of two pins without mass, whose velocities stand as they are.
+They are those of a step: its own functions, run as plain Python on records of two pins without mass, whose
+velocities stand as they are.
 """
 
 from __future__ import annotations
@@ -20,11 +22,11 @@ from ..kernels.step import argument, load
 from ..kernels.topology import BUSHING, LINEAR, SLIDING, SPEED, STOP, TIME, TORSIONAL, TRAVEL, TURNED
 from ..model.drivers import Driver
 from ..model.functions import crank_of, timed
+from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Joint
 from ..model.loads.load import Load, Push
 from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
-from ..model.polynomials import Polynomials
 from ..model.rows import Guided, place_row
 from ..model.springs import AnySpring
 from ..numerics.elementwise import hypot
@@ -37,9 +39,11 @@ NO_BODIES = (TIME, "ground", "ground")  # of a function of time
 
 @dataclass(frozen=True)
 class Datum:
-    """What is counted from the start: places of driven travels and paths (m), by driver; distances (m) and relative angles (rad), by spring.
+    """What is counted from the start: places of driven travels and paths (m), by driver; distances (m) and
+    relative angles (rad), by spring.
 
-    ``angle`` has the angle (rad) of each body at the start: that from which driven angles and torques over an angle are counted.
+    ``angle`` has the angle (rad) of each body at the start: that from which driven angles and torques over an
+    angle are counted.
     """
 
     travel: Mapping[str, float] = field(default_factory=dict)
@@ -60,7 +64,9 @@ class Applied:
 
 @dataclass(frozen=True)
 class Guide:
-    """Along what a travel goes: pins of the two bodies, a direction of the first, and the gap (m) of a table with two ways."""
+    """Along what a travel goes: pins of the two bodies, a direction of the first, and the gap (m) of a table
+    with two ways.
+    """
 
     pins: tuple[str, str]
     direction: tuple[float, float]
@@ -69,11 +75,13 @@ class Guide:
 
 @dataclass(frozen=True)
 class Action:
-    """Forces (N) and moments (N m) per unit of a function, as (body, pin, (fx, fy, m)) for each body that feels them; no pin is the body itself.
+    """Forces (N) and moments (N m) per unit of a function, as (body, pin, (fx, fy, m)) for each body that
+    feels them; no pin is the body itself.
 
-    ``argument``: what the function depends on, TIME, TURNED, SPEED, TRAVEL or SLIDING, and the two bodies between which the angle, the speed or
-    the travel is; ``guide`` says along what they travel. ``follow``: whether the force turns with the body. ``steady``: whether it does not depend
-    on time, so that a static analysis multiplies it. ``owner``: "load" or "driver", and its name.
+    ``argument``: what the function depends on, TIME, TURNED, SPEED, TRAVEL or SLIDING, and the two bodies
+    between which the angle, the speed or the travel is; ``guide`` says along what they travel. ``follow``:
+    whether the force turns with the body. ``steady``: whether it does not depend on time, so that a static
+    analysis multiplies it. ``owner``: "load" or "driver", and its name.
     """
 
     owner: tuple[str, str]
@@ -120,7 +128,9 @@ class Instant:
         x, y, angle = self.position[row]
         u, v, w = self.velocity[row]
         at = world(self.mechanism, self.position, self.names, (body, pin)) if pin else (float(x), float(y))
-        return End(body, pin, at, float(angle), (float(u - w * (at[1] - y)), float(v + w * (at[0] - x)), float(w)))
+        return End(
+            body, pin, at, float(angle), (float(u - w * (at[1] - y)), float(v + w * (at[0] - x)), float(w))
+        )
 
     def ends(self, spring: AnySpring) -> tuple[End, End]:
         """The two ends of a spring."""
@@ -150,18 +160,24 @@ def constant_forces(now: Instant, pushed: Iterable[Applied]) -> Array:
 
 
 def driven_body(name: str, driver: Driver) -> str:
-    """The body that a driver turns; a driver without ``body``, ``slider`` and ``point`` is called by its body's name."""
+    """The body that a driver turns; a driver without ``body``, ``slider`` and ``point`` is called by its
+    body's name.
+    """
     return driver.body or ("" if driver.slider or driver.point else name)
 
 
 def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
-    """Loads at pins, and torques or forces of drivers with their opposites. ValueError for a force over a speed or an angle."""
+    """Loads at pins, and torques or forces of drivers with their opposites. ValueError for a force over a
+    speed or an angle.
+    """
     found = [action for name, one in mechanism.loads.items() for action in _loading(mechanism, name, one)]
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             body = driven_body(name, driver)
             function, depends = _effort(mechanism, driver, body)
-            found.append(Action(("driver", name), function, depends, _sides(driver, body), steady=driver.steady))
+            found.append(
+                Action(("driver", name), function, depends, _sides(driver, body), steady=driver.steady)
+            )
     return found
 
 
@@ -172,7 +188,9 @@ def _loading(mechanism: Mechanism, name: str, one: Load) -> Iterator[Action]:
     argument, guide = _depends(mechanism, one, gap)
     pushes = one.pushes(mechanism.joints)
     for follow in (False, True):
-        ends = tuple((push.body, push.pin, _aligned(push, mechanism)) for push in pushes if push.follow == follow)
+        ends = tuple(
+            (push.body, push.pin, _aligned(push, mechanism)) for push in pushes if push.follow == follow
+        )
         if ends:
             yield Action(("load", name), function, argument, ends, follow, one.steady, guide)
 
@@ -193,7 +211,9 @@ def _direction(joint: Joint) -> tuple[float, float]:
     """Direction of a joint's guide, in the frame of the bearing's body. ValueError where it has none."""
     guide = place_row(joint.rows())
     if not isinstance(guide, Guided):
-        raise VfifeError(f"joint {joint.name!r} has no guide along which something could travel; name a slider")
+        raise VfifeError(
+            f"joint {joint.name!r} has no guide along which something could travel; name a slider"
+        )
     return guide.unit()
 
 
@@ -220,12 +240,17 @@ def _sides(driver: Driver, body: str) -> tuple[tuple[str, str, tuple[float, floa
 
 
 def _effort(mechanism: Mechanism, driver: Driver, body: str) -> tuple[Polynomials, tuple[int, str, str]]:
-    """A torque's function, and what it depends on: time, the speed of the body, or its angle, counted from the start that the model has."""
+    """A torque's function, and what it depends on: time, the speed of the body, or its angle, counted from
+    the start that the model has.
+    """
     function = driver.effort()
     if driver.over == "time":
         return timed(function, mechanism.clock), NO_BODIES
     if driver.point:
-        raise VfifeError(f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give it times, or use a spring")
+        raise VfifeError(
+            f"the force on {driver.point!r} cannot be a table over speeds or angles, which a body has; give"
+            " it times, or use a spring"
+        )
     if driver.over == "speed":
         return function, (SPEED, driver.against, body)
     begin = _model_angle(mechanism, body) - _model_angle(mechanism, driver.against)
@@ -247,9 +272,16 @@ def kind_of_spring(spring: AnySpring) -> int:
 
 
 def spring_fields(spring: AnySpring, start: float) -> dict[str, tuple[float, ...]]:
-    """Parameters of a spring in the kernels' record; ``start`` is its distance (m) or angle (rad) at the start, where it is free unless said."""
+    """Parameters of a spring in the kernels' record; ``start`` is its distance (m) or angle (rad) at the
+    start, where it is free unless said.
+    """
     numbers = spring.numbers(start)
-    return {"stiffness": numbers.stiffness, "damping": numbers.damping, "free": (numbers.free,), "high": (numbers.high,)}
+    return {
+        "stiffness": numbers.stiffness,
+        "damping": numbers.damping,
+        "free": (numbers.free,),
+        "high": (numbers.high,),
+    }
 
 
 def _records(ends: Sequence[End], more: int) -> list[float]:
@@ -257,7 +289,9 @@ def _records(ends: Sequence[End], more: int) -> list[float]:
     rows = [0.0] * (len(ends) * PARTICLE.SIZE + more)
     for k, end in enumerate(ends):
         s, c = sincos(end.angle)
-        values = {"x": end.at[0], "y": end.at[1], "theta": end.angle, "c": c, "s": s} | dict(zip("uvw", end.velocity, strict=True))
+        values = {"x": end.at[0], "y": end.at[1], "theta": end.angle, "c": c, "s": s} | dict(
+            zip("uvw", end.velocity, strict=True)
+        )
         for name, value in values.items():
             rows[k * PARTICLE.SIZE + getattr(PARTICLE, name)] = float(value)
     return rows
@@ -267,7 +301,9 @@ def _acting(action: Action, now: Instant) -> Iterator[Applied]:
     """An action at its value of the moment."""
     kind, *bodies = action.argument
     guide, function = action.guide or Guide(("", ""), (1.0, 0.0)), 2 * PARTICLE.SIZE
-    between = _records([now.end(body, pin) for body, pin in zip(bodies, guide.pins, strict=True)], FUNCTION.SIZE)
+    between = _records(
+        [now.end(body, pin) for body, pin in zip(bodies, guide.pins, strict=True)], FUNCTION.SIZE
+    )
     for name, number in zip(("along_x", "along_y", "gap"), (*guide.direction, guide.gap), strict=True):
         between[function + getattr(FUNCTION, name)] = number
     value = action.function(argument(between, kind, 0, PARTICLE.SIZE, function, now.time, 0.0))[0]
@@ -287,11 +323,16 @@ def _pulling(spring: AnySpring, now: Instant, start: float) -> Iterator[Applied]
 
 
 def pull(spring: AnySpring, start: float, ends: Sequence[End]) -> list[tuple[float, float, float]]:
-    """Force (N, N) and moment (N m) of a massless element on each of its two pins; ``start`` is its distance or angle at the start."""
+    """Force (N, N) and moment (N m) of a massless element on each of its two pins; ``start`` is its distance
+    or angle at the start.
+    """
     element = 2 * PARTICLE.SIZE
     rows = _records(ends, SPRING.SIZE)
     for name, values in spring_fields(spring, start).items():
         first = element + getattr(SPRING, name)
         rows[first : first + len(values)] = values
     spring_force(rows, element, 0, PARTICLE.SIZE, kind_of_spring(spring), 1.0, 0.0)
-    return [(rows[base + PARTICLE.fx], rows[base + PARTICLE.fy], rows[base + PARTICLE.mz]) for base in (0, PARTICLE.SIZE)]
+    return [
+        (rows[base + PARTICLE.fx], rows[base + PARTICLE.fy], rows[base + PARTICLE.mz])
+        for base in (0, PARTICLE.SIZE)
+    ]

@@ -1,6 +1,8 @@
-"""All rows of a rigid system at once, and positions in which a single joint is open: the text of the step, run on arrays.
+"""All rows of a rigid system at once, and positions in which a single joint is open: the text of the step,
+run on arrays.
 
-:func:`~vfife.kinematics.system.equations` takes the rows one by one, which suits a start; a motion that is followed through a turn needs hundreds.
+:func:`~vfife.kinematics.system.equations` takes the rows one by one, which suits a start; a motion that is
+followed through a turn needs hundreds.
 """
 
 from __future__ import annotations
@@ -25,7 +27,8 @@ KINDS = {Across: ACROSS, Along: ALONG, Apart: APART}
 
 
 class Gathered:
-    """phi [r] (m) and G [r, 3(n-1)] in (x, y, l theta), as :func:`~vfife.kinematics.system.equations` has them, at other aims of the drives.
+    """phi [r] (m) and G [r, 3(n-1)] in (x, y, l theta), as :func:`~vfife.kinematics.system.equations` has
+    them, at other aims of the drives.
 
     Rows are those of the system, in its order.
     """
@@ -34,7 +37,10 @@ class Gathered:
         self.system = system
         self.rows, self.columns = system.starts[-1], 3 * len(system.names)
         owners = range(len(system.constraints))
-        self.places = [(kind, _Group(system, [k for k in owners if _kind(system.constraints[k]) == kind])) for kind in (-1, *KINDS.values())]
+        self.places = [
+            (kind, _Group(system, [k for k in owners if _kind(system.constraints[k]) == kind]))
+            for kind in (-1, *KINDS.values())
+        ]
         self.places = [(kind, group) for kind, group in self.places if len(group.row)]
         self.odd = [k for k in owners if isinstance(system.constraints[k].place, OnPath)]
         turned = [k for k in owners if system.constraints[k].turn is not None]
@@ -52,12 +58,19 @@ class Gathered:
             elif isinstance(one.place, Apart):
                 self.fixed[last] = one.place.length
         self.driven = np.arange(system.held, self.rows)
-        self.scale = np.array([system.lengths[k] if one.turns else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))])
+        self.scale = np.array(
+            [
+                system.lengths[k] if one.turns else 1.0
+                for k, one in enumerate(system.drives, start=len(system.joints))
+            ]
+        )
         self.pinned, self.levers = self._pins()
         self.reach = np.where(np.arange(self.columns) % 3 == 2, np.repeat(system.reach, 3), 1.0)
 
     def _pins(self) -> tuple[Array, NDArray[np.intp]]:
-        """G of pins without its levers, and where in it those are: of bodies a for both directions, then of bodies b."""
+        """G of pins without its levers, and where in it those are: of bodies a for both directions, then of
+        bodies b.
+        """
         G = np.zeros((self.rows, self.columns))
         group = dict(self.places).get(-1)
         if group is None:
@@ -78,7 +91,10 @@ class Gathered:
     def at(self, position: Array, kept: Array) -> tuple[Array, Array]:
         """phi [..., r] and G [..., r, 3(n-1)] at positions [..., n, 3]."""
         lead = position.shape[:-2]
-        phi, G = np.zeros((*lead, self.rows)), np.broadcast_to(self.pinned, (*lead, self.rows, self.columns)).copy()
+        phi, G = (
+            np.zeros((*lead, self.rows)),
+            np.broadcast_to(self.pinned, (*lead, self.rows, self.columns)).copy(),
+        )
         x, y, angle = position[..., 0], position[..., 1], position[..., 2]
         s, c = sincos(angle)
         for kind, group in self.places:
@@ -89,10 +105,16 @@ class Gathered:
             ex, ey = foot_x - ax, foot_y - ay
             if kind == -1:
                 phi[..., row], phi[..., row + 1] = ex, ey
-                levers = [sign * KERNEL.lever(*arm, *n) for arm, sign in (((ax, ay), -1.0), ((bx, by), 1.0)) for n in AXES]
+                levers = [
+                    sign * KERNEL.lever(*arm, *n)
+                    for arm, sign in (((ax, ay), -1.0), ((bx, by), 1.0))
+                    for n in AXES
+                ]
                 G.reshape(*lead, -1)[..., self.levers] = np.concatenate(levers, axis=-1)
             else:
-                phi[..., row], nx, ny = KERNEL.placed((), kind, 0, 0, c[..., a], s[..., a], *group.direction, ex, ey)
+                phi[..., row], nx, ny = KERNEL.placed(
+                    (), kind, 0, 0, c[..., a], s[..., a], *group.direction, ex, ey
+                )
                 _put(G, row, a, -nx, -ny, -KERNEL.lever(foot_x, foot_y, nx, ny))
                 _put(G, row, b, nx, ny, KERNEL.lever(bx, by, nx, ny))
         for k in self.odd:
@@ -100,7 +122,9 @@ class Gathered:
                 self._one(k, position[at], phi[at], G[at])
         if len(self.turns.row):
             a, b, row = self.turns.a, self.turns.b, self.turns.row
-            phi[..., row] = self.length * KERNEL.relative_turn(angle[..., a], angle[..., b], self.ratio, angle[..., self.carrier])
+            phi[..., row] = self.length * KERNEL.relative_turn(
+                angle[..., a], angle[..., b], self.ratio, angle[..., self.carrier]
+            )
             G[..., row, 3 * a + 2] = -self.length * self.ratio
             G[..., row, 3 * b + 2] = self.length
             G[..., row, 3 * self.carrier + 2] -= self.length * (1.0 - self.ratio)
@@ -122,10 +146,14 @@ class _Group:
         ones = [system.constraints[k] for k in owners]
         self.a = np.array([one.body_a for one in ones], dtype=int)
         self.b = np.array([one.body_b for one in ones], dtype=int)
-        self.row = np.array([system.starts[k + 1] - 1 if last else system.starts[k] for k in owners], dtype=int)
+        self.row = np.array(
+            [system.starts[k + 1] - 1 if last else system.starts[k] for k in owners], dtype=int
+        )
         self.point_a = np.array([one.point_a for one in ones], dtype=float).reshape(-1, 2).T
         self.point_b = np.array([one.point_b for one in ones], dtype=float).reshape(-1, 2).T
-        units = [place.unit() if isinstance(place := one.place, Across | Along) else (1.0, 0.0) for one in ones]
+        units = [
+            place.unit() if isinstance(place := one.place, Across | Along) else (1.0, 0.0) for one in ones
+        ]
         self.direction = np.array(units, dtype=float).reshape(-1, 2).T
 
 
@@ -149,11 +177,15 @@ FINEST = 1e-9  # of the extent: a step that is none
 
 
 def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
-    """The joint, by number, that closes the loop of the rows that take part (all, unless a self-stress [rows] says so).
+    """The joint, by number, that closes the loop of the rows that take part (all, unless a self-stress [rows]
+    says so).
 
-    Bodies are hung from the ground on, those nearest to it first; it is the joint left over between the two furthest from it.
+    Bodies are hung from the ground on, those nearest to it first; it is the joint left over between the two
+    furthest from it.
     """
-    part = [k for k in range(len(system.joints)) if rows is None or rows[system.rows(k)].max(initial=0.0) > FELT]
+    part = [
+        k for k in range(len(system.joints)) if rows is None or rows[system.rows(k)].max(initial=0.0) > FELT
+    ]
     depth, hung, waiting = {0: 0}, set(), [0]
     while waiting:
         body = waiting.pop(0)
@@ -164,8 +196,14 @@ def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
                 depth[other] = depth[body] + 1
                 hung.add(k)
                 waiting.append(other)
-    left = [k for k in part if k not in hung and system.joints[k].body_a in depth and system.joints[k].body_b in depth]
-    return max(left, key=lambda k: depth[system.joints[k].body_a] + depth[system.joints[k].body_b], default=None)
+    left = [
+        k
+        for k in part
+        if k not in hung and system.joints[k].body_a in depth and system.joints[k].body_b in depth
+    ]
+    return max(
+        left, key=lambda k: depth[system.joints[k].body_a] + depth[system.joints[k].body_b], default=None
+    )
 
 
 class Parted(NamedTuple):
@@ -181,7 +219,11 @@ class Parted(NamedTuple):
 
 def parted(gathered: Gathered, joint: int, aims: Array, guess: Array) -> Parted:
     """Opens a joint by as little as its loop allows, near a guess [n, 3], by the method of multipliers."""
-    kept, here, extent = gathered.aimed(aims), gathered.system.rows(joint), float(gathered.system.reach[1:].max())
+    kept, here, extent = (
+        gathered.aimed(aims),
+        gathered.system.rows(joint),
+        float(gathered.system.reach[1:].max()),
+    )
     weight, shift, position = np.full(gathered.rows, HELD), np.zeros(gathered.rows), guess
     weight[here] = 1.0
     for _ in range(ROUNDS):
@@ -195,14 +237,18 @@ def parted(gathered: Gathered, joint: int, aims: Array, guess: Array) -> Parted:
     return Parted(position, norm(phi[here]), pulls)
 
 
-def _least(gathered: Gathered, kept: Array, weight: Array, shift: Array, position: Array) -> tuple[Array, Array]:
+def _least(
+    gathered: Gathered, kept: Array, weight: Array, shift: Array, position: Array
+) -> tuple[Array, Array]:
     """The position with the least |weight (phi + shift)|, by damped Gauss-Newton steps, and phi there."""
     scale, extent = gathered.reach[3:], float(gathered.system.reach[1:].max())
     (phi, jacobian), damping = gathered.at(position, kept), 1e-2
     for _ in range(STEPS):
         error = weight * (phi + shift)
         weighted = weight[:, None] * jacobian
-        step = dense.solve(product(weighted.T, weighted) + damping * np.eye(len(scale)), -times(weighted.T, error))
+        step = dense.solve(
+            product(weighted.T, weighted) + damping * np.eye(len(scale)), -times(weighted.T, error)
+        )
         step /= max(1.0, float(np.abs(step / scale)[2::3].max()) / LARGEST_TURN)
         if np.abs(step).max() <= FINEST * extent or damping > 1e9:
             break

@@ -1,7 +1,8 @@
-"""Linear algebra of constraints that may depend on one another: least steps, motions nearest a wish, and self-stresses.
+"""Linear algebra of constraints that may depend on one another: least steps, motions nearest a wish, and
+self-stresses.
 
-G [r, c] is dense (one singular value decomposition) up to 90 columns, and sparse beyond: factors of G G^T + epsilon, refined.
-All of it has the same bits on every machine (:mod:`vfife.numerics`).
+G [r, c] is dense (one singular value decomposition) up to 90 columns, and sparse beyond: factors of G G^T +
+epsilon, refined. All of it has the same bits on every machine (:mod:`vfife.numerics`).
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ Matrix = Any  # a dense array, or a Sparse one
 
 RANK_TOLERANCE = 1e-7  # a dead centre is only met to the root of round-off, so it must be judged this loosely
 DENSE = 90  # columns: beyond some 30 bodies sparse factors are faster
-EPSILON = 1e-12  # of the largest pivot: well under the squares of singular values that count, well over their round-off
-SOFT = 1e-9  # the same where the solution is refined: self-stress from round-off stays under 1e-7 of the reactions
+# of the largest pivot: well under the squares of singular values that count, well over their round-off
+EPSILON = 1e-12
+# the same where the solution is refined: self-stress from round-off stays under 1e-7 of the reactions
+SOFT = 1e-9
 REFINEMENTS = 30
 
 
@@ -76,15 +79,19 @@ class DampedStep:
 
     def __call__(self, damping: float) -> Array:
         if self.squared is not None:
-            found: Array = self.jacobian.transposed_times(self.squared.solver(max(damping, EPSILON))(self.error))
+            found: Array = self.jacobian.transposed_times(
+                self.squared.solver(max(damping, EPSILON))(self.error)
+            )
             return found
         return np.asarray(times(self.columns, self.size / (self.size * self.size + damping) * self.part))
 
 
 def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tuple[Array, Array]:
-    """The motion x [c] with G x = wanted and the least (x - free)^T M (x - free), and its multipliers [r]: M (x - free) = G^T lambda.
+    """The motion x [c] with G x = wanted and the least (x - free)^T M (x - free), and its multipliers [r]: M
+    (x - free) = G^T lambda.
 
-    Where rows depend on one another, lambda is the solution of least norm, and x fits ``wanted`` as well as can be.
+    Where rows depend on one another, lambda is the solution of least norm, and x fits ``wanted`` as well as
+    can be.
     """
     if isinstance(jacobian, np.ndarray):
         left, size, right = decomposed(jacobian)
@@ -98,7 +105,10 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tu
         return motion, times(across.T, times(along, mass * (motion - free)) / size[:rank])
     squared = jacobian.squared(1.0 / mass)
     left_over = wanted - times(jacobian, free)
-    solve, multiplier = squared.solver(SOFT * float(squared.diagonal().max(initial=1e-300))), np.zeros(len(wanted))
+    solve, multiplier = (
+        squared.solver(SOFT * float(squared.diagonal().max(initial=1e-300))),
+        np.zeros(len(wanted)),
+    )
     finest = 1e-15 * max(np.abs(wanted).max(initial=0.0), np.abs(free).max(initial=0.0))
     for _ in range(REFINEMENTS):
         missing = left_over - times(squared, multiplier)
@@ -109,21 +119,31 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tu
 
 
 def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
-    """Multipliers [r] that load the bodies alike, of least norm, each weighed by its row's own diagonal of G M^-1 G^T, as a step weighs reactions.
+    """Multipliers [r] that load the bodies alike, of least norm, each weighed by its row's own diagonal of G
+    M^-1 G^T, as a step weighs reactions.
 
-    ``mobility`` [c]: the diagonal of M^-1, 0 for what is driven. Multipliers that nothing leaves open stay as they are.
+    ``mobility`` [c]: the diagonal of M^-1, 0 for what is driven. Multipliers that nothing leaves open stay as
+    they are.
     """
     stress = self_stress(jacobian)
     if not stress.shape[1]:
         return multiplier
-    squares = jacobian * jacobian if isinstance(jacobian, np.ndarray) else Sparse.like(jacobian, jacobian.values * jacobian.values)
+    squares = (
+        jacobian * jacobian
+        if isinstance(jacobian, np.ndarray)
+        else Sparse.like(jacobian, jacobian.values * jacobian.values)
+    )
     weight = times(squares, mobility)
     square = products.product(stress.T, weight[:, None] * stress)
-    return np.asarray(multiplier - times(stress, dense.least_squares(square, times(stress.T, weight * multiplier))))
+    return np.asarray(
+        multiplier - times(stress, dense.least_squares(square, times(stress.T, weight * multiplier)))
+    )
 
 
 def self_stress(jacobian: Matrix) -> Array:
-    """Orthonormal multipliers [r, k] that load nothing, G^T N = 0: one for each row that depends on the others."""
+    """Orthonormal multipliers [r, k] that load nothing, G^T N = 0: one for each row that depends on the
+    others.
+    """
     count = jacobian.shape[0]
     if count == 0:
         return np.zeros((0, 0))
@@ -132,7 +152,9 @@ def self_stress(jacobian: Matrix) -> Array:
         return np.asarray(left[:, int(np.sum(size > RANK_TOLERANCE)) :])
     solve = jacobian.squared().solver(EPSILON)
     columns = 8
-    while 4 * columns < count:  # inverse iteration with as many vectors as it takes to see one that is no self-stress
+    while (
+        4 * columns < count
+    ):  # inverse iteration with as many vectors as it takes to see one that is no self-stress
         basis = _scattered(count, columns)
         for _ in range(4):
             basis = dense.qr(solve(basis))[0]
@@ -145,13 +167,19 @@ def self_stress(jacobian: Matrix) -> Array:
 
 
 def _scattered(count: int, columns: int) -> Array:
-    """Numbers (count, columns) between -1/2 and 1/2 without a pattern: multiples of the golden section less whole numbers, in integers."""
-    places = np.arange(1, count + 1, dtype=np.uint64)[:, None] * np.square(np.arange(1, columns + 1, dtype=np.uint64))
+    """Numbers (count, columns) between -1/2 and 1/2 without a pattern: multiples of the golden section less
+    whole numbers, in integers.
+    """
+    places = np.arange(1, count + 1, dtype=np.uint64)[:, None] * np.square(
+        np.arange(1, columns + 1, dtype=np.uint64)
+    )
     return (places * np.uint64(2654435769) % np.uint64(2**32)).astype(np.float64) / 2.0**32 - 0.5
 
 
 def dependent_rows(jacobian: Matrix) -> list[int]:
-    """Rows that follow from those before them, found part by part where G falls apart into loops that share no body."""
+    """Rows that follow from those before them, found part by part where G falls apart into loops that share
+    no body.
+    """
     if isinstance(jacobian, np.ndarray):
         return _ends(self_stress(jacobian))
     found: list[int] = []

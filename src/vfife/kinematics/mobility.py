@@ -35,11 +35,13 @@ STARTS, SIDES = 6, 12  # tries to find a free motion that goes on, at the most
 
 @dataclass(frozen=True)
 class Mobility:
-    """Degrees of freedom with the drives released (`free`) and at work, and the joints' redundant constraints, all at the instant.
+    """Degrees of freedom with the drives released (`free`) and at work, and the joints' redundant
+    constraints, all at the instant.
 
-    `redundant_joints` names the joints whose rows depend on those of the joints before them; `singular` those joints and drives among
-    all whose rows do so here only, at a change point or a dead centre, and not beside it. `blocked`: a motion that joints and drives
-    allow to the first order leads nowhere, as that of a hinge between two links in line whose other ends stand still.
+    `redundant_joints` names the joints whose rows depend on those of the joints before them; `singular` those
+    joints and drives among all whose rows do so here only, at a change point or a dead centre, and not beside
+    it. `blocked`: a motion that joints and drives allow to the first order leads nowhere, as that of a hinge
+    between two links in line whose other ends stand still.
     """
 
     free: int
@@ -53,9 +55,9 @@ class Mobility:
 def mobility(system: RigidSystem, position: Array) -> Mobility:
     """Count the instantaneous freedoms and redundant constraints at a closed position [n,3] (m, m, rad).
 
-    free = 3(n-1) - rank(G of the joints); after_drives takes the drives' rows in; redundant = rows - rank(G of the joints).
-    A rank that is larger beside the position (along a free motion, drives released), or a free motion that leads nowhere, makes it singular.
-    Raises VfifeError on bad shapes.
+    free = 3(n-1) - rank(G of the joints); after_drives takes the drives' rows in; redundant = rows - rank(G
+    of the joints). A rank that is larger beside the position (along a free motion, drives released), or a
+    free motion that leads nowhere, makes it singular. Raises VfifeError on bad shapes.
     """
     position = checked(system, position, "position")
     columns = 3 * (len(system.names) - 1)
@@ -66,7 +68,14 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
     here, there = Counter(_owners(system, all_stuck)), Counter(_owners(system, still))
     singular = sorted((here - there).keys() or here.keys()) if len(still) < len(all_stuck) else []
     redundant = _named(system, _owners(system, stuck))
-    return Mobility(free, after, len(stuck), redundant, _named(system, singular), bool(all_stuck and after) and _blocked(system, position))
+    return Mobility(
+        free,
+        after,
+        len(stuck),
+        redundant,
+        _named(system, singular),
+        bool(all_stuck and after) and _blocked(system, position),
+    )
 
 
 def _dependent(system: RigidSystem, position: Array) -> tuple[list[int], list[int]]:
@@ -88,10 +97,12 @@ def _named(system: RigidSystem, owners: list[int]) -> tuple[str, ...]:
 
 
 def _blocked(system: RigidSystem, position: Array) -> bool:
-    """Whether a motion v of the first order, G v = 0, bends away from all that self-stresses N allow: N^T gamma(v) of one sign, and not zero.
+    """Whether a motion v of the first order, G v = 0, bends away from all that self-stresses N allow: N^T
+    gamma(v) of one sign, and not zero.
 
-    Where it has both signs two motions branch off, and where it is zero the mechanism goes on; Pellegrino and Calladine, Int. J. Solids Struct. 22
-    (1986) 409-428. Told of up to some 30 bodies and a dozen free motions.
+    Where it has both signs two motions branch off, and where it is zero the mechanism goes on; Pellegrino and
+    Calladine, Int. J. Solids Struct. 22 (1986) 409-428. Told of up to some 30 bodies and a dozen free
+    motions.
     """
     now = equations(system, position)
     if not isinstance(now.jacobian, np.ndarray):
@@ -104,20 +115,26 @@ def _blocked(system: RigidSystem, position: Array) -> bool:
 
     def bent(motion: Array) -> Array:
         velocity = np.vstack([np.zeros(3), (motion / lengths).reshape(-1, 3)])
-        return np.asarray(times(stress.T, equations(system, position, velocity).gamma - now.gamma) * system.reach[1:].max())
+        return np.asarray(
+            times(stress.T, equations(system, position, velocity).gamma - now.gamma) * system.reach[1:].max()
+        )
 
     alone = [bent(one) for one in null]
     forms = np.zeros((stress.shape[1], count, count))
     for i in range(count):
         for j in range(i + 1):
-            forms[:, i, j] = forms[:, j, i] = alone[i] if i == j else 0.5 * (bent(null[i] + null[j]) - alone[i] - alone[j])
+            forms[:, i, j] = forms[:, j, i] = (
+                alone[i] if i == j else 0.5 * (bent(null[i] + null[j]) - alone[i] - alone[j])
+            )
     sizes = dense.eigh(forms)[0]
     some = [one for one in sizes if np.abs(one).max() > BENT]
     return bool(some) and all(one.min() > -BENT or one.max() < BENT for one in some)
 
 
 def _aside(system: RigidSystem, position: Array) -> Array | None:
-    """A closed position a little along a free motion, the drives released; None where no free motion leads anywhere."""
+    """A closed position a little along a free motion, the drives released; None where no free motion leads
+    anywhere.
+    """
     released = dataclasses.replace(system, drives=())
     jacobian = equations(released, position).jacobian
     lengths = metric(system)[0]
@@ -135,7 +152,9 @@ def _aside(system: RigidSystem, position: Array) -> Array | None:
 
 
 def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Iterator[Array]:
-    """Free motions in (x, y, l theta) that may go on: of the second order, N^T gamma(v) = 0 for every self-stress N, where that can be solved."""
+    """Free motions in (x, y, l theta) that may go on: of the second order, N^T gamma(v) = 0 for every
+    self-stress N, where that can be solved.
+    """
     lengths = metric(system)[0]
     wish = cos(np.square(np.arange(1, len(lengths) + 1))) * np.repeat(system.reach[1:], 3)
     if isinstance(jacobian, np.ndarray):
@@ -144,7 +163,9 @@ def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Itera
 
         def bent(part: Array) -> Array:
             velocity = np.vstack([np.zeros(3), (times(null, part) / lengths).reshape(-1, 3)])
-            return np.append(times(stress.T, equations(system, position, velocity).gamma), dot(part, part) - 1.0)
+            return np.append(
+                times(stress.T, equations(system, position, velocity).gamma), dot(part, part) - 1.0
+            )
 
         for start in _starts(null.shape[1]) if stress.size else ():
             part, cost = _least(bent, start)
@@ -154,25 +175,35 @@ def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Itera
 
 
 def _starts(count: int) -> Iterator[Array]:
-    """Free motions of so many parts from which a search begins: some without order, then along each part and between two neighbours.
+    """Free motions of so many parts from which a search begins: some without order, then along each part and
+    between two neighbours.
 
-    The sum of squares has minima that are no solutions. A search from any start may end in one, and which starts do depends on the
-    basis of the free motions; those along the parts and between them point to all sides of it.
+    The sum of squares has minima that are no solutions. A search from any start may end in one, and which
+    starts do depends on the basis of the free motions; those along the parts and between them point to all
+    sides of it.
     """
     for start in range(STARTS):
         yield cos(np.square(np.arange(1, count + 1)) + float(start))
     along = np.eye(count)
-    sides = (*along, *(one + other for one, other in pairwise(along)), *(one - other for one, other in pairwise(along)))
+    sides = (
+        *along,
+        *(one + other for one, other in pairwise(along)),
+        *(one - other for one, other in pairwise(along)),
+    )
     yield from sides[:SIDES]
 
 
 def _least(function: Callable[[Array], Array], at: Array) -> tuple[Array, float]:
-    """Where half the sum of squares of quadratic functions is least, near a place, and how large it is: Marquardt's steps."""
+    """Where half the sum of squares of quadratic functions is least, near a place, and how large it is:
+    Marquardt's steps.
+    """
     here, damping = at, 1e-3
     error = function(here)
     cost = 0.5 * dot(error, error)
     for _ in range(LEAST_STEPS):
-        slopes = np.stack([0.5 * (function(here + one) - function(here - one)) for one in np.eye(len(here))], axis=1)  # exact: no third derivative
+        slopes = np.stack(
+            [0.5 * (function(here + one) - function(here - one)) for one in np.eye(len(here))], axis=1
+        )  # exact: no third derivative
         square = product(slopes.T, slopes)
         while damping < 1e8:
             step = -dense.solve(square + damping * np.eye(len(here)), times(slopes.T, error))
@@ -193,11 +224,13 @@ EVEN = 1e-9  # a change point: s + l = p + q to so many parts
 
 
 def grashof(mechanism: Mechanism) -> str | None:
-    """Class of the four-bar that ground, three bodies and four revolutes of a mechanism make, with its lengths; None without one.
+    """Class of the four-bar that ground, three bodies and four revolutes of a mechanism make, with its
+    lengths; None without one.
 
-    With s the shortest, l the longest, p and q the other lengths: s + l < p + q lets the shortest turn fully against the others (crank-rocker
-    if it is pivoted on the ground, double crank or drag link if it is the ground, double rocker if it is the coupler), s + l = p + q is a
-    change point, and s + l > p + q a triple rocker. The first such loop is described, the bodies in the order of the loop.
+    With s the shortest, l the longest, p and q the other lengths: s + l < p + q lets the shortest turn fully
+    against the others (crank-rocker if it is pivoted on the ground, double crank or drag link if it is the
+    ground, double rocker if it is the coupler), s + l = p + q is a change point, and s + l > p + q a triple
+    rocker. The first such loop is described, the bodies in the order of the loop.
     """
     for loop in _loops(mechanism):
         lengths = {body: _length(mechanism, body, *ends) for body, ends in loop.items()}
@@ -215,7 +248,13 @@ def classified(ground: float, first: float, coupler: float, second: float) -> st
     if abs(excess) <= EVEN * longest:
         opposite = math.isclose(ground, coupler, rel_tol=EVEN) and math.isclose(first, second, rel_tol=EVEN)
         deltoid = math.isclose(shortest, p, rel_tol=EVEN) and math.isclose(q, longest, rel_tol=EVEN)
-        return "parallelogram, a change-point four-bar" if opposite else "deltoid, a change-point four-bar" if deltoid else "change-point four-bar"
+        return (
+            "parallelogram, a change-point four-bar"
+            if opposite
+            else "deltoid, a change-point four-bar"
+            if deltoid
+            else "change-point four-bar"
+        )
     if excess > 0.0:
         return "triple rocker, a non-Grashof four-bar"
     if shortest == ground:
@@ -231,7 +270,11 @@ def _loops(mechanism: Mechanism) -> Iterator[dict[str, tuple[str, str]]]:
         (foot_1, (first, pin_1)), (foot_2, (second, pin_2)) = _from(one, "ground"), _from(two, "ground")
         for three in (joint for joint in revolutes if joint not in (one, two) and first in _bodies(joint)):
             knee_1, (coupler, end_1) = _from(three, first)
-            for four in (joint for joint in revolutes if joint not in (one, two, three) and {coupler, second} == set(_bodies(joint))):
+            for four in (
+                joint
+                for joint in revolutes
+                if joint not in (one, two, three) and {coupler, second} == set(_bodies(joint))
+            ):
                 knee_2, (_, end_2) = _from(four, second)
                 if len({"ground", first, coupler, second}) == 4:
                     yield {

@@ -1,4 +1,6 @@
-"""The ideal mechanism through the motion that its drivers ask for: where it jams or splits, which joint opens, which single length would do."""
+"""The ideal mechanism through the motion that its drivers ask for: where it jams or splits, which joint
+opens, which single length would do.
+"""
 
 from __future__ import annotations
 
@@ -36,8 +38,12 @@ ASIDE = 1e-3  # of a length, from one with which a mechanism would start in a si
 DIGITS = 4  # of a length that would do
 
 
-def unclosed(mechanism: Mechanism, error: AssemblyError, duration: float) -> tuple[tuple[str, float, float], ...]:
-    """Lengths (name, now, then; m), each of which alone would close a start in which one joint stays open, and let it through what is asked for."""
+def unclosed(
+    mechanism: Mechanism, error: AssemblyError, duration: float
+) -> tuple[tuple[str, float, float], ...]:
+    """Lengths (name, now, then; m), each of which alone would close a start in which one joint stays open,
+    and let it through what is asked for.
+    """
     datum = Datum(angle={name: body.angle for name, body in mechanism.bodies.items()})
     system, guess = rigid_system(mechanism, datum=datum, travels=False), first_guess(mechanism)
     joint = next((k for k, one in enumerate(system.joints) if one.name in error.joints), None)
@@ -45,21 +51,40 @@ def unclosed(mechanism: Mechanism, error: AssemblyError, duration: float) -> tup
         return ()
     aims = np.array([drive.aim for drive in system.drives])
     opened = parted(Gathered(system), joint, aims, guess)
-    lengths = list(sensitive(mechanism, datum, 1.0, joint, aims, opened, tuple(mechanism.bodies), tuple(mechanism.joints)))
+    lengths = list(
+        sensitive(
+            mechanism, datum, 1.0, joint, aims, opened, tuple(mechanism.bodies), tuple(mechanism.joints)
+        )
+    )
     size = min((length for _, length, _ in lengths), default=0.0)
-    return nearest(mechanism, lengths, opened.gap + ASIDE * size, duration)  # a little more, or the start is a singular position
+    return nearest(
+        mechanism, lengths, opened.gap + ASIDE * size, duration
+    )  # a little more, or the start is a singular position
 
 
-def nearest(mechanism: Mechanism, lengths: Iterable[tuple[str, float, float]], gap: float, duration: float) -> tuple[tuple[str, float, float], ...]:
-    """Of lengths (name, m, change of the gap with it) those that would do: name, now and then (m), the smallest change first."""
-    found = [(name, now, then) for name, now, slope in lengths if (then := would_do(mechanism, name, now, gap / -slope, duration)) is not None]
+def nearest(
+    mechanism: Mechanism, lengths: Iterable[tuple[str, float, float]], gap: float, duration: float
+) -> tuple[tuple[str, float, float], ...]:
+    """Of lengths (name, m, change of the gap with it) those that would do: name, now and then (m), the
+    smallest change first.
+    """
+    found = [
+        (name, now, then)
+        for name, now, slope in lengths
+        if (then := would_do(mechanism, name, now, gap / -slope, duration)) is not None
+    ]
     return tuple(sorted(found, key=lambda one: abs(one[2] / one[1] - 1.0)))
 
 
 def widest(follower: Follower, joint: int, way: Way, found: Passage) -> tuple[float, float, Parted]:
-    """The widest gap (m) of a joint on the rest of a way, as far as it opens at once; its place, and the position there, opened."""
+    """The widest gap (m) of a joint on the rest of a way, as far as it opens at once; its place, and the
+    position there, opened.
+    """
     end = min(way.length, found.reached + TURN) if way.turning else way.length
-    stride, seen = FIRST * way.pace, [(0.0, found.reached, Parted(found.position, 0.0, np.zeros(follower.gathered.rows)))]
+    stride, seen = (
+        FIRST * way.pace,
+        [(0.0, found.reached, Parted(found.position, 0.0, np.zeros(follower.gathered.rows)))],
+    )
 
     def at(place: float) -> tuple[float, float, Parted]:
         opened = parted(follower.gathered, joint, way.aims(place), seen[-1][2].position)
@@ -89,8 +114,10 @@ def widest(follower: Follower, joint: int, way: Way, found: Passage) -> tuple[fl
 def sized(mechanism: Mechanism, name: str, length: float) -> Mechanism:
     """The mechanism with another length of a link, or of a joint that has one."""
     if name in mechanism.bodies:
-        return dataclasses.replace(mechanism, bodies={**mechanism.bodies, name: dataclasses.replace(mechanism.bodies[name], length=length)})  # type: ignore[call-arg]
-    return dataclasses.replace(mechanism, joints={**mechanism.joints, name: dataclasses.replace(mechanism.joints[name], length=length)})  # type: ignore[call-arg]
+        body = dataclasses.replace(mechanism.bodies[name], length=length)  # type: ignore[call-arg]
+        return dataclasses.replace(mechanism, bodies={**mechanism.bodies, name: body})
+    joint = dataclasses.replace(mechanism.joints[name], length=length)  # type: ignore[call-arg]
+    return dataclasses.replace(mechanism, joints={**mechanism.joints, name: joint})
 
 
 def sensitive(
@@ -103,23 +130,31 @@ def sensitive(
     bodies: tuple[str, ...],
     joints: tuple[str, ...],
 ) -> Iterator[tuple[str, float, float]]:
-    """Links and massless links that take part, their lengths (m), and by how much the widest gap changes with each."""
+    """Links and massless links that take part, their lengths (m), and by how much the widest gap changes with
+    each.
+    """
     lengths = {name: body.length for name in bodies if isinstance(body := mechanism.bodies[name], Link)}
     for name in joints:
         place = place_row(mechanism.joints[name].rows()) if name in mechanism.joints else None
         lengths |= {name: place.length} if isinstance(place, Apart) else {}
     for name, length in lengths.items():
-        systems = [rigid_system(sized(mechanism, name, length * (1.0 + part)), datum=datum) for part in (0.0, NUDGE)]
+        systems = [
+            rigid_system(sized(mechanism, name, length * (1.0 + part)), datum=datum) for part in (0.0, NUDGE)
+        ]
         before, after = (Gathered(mirrored(system) if hand < 0.0 else system) for system in systems)
         phi = before.at(opened.position, before.aimed(aims))[0]
         moved = after.at(opened.position, after.aimed(aims))[0] - phi
-        slope = dot(opened.pulls, moved) / (opened.gap * NUDGE * length)  # the least gap does not feel that the position would move too
+        slope = dot(opened.pulls, moved) / (
+            opened.gap * NUDGE * length
+        )  # the least gap does not feel that the position would move too
         if abs(slope) > 0.1:
             yield name, length, slope
 
 
 def would_do(mechanism: Mechanism, name: str, now: float, change: float, duration: float) -> float | None:
-    """The length (m) next to ``now`` with which the mechanism goes through, first tried at ``now + change``; None where none is found."""
+    """The length (m) next to ``now`` with which the mechanism goes through, first tried at ``now + change``;
+    None where none is found.
+    """
     length, short = now + change, now
     for _ in range(TRIES):
         length = rounded(length, change)
@@ -136,7 +171,9 @@ def would_do(mechanism: Mechanism, name: str, now: float, change: float, duratio
 
 
 def _closer(mechanism: Mechanism, name: str, short: float, enough: float, duration: float) -> float:
-    """The length between one that does not do and one that does, as near to the first as four digits and a few halvings tell."""
+    """The length between one that does not do and one that does, as near to the first as four digits and a
+    few halvings tell.
+    """
     tried, first = short + 0.98 * (enough - short), True
     for _ in range(HALVINGS):
         tried = rounded(tried, enough - short)
@@ -153,12 +190,16 @@ def _closer(mechanism: Mechanism, name: str, short: float, enough: float, durati
 
 
 def gets_through(mechanism: Mechanism, duration: float) -> bool:
-    """Whether the mechanism closes at the start and all the way: by how much it would stay open takes longer to tell."""
+    """Whether the mechanism closes at the start and all the way: by how much it would stay open takes longer
+    to tell.
+    """
     return _first_jam(mechanism, duration) == (True, None)
 
 
 def still_open(mechanism: Mechanism, duration: float) -> float | None:
-    """The widest gap (m) on the way, 0 where the mechanism gets through; None where it does not close at the start, or only just."""
+    """The widest gap (m) on the way, 0 where the mechanism gets through; None where it does not close at the
+    start, or only just.
+    """
     closes, jam = _first_jam(mechanism, duration)
     if jam is None:
         return 0.0 if closes else None
@@ -196,10 +237,11 @@ NEGLIGIBLE = 1e-6  # of the extent of the bodies: a gap that no workshop tells f
 
 @dataclass(frozen=True)
 class Jam:
-    """Where an ideal mechanism comes to its end: values of the drives (rad, m) and time (s), the joint that opens, how far at most (m), and where.
+    """Where an ideal mechanism comes to its end: values of the drives (rad, m) and time (s), the joint that
+    opens, how far at most (m), and where.
 
-    ``lengths``: bodies or joints whose length alone, changed to so much (m), would let it through, the smallest change first. ``bodies`` and
-    ``joints`` take part.
+    ``lengths``: bodies or joints whose length alone, changed to so much (m), would let it through, the
+    smallest change first. ``bodies`` and ``joints`` take part.
     """
 
     aims: tuple[float, ...]
@@ -221,11 +263,15 @@ class Singular:
     joints: tuple[str, ...]
 
 
-def passage(mechanism: Mechanism, duration: float, motion: Motion | None = None, lengths: bool = True) -> tuple[Jam | None, tuple[Singular, ...]]:
-    """Follows the ideal mechanism through what its drivers ask for within ``duration`` (s): the jam, if any, and singular positions passed.
+def passage(
+    mechanism: Mechanism, duration: float, motion: Motion | None = None, lengths: bool = True
+) -> tuple[Jam | None, tuple[Singular, ...]]:
+    """Follows the ideal mechanism through what its drivers ask for within ``duration`` (s): the jam, if any,
+    and singular positions passed.
 
-    ``lengths``: also look for those that would do, which takes its time. Only where drivers determine all that joints feel, and of up to some 30
-    bodies; nothing is said of others. AssemblyError where it cannot start.
+    ``lengths``: also look for those that would do, which takes its time. Only where drivers determine all
+    that joints feel, and of up to some 30 bodies; nothing is said of others. AssemblyError where it cannot
+    start.
     """
     motion = ideal_motion(mechanism) if motion is None else motion
     system = motion.system
@@ -246,20 +292,30 @@ def passage(mechanism: Mechanism, duration: float, motion: Motion | None = None,
             gap = None if joint is None else widest(follower, joint, way, found)
             if gap is not None and gap[0] <= NEGLIGIBLE * follower.extent:
                 aims = told(motion, way.aims(found.reached))
-                return None, (*passed.values(), Singular(aims, way.time(found.reached), names(motion, found.stressed)))
-            return _jam(mechanism, motion, way, found, joint, gap, duration if lengths else 0.0), tuple(passed.values())
+                return None, (
+                    *passed.values(),
+                    Singular(aims, way.time(found.reached), names(motion, found.stressed)),
+                )
+            return _jam(mechanism, motion, way, found, joint, gap, duration if lengths else 0.0), tuple(
+                passed.values()
+            )
     return None, tuple(passed.values())
 
 
 def told(motion: Motion, aims: Array) -> tuple[float, ...]:
     """Values of the drives in the mechanism, not in its mirror image."""
-    return tuple(float(value) * (motion.hand if drive.turns else 1.0) for value, drive in zip(aims, motion.system.drives, strict=True))
+    return tuple(
+        float(value) * (motion.hand if drive.turns else 1.0)
+        for value, drive in zip(aims, motion.system.drives, strict=True)
+    )
 
 
 def names(motion: Motion, stress: Array) -> tuple[str, ...]:
     """Joints that take part in a self-stress."""
     system = motion.system
-    return tuple(one.name for k, one in enumerate(system.joints) if stress[system.rows(k)].max(initial=0.0) > FELT)
+    return tuple(
+        one.name for k, one in enumerate(system.joints) if stress[system.rows(k)].max(initial=0.0) > FELT
+    )
 
 
 def _jam(
@@ -273,10 +329,14 @@ def _jam(
 ) -> Jam:
     system, stress = motion.system, np.zeros(0) if found.stressed is None else found.stressed
     part = names(motion, stress)
-    bodies = {system.names[body] for one in system.joints if one.name in part for body in (one.body_a, one.body_b)} - {"ground"}
+    bodies = {
+        system.names[body] for one in system.joints if one.name in part for body in (one.body_a, one.body_b)
+    } - {"ground"}
     here = told(motion, way.aims(found.reached))
     if joint is None or widest_gap is None:
-        return Jam(here, way.time(found.reached), ", ".join(part), math.nan, here, tuple(sorted(bodies)), part)
+        return Jam(
+            here, way.time(found.reached), ", ".join(part), math.nan, here, tuple(sorted(bodies)), part
+        )
     gap, place, opened = widest_gap
     jam = Jam(
         here, way.time(found.reached), system.joints[joint].name, gap, told(motion, way.aims(place)),
@@ -284,5 +344,7 @@ def _jam(
     )  # fmt: skip
     if not duration:
         return jam
-    lengths = sensitive(mechanism, motion.datum, motion.hand, joint, way.aims(place), opened, jam.bodies, jam.joints)
+    lengths = sensitive(
+        mechanism, motion.datum, motion.hand, joint, way.aims(place), opened, jam.bodies, jam.joints
+    )
     return dataclasses.replace(jam, lengths=nearest(mechanism, lengths, gap, duration))

@@ -1,4 +1,6 @@
-"""Where pins are: in their bodies' frames, in space, and roughly at the start, before the mechanism is closed."""
+"""Where pins are: in their bodies' frames, in space, and roughly at the start, before the mechanism is
+closed.
+"""
 
 from __future__ import annotations
 
@@ -38,15 +40,25 @@ def from_center(mechanism: Mechanism, side: tuple[str, str]) -> Point:
 
 
 def centred(mechanism: Mechanism, name: str, position: Array, velocity: Array) -> tuple[Array, Array]:
-    """Motion of a body's centre of mass from that of its frame's origin: (x, y, angle) and its rate, each (3,)."""
+    """Motion of a body's centre of mass from that of its frame's origin: (x, y, angle) and its rate, each
+    (3,).
+    """
     x, y = rigid_properties(mechanism.bodies[name])[1]
     s, c = sincos(position[2])
     r = np.array([c * x - s * y, s * x + c * y, 0.0])
     return position + r, velocity + velocity[2] * np.array([-r[1], r[0], 0.0])
 
 
-def world(mechanism: Mechanism, position: Places | Array, names: tuple[str, ...], side: tuple[str, str], beyond: Point = (0.0, 0.0)) -> Point:
-    """A pin in space (m), or a place ``beyond`` it in its body's axes; bodies at ``position`` (bodies + 1, 3)."""
+def world(
+    mechanism: Mechanism,
+    position: Places | Array,
+    names: tuple[str, ...],
+    side: tuple[str, str],
+    beyond: Point = (0.0, 0.0),
+) -> Point:
+    """A pin in space (m), or a place ``beyond`` it in its body's axes; bodies at ``position`` (bodies + 1,
+    3).
+    """
     x, y = (a + b for a, b in zip(from_center(mechanism, side), beyond, strict=True))
     px, py, angle = position[names.index(side[0])] if side[0] != "ground" else (0.0, 0.0, 0.0)
     s, c = sincos(angle)
@@ -54,10 +66,11 @@ def world(mechanism: Mechanism, position: Places | Array, names: tuple[str, ...]
 
 
 def first_guess(mechanism: Mechanism) -> Array:
-    """Approximate positions: bodies are hung, from the ground on, in the joints that hold them, each at its approximate angle.
+    """Approximate positions: bodies are hung, from the ground on, in the joints that hold them, each at its
+    approximate angle.
 
-    Pins come before guides, and guides before contacts; in a guide or contact the pins of both sides start in one place, or where the joint has
-    the journal's first.
+    Pins come before guides, and guides before contacts; in a guide or contact the pins of both sides start in
+    one place, or where the joint has the journal's first.
     """
     names = ("ground", *mechanism.bodies)
     guess: Places = [(0.0, 0.0, 0.0)] * len(names)
@@ -81,7 +94,13 @@ def first_guess(mechanism: Mechanism) -> Array:
             break
         here, there, begin, end = reachable
         x, y = (a + b for a, b in zip(local_point(mechanism, there), end, strict=True))
-        _place(guess, names.index(there[0]), mechanism.bodies[there[0]], (x, y), world(mechanism, guess, names, here, begin))
+        _place(
+            guess,
+            names.index(there[0]),
+            mechanism.bodies[there[0]],
+            (x, y),
+            world(mechanism, guess, names, here, begin),
+        )
         placed.add(there[0])
     for name, body in mechanism.bodies.items():
         if name not in placed:
@@ -90,7 +109,9 @@ def first_guess(mechanism: Mechanism) -> Array:
 
 
 def _ways(joint: Joint) -> Iterator[tuple[tuple[str, str], tuple[str, str], Point, Point]]:
-    """From each side of a joint to the other: the sides, and which place beyond the pin of each meets that of the other."""
+    """From each side of a joint to the other: the sides, and which place beyond the pin of each meets that of
+    the other.
+    """
     (bearing, journal), first, pin = joint.sides, joint.first_place, (0.0, 0.0)
     yield bearing, journal, first, pin
     yield journal, bearing, pin, first

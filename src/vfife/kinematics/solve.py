@@ -1,7 +1,9 @@
-"""Position, velocity, acceleration and reaction analysis of planar rigid bodies with ideal joints and prescribed motions.
+"""Position, velocity, acceleration and reaction analysis of planar rigid bodies with ideal joints and
+prescribed motions.
 
-A body's motion is (x, y, theta) of its centre of mass, in m and rad.  Inside this module every coordinate is a
-length, (x, y, l theta) with l the body's own reach, so that one tolerance judges translations and turns alike.
+A body's motion is (x, y, theta) of its centre of mass, in m and rad.  Inside this module every coordinate is
+a length, (x, y, l theta) with l the body's own reach, so that one tolerance judges translations and turns
+alike.
 """
 
 from __future__ import annotations
@@ -35,11 +37,15 @@ MOST = 0.5  # of what is there now is left at the bottom, or more: else the way 
 
 
 def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
-    """How far the bottom lies from here, [count], where it is one: curved upwards, near, and no more than half as deep again; None where not."""
+    """How far the bottom lies from here, [count], where it is one: curved upwards, near, and no more than
+    half as deep again; None where not.
+    """
     here, (now, slope) = np.zeros(count), slopes(np.zeros(count))
     left = now
     for _ in range(NEWTON):
-        curvature = np.column_stack([slopes(here + change)[1] - slope for change in APART * extent * np.eye(count)]) / (APART * extent)
+        curvature = np.column_stack(
+            [slopes(here + change)[1] - slope for change in APART * extent * np.eye(count)]
+        ) / (APART * extent)
         size, along = dense.eigh(0.5 * (curvature + curvature.T))
         if size[0] < -ROUND * size[-1]:
             return None
@@ -111,7 +117,12 @@ class _Descent:
         phi, before = self.phi, self.seen
         self.seen = dot(self.weight * self.weight, phi * phi)
         hindered = (np.abs(phi) > self.limit).any()
-        if hindered or not isinstance(self.jacobian, np.ndarray) or np.abs(phi).max() <= OPEN * self.scale or self.seen < SLOW * before:
+        if (
+            hindered
+            or not isinstance(self.jacobian, np.ndarray)
+            or np.abs(phi).max() <= OPEN * self.scale
+            or self.seen < SLOW * before
+        ):
             return
         start, square = self.position, self.weight * self.weight
 
@@ -131,7 +142,9 @@ class _Descent:
             self.going = False
 
     def look(self) -> None:
-        """What follows from phi: the error of this step, whose drives advance no faster than the joints can follow, and the least step."""
+        """What follows from phi: the error of this step, whose drives advance no faster than the joints can
+        follow, and the least step.
+        """
         self.error = np.clip(self.phi, -self.limit, self.limit)
         weighed = self.weight * self.error
         self.square, self.merit = dot(self.error, self.error), math.sqrt(dot(weighed, weighed))
@@ -152,7 +165,9 @@ class _Descent:
         self.taken += 1
         trial = self.position.copy()
         trial[1:] += step.reshape(-1, 3)
-        if self.refused is not None and (trial == self.refused).all():  # near round-off the damping grows for long before a position feels it
+        if (
+            self.refused is not None and (trial == self.refused).all()
+        ):  # near round-off the damping grows for long before a position feels it
             self.damping *= 8.0
         else:
             self.take(trial)
@@ -173,8 +188,8 @@ class _Descent:
     def limited(self, least: DampedStep, damping: float) -> Array:
         """-(G^T G + damping)^-1 G^T error as a step in (x, y, theta), its turns limited.
 
-        A step somewhat too long is shortened, for that keeps its joints together; one far too long comes from a dead
-        centre nearby, and is damped until the other directions get their part.
+        A step somewhat too long is shortened, for that keeps its joints together; one far too long comes from
+        a dead centre nearby, and is damped until the other directions get their part.
         """
         while True:
             step: Array = -least(damping) / self.lengths
@@ -190,10 +205,11 @@ CLOSED = 1e-12  # largest open distance of a closed loop, in parts of the extent
 def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
     """Return the closed position nearest the guess [n,3] (m, m, rad; row 0 is ignored).
 
-    Damped Newton steps dq = -G^+ phi, of minimum norm in (x, y, l theta) and of at most 0.1 rad, whose damping
-    vanishes with phi^2: redundant joints and free motions are both allowed.  A driven body ends at its drive's angle.
-    Raises AssemblyError when joints stay open, naming them and their gaps, and ValueError on a bad guess. To find the names takes as long again
-    as to find that it does not close: whoever does not read them has them not ``named``.
+    Damped Newton steps dq = -G^+ phi, of minimum norm in (x, y, l theta) and of at most 0.1 rad, whose
+    damping vanishes with phi^2: redundant joints and free motions are both allowed.  A driven body ends at
+    its drive's angle. Raises AssemblyError when joints stay open, naming them and their gaps, and ValueError
+    on a bad guess. To find the names takes as long again as to find that it does not close: whoever does not
+    read them has them not ``named``.
     """
     start = checked(system, guess, "guess")
     for drive in system.drives:
@@ -211,13 +227,16 @@ def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
 
 
 def velocities(system: RigidSystem, position: Array, guess_velocity: Array | None = None) -> Array:
-    """Return the velocity [n,3] (m/s, m/s, rad/s) that satisfies joints and drives at a closed position [n,3].
+    """Return the velocity [n,3] (m/s, m/s, rad/s) that satisfies joints and drives at a closed position
+    [n,3].
 
-    G v = rate; of all such v the one with the least (v - v0)^T M (v - v0), v0 the guess [n,3] (default: rest).
-    Raises AssemblyError when no velocity exists (a driven dead centre), VfifeError on bad shapes.
+    G v = rate; of all such v the one with the least (v - v0)^T M (v - v0), v0 the guess [n,3] (default:
+    rest). Raises AssemblyError when no velocity exists (a driven dead centre), VfifeError on bad shapes.
     """
     position = checked(system, position, "position")
-    before = checked(system, np.zeros_like(position) if guess_velocity is None else guess_velocity, "guess_velocity")
+    before = checked(
+        system, np.zeros_like(position) if guess_velocity is None else guess_velocity, "guess_velocity"
+    )
     rows = equations(system, position)
     lengths, mass = metric(system)
     motion = constrained(rows.jacobian, rows.rate, mass, flat(before) * lengths)[0]
@@ -225,15 +244,19 @@ def velocities(system: RigidSystem, position: Array, guess_velocity: Array | Non
     return of_bodies(motion / lengths)
 
 
-def accelerations(system: RigidSystem, position: Array, velocity: Array, force: Array) -> tuple[Array, Array, Array]:
-    """Return acceleration [n,3] (m/s2, rad/s2), joint reactions [j,3] (N, N, N m) and drive reactions [d] (N m; N for a travel).
+def accelerations(
+    system: RigidSystem, position: Array, velocity: Array, force: Array
+) -> tuple[Array, Array, Array]:
+    """Return acceleration [n,3] (m/s2, rad/s2), joint reactions [j,3] (N, N, N m) and drive reactions [d] (N
+    m; N for a travel).
 
-    M a = F + G^T lambda with G a = gamma; force [n,3] is (N, N, N m) at the centres of mass.  A reaction (fx, fy, m)
-    is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of both at the same
-    place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda is the solution of least norm, each row weighed
-    by its own diagonal of G M^-1 G^T, without the bodies that drives turn against the ground: as a step shares reactions.
-    Raises AssemblyError when no acceleration exists (a dead centre, or a velocity that parts the joints), VfifeError
-    on bad shapes.
+    M a = F + G^T lambda with G a = gamma; force [n,3] is (N, N, N m) at the centres of mass.  A reaction (fx,
+    fy, m) is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the
+    opposite of both at the same place in space (of a gear's moment, -ratio times it).  Where joints are
+    redundant, lambda is the solution of least norm, each row weighed by its own diagonal of G M^-1 G^T,
+    without the bodies that drives turn against the ground: as a step shares reactions. Raises AssemblyError
+    when no acceleration exists (a dead centre, or a velocity that parts the joints), VfifeError on bad
+    shapes.
     """
     position, velocity = checked(system, position, "position"), checked(system, velocity, "velocity")
     rows = equations(system, position, velocity)
@@ -244,8 +267,14 @@ def accelerations(system: RigidSystem, position: Array, velocity: Array, force: 
     driven = [one.body_b for one in system.drives if one.turns and one.body_a == 0]
     free = np.repeat(~np.isin(np.arange(1, len(system.names)), driven), 3)
     multiplier = shared_out(rows.jacobian, free / mass, multiplier)
-    reaction = [one.reaction(position, multiplier[system.rows(k)], system.lengths[k]) for k, one in enumerate(system.joints)]
-    driving = [system.lengths[k] if one.turns else 1.0 for k, one in enumerate(system.drives, start=len(system.joints))]
+    reaction = [
+        one.reaction(position, multiplier[system.rows(k)], system.lengths[k])
+        for k, one in enumerate(system.joints)
+    ]
+    driving = [
+        system.lengths[k] if one.turns else 1.0
+        for k, one in enumerate(system.drives, start=len(system.joints))
+    ]
     reactions = np.array(reaction, dtype=float).reshape(-1, 3)
     return of_bodies(motion / lengths), reactions, multiplier[system.held :] * np.array(driving, dtype=float)
 
@@ -274,31 +303,47 @@ def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) 
     largest = max(gaps, default=0.0)
     gap_of = {joint.name: gap for joint, gap in zip(system.joints, gaps, strict=True) if gap > 1e-3 * largest}
     listed = ", ".join(_gap(system, k, phi) for k, joint in enumerate(system.joints) if joint.name in gap_of)
-    loop = [system.joints[k].name for k in range(len(system.joints)) if np.abs(before[system.rows(k)]).max() > 1e-3 * np.abs(before).max()]
-    cause = f"the links joined by {', '.join(loop)} cannot reach one another: check their lengths and end points"
+    loop = [
+        system.joints[k].name
+        for k in range(len(system.joints))
+        if np.abs(before[system.rows(k)]).max() > 1e-3 * np.abs(before).max()
+    ]
+    cause = (
+        f"the links joined by {', '.join(loop)} cannot reach one another: check their lengths and end points"
+    )
     if any(not joint.pinned for joint in system.joints if joint.name in loop):
         cause += ", the directions of guides and the angles of welded, guided and geared bodies"
     angles = [system.names[drive.body_b] for drive in system.drives if drive.turns]
     places = [drive.name for drive in system.drives if not drive.turns]
     if between_branches:
-        cause = "a slightly turned guess does close, so the guess lies between two branches: draw it to one side"
+        cause = (
+            "a slightly turned guess does close, so the guess lies between two branches: draw it to one side"
+        )
     else:
         cause += f", and the driven angle of {', '.join(angles)}" if angles else ""
         cause += f", and the driven travel of {', '.join(places)}" if places else ""
-    together = f"with {', '.join(name for name in loop if name not in gap_of)} closed" if alone else f"{1e3 * sum(gap_of.values()):.4g} mm together"
+    together = (
+        f"with {', '.join(name for name in loop if name not in gap_of)} closed"
+        if alone
+        else f"{1e3 * sum(gap_of.values()):.4g} mm together"
+    )
     message = f"joints stay open, {listed} ({together}); {cause}"
     return AssemblyError(message, tuple(gap_of), tuple(gap_of.values()))
 
 
 def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
-    """phi of an open position, the gap put down to the joint that closes the loop; and whether that one alone is open then."""
+    """phi of an open position, the gap put down to the joint that closes the loop; and whether that one alone
+    is open then.
+    """
     phi = opened(system, closure.position)[0]
     rows = np.abs(phi)
     joint = closing_joint(system, rows / rows.max()) if len(rows) <= DENSE else None
     if joint is None:
         return phi, False
     gathered = Gathered(system)
-    position, gap, _ = parted(gathered, joint, np.array([drive.aim for drive in system.drives]), closure.position)
+    position, gap, _ = parted(
+        gathered, joint, np.array([drive.aim for drive in system.drives]), closure.position
+    )
     alone = opened(system, position)[0]
     others = np.delete(np.abs(alone), np.arange(system.starts[joint], system.starts[joint + 1]))
     return (alone, True) if others.max(initial=0.0) <= 1e-3 * gap else (phi, False)

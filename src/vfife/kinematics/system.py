@@ -1,4 +1,6 @@
-"""Rigid bodies, the joints that tie them and the motions prescribed to them, and the equations that these make."""
+"""Rigid bodies, the joints that tie them and the motions prescribed to them, and the equations that these
+make.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,9 @@ Array = NDArray[np.float64]
 class RigidSystem:
     """Rigid bodies, their joints and their drives; body 0 is the ground, at the origin with angle 0.
 
-    mass [n] in kg and inertia [n] about the centre of mass in kg m2; entry 0 is ignored.  `reach` [n] in m is the
-    larger of the radius of gyration and the farthest point of a joint of each body.  Raises VfifeError on inconsistent input.
+    mass [n] in kg and inertia [n] about the centre of mass in kg m2; entry 0 is ignored.  `reach` [n] in m is
+    the larger of the radius of gyration and the farthest point of a joint of each body.  Raises VfifeError on
+    inconsistent input.
     """
 
     names: tuple[str, ...]
@@ -47,14 +50,28 @@ class RigidSystem:
             raise VfifeError("mass and inertia of every moving body must be finite and greater than zero")
         reach = np.ones(n)
         reach[1:] = np.sqrt(inertia[1:] / mass[1:])
-        sides = [side for one in self.constraints for side in ((one.body_a, one.point_a), (one.body_b, one.point_b))]
-        np.maximum.at(reach, [body for body, _ in sides], hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T))
+        sides = [
+            side
+            for one in self.constraints
+            for side in ((one.body_a, one.point_a), (one.body_b, one.point_b))
+        ]
+        np.maximum.at(
+            reach,
+            [body for body, _ in sides],
+            hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T),
+        )
         turned = [(drive.body_a, drive.body_b) for drive in self.drives if drive.turns]
         if len(set(turned)) < len(turned):
             raise VfifeError("each drive must turn a moving body of its own")
         starts = np.cumsum([0, *(one.size for one in self.constraints)])
         lengths = tuple(_length(one, reach) for one in self.constraints)
-        for name, value in (("mass", mass), ("inertia", inertia), ("reach", reach), ("starts", tuple(map(int, starts))), ("lengths", lengths)):
+        for name, value in (
+            ("mass", mass),
+            ("inertia", inertia),
+            ("reach", reach),
+            ("starts", tuple(map(int, starts))),
+            ("lengths", lengths),
+        ):
             object.__setattr__(self, name, value)
 
     @property
@@ -102,7 +119,9 @@ class RigidSystem:
         """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]; not to be written to."""
         reach, mass, inertia = self.reach[1:], self.mass[1:], self.inertia[1:]
         one, turning = np.ones_like(reach), inertia / (reach * reach)
-        return np.stack([one, one, reach], axis=-1).reshape(-1), np.stack([mass, mass, turning], axis=-1).reshape(-1)
+        return np.stack([one, one, reach], axis=-1).reshape(-1), np.stack(
+            [mass, mass, turning], axis=-1
+        ).reshape(-1)
 
     def drive_name(self, drive: Constraint) -> str:
         """A drive in messages."""
@@ -120,7 +139,10 @@ def _check(one: Constraint, n: int) -> None:
         return
     if one.turns:
         if not two or not _finite(one.ratio, one.aim) or one.ratio == 0.0:
-            raise VfifeError(f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than zero, not {one.ratio:g}")
+            raise VfifeError(
+                f"gear {one.name} must couple two different bodies out of {n} by a finite ratio other than"
+                f" zero, not {one.ratio:g}"
+            )
         return
     if not two or len(one.point_a) != 2 or len(one.point_b) != 2 or not _finite(*one.point_a, *one.point_b):  # type: ignore
         raise VfifeError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
@@ -152,7 +174,9 @@ class Equations:
 
 
 def equations(system: RigidSystem, position: Array, velocity: Array | None = None) -> Equations:
-    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity gamma is that of the drives alone."""
+    """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity
+    gamma is that of the drives alone.
+    """
     bodies, speeds = position.tolist(), None if velocity is None else velocity.tolist()
     facing = [directions(bodies, body) for body in range(len(bodies))]
     phi: list[float] = []
@@ -165,7 +189,11 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
         phi += found.phi
         gamma += found.gamma
         rate += [0.0] * len(found.phi)
-        sides = [(body, blocks) for body, blocks in ((one.body_a, found.a), (one.body_b, found.b), (one.body_c, found.c)) if body]
+        sides = [
+            (body, blocks)
+            for body, blocks in ((one.body_a, found.a), (one.body_b, found.b), (one.body_c, found.c))
+            if body
+        ]
         for k in range(len(found.phi)):
             for body, blocks in sides:
                 x, y, turn = blocks[k]
@@ -174,7 +202,12 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
             scale = length if one.turns else 1.0
             rate[-1] = scale * one.speed
             gamma[-1] += scale * one.acceleration
-    return Equations(np.array(phi, dtype=float), system.jacobian(values), np.array(rate, dtype=float), np.array(gamma, dtype=float))
+    return Equations(
+        np.array(phi, dtype=float),
+        system.jacobian(values),
+        np.array(rate, dtype=float),
+        np.array(gamma, dtype=float),
+    )
 
 
 def metric(system: RigidSystem) -> tuple[Array, Array]:
@@ -193,5 +226,8 @@ def checked(system: RigidSystem, value: Array, name: str) -> Array:
 
 def mirrored(system: RigidSystem) -> RigidSystem:
     """The system with y and every angle turned round."""
-    joints, drives = tuple(one.mirrored() for one in system.joints), tuple(one.mirrored() for one in system.drives)
+    joints, drives = (
+        tuple(one.mirrored() for one in system.joints),
+        tuple(one.mirrored() for one in system.drives),
+    )
     return RigidSystem(system.names, system.mass, system.inertia, joints, drives)

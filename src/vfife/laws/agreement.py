@@ -1,8 +1,9 @@
 """A law in every loop against Python: the same bits at random arguments and at those where something turns.
 
-Python runs the law's own function; each loop runs what it made of its text. The arguments are drawn from all magnitudes and from special values:
-zeros of both signs, the smallest and largest doubles, infinity, the numbers that the text compares with and their neighbours, and the law's
-own parameters. Where Python raises (a division by zero, the root of a negative number), the compiled loops have to agree with one another.
+Python runs the law's own function; each loop runs what it made of its text. The arguments are drawn from all
+magnitudes and from special values: zeros of both signs, the smallest and largest doubles, infinity, the
+numbers that the text compares with and their neighbours, and the law's own parameters. Where Python raises (a
+division by zero, the root of a negative number), the compiled loops have to agree with one another.
 """
 
 from __future__ import annotations
@@ -21,21 +22,40 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from ..codegen.lawloops import PARTS, Loops, Single, plain_function
-from ..codegen.trace import COMPARISONS, Trace
+from ..compiler.runtime.lawloops import PARTS, Loops, Single, plain_function
+from ..compiler.trace.tape import COMPARISONS, Trace
 from ..errors import LawError, SourceError
 from .grammar import REMEDY
 
 Rows = NDArray[np.float64]
 
 STATES = 256  # at which a law is compared
-SPECIAL = (0.0, -0.0, 5e-324, 1e-308, 1e-30, 1e-12, 1.0, -1.0, 0.5, 1e6, 1e30, 1e300, 1.7976931348623157e308, math.inf, -math.inf, math.nan)
+SPECIAL = (
+    0.0,
+    -0.0,
+    5e-324,
+    1e-308,
+    1e-30,
+    1e-12,
+    1.0,
+    -1.0,
+    0.5,
+    1e6,
+    1e30,
+    1e300,
+    1.7976931348623157e308,
+    math.inf,
+    -math.inf,
+    math.nan,
+)
 SECONDS = 20.0  # that node may take
 NO_NODE = "JavaScript: not compared, because there is no node on this machine"
 
 
 class Agreement(NamedTuple):
-    """What was compared: the loops, at how many states, what of JavaScript, and what was found, nothing where all agree."""
+    """What was compared: the loops, at how many states, what of JavaScript, and what was found, nothing where
+    all agree.
+    """
 
     loops: tuple[str, ...]
     states: int
@@ -45,14 +65,27 @@ class Agreement(NamedTuple):
     def words(self) -> str:
         """A sentence."""
         from_card = "text for graphics cards: run on this processor, not on a card"
-        return f"equal to Python to the bit at {self.states} states in {len(self.loops)} loops; {self.javascript}; {from_card}"
+        return (
+            f"equal to Python to the bit at {self.states} states in {len(self.loops)} loops;"
+            f" {self.javascript}; {from_card}"
+        )
 
 
 def states_of(single: Single, trace: Trace, slots: Sequence[float], count: int, seed: int = 1) -> Rows:
     """States of a part: half of what stands in them is special, half random over all magnitudes that occur."""
     random = np.random.default_rng(seed)
-    compared = [o for one in trace.operations if one.operator in COMPARISONS for o in one.operands if isinstance(o, float)]
-    turns = [float(one) for value in [*compared, *slots] for one in (value, np.nextafter(value, -np.inf), np.nextafter(value, np.inf))]
+    compared = [
+        o
+        for one in trace.operations
+        if one.operator in COMPARISONS
+        for o in one.operands
+        if isinstance(o, float)
+    ]
+    turns = [
+        float(one)
+        for value in [*compared, *slots]
+        for one in (value, np.nextafter(value, -np.inf), np.nextafter(value, np.inf))
+    ]
     pool = np.array([*SPECIAL, *turns, *turns])
     shape = (count, single.rows)
     spread = random.choice([-1.0, 1.0, 1.0], shape) * 10.0 ** random.uniform(-12.0, 6.0, shape)
@@ -68,7 +101,9 @@ def states_of(single: Single, trace: Trace, slots: Sequence[float], count: int, 
 
 
 def by_python(single: Single, states: Rows) -> Rows:
-    """What the law's function gives; NaN in all rows of a state at which it raises, marked by the second answer, False."""
+    """What the law's function gives; NaN in all rows of a state at which it raises, marked by the second
+    answer, False.
+    """
     part, function = PARTS[single.part], plain_function(single)
     found: list[list[float | None]] = []
     memories = len(single.law.memory) if single.part == "friction" else 0
@@ -99,8 +134,13 @@ def same(first: Rows, second: Rows) -> NDArray[np.bool_]:
 
 
 def node_answers(loops: Loops, states: Sequence[Rows]) -> list[Rows]:
-    """What JavaScript makes of the states of each law. Raises OSError or SubprocessError where node does not run."""
-    data = [{"rows": one.shape[1], "bytes": base64.b64encode(np.ascontiguousarray(one).tobytes()).decode()} for one in states]
+    """What JavaScript makes of the states of each law. Raises OSError or SubprocessError where node does not
+    run.
+    """
+    data = [
+        {"rows": one.shape[1], "bytes": base64.b64encode(np.ascontiguousarray(one).tobytes()).decode()}
+        for one in states
+    ]
     script = (
         loops.javascript()
         + f"""
@@ -117,14 +157,24 @@ process.stdout.write(JSON.stringify(found));
     )
     command = [shutil.which("node") or "node", "-"]
     done = subprocess.run(command, input=script, capture_output=True, text=True, timeout=SECONDS, check=True)
-    return [np.frombuffer(base64.b64decode(text)).reshape(one.shape) for text, one in zip(json.loads(done.stdout), states, strict=True)]
+    return [
+        np.frombuffer(base64.b64decode(text)).reshape(one.shape)
+        for text, one in zip(json.loads(done.stdout), states, strict=True)
+    ]
 
 
-def compared(loops: Loops, slots: Sequence[Sequence[float]], count: int, javascript: bool, seed: int = 1) -> Agreement:
+def compared(
+    loops: Loops, slots: Sequence[Sequence[float]], count: int, javascript: bool, seed: int = 1
+) -> Agreement:
     """Compares laws in all loops with Python."""
     faults, said = [], "JavaScript: not compared here"
-    states = [states_of(one, trace, numbers, count, seed) for one, trace, numbers in zip(loops.singles, loops.traces, slots, strict=True)]
-    runs = {name: [function(k, one) for k, one in enumerate(states)] for name, function in loops.compiled.items()}
+    states = [
+        states_of(one, trace, numbers, count, seed)
+        for one, trace, numbers in zip(loops.singles, loops.traces, slots, strict=True)
+    ]
+    runs = {
+        name: [function(k, one) for k, one in enumerate(states)] for name, function in loops.compiled.items()
+    }
     if javascript:
         try:
             runs["JavaScript"], said = node_answers(loops, states), "JavaScript: compared in node"
@@ -140,7 +190,9 @@ def compared(loops: Loops, slots: Sequence[Sequence[float]], count: int, javascr
 
 
 def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str:
-    """Where a loop first differs from Python, or from the other loops where Python raises; nothing where none does."""
+    """Where a loop first differs from Python, or from the other loops where Python raises; nothing where none
+    does.
+    """
     rows, expected = single.answers, by_python(single, states)
     raises = np.array([one[0] is None for one in expected])
     reference = runs["generated, 1 lane"][:, rows].copy()
@@ -149,11 +201,17 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
         # Of vfife's own laws, terms that are zero drop out, which changes signs of zeros, and what 0/0 and
         # infinity make of others.
         own = plain_function(single).__module__.startswith("vfife.")
-        looked = ~raises if own or name in ("interpreted", "straight line as Python") else np.ones(len(states), bool)
+        looked = (
+            ~raises
+            if own or name in ("interpreted", "straight line as Python")
+            else np.ones(len(states), bool)
+        )
         if own:
             looked &= np.isfinite(states).all(axis=1) & np.isfinite(reference).all(axis=1)
         equal = same(found[:, rows], reference) | (own & (found[:, rows] == reference))
-        if name == "straight line as Python":  # it computes both arms, and Python raises in the one that is not chosen
+        if (
+            name == "straight line as Python"
+        ):  # it computes both arms, and Python raises in the one that is not chosen
             equal |= np.isnan(found[:, rows])
         wrong = np.flatnonzero(looked & ~equal.all(axis=1))
         if len(wrong):
@@ -162,9 +220,9 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
             other = "the other loops have" if raises[at] else "Python computes"
             given = ", ".join(f"{value!r}" for value in states[at].tolist())
             return (
-                f"function {plain_function(single).__name__}: {other} {float(reference[at, k])!r} and the loop {name!r} "
-                f"{float(found[at, rows[k]])!r} as answer {k + 1} (at the state {given}). This is a fault of vfife: report it with the law's "
-                "text, and do not use the law until then"
+                f"function {plain_function(single).__name__}: {other} {float(reference[at, k])!r} and the"
+                f" loop {name!r} {float(found[at, rows[k]])!r} as answer {k + 1} (at the state {given}). This"
+                " is a fault of vfife: report it with the law's text, and do not use the law until then"
             )
     return ""
 
@@ -193,9 +251,14 @@ def _agreement(single: Single, slots: tuple[float, ...], javascript: bool) -> Ag
     except SourceError as error:
         what = str(error)
     except (ArithmeticError, ValueError) as error:
-        said = "numbers of its text are divided by zero" if isinstance(error, ZeroDivisionError) else f"numbers of its text give none ({error})"
+        said = (
+            "numbers of its text are divided by zero"
+            if isinstance(error, ZeroDivisionError)
+            else f"numbers of its text give none ({error})"
+        )
         what = (
-            f"line {line_of(error, plain_function(single))}: {said}; both arms of `a if condition else b` are computed: work it out in parameters()"
+            f"line {line_of(error, plain_function(single))}: {said}; both arms of `a if condition else b` are"
+            " computed: work it out in parameters()"
         )
     except RecursionError:
         what = "its expressions are nested too deeply; give parts of them names of their own"

@@ -1,7 +1,9 @@
-"""A law of the user's own is tried out in plain Python before the compiler sees it: what is wrong with it is told in words.
+"""A law of the user's own is tried out in plain Python before the compiler sees it: what is wrong with it is
+told in words.
 
-Three looks, each only where the one before found nothing: how the functions are written, what they give at a few states, and whether every loop
-computes the bits that Python computes. Built-in laws are spared: the tests look at them.
+Three looks, each only where the one before found nothing: how the functions are written, what they give at a
+few states, and whether every loop computes the bits that Python computes. Built-in laws are spared: the tests
+look at them.
 """
 
 from __future__ import annotations
@@ -15,8 +17,8 @@ from types import FunctionType
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
 
-from ..codegen.functiontext import WRITING
-from ..codegen.source import data_driven
+from ..compiler.trace.functiontext import WRITING
+from ..compiler.trace.source import data_driven
 from ..errors import LawError, SourceError
 from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
 from .grammar import NUMBER, Kind, Several
@@ -29,7 +31,9 @@ if TYPE_CHECKING:
 
 
 class Part(NamedTuple):
-    """A function of a law: its name, the kinds of its arguments, how many numbers it returns (a tuple of them where it is not 1), and what."""
+    """A function of a law: its name, the kinds of its arguments, how many numbers it returns (a tuple of them
+    where it is not 1), and what.
+    """
 
     name: str
     kinds: tuple[Kind, ...]
@@ -49,22 +53,34 @@ def parts_of(law: Any, kind: str) -> list[Part]:
             else f"the friction force (N) and a tuple of {rows} numbers to remember"
         )
         found = [Part("force", (NUMBER, NUMBER, NUMBER, memory, NUMBER, slots), (1, max(rows, 1)), what)]
-        return [*found, Part("regime", (NUMBER, slots), (1,), "one number")] if law.regime is not None else found
+        return (
+            [*found, Part("regime", (NUMBER, slots), (1,), "one number")] if law.regime is not None else found
+        )
     what = "two numbers, the elastic force (N) and the damping coefficient (N s/m)"
     found = [Part("force", (NUMBER, NUMBER, slots), (1, 1), what)]
-    return [*found, Part("film_force", (NUMBER,) * 3 + (slots,), (1,) * 5, "five finite numbers")] if law.film else found
+    return (
+        [*found, Part("film_force", (NUMBER,) * 3 + (slots,), (1,) * 5, "five finite numbers")]
+        if law.film
+        else found
+    )
 
 
 def place(law: type[Law]) -> str:
     """Which law is meant: its name, class, file and line."""
     function = getattr(law, "force", None)
     code = getattr(function, "__code__", None)
-    where = f"{code.co_filename}, line {code.co_firstlineno}, " if code is not None and law.__module__ != "vfife.laws.law" else ""
+    where = (
+        f"{code.co_filename}, line {code.co_firstlineno}, "
+        if code is not None and law.__module__ != "vfife.laws.law"
+        else ""
+    )
     return f"{where}law {law.name!r} ({law.__name__})"
 
 
 def faults_of_text(function: Callable[..., Any], part: Part) -> list[str]:
-    """What the language of laws does not have in a function and in those that it calls; raises OSError where a text cannot be read."""
+    """What the language of laws does not have in a function and in those that it calls; raises OSError where
+    a text cannot be read.
+    """
     if not isinstance(function, FunctionType):
         return [f"{part.name} is no plain function; write it as a `def` in the class"]
     return Language().examine(function, part.kinds, part.numbers, part.what)
@@ -74,7 +90,10 @@ ARGUMENTS = {
     "contact": ("penetration", "slowness", "p"),
     "friction": ("normal_force", "free_velocity", "mobility", "memory", "dt", "p"),
 }
-ANSWER = {"contact": "the elastic force (N) and the damping coefficient (N s/m)", "friction": "the friction force (N) and the memory"}
+ANSWER = {
+    "contact": "the elastic force (N) and the damping coefficient (N s/m)",
+    "friction": "the friction force (N) and the memory",
+}
 NAMES = {"film_force": "film", "regime": "regime"}  # of parts other than ``force``
 UNITS = ("m", "s/m"), ("N", "m/s", "m/s/N", "m", "s")
 
@@ -88,8 +107,11 @@ def kind_of(law: type[Law]) -> str:
     return "contact" if issubclass(law, ContactLaw) else "friction"
 
 
-def try_out(laws: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...] = (), frictions: tuple[type, ...] = ()) -> None:
-    """Tries every law that is not built in at the surfaces it is meant for. Raises LawError with all that is wrong.
+def try_out(
+    laws: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...] = (), frictions: tuple[type, ...] = ()
+) -> None:
+    """Tries every law that is not built in at the surfaces it is meant for. Raises LawError with all that is
+    wrong.
 
     ``contacts`` and ``frictions`` are the laws that stand beside it in one compiled loop.
     """
@@ -100,7 +122,9 @@ def try_out(laws: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...] = (), f
         _try_out(own, contacts, frictions)
 
 
-def _try_out(own: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...], frictions: tuple[type, ...]) -> None:
+def _try_out(
+    own: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...], frictions: tuple[type, ...]
+) -> None:
     found: list[str] = []
     for kind in dict.fromkeys(type(law) for law, _ in own):
         found += faults_of_class(kind)
@@ -124,29 +148,51 @@ def faults_of_class(law: type[Law]) -> list[str]:
     where, kind = place(law), kind_of(law)
     found = []
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", law.name):
-        found.append(f"{where}: a law's name is made of small letters, digits and hyphens, as in lankarani-nikravesh")
+        found.append(
+            f"{where}: a law's name is made of small letters, digits and hyphens, as in lankarani-nikravesh"
+        )
     fields = [name for name, said in inspect.get_annotations(law).items() if "ClassVar" not in str(said)]
     if fields and "__dataclass_params__" not in law.__dict__:
-        found.append(f"{where}: the class has fields ({', '.join(fields)}) and is no dataclass; write @dataclass(frozen=True, kw_only=True)")
+        found.append(
+            f"{where}: the class has fields ({', '.join(fields)}) and is no dataclass; write"
+            " @dataclass(frozen=True, kw_only=True)"
+        )
     room = CONTACT_SLOTS if kind == "contact" else FRICTION_SLOTS
     slots: Any = law.slots
     if not isinstance(slots, tuple) or not all(isinstance(slot, str) for slot in slots):
-        found.append(f'{where}: slots is a tuple of names, as in slots: ClassVar[tuple[str, ...]] = ("stiffness",)')
+        found.append(
+            f'{where}: slots is a tuple of names, as in slots: ClassVar[tuple[str, ...]] = ("stiffness",)'
+        )
     elif len(law.slots) > room:
-        found.append(f"{where}: {len(law.slots)} slots; a {kind} law may have {room}: work out in parameters() what does not change in a run")
+        found.append(
+            f"{where}: {len(law.slots)} slots; a {kind} law may have {room}: work out in parameters() what"
+            " does not change in a run"
+        )
     memory: Any = law.memory if kind == "friction" else ()  # type: ignore[attr-defined]
     if not isinstance(memory, tuple) or len(memory) > FRICTION_MEMORY:
-        found.append(f'{where}: memory is a tuple of at most {FRICTION_MEMORY} names, as in memory: ClassVar[tuple[str, ...]] = ("bend (m)",)')
+        found.append(
+            f"{where}: memory is a tuple of at most {FRICTION_MEMORY} names, as in memory:"
+            ' ClassVar[tuple[str, ...]] = ("bend (m)",)'
+        )
     function, wanted = law.force, ARGUMENTS[kind]  # type: ignore[attr-defined]
     if not isinstance(inspect.getattr_static(law, "force"), staticmethod):
-        return [*found, f"{where}: force is a static function; write @staticmethod above it and no self among its arguments"]
+        return [
+            *found,
+            (
+                f"{where}: force is a static function; write @staticmethod above it and no self among its"
+                " arguments"
+            ),
+        ]
     given = [name for name, one in inspect.signature(function).parameters.items() if one.default is one.empty]
     if len(inspect.signature(function).parameters) != len(wanted) or len(given) != len(wanted):
         count = f"{len(given)} argument{'s' * (len(given) != 1)} ({', '.join(given)})"
         found.append(f"{where}: force takes {count}; a {kind} law takes {len(wanted)}: {', '.join(wanted)}")
     film: Any = getattr(law, "film_force", None) if kind == "contact" and law.film else None  # type: ignore[attr-defined]
     if kind == "contact" and law.film and (film is None or len(inspect.signature(film).parameters) != 4):  # type: ignore[attr-defined]
-        found.append(f"{where}: a law with film = True has a static function film_force(penetration, turning, sense, p)")
+        found.append(
+            f"{where}: a law with film = True has a static function film_force(penetration, turning,"
+            " sense, p)"
+        )
         return found
     return found or [f"{where}: {fault}" for fault in faults_of_functions(law, kind)]
 
@@ -158,7 +204,10 @@ def faults_of_functions(law: Any, kind: str) -> list[str]:
         try:
             found += faults_of_text(getattr(law, part.name), part)
         except (OSError, TypeError):
-            found.append("the text of its function cannot be read; write the law in a file, as the compiler needs its text")
+            found.append(
+                "the text of its function cannot be read; write the law in a file, as the compiler needs its"
+                " text"
+            )
     return found
 
 
@@ -171,19 +220,29 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
     except Endless:
         return [f"{where}: parameters() {ENDLESS}"]
     except Exception as error:
-        return [f"{where}: parameters() raises {type(error).__name__}: {error} (clearance {pair.clearance:g} m)"]
+        return [
+            f"{where}: parameters() raises {type(error).__name__}: {error} (clearance {pair.clearance:g} m)"
+        ]
     if len(p) != len(law.slots):
-        return [f"{where}: parameters() gives {len(p)} numbers, and slots names {len(law.slots)}: {', '.join(law.slots)}"]
+        return [
+            f"{where}: parameters() gives {len(p)} numbers, and slots names {len(law.slots)}:"
+            f" {', '.join(law.slots)}"
+        ]
     for slot, value in zip(law.slots, p, strict=True):
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            return [f"{where}: parameters() gives {slot} = {value!r}, which is no finite number (clearance {pair.clearance:g} m)"]
+            return [
+                f"{where}: parameters() gives {slot} = {value!r}, which is no finite number (clearance"
+                f" {pair.clearance:g} m)"
+            ]
     p = tuple(float(value) for value in p)
     states = contact_states(pair) if kind == "contact" else friction_states(len(law.memory))  # type: ignore[attr-defined]
     for state in states:
         fault = fault_at(law, kind, state, p)
         if fault:
             said = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
-            at = ", ".join(f"{name} {value:g} {unit}" for name, value, unit in said if isinstance(value, float))
+            at = ", ".join(
+                f"{name} {value:g} {unit}" for name, value, unit in said if isinstance(value, float)
+            )
             return [f"{where}, function force: {fault} (at {at})"]
     return [*faults_of_film(law, pair, p), *faults_of_energy(law, pair, p)] if kind == "contact" else []
 
@@ -209,9 +268,15 @@ def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
         except Exception as error:
             return [f"{at}: it raises {type(error).__name__}: {error}"]
         if len(answer) != 5 or not all(math.isfinite(value) for value in answer):
-            return [f"{at}: it returns {answer}; it has to return five finite numbers: radial and across (N), D_n, D_t and X (N s/m)"]
+            return [
+                f"{at}: it returns {answer}; it has to return five finite numbers: radial and across (N),"
+                " D_n, D_t and X (N s/m)"
+            ]
         if min(answer[2:4]) < 0.0 or answer[4] * answer[4] > answer[2] * answer[3]:
-            return [f"{at}: D_n, D_t and X are {answer[2:]}; D_n and D_t have to be 0 or more and X^2 at most D_n D_t, or the film gives energy"]
+            return [
+                f"{at}: D_n, D_t and X are {answer[2:]}; D_n and D_t have to be 0 or more and X^2 at most D_n"
+                " D_t, or the film gives energy"
+            ]
     return []
 
 
@@ -224,7 +289,9 @@ def contact_states(pair: Pair) -> Iterator[tuple[float, ...]]:
 
 
 def friction_states(memories: int) -> Iterator[tuple[Any, ...]]:
-    """Nothing remembered yet; apart, and under forces to 10 kN, at rest and sliding to 1 m/s either way, free to move or not."""
+    """Nothing remembered yet; apart, and under forces to 10 kN, at rest and sliding to 1 m/s either way, free
+    to move or not.
+    """
     for normal in (0.0, 1.0, 1e4):
         for velocity in (0.0, 1e-6, -1e-3, 1.0, -1.0):
             for mobility in (1e-12, 1e-6):
@@ -236,37 +303,61 @@ def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) 
     try:
         answer: Any = law.force(*state, p)  # type: ignore[attr-defined]
     except ZeroDivisionError:
-        return "it divides by zero; a step calls it also while the surfaces are apart, so add a bound or choose by `a if condition else b`"
+        return (
+            "it divides by zero; a step calls it also while the surfaces are apart, so add a bound or choose"
+            " by `a if condition else b`"
+        )
     except Exception as error:
         return f"it raises {type(error).__name__}: {error}"
     if not isinstance(answer, tuple) or len(answer) != 2:
         return f"it returns {answer!r}; it has to return two numbers, {ANSWER[kind]}"
     for value in (answer[0], *answer[1]) if isinstance(answer[1], tuple) else answer:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            return f"it returns {value!r} of type {type(value).__name__}; it has to return two numbers, {ANSWER[kind]}"
+            return (
+                f"it returns {value!r} of type {type(value).__name__}; it has to return two numbers,"
+                f" {ANSWER[kind]}"
+            )
         if not math.isfinite(value):
             return f"it returns {answer[0]!r} and {answer[1]!r}; both have to be finite"
     first, second = answer
     if kind == "friction":
-        return f"a friction of {first:g} N without a normal force; it has to vanish with it" if state[0] == 0.0 and first != 0.0 else ""
+        return (
+            f"a friction of {first:g} N without a normal force; it has to vanish with it"
+            if state[0] == 0.0 and first != 0.0
+            else ""
+        )
     if first < 0.0:
-        return f"the elastic force is {first:g} N; surfaces that press on one another push, so it has to be 0 or more"
+        return (
+            f"the elastic force is {first:g} N; surfaces that press on one another push, so it has to be 0 or"
+            " more"
+        )
     if second < 0.0:
-        return f"the damping coefficient is {second:g} N s/m; it has to be 0 or more, or the contact would give energy"
+        return (
+            f"the damping coefficient is {second:g} N s/m; it has to be 0 or more, or the contact would give"
+            " energy"
+        )
     if state[0] == 0.0 and first != 0.0:
         return f"the elastic force is {first:g} N; it has to be 0 where nothing is pressed in"
     if state == (0.0, 0.0) and second != 0.0:
-        return f"the damping coefficient is {second:g} N s/m while the surfaces are apart; it has to be 0 there, where slowness is 0"
+        return (
+            f"the damping coefficient is {second:g} N s/m while the surfaces are apart; it has to be 0 there,"
+            " where slowness is 0"
+        )
     return ""
 
 
 def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement]:
     """The functions of a law in every loop beside Python. Raises LawError where a loop cannot be made of one."""
-    from .agreement import agreement_of  # all that writes loops, which a run without laws of one's own has no need to load
+    from .agreement import (
+        agreement_of,  # all that writes loops, which a run without laws of one's own has no need to load
+    )
 
     slots = tuple(float(value) for value in law.parameters(pair))
     kind = kind_of(type(law))
-    return [agreement_of(NAMES.get(part.name, kind), type(law), slots, javascript) for part in parts_of(type(law), kind)]
+    return [
+        agreement_of(NAMES.get(part.name, kind), type(law), slots, javascript)
+        for part in parts_of(type(law), kind)
+    ]
 
 
 def comparison(laws: Sequence[tuple[Law, Pair]]) -> dict[str, str]:
@@ -275,22 +366,27 @@ def comparison(laws: Sequence[tuple[Law, Pair]]) -> dict[str, str]:
     Raises LawError where a loop differs from Python.
     """
     own = {law.name: (law, pair) for law, pair in laws if not built_in(type(law))}
-    if found := [fault for law, pair in own.values() for fault in faults_of_loops(law, pair, javascript=True)]:
+    if found := [
+        fault for law, pair in own.values() for fault in faults_of_loops(law, pair, javascript=True)
+    ]:
         raise LawError("\n".join(found))
     return {name: agreements(law, pair, javascript=True)[0].words() for name, (law, pair) in own.items()}
 
 
-# Text of each law when it was last tried: at a prompt a number of its file or a function that it calls may change afterwards.
+# Text of each law when it was last tried: at a prompt a number of its file or a function that it calls may
+# change afterwards.
 _TEXTS: WeakKeyDictionary[type[Law], str] = WeakKeyDictionary()
 
 
 def renew(law: type[Law]) -> None:
     """Drops what was compiled and compared of a law whose text is another one since."""
-    from ..codegen.lawloops import Single, text_of
-    from ..codegen.loops import forget_steps
+    from ..compiler.runtime.lawloops import Single, text_of
+    from ..compiler.runtime.loops import forget_steps
     from .agreement import forget
 
-    text = "\n".join(text_of(Single(NAMES.get(part.name, kind_of(law)), law)) for part in parts_of(law, kind_of(law)))
+    text = "\n".join(
+        text_of(Single(NAMES.get(part.name, kind_of(law)), law)) for part in parts_of(law, kind_of(law))
+    )
     if _TEXTS.get(law, text) != text:
         forget_steps()
         forget(law)
@@ -298,13 +394,19 @@ def renew(law: type[Law]) -> None:
 
 
 def faults_of_loops(law: Law, pair: Pair, javascript: bool = False) -> list[str]:
-    """Whether every loop computes the bits that Python computes; what passes the look at the text hardly ever fails here."""
+    """Whether every loop computes the bits that Python computes; what passes the look at the text hardly ever
+    fails here.
+    """
     try:
         with WRITING:
             renew(type(law))
             if javascript:  # by itself; where it is assembled, the text with all laws of the model follows
                 data_driven(*(((type(law),), ()) if kind_of(type(law)) == "contact" else ((), (type(law),))))
-        return [f"{place(type(law))}, {fault}" for one in agreements(law, pair, javascript) for fault in one.faults]
+        return [
+            f"{place(type(law))}, {fault}"
+            for one in agreements(law, pair, javascript)
+            for fault in one.faults
+        ]
     except (LawError, SourceError) as error:
         return [f"{place(type(law))}: {error}"]
 
@@ -312,7 +414,11 @@ def faults_of_loops(law: Law, pair: Pair, javascript: bool = False) -> list[str]
 def needed(law: type[Law]) -> list[str]:
     """Fields that have to be given."""
     missing = dataclasses.MISSING
-    return [field.name for field in dataclasses.fields(law) if field.default is missing and field.default_factory is missing]
+    return [
+        field.name
+        for field in dataclasses.fields(law)
+        if field.default is missing and field.default_factory is missing
+    ]
 
 
 def faults(law: type[Law], pair: Pair | None = None) -> list[str]:

@@ -1,4 +1,6 @@
-"""Measured branches of force over penetration as few pieces of cubics, of which no unloading one gives energy."""
+"""Measured branches of force over penetration as few pieces of cubics, of which no unloading one gives
+energy.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +26,12 @@ Points = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class Branches:
-    """Pieces as the kernels have them: begin (m), four coefficients of the branches' mean, four of half their distance, constant first.
+    """Pieces as the kernels have them: begin (m), four coefficients of the branches' mean, four of half their
+    distance, constant first.
 
-    ``used`` of ``given`` places of both curves are knots; the curve through these misses a point by ``missed`` of the largest force. ``levelled``:
-    by how much of it points were moved so that loading does not fall and unloading is not above it. ``end``: the last penetration (m).
+    ``used`` of ``given`` places of both curves are knots; the curve through these misses a point by
+    ``missed`` of the largest force. ``levelled``: by how much of it points were moved so that loading does
+    not fall and unloading is not above it. ``end``: the last penetration (m).
     """
 
     pieces: tuple[tuple[float, ...], ...]
@@ -42,15 +46,18 @@ class Branches:
         if place == force == 1.0:
             return self.pieces
         powers = tuple(force / whole_power(place, k) for k in range(4)) * 2
-        return tuple((place * piece[0], *(c * power for c, power in zip(piece[1:], powers, strict=True))) for piece in self.pieces)
+        return tuple(
+            (place * piece[0], *(c * power for c, power in zip(piece[1:], powers, strict=True)))
+            for piece in self.pieces
+        )
 
 
 @lru_cache(maxsize=256)
 def joined(loading: Points, unloading: Points | None) -> Branches:
     """The pieces of two curves of ascending penetrations, each from no force at no penetration.
 
-    Loading is joined by monotone cubics (Fritsch and Carlson), and so is its distance from unloading: none of them leaves its neighbours, so
-    the distance is nowhere below 0.
+    Loading is joined by monotone cubics (Fritsch and Carlson), and so is its distance from unloading: none of
+    them leaves its neighbours, so the distance is nowhere below 0.
     """
     import numpy as np
 
@@ -59,21 +66,33 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
     size = float(up[1].max())
     places = np.union1d(up[0], down[0])
     places = places[places <= up[0][-1]]
-    places = places[np.diff(places, prepend=-1.0) > SAME * places[-1]]  # one micrometre written twice may differ in its last bit
+    places = places[
+        np.diff(places, prepend=-1.0) > SAME * places[-1]
+    ]  # one micrometre written twice may differ in its last bit
     inside = np.minimum(places, down[0][-1])  # beyond its end unloading stays as far below loading
     load = _curve(up[0], rising)
     apart = load(inside) - _curve(*down)(inside)
     half = 0.5 * np.maximum(apart, 0.0) if unloading is not None else np.zeros(len(places))
-    levelled = max(float(np.abs(rising - up[1]).max()), float(-apart.min(initial=0.0)) if unloading is not None else 0.0) / size
+    levelled = (
+        max(
+            float(np.abs(rising - up[1]).max()),
+            float(-apart.min(initial=0.0)) if unloading is not None else 0.0,
+        )
+        / size
+    )
     chosen, missed = chosen_among(places, np.array([load(places), half]), size)
     at = places[chosen]
     force, ahead = splines.monotone(at.tolist(), load(at).tolist()), float(at[-1] - at[-2])
     distance = splines.monotone(at.tolist(), half[chosen].tolist())
-    mean = [[a - b for a, b in zip(one, other, strict=True)] for one, other in zip(force, distance, strict=True)]
+    mean = [
+        [a - b for a, b in zip(one, other, strict=True)] for one, other in zip(force, distance, strict=True)
+    ]
     pieces = [(float(begin), *m, *h) for begin, m, h in zip(at[:-1], mean, distance, strict=True)]
     _, rate, bend, third = force[-1]
     slope, last = rate + ahead * (2.0 * bend + ahead * 3.0 * third), float(half[chosen[-1]])
-    if any(abs(c) > 0.0 for c in (pieces[-1][3], pieces[-1][4], *pieces[-1][6:])):  # one that is straight goes on by itself
+    if any(
+        abs(c) > 0.0 for c in (pieces[-1][3], pieces[-1][4], *pieces[-1][6:])
+    ):  # one that is straight goes on by itself
         pieces.append((float(at[-1]), float(load(at[-1:])[0]) - last, slope, 0.0, 0.0, last, 0.0, 0.0, 0.0))
     return Branches(tuple(pieces), len(at), len(places), missed, levelled, float(at[-1]))
 
@@ -91,11 +110,17 @@ def from_nothing(points: Points) -> tuple[Array, Array]:
     import numpy as np
 
     place, force = np.array(points, dtype=float).T
-    return (place, force) if place[0] == 0.0 else (np.concatenate([[0.0], place]), np.concatenate([[0.0], force]))
+    return (
+        (place, force)
+        if place[0] == 0.0
+        else (np.concatenate([[0.0], place]), np.concatenate([[0.0], force]))
+    )
 
 
 def not_falling(values: Array) -> Array:
-    """The nearest values, by their squares, that nowhere fall: means over what falls (pool adjacent violators)."""
+    """The nearest values, by their squares, that nowhere fall: means over what falls (pool adjacent
+    violators).
+    """
     import numpy as np
 
     blocks: list[list[float]] = []
@@ -108,7 +133,9 @@ def not_falling(values: Array) -> Array:
 
 
 def chosen_among(places: Array, curves: Array, size: float) -> tuple[NDArray[np.intp], float]:
-    """Indices of the places that cubics have to go through, all where there are few, and by how much of ``size`` they miss the others."""
+    """Indices of the places that cubics have to go through, all where there are few, and by how much of
+    ``size`` they miss the others.
+    """
     import numpy as np
 
     if len(places) <= MOST_PIECES + 1:

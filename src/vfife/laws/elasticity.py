@@ -18,14 +18,18 @@ BISECTIONS = 60  # of depths that differ by a factor of two
 
 
 def tangent(law: ContactLaw, slots: tuple[float, ...], force: float) -> tuple[float, float]:
-    """Penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent stiffness (N/m) there."""
+    """Penetration (m) at which a contact law carries ``force`` (N) at rest, and its tangent stiffness (N/m)
+    there.
+    """
     kind: Any = type(law)
     return _tangent(kind, tuple(slots), force)  # a class has a hash, whatever its instances have
 
 
 @lru_cache(maxsize=4096)
 def _tangent(law: type[ContactLaw], slots: tuple[float, ...], load: float) -> tuple[float, float]:
-    """The same, of what decides it: the law's static function and its parameters. A static analysis asks for thousands, so numbers are plain."""
+    """The same, of what decides it: the law's static function and its parameters. A static analysis asks for
+    thousands, so numbers are plain.
+    """
     force = law.force
     low, high = 1e-15, 1e-9
     while force(high, 0.0, slots)[0] < load and high < 1.0:
@@ -36,11 +40,15 @@ def _tangent(law: type[ContactLaw], slots: tuple[float, ...], load: float) -> tu
             low = middle
         else:
             high = middle
-    return high, (float(force(1.001 * high, 0.0, slots)[0]) - float(force(0.999 * high, 0.0, slots)[0])) / (0.002 * high)
+    return high, (float(force(1.001 * high, 0.0, slots)[0]) - float(force(0.999 * high, 0.0, slots)[0])) / (
+        0.002 * high
+    )
 
 
 def elastic_energy(law: ContactLaw, depth: Array, slots: tuple[float, ...]) -> Array:
-    """Elastic energy (J) at penetrations (m): the law's own, or its elastic force summed up where it has none."""
+    """Elastic energy (J) at penetrations (m): the law's own, or its elastic force summed up where it has
+    none.
+    """
     try:
         return np.asarray(law.elastic_energy(depth, slots), dtype=float)
     except NotImplementedError:

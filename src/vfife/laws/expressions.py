@@ -1,4 +1,6 @@
-"""Expressions in the language of laws: the kind of each, and what is said of one that some loop would compute differently from Python."""
+"""Expressions in the language of laws: the kind of each, and what is said of one that some loop would compute
+differently from Python.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,10 @@ class Expressions:
     def kind(self, node: ast.expr, depth: int = 0) -> Kind:
         """Kind of an expression."""
         if depth > DEEPEST:
-            return self.fault(node, f"more than {DEEPEST} expressions stand in one another; give parts of it names of their own")
+            return self.fault(
+                node,
+                f"more than {DEEPEST} expressions stand in one another; give parts of it names of their own",
+            )
         for refused, (what, instead) in INSTEAD.items():
             if isinstance(node, refused):
                 return self.fault(node, f"{what} cannot be compiled into the step; {instead}")
@@ -67,8 +72,15 @@ class Expressions:
         if numeric(kind):
             return kind
         if kind == TRUTH:
-            return self.fault(node, f"`{shown(node)}` in `{shown(whole)}` is a truth value; write `1.0 if {shown(node)} else 0.0`")
-        return self.fault(node, f"`{shown(node)}` in `{shown(whole)}` is {words(kind)}; take it apart first, as in `a, b = p`")
+            return self.fault(
+                node,
+                f"`{shown(node)}` in `{shown(whole)}` is a truth value; write `1.0 if {shown(node)} else"
+                " 0.0`",
+            )
+        return self.fault(
+            node,
+            f"`{shown(node)}` in `{shown(whole)}` is {words(kind)}; take it apart first, as in `a, b = p`",
+        )
 
     def truth(self, node: ast.expr, depth: int, whole: ast.expr) -> None:
         """Looks at a condition of ``whole``."""
@@ -88,22 +100,35 @@ class Expressions:
             return self.within(node, Whole(value, value), text)
         if type(value) is not float:
             return self.fault(node, f"{value!r} is no number")
-        return NUMBER if value == value else self.fault(node, f"{text} is not a number; choose by `a if condition else b` instead")
+        return (
+            NUMBER
+            if value == value
+            else self.fault(node, f"{text} is not a number; choose by `a if condition else b` instead")
+        )
 
     def within(self, node: ast.AST, kind: Whole, text: str) -> Kind:
         """A whole number, which has to be a double as well."""
         if max(-kind.low, kind.high) <= LARGEST:
             return kind
-        return self.fault(node, f"`{text}` is a whole number beyond 2^53, which no double has; write it with a point, as in 1e16")
+        return self.fault(
+            node,
+            f"`{text}` is a whole number beyond 2^53, which no double has; write it with a point, as in 1e16",
+        )
 
     def _name(self, node: ast.Name, depth: int) -> Kind:
         if node.id in self.local:
-            return self.place[node.id] if node.id in self.place else self.fault(node, f"{node.id} is used before it has a value")
+            return (
+                self.place[node.id]
+                if node.id in self.place
+                else self.fault(node, f"{node.id} is used before it has a value")
+            )
         value = self.outside(node)
         if value is None:
             return UNKNOWN
         if isinstance(value, FunctionType):
-            return self.fault(node, f"the function {node.id} is used like a number; call it, as in {node.id}(x)")
+            return self.fault(
+                node, f"the function {node.id} is used like a number; call it, as in {node.id}(x)"
+            )
         if isinstance(value, ModuleType):
             return self.fault(node, f"{node.id} is a module and no number")
         return self.constant(node, value, node.id)
@@ -112,33 +137,55 @@ class Expressions:
         """What a name of the file stands for; None where that is a fault, which is said."""
         space = self.function.__globals__
         if node.id.startswith("__"):
-            self.fault(node, f"{node.id}: within a class Python gives such a name another one; choose one without `__` in front")
+            self.fault(
+                node,
+                f"{node.id}: within a class Python gives such a name another one; choose one without `__` in"
+                " front",
+            )
             return None
         if node.id not in space:
             if hasattr(builtins, node.id):
-                self.fault(node, f"{node.id}() cannot be compiled into the step; {FUNCTIONS.get(node.id, REMEDY)}")
+                self.fault(
+                    node, f"{node.id}() cannot be compiled into the step; {FUNCTIONS.get(node.id, REMEDY)}"
+                )
             else:
-                self.fault(node, f"there is nothing called {node.id} in the file; define it there, or correct the name")
+                self.fault(
+                    node,
+                    f"there is nothing called {node.id} in the file; define it there, or correct the name",
+                )
             return None
         value = space[node.id]
         if isinstance(value, FunctionType):
             own = value.__module__ != "vfife" and not value.__module__.startswith("vfife.")
             if value.__name__ != node.id:
-                self.fault(node, f"the function {value.__name__} is called {node.id} here; call it by its own name")
+                self.fault(
+                    node, f"the function {value.__name__} is called {node.id} here; call it by its own name"
+                )
                 return None
             if own and node.id in RESERVED:
-                self.fault(node, f"{node.id} is a name that the step itself uses; rename the function, as in my_{node.id}")
+                self.fault(
+                    node,
+                    f"{node.id} is a name that the step itself uses; rename the function, as in my_{node.id}",
+                )
                 return None
         elif isinstance(value, ModuleType) or type(value) in (bool, int, float):
             if node.id in RESERVED and value is not math:
-                self.fault(node, f"{node.id} is a name that the step itself uses; rename it, as in my_{node.id}")
+                self.fault(
+                    node, f"{node.id} is a name that the step itself uses; rename it, as in my_{node.id}"
+                )
                 return None
         elif isinstance(value, bool | int | float):
-            self.fault(node, f"{node.id} ({type(value).__name__}) is no plain number; write {node.id} = {plain(value)!r} in the file")
+            self.fault(
+                node,
+                f"{node.id} ({type(value).__name__}) is no plain number; write {node.id} = {plain(value)!r}"
+                " in the file",
+            )
             return None
         else:
             instead = FUNCTIONS.get(getattr(value, "__name__", node.id), REMEDY)
-            self.fault(node, f"{node.id} ({type(value).__name__}) cannot be compiled into the step; {instead}")
+            self.fault(
+                node, f"{node.id} ({type(value).__name__}) cannot be compiled into the step; {instead}"
+            )
             return None
         return value
 
@@ -148,7 +195,9 @@ class Expressions:
         kind = Several(tuple(self.kind(one, depth) for one in node.elts))
         if size(kind) > LARGEST_TUPLE:
             return self.fault(
-                node, f"`{shown(node)}` has {size(kind)} numbers; a tuple may have {LARGEST_TUPLE}: give some of them names of their own"
+                node,
+                f"`{shown(node)}` has {size(kind)} numbers; a tuple may have {LARGEST_TUPLE}: give some of"
+                " them names of their own",
             )
         return kind
 
@@ -157,7 +206,11 @@ class Expressions:
             return self.fault(node, "`not` cannot be compiled into the step; turn the comparison round")
         if not isinstance(node.op, ast.USub):
             sign = "~" if isinstance(node.op, ast.Invert) else "+"
-            return self.fault(node, f"`{sign}` in front of `{shown(node.operand)}` cannot be compiled into the step; leave it out")
+            return self.fault(
+                node,
+                f"`{sign}` in front of `{shown(node.operand)}` cannot be compiled into the step; leave"
+                " it out",
+            )
         self.cost += 1
         kind = self.number(node.operand, depth, node)
         return Whole(-kind.high, -kind.low) if isinstance(kind, Whole) else kind
@@ -174,7 +227,11 @@ class Expressions:
             return UNKNOWN
         if isinstance(node.op, ast.Div):
             if isinstance(right, Whole) and right.low <= 0 <= right.high:
-                return self.fault(node, f"`{shown(node)}` divides by zero; Python ends there, so choose by `a if condition else b`")
+                return self.fault(
+                    node,
+                    f"`{shown(node)}` divides by zero; Python ends there, so choose by `a if condition"
+                    " else b`",
+                )
             return NUMBER
         if not isinstance(left, Whole) or not isinstance(right, Whole):
             return NUMBER
@@ -182,9 +239,16 @@ class Expressions:
 
     def power(self, node: ast.BinOp) -> Kind:
         """Of two whole literals alone Python's power is exact."""
-        values = [one.value for one in (node.left, node.right) if isinstance(one, ast.Constant) and type(one.value) is int]
+        values = [
+            one.value
+            for one in (node.left, node.right)
+            if isinstance(one, ast.Constant) and type(one.value) is int
+        ]
         if len(values) < 2:
-            said = "`**` differs between machines in its last bits; write x * x, or power(x, n) of vfife.kernels.elementary"
+            said = (
+                "`**` differs between machines in its last bits; write x * x, or power(x, n) of"
+                " vfife.kernels.elementary"
+            )
             return self.fault(node, said)
         base, exponent = values
         if exponent > LARGEST_POWER:
@@ -202,9 +266,15 @@ class Expressions:
         for one in (node.left, *node.comparators):
             kind = self.kind(one, depth)
             if kind == TRUTH:
-                return self.fault(node, f"`{shown(node)}` compares truth values; choose by `a if condition else b`, or join them with `and`, `or`")
+                return self.fault(
+                    node,
+                    f"`{shown(node)}` compares truth values; choose by `a if condition else b`, or join them"
+                    " with `and`, `or`",
+                )
             if not numeric(kind):
-                return self.fault(node, f"`{shown(node)}` compares {words(kind)}; compare its numbers one by one")
+                return self.fault(
+                    node, f"`{shown(node)}` compares {words(kind)}; compare its numbers one by one"
+                )
         return TRUTH
 
     def _boolop(self, node: ast.BoolOp, depth: int) -> Kind:
@@ -213,14 +283,19 @@ class Expressions:
         if all(kind in (TRUTH, UNKNOWN) for kind in kinds):
             return TRUTH
         k = next(k for k, kind in enumerate(kinds) if kind not in (TRUTH, UNKNOWN))
-        first, second = (f"({shown(one)})" if isinstance(one, ast.IfExp | ast.BoolOp) else shown(one) for one in node.values[max(k - 1, 0) :][:2])
+        first, second = (
+            f"({shown(one)})" if isinstance(one, ast.IfExp | ast.BoolOp) else shown(one)
+            for one in node.values[max(k - 1, 0) :][:2]
+        )
         tested = first if kinds[max(k - 1, 0)] == TRUTH else f"{first} != 0.0"
         other = "1.0" if kinds[max(k - 1, 0)] == TRUTH else first
         chosen = f"{second} if {tested} else {'0.0' if other == '1.0' else first}"
         instead = chosen if isinstance(node.op, ast.And) else f"{other} if {tested} else {second}"
         word = "and" if isinstance(node.op, ast.And) else "or"
         return self.fault(
-            node, f"`{shown(node)}`: `{word}` joins conditions, and `{shown(node.values[k])}` is {words(kinds[k])}; write `{instead}`"
+            node,
+            f"`{shown(node)}`: `{word}` joins conditions, and `{shown(node.values[k])}` is {words(kinds[k])};"
+            f" write `{instead}`",
         )
 
     def _ifexp(self, node: ast.IfExp, depth: int) -> Kind:
@@ -233,11 +308,26 @@ class Expressions:
             inner = kind.kinds if isinstance(kind, Several) else (kind,)
             if any(isinstance(one, Whole) for one in inner):
                 said = f"`{shown(arm)}` in `{shown(node)}` is a whole number, and others are not"
-                return self.fault(arm, f"{said}; write it with a point, as in 1.0" if not isinstance(kind, Several) else f"{said}; write 1.0 for 1")
+                return self.fault(
+                    arm,
+                    (
+                        f"{said}; write it with a point, as in 1.0"
+                        if not isinstance(kind, Several)
+                        else f"{said}; write 1.0 for 1"
+                    ),
+                )
             if any(isinstance(one, Several) for one in inner):
-                return self.fault(arm, f"`{shown(arm)}` has tuples within a tuple; choose each by an `a if condition else b` of its own")
+                return self.fault(
+                    arm,
+                    f"`{shown(arm)}` has tuples within a tuple; choose each by an `a if condition else b` of"
+                    " its own",
+                )
         if category(kinds[0]) != category(kinds[1]):
-            return self.fault(node, f"`{shown(node)}` is {words(kinds[0])} or {words(kinds[1])}; both have to be the same kind of thing")
+            return self.fault(
+                node,
+                f"`{shown(node)}` is {words(kinds[0])} or {words(kinds[1])}; both have to be the same kind of"
+                " thing",
+            )
         return kinds[0]
 
     def _attribute(self, node: ast.Attribute, depth: int) -> Kind:
@@ -251,11 +341,15 @@ class Expressions:
         if owner is math and isinstance(getattr(math, node.attr, None), float):
             return self.constant(node, getattr(math, node.attr), f"math.{node.attr}")
         if owner is math:
-            instead = "call it, as in math.sqrt(x)" if node.attr == "sqrt" else FUNCTIONS.get(node.attr, REMEDY)
+            instead = (
+                "call it, as in math.sqrt(x)" if node.attr == "sqrt" else FUNCTIONS.get(node.attr, REMEDY)
+            )
             return self.fault(node, f"math.{node.attr} differs between machines in its last bits; {instead}")
         if isinstance(owner, ModuleType):
             instead = FUNCTIONS.get(node.attr, REMEDY)
-            return self.fault(node, f"{owner.__name__}.{node.attr} cannot be compiled into the step; {instead}")
+            return self.fault(
+                node, f"{owner.__name__}.{node.attr} cannot be compiled into the step; {instead}"
+            )
         return self.fault(node, f"`{shown(node)}` cannot be compiled into the step. {REMEDY}")
 
     def _subscript(self, node: ast.Subscript, depth: int) -> Kind:
@@ -268,26 +362,44 @@ class Expressions:
             index, sign = index.operand, -1
         if not isinstance(index, ast.Constant) or type(index.value) is not int:
             said = f"`{shown(node)}` takes a part whose place is no literal"
-            return self.fault(node, f"{said}; take the tuple apart, `a, b = p`, or loop over it, `for x in p:`")
+            return self.fault(
+                node, f"{said}; take the tuple apart, `a, b = p`, or loop over it, `for x in p:`"
+            )
         place = sign * index.value
         if not -len(kind.kinds) <= place < len(kind.kinds):
-            return self.fault(node, f"`{shown(node)}`: {shown(node.value)} has {len(kind.kinds)} parts, the first at 0; correct the number")
+            return self.fault(
+                node,
+                f"`{shown(node)}`: {shown(node.value)} has {len(kind.kinds)} parts, the first at 0; correct"
+                " the number",
+            )
         return kind.kinds[place]
 
     def _call(self, node: ast.Call, depth: int) -> Kind:
         self.cost += 1
         if node.keywords or any(isinstance(one, ast.Starred) for one in node.args):
-            return self.fault(node, f"`{shown(node)}` names or unpacks arguments; write them in their order, as in f(a, b)")
+            return self.fault(
+                node, f"`{shown(node)}` names or unpacks arguments; write them in their order, as in f(a, b)"
+            )
         if isinstance(node.func, ast.Attribute):
-            owner = self.function.__globals__.get(node.func.value.id) if isinstance(node.func.value, ast.Name) else None
-            if owner is not math or node.func.attr != "sqrt" or getattr(node.func.value, "id", "") in self.local:
+            owner = (
+                self.function.__globals__.get(node.func.value.id)
+                if isinstance(node.func.value, ast.Name)
+                else None
+            )
+            if (
+                owner is not math
+                or node.func.attr != "sqrt"
+                or getattr(node.func.value, "id", "") in self.local
+            ):
                 return self._attribute(node.func, depth)
             return self.one_number(node, "math.sqrt", depth)
         if not isinstance(node.func, ast.Name):
             return self.fault(node, f"`{shown(node)}` cannot be compiled into the step. {REMEDY}")
         name = node.func.id
         if name in self.local:
-            return self.fault(node, f"`{shown(node)}` calls {name}, which is a value in this function; rename one of them")
+            return self.fault(
+                node, f"`{shown(node)}` calls {name}, which is a value in this function; rename one of them"
+            )
         if name == "abs" and name not in self.function.__globals__:
             return self.one_number(node, name, depth)
         if name == "range" and name not in self.function.__globals__:
@@ -311,7 +423,11 @@ class Expressions:
             ends = abs(kind.low), abs(kind.high)
             return Whole(0 if kind.low <= 0 <= kind.high else min(ends), max(ends))
         if kind.low < 0:
-            return self.fault(node, f"`{shown(node)}` is a root of a negative number; Python ends there, so choose by `a if condition else b`")
+            return self.fault(
+                node,
+                f"`{shown(node)}` is a root of a negative number; Python ends there, so choose by `a if"
+                " condition else b`",
+            )
         return NUMBER
 
 

@@ -1,10 +1,13 @@
-"""Kinds of values in the function of a law: what the language of laws (:mod:`~vfife.laws.language`) says of each expression.
+"""Kinds of values in the function of a law: what the language of laws (:mod:`~vfife.laws.language`) says of
+each expression.
 
-Python converts between truth values, whole numbers and numbers wherever it likes; compiled code does not. A value therefore has one kind:
+Python converts between truth values, whole numbers and numbers wherever it likes; compiled code does not. A
+value therefore has one kind:
 
 - a *number*, a double;
 - a *truth value*, which a comparison gives and a condition takes;
-- a *whole number*, whose limits are known when the law is compiled: a literal, a constant of the file, the counter of a loop;
+- a *whole number*, whose limits are known when the law is compiled: a literal, a constant of the file, the
+  counter of a loop;
 - a tuple of these.
 
 And what to write for what of Python does not go into a compiled step.
@@ -42,7 +45,9 @@ Kind = str | Whole | Several
 
 
 def category(kind: Kind) -> object:
-    """What a name may stand for throughout: two kinds of one category differ in the limits of whole numbers alone."""
+    """What a name may stand for throughout: two kinds of one category differ in the limits of whole numbers
+    alone.
+    """
     if isinstance(kind, Several):
         return tuple(category(one) for one in kind.kinds)
     return "a whole number" if isinstance(kind, Whole) else kind
@@ -70,10 +75,14 @@ def words(kind: Kind) -> str:
     return "a whole number" if isinstance(kind, Whole) else kind
 
 
-ELEMENTARY = tuple(name for name, value in vars(elementary).items() if isinstance(value, FunctionType) and not name.startswith("_"))
+ELEMENTARY = tuple(
+    name
+    for name, value in vars(elementary).items()
+    if isinstance(value, FunctionType) and not name.startswith("_")
+)
 REMEDY = (
-    "A law's function may use + - * /, math.sqrt, abs, comparisons, `a if condition else b`, numbers and plain functions of its file, "
-    f"and {', '.join(ELEMENTARY)} of vfife.kernels.elementary"
+    "A law's function may use + - * /, math.sqrt, abs, comparisons, `a if condition else b`, numbers and"
+    f" plain functions of its file, and {', '.join(ELEMENTARY)} of vfife.kernels.elementary"
 )
 INSTEAD: dict[type[ast.AST], tuple[str, str]] = {
     ast.If: ("an `if` statement", "compute both and choose by `a if condition else b`"),
@@ -111,7 +120,10 @@ INSTEAD: dict[type[ast.AST], tuple[str, str]] = {
     ast.FunctionDef: ("a function within a function", "write it in the file, beside the class"),
     ast.ClassDef: ("a class", "use numbers"),
     ast.Break: ("`break`", "take all rounds, and choose by `a if condition else b` what each of them keeps"),
-    ast.Continue: ("`continue`", "take all rounds, and choose by `a if condition else b` what each of them keeps"),
+    ast.Continue: (
+        "`continue`",
+        "take all rounds, and choose by `a if condition else b` what each of them keeps",
+    ),
 }
 FUNCTIONS = {
     "exp": "write exp2 of vfife.kernels.elementary, e^x = 2^(x/ln 2)",
@@ -126,8 +138,25 @@ FUNCTIONS = {
     "float": "leave it out: every argument is a number",
     "sum": "write a + b",
 }
-# Names that the texts of a step have for themselves: a law that gives one of them to something else would change the step.
+# Names that the texts of a step have for themselves: a law that gives one of them to something else would
+# change the step.
 RESERVED = frozenset(
-    ("abs", "range", "min", "max", "len", "int", "float", "math", "jit", "select", "both", "either", "seldom", "seldom_ends", "nearest")
+    (
+        "abs",
+        "range",
+        "min",
+        "max",
+        "len",
+        "int",
+        "float",
+        "math",
+        "jit",
+        "select",
+        "both",
+        "either",
+        "seldom",
+        "seldom_ends",
+        "nearest",
+    )
     + ("contact_law", "friction_law", "friction_regime", "film_law")
 )

@@ -1,20 +1,23 @@
 """The language of a law's function: the part of Python of which every loop of vfife computes the very bits.
 
-A law is written into a straight line of operations (for vectors of several widths, JavaScript and graphics cards), into a compiled loop,
-and is run as plain Python. What those three could take differently is refused here, before anything is traced or compiled, with line,
-construct and replacement. The language:
+A law is written into a straight line of operations (for vectors of several widths, JavaScript and graphics
+cards), into a compiled loop, and is run as plain Python. What those three could take differently is refused
+here, before anything is traced or compiled, with line, construct and replacement. The language:
 
-- a function is `def` with plain arguments, statements and one `return`, its last line; it may call functions of the same kind, none of
-  which leads back to itself, and those of ``vfife.kernels.elementary``;
-- statements give values to names (`a = ...`, `a += ...`, `a, b = ...`) or repeat with a fixed number of rounds (`for k in range(4):`,
-  `for x in p:`);
-- an expression is a number, a truth value, a whole number or a tuple (:mod:`~vfife.laws.grammar`), and a name keeps the kind of its first value;
-- `+ - * /`, `abs`, `math.sqrt` and comparisons take numbers; `and`, `or` and the condition of `a if condition else b` take truth values, and
-  nothing else does;
-- a whole number is known when the law is compiled and is below 2^53, so that converting it to a double changes nothing.
+- a function is `def` with plain arguments, statements and one `return`, its last line; it may call functions
+  of the same kind, none of which leads back to itself, and those of ``vfife.kernels.elementary``;
+- statements give values to names (`a = ...`, `a += ...`, `a, b = ...`) or repeat with a fixed number of
+  rounds (`for k in range(4):`, `for x in p:`);
+- an expression is a number, a truth value, a whole number or a tuple (:mod:`~vfife.laws.grammar`), and a name
+  keeps the kind of its first value;
+- `+ - * /`, `abs`, `math.sqrt` and comparisons take numbers; `and`, `or` and the condition of
+  `a if condition else b` take truth values, and nothing else does;
+- a whole number is known when the law is compiled and is below 2^53, so that converting it to a double
+  changes nothing.
 
-Where Python raises (a division by zero, the root of a negative number), compiled loops go on with IEEE 754's infinity or NaN, all with the
-same; the arm of `a if condition else b` that is not chosen is computed, and what it gives is dropped.
+Where Python raises (a division by zero, the root of a negative number), compiled loops go on with IEEE 754's
+infinity or NaN, all with the same; the arm of `a if condition else b` that is not chosen is computed, and
+what it gives is dropped.
 """
 
 from __future__ import annotations
@@ -25,11 +28,27 @@ from functools import lru_cache
 from types import CodeType, FunctionType
 from typing import Any
 
-from ..codegen.functiontext import WRITING, function_text, parsed
+from ..compiler.trace.functiontext import WRITING, function_text, parsed
 from .expressions import Expressions, shown
-from .grammar import INSTEAD, NUMBER, REMEDY, RESERVED, TRUTH, UNKNOWN, Kind, Several, Whole, category, known, numeric, words
+from .grammar import (
+    INSTEAD,
+    NUMBER,
+    REMEDY,
+    RESERVED,
+    TRUTH,
+    UNKNOWN,
+    Kind,
+    Several,
+    Whole,
+    category,
+    known,
+    numeric,
+    words,
+)
 
-LONGEST = 5_000  # operations of a law in a step: the largest of ours has some 400, and 5,000 take a second to compile in all loops
+# operations of a law in a step: the largest of ours has some 400, and 5,000 take a second to compile in all
+# loops
+LONGEST = 5_000
 DEEPEST_LOOP = 4  # loops in one another: each is looked at twice
 DEEPEST_CALL = 40  # functions that call one another
 
@@ -52,15 +71,25 @@ class Language:
                 self.stack.pop()
         return self.known[function, kinds]
 
-    def examine(self, function: FunctionType, kinds: tuple[Kind, ...], numbers: tuple[int, ...], what: str) -> list[str]:
-        """All that is wrong with a function that is to return so many numbers, a tuple of several where the entry is not 1; ``what`` says which."""
+    def examine(
+        self, function: FunctionType, kinds: tuple[Kind, ...], numbers: tuple[int, ...], what: str
+    ) -> list[str]:
+        """All that is wrong with a function that is to return so many numbers, a tuple of several where the
+        entry is not 1; ``what`` says which.
+        """
         try:
             kind, cost = self.answer(function, kinds)
         except RecursionError:
-            self.faults[f"function {function.__name__}: its expressions are nested too deeply; give parts of them names of their own"] = None
+            self.faults[
+                f"function {function.__name__}: its expressions are nested too deeply; give parts of them"
+                " names of their own"
+            ] = None
             return list(self.faults)
         if cost > LONGEST:
-            said = f"function {function.__name__} takes {cost:,} operations in every step; at most {LONGEST:,}: use fewer rounds of its loops"
+            said = (
+                f"function {function.__name__} takes {cost:,} operations in every step; at most {LONGEST:,}:"
+                " use fewer rounds of its loops"
+            )
             self.faults[said] = None
         wanted = shape(numbers)
         if not self.faults and not fits(kind, wanted):
@@ -82,7 +111,11 @@ def told(kind: Kind) -> str:
 def fits(kind: Kind, wanted: Kind) -> bool:
     """Whether an answer is of a shape."""
     if isinstance(wanted, Several):
-        return isinstance(kind, Several) and len(kind.kinds) == len(wanted.kinds) and all(map(fits, kind.kinds, wanted.kinds))
+        return (
+            isinstance(kind, Several)
+            and len(kind.kinds) == len(wanted.kinds)
+            and all(map(fits, kind.kinds, wanted.kinds))
+        )
     return numeric(kind)
 
 
@@ -110,7 +143,9 @@ class Function(Expressions):
         function = self.function
         if function.__closure__:
             names = ", ".join(function.__code__.co_freevars)
-            self.language.faults[f"function {function.__name__} uses {names} from around it. Make it a field of the law"] = None
+            self.language.faults[
+                f"function {function.__name__} uses {names} from around it. Make it a field of the law"
+            ] = None
             return UNKNOWN, 0
         tree = parsed(function_text(function))
         if not isinstance(tree, ast.FunctionDef):
@@ -132,17 +167,27 @@ class Function(Expressions):
         """Looks at the arguments; whether the body can be looked at."""
         name, given = self.function.__name__, tree.args
         if not self.function.__module__.startswith("vfife.") and changed(self.function):
-            self.fault(tree, f"the text of {name} is not what Python runs: the file has changed since; load it again")
+            self.fault(
+                tree, f"the text of {name} is not what Python runs: the file has changed since; load it again"
+            )
             return False
         if [one for one in tree.decorator_list if not isinstance(one, ast.Name) or one.id != "staticmethod"]:
-            self.fault(tree, f"{name} has a decorator, which the step would leave out; write a plain function")
+            self.fault(
+                tree, f"{name} has a decorator, which the step would leave out; write a plain function"
+            )
         elif given.vararg or given.kwarg or given.kwonlyargs or given.posonlyargs:
-            self.fault(tree, f"{name} has arguments behind `*` or `/`; write plain ones, as in def {name}(a, b)")
+            self.fault(
+                tree, f"{name} has arguments behind `*` or `/`; write plain ones, as in def {name}(a, b)"
+            )
         elif given.defaults:
             self.fault(tree, f"{name} has arguments with defaults; hand all of them over, as in {name}(a, b)")
         elif len(given.args) != len(self.kinds):
             if len(self.language.stack) > 1:  # of the law's own function the class is told
-                self.fault(tree, f"{name} takes {len(given.args)} arguments and is given {len(self.kinds)}; correct the call")
+                self.fault(
+                    tree,
+                    f"{name} takes {len(given.args)} arguments and is given {len(self.kinds)}; correct the"
+                    " call",
+                )
         else:
             for argument, kind in zip(given.args, self.kinds, strict=True):
                 self.store(argument, argument.arg, kind)
@@ -153,14 +198,20 @@ class Function(Expressions):
         """Kind of the answer of another function."""
         name = function.__name__
         if function in self.language.stack:
-            return self.fault(node, f"{name} leads back to itself; take a fixed number of rounds, `for _ in range(4):`")
+            return self.fault(
+                node, f"{name} leads back to itself; take a fixed number of rounds, `for _ in range(4):`"
+            )
         if len(self.language.stack) > DEEPEST_CALL:
-            return self.fault(node, f"more than {DEEPEST_CALL} functions call one another; write some of them out")
+            return self.fault(
+                node, f"more than {DEEPEST_CALL} functions call one another; write some of them out"
+            )
         if not isinstance(function, FunctionType):
             return self.fault(node, f"{name} is no plain function; write it as a `def` in the file")
         own = not function.__module__.startswith("vfife.")
         if not own and any(isinstance(kind, Whole) for kind in kinds):
-            return self.fault(node, f"`{shown(node)}` hands over a whole number; write it with a point, as in 2.0")
+            return self.fault(
+                node, f"`{shown(node)}` hands over a whole number; write it with a point, as in 2.0"
+            )
         if not own and TRUTH in kinds:
             return self.fault(node, f"`{shown(node)}` hands over a truth value; write a number, as in 1.0")
         try:
@@ -175,12 +226,19 @@ class Function(Expressions):
         if name in RESERVED and not self.function.__module__.startswith("vfife."):
             self.fault(node, f"{name} is a name that the step itself uses; choose another, as in my_{name}")
         if name.startswith("__"):
-            self.fault(node, f"{name}: within a class Python gives such a name another one; choose one without `__` in front")
+            self.fault(
+                node,
+                f"{name}: within a class Python gives such a name another one; choose one without `__` in"
+                " front",
+            )
         former = self.place.get(name, kind)
         if category(former) != category(kind) and known(former) and known(kind):
             said = f"{name} is {words(former)} before and {words(kind)} here"
             whole = isinstance(former, Whole) or isinstance(kind, Whole)
-            self.fault(node, f"{said}; {'write whole numbers with a point, as in 1.0' if whole else 'take two names'}")
+            self.fault(
+                node,
+                f"{said}; {'write whole numbers with a point, as in 1.0' if whole else 'take two names'}",
+            )
             kind = UNKNOWN
         self.place[name] = kind
 
@@ -193,7 +251,10 @@ class Function(Expressions):
             if kind != UNKNOWN and not isinstance(kind, Several):
                 self.fault(target, f"`{shown(target)}` takes {words(kind)} apart; only a tuple has parts")
             elif isinstance(kind, Several) and len(parts) != len(target.elts) and not kind.slots:
-                self.fault(target, f"`{shown(target)}` takes {len(parts)} parts for {len(target.elts)} names; write as many")
+                self.fault(
+                    target,
+                    f"`{shown(target)}` takes {len(parts)} parts for {len(target.elts)} names; write as many",
+                )
             if len(parts) != len(target.elts):
                 parts = (UNKNOWN,) * len(target.elts)
             for one, part in zip(target.elts, parts, strict=True):
@@ -206,7 +267,11 @@ class Function(Expressions):
         for refused, (what, instead) in INSTEAD.items():
             if isinstance(node, refused):
                 self.fault(node, f"{what} cannot be compiled into the step; {instead}")
-                self.place |= {one.id: UNKNOWN for one in ast.walk(node) if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)}
+                self.place |= {
+                    one.id: UNKNOWN
+                    for one in ast.walk(node)
+                    if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)
+                }
                 return
         if isinstance(node, ast.Assign):
             kind = self.kind(node.value)
@@ -221,7 +286,9 @@ class Function(Expressions):
             self.loop(node)
         elif isinstance(node, ast.Return):
             if self.loops:
-                self.fault(node, "`return` within a loop; return at the end, and choose by `a if condition else b`")
+                self.fault(
+                    node, "`return` within a loop; return at the end, and choose by `a if condition else b`"
+                )
             elif node.value is None:
                 self.fault(node, "`return` without a value; return numbers")
                 self.returned = UNKNOWN
@@ -231,10 +298,15 @@ class Function(Expressions):
             self.fault(node, f"`{shown(node)}` cannot be compiled into the step. {REMEDY}")
 
     def loop(self, node: ast.For) -> None:
-        """A loop with a fixed number of rounds; its body is looked at twice, for what the second round takes from the first."""
+        """A loop with a fixed number of rounds; its body is looked at twice, for what the second round takes
+        from the first.
+        """
         rounds, kind = self.rounds(node)
         if node.orelse:
-            self.fault(node.orelse[0], "`for … else` cannot be compiled into the step; write what follows after the loop")
+            self.fault(
+                node.orelse[0],
+                "`for … else` cannot be compiled into the step; write what follows after the loop",
+            )
         if not isinstance(node.target, ast.Name):
             self.fault(node.target, f"`{shown(node.target)}` counts a loop; count with a single name")
             return
@@ -249,15 +321,29 @@ class Function(Expressions):
                 self.statement(statement)
         for name, former in before.items():
             now = self.place[name]
-            if isinstance(former, Whole) and isinstance(now, Whole) and now != former and name != node.target.id:
-                self.fault(node, f"{name} is a whole number that changes from round to round; write it with a point, as in 1.0")
+            if (
+                isinstance(former, Whole)
+                and isinstance(now, Whole)
+                and now != former
+                and name != node.target.id
+            ):
+                self.fault(
+                    node,
+                    f"{name} is a whole number that changes from round to round; write it with a point, as"
+                    " in 1.0",
+                )
         self.loops -= 1
         self.cost = cost + rounds * ((self.cost - cost) // 2 + 1)
 
     def rounds(self, node: ast.For) -> tuple[int, Kind]:
         """How many rounds a loop takes, and the kind of what its name is given."""
         over = node.iter
-        if isinstance(over, ast.Call) and isinstance(over.func, ast.Name) and over.func.id == "range" and "range" not in self.local:
+        if (
+            isinstance(over, ast.Call)
+            and isinstance(over.func, ast.Name)
+            and over.func.id == "range"
+            and "range" not in self.local
+        ):
             if "range" in self.function.__globals__:
                 self.outside(over.func)
                 return 1, UNKNOWN
@@ -266,7 +352,11 @@ class Function(Expressions):
         if kind == UNKNOWN:
             return 1, UNKNOWN
         if not isinstance(kind, Several) or any(one != NUMBER for one in kind.kinds) or not kind.kinds:
-            self.fault(over, f"`for ... in {shown(over)}` goes over {words(kind)}; go over range(4), or a tuple of numbers with points")
+            self.fault(
+                over,
+                f"`for ... in {shown(over)}` goes over {words(kind)}; go over range(4), or a tuple of numbers"
+                " with points",
+            )
             return 1, UNKNOWN
         return len(kind.kinds), NUMBER
 
@@ -278,12 +368,20 @@ class Function(Expressions):
             if kind == UNKNOWN:
                 return 1, UNKNOWN
             if not isinstance(kind, Whole) or kind.low != kind.high:
-                self.fault(one, f"`{shown(over)}`: {shown(one)} is no whole number that is known here; write one, as in range(4)")
+                self.fault(
+                    one,
+                    f"`{shown(over)}`: {shown(one)} is no whole number that is known here; write one, as in"
+                    " range(4)",
+                )
                 return 1, UNKNOWN
             values.append(kind.low)
         steps = isinstance(over.args[2], ast.Constant | ast.UnaryOp) if len(values) == 3 else True
         if not 1 <= len(values) <= 3 or over.keywords or not steps or values[2:] == [0]:
-            self.fault(over, f"`{shown(over)}` is no range with a fixed number of rounds; write range(4) or range(0, 8, 2)")
+            self.fault(
+                over,
+                f"`{shown(over)}` is no range with a fixed number of rounds; write range(4) or range(0,"
+                " 8, 2)",
+            )
             return 1, UNKNOWN
         found = range(*values)
         if not found:

@@ -1,8 +1,10 @@
-"""What a law is: a frozen dataclass whose fields a user sets, and one static function of plain numbers that the step runs.
+"""What a law is: a frozen dataclass whose fields a user sets, and one static function of plain numbers that
+the step runs.
 
-A contact law turns penetration (m) and impact speed (m/s) into an elastic force (N) and a damping coefficient (N s/m):
-F_N = elastic + damping * rate, never below zero. It is linear in the rate, so a step solves it in closed form. A friction law solves its own
-relation: given the normal force, the sliding velocity without friction, and the mobility, the sliding velocity is free + mobility * force.
+A contact law turns penetration (m) and impact speed (m/s) into an elastic force (N) and a damping coefficient
+(N s/m): F_N = elastic + damping * rate, never below zero. It is linear in the rate, so a step solves it in
+closed form. A friction law solves its own relation: given the normal force, the sliding velocity without
+friction, and the mobility, the sliding velocity is free + mobility * force.
 """
 
 from __future__ import annotations
@@ -16,21 +18,27 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 from ..errors import Fault, LawError
-from ..fields import Reading
-from ..fields import quantity as quantity
 from ..numerics.scalar import log
+from ..schema import Reading
+from ..schema import quantity as quantity
 
 
 @dataclass(frozen=True)
 class Material:
-    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3), and its hardness (Pa) where it is known."""
+    """Elastic constants of a body: Young's modulus (Pa), Poisson's ratio, density (kg/m^3), and its hardness
+    (Pa) where it is known.
+    """
 
     name: str = "steel"
     youngs_modulus: float = quantity("Pa", "Young's modulus", 207e9, above=0.0)
     poissons_ratio: float = quantity("1", "Poisson's ratio", 0.3, above=-1.0, high=0.5)
     density: float = quantity("kg/m^3", "density", 7800.0, above=0.0)
     hardness: float | None = quantity(
-        "Pa", "indentation hardness: Brinell's or Vickers' number times 9.81 MPa; if left out, that of `vfife materials`, or none", None, above=0.0
+        "Pa",
+        "indentation hardness: Brinell's or Vickers' number times 9.81 MPa; if left out, that of `vfife"
+        " materials`, or none",
+        None,
+        above=0.0,
     )
 
     @property
@@ -43,8 +51,9 @@ class Material:
 class Pair:
     """The two surfaces that meet: radii, clearance and axial length (m), and their materials.
 
-    A journal of radius R_J = R_B - c inside a bearing; or, with an ``opposite_radius``, two rounds side by side (external contact), of which
-    the first may be straight (``bearing_radius = math.inf``). ``effective_mass`` (kg) is m_i m_j/(m_i + m_j) of the two bodies, where it is known.
+    A journal of radius R_J = R_B - c inside a bearing; or, with an ``opposite_radius``, two rounds side by
+    side (external contact), of which the first may be straight (``bearing_radius = math.inf``).
+    ``effective_mass`` (kg) is m_i m_j/(m_i + m_j) of the two bodies, where it is known.
     """
 
     bearing_radius: float
@@ -57,7 +66,15 @@ class Pair:
 
     def between(self, effective_mass: float | None) -> Pair:
         """The same surfaces between bodies of an effective mass (kg)."""
-        return Pair(self.bearing_radius, self.clearance, self.axial_length, self.bearing, self.journal, self.opposite_radius, effective_mass)
+        return Pair(
+            self.bearing_radius,
+            self.clearance,
+            self.axial_length,
+            self.bearing,
+            self.journal,
+            self.opposite_radius,
+            effective_mass,
+        )
 
     @property
     def external(self) -> bool:
@@ -100,8 +117,9 @@ SLOT_UNITS = {"damping_factor": "1", "exponent_beyond_1": "1", "ramp": "m/s"}
 class Law:
     """Shared by contact and friction laws. Subclasses register themselves by ``name``.
 
-    A law that is ``common`` is part of every data-driven loop, used or not, so that one compilation serves most models. ``slots`` names the
-    numbers that the function receives, ``slot_units`` their units where no field of the same name tells them.
+    A law that is ``common`` is part of every data-driven loop, used or not, so that one compilation serves
+    most models. ``slots`` names the numbers that the function receives, ``slot_units`` their units where no
+    field of the same name tells them.
     """
 
     name: ClassVar[str] = ""
@@ -116,17 +134,28 @@ class Law:
         """Keywords only: two numbers in the wrong order are two wrong numbers."""
         if numbers:
             written = ", ".join(f"{field.name}=..." for field in dataclasses.fields(cls))
-            raise TypeError(f"the law {cls.name!r} takes its parameters by name, as in {cls.__name__}({written})")
+            raise TypeError(
+                f"the law {cls.name!r} takes its parameters by name, as in {cls.__name__}({written})"
+            )
         return super().__new__(cls)
 
     def __init_subclass__(cls, register: bool = True, **kwargs: Any) -> None:
-        """Registers the law. Raises ValueError where its name is that of a built-in law; a law of one's own may be defined again."""
+        """Registers the law. Raises ValueError where its name is that of a built-in law; a law of one's own
+        may be defined again.
+        """
         super().__init_subclass__(**kwargs)
         if not register or not cls.__dict__.get("name"):
             return
         known = cls.registry.get(cls.name)
-        if known is not None and built_in(known) and (cls.__module__, cls.__qualname__) != (known.__module__, known.__qualname__):
-            raise ValueError(f"the name {cls.name!r} is taken by a law that vfife brings, {known.__name__}; call {cls.__qualname__} otherwise")
+        if (
+            known is not None
+            and built_in(known)
+            and (cls.__module__, cls.__qualname__) != (known.__module__, known.__qualname__)
+        ):
+            raise ValueError(
+                f"the name {cls.name!r} is taken by a law that vfife brings, {known.__name__}; call"
+                f" {cls.__qualname__} otherwise"
+            )
         cls.registry[cls.name] = cls
 
     def __post_init__(self) -> None:
@@ -138,20 +167,30 @@ class Law:
             raise LawError(f'law "{self.name}": {" ".join(map(str, faults))}', faults)
 
     def disagreements(self) -> Iterator[Fault]:
-        """Faults of parameters, each within its limits, that do not go together; ``where`` is the name of one."""
+        """Faults of parameters, each within its limits, that do not go together; ``where`` is the name of
+        one.
+        """
         return iter(())
 
     @classmethod
     def known(cls) -> Mapping[str, type[Law]]:
-        """Laws of this kind by name: those of the registry, and in their place those that a run file which is being read tells of."""
+        """Laws of this kind by name: those of the registry, and in their place those that a run file which is
+        being read tells of.
+        """
         return {**cls.registry, **{law.name: law for law in _STANDING_IN.get() if issubclass(law, cls)}}
 
     @classmethod
     def form(cls) -> type[Law]:
-        """The first class with this law's ``force`` and ``slots``: laws of one form differ in their parameters only and are compiled once."""
+        """The first class with this law's ``force`` and ``slots``: laws of one form differ in their
+        parameters only and are compiled once.
+        """
         force = cls.force  # type: ignore[attr-defined]
         own = getattr(cls, "regime", None)
-        alike = [one for one in cls.__mro__ if issubclass(one, Law) and getattr(one, "force", None) is force and one.slots == cls.slots]
+        alike = [
+            one
+            for one in cls.__mro__
+            if issubclass(one, Law) and getattr(one, "force", None) is force and one.slots == cls.slots
+        ]
         alike = [one for one in alike if getattr(one, "regime", None) is own]
         return alike[-1]
 
@@ -159,16 +198,20 @@ class Law:
         """The numbers of ``slots``, derived from the fields and the two surfaces."""
         raise NotImplementedError
 
-    def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
-        """Sentences, without a full stop, on where the law leaves the range of its source for this pair, and what it does there.
+    def cautions(
+        self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
+    ) -> tuple[str, ...]:
+        """Sentences, without a full stop, on where the law leaves the range of its source for this pair, and
+        what it does there.
 
-        With the deepest penetration (m) and the fastest impact (m/s) of a run also those on what only the run can tell.
+        With the deepest penetration (m) and the fastest impact (m/s) of a run also those on what only the run
+        can tell.
         """
         return ()
 
     def usual(self, pair: Pair) -> tuple[float, float] | None:
-        """Impact speeds (m/s) between which a run is beyond the quasi-static theory of the law, as nearly all machines are: a line says so, and no
-        warning does. None where there are none.
+        """Impact speeds (m/s) between which a run is beyond the quasi-static theory of the law, as nearly all
+        machines are: a line says so, and no warning does. None where there are none.
         """
         return None
 
@@ -177,9 +220,13 @@ class Law:
         return {name: f"{value:.6g}" for name, value in zip(self.slots, self.parameters(pair), strict=True)}
 
     def units(self, pair: Pair) -> dict[str, str]:
-        """Unit of each slot: as ``slot_units`` says, else that of the field of the same name; "" where neither knows."""
+        """Unit of each slot: as ``slot_units`` says, else that of the field of the same name; "" where
+        neither knows.
+        """
         fields = {field.name: str(field.metadata.get("unit", "")) for field in dataclasses.fields(self)}
-        return {slot: self.slot_units.get(slot, fields.get(slot, SLOT_UNITS.get(slot, ""))) for slot in self.slots}
+        return {
+            slot: self.slot_units.get(slot, fields.get(slot, SLOT_UNITS.get(slot, ""))) for slot in self.slots
+        }
 
 
 # Laws that are known in this context only, so that threads beside it see nothing of them.
@@ -205,8 +252,9 @@ def built_in(kind: type) -> bool:
 class ContactLaw(Law):
     """Normal contact law.
 
-    One with ``film`` also acts while the surfaces are apart, through a second static function ``film_force``; see ``Hydrodynamic``. One that is
-    ``tabled`` has more numbers than slots, which ``knots`` gives in pieces for the kernels' ``tabled_law``; see ``Tabulated``.
+    One with ``film`` also acts while the surfaces are apart, through a second static function ``film_force``;
+    see ``Hydrodynamic``. One that is ``tabled`` has more numbers than slots, which ``knots`` gives in pieces
+    for the kernels' ``tabled_law``; see ``Tabulated``.
     """
 
     film: ClassVar[bool] = False
@@ -217,16 +265,21 @@ class ContactLaw(Law):
     def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
         """Elastic force (N) and damping coefficient (N s/m).
 
-        The penetration (m) is never negative; ``slowness`` is 1/impact_speed (s/m), held from the onset of a contact to its end.
+        The penetration (m) is never negative; ``slowness`` is 1/impact_speed (s/m), held from the onset of a
+        contact to its end.
         """
         raise NotImplementedError
 
     def knots(self) -> tuple[tuple[float, ...], ...]:
-        """The pieces of a law that is a table, each as the record of the block ``knot`` has it; none of others."""
+        """The pieces of a law that is a table, each as the record of the block ``knot`` has it; none of
+        others.
+        """
         return ()
 
     def slowness(self, speed: float, rate: float) -> float:
-        """The slowness (s/m) that ``force`` takes in an impact that began at a speed (m/s), at a rate of penetration (m/s)."""
+        """The slowness (s/m) that ``force`` takes in an impact that began at a speed (m/s), at a rate of
+        penetration (m/s).
+        """
         return 1.0 / speed
 
     def exponent_at(self, depth: float, pair: Pair) -> float:
@@ -251,12 +304,14 @@ class ContactLaw(Law):
 class FrictionLaw(Law):
     """Friction law.
 
-    ``memory`` names what the law remembers from step to step, with units: up to three numbers, all zero at the start and again wherever the
-    normal force is zero, because bristles spring back when nothing presses on them. ``set_valued``: the law holds two surfaces together
-    without sliding by any force up to a limit; it then receives the sliding velocity half a step on, where sticking means exactly zero.
+    ``memory`` names what the law remembers from step to step, with units: up to three numbers, all zero at
+    the start and again wherever the normal force is zero, because bristles spring back when nothing presses
+    on them. ``set_valued``: the law holds two surfaces together without sliding by any force up to a limit;
+    it then receives the sliding velocity half a step on, where sticking means exactly zero.
 
-    ``regime``, a static function of the sliding velocity (m/s, 0 where surfaces stick) and the numbers of ``slots``, says by a number of its own
-    each on which smooth part of the curve that velocity lies: a step in which it changes is taken again in smaller ones. None: no kinks.
+    ``regime``, a static function of the sliding velocity (m/s, 0 where surfaces stick) and the numbers of
+    ``slots``, says by a number of its own each on which smooth part of the curve that velocity lies: a step
+    in which it changes is taken again in smaller ones. None: no kinks.
     """
 
     registry: ClassVar[dict[str, type[Law]]] = {}
@@ -265,7 +320,14 @@ class FrictionLaw(Law):
     set_valued: ClassVar[bool] = False
 
     @staticmethod
-    def force(normal_force: float, free_velocity: float, mobility: float, memory: Any, dt: float, p: tuple[float, ...]) -> tuple[float, Any]:
+    def force(
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: Any,
+        dt: float,
+        p: tuple[float, ...],
+    ) -> tuple[float, Any]:
         """Friction force (N) and memory, the sliding velocity being free_velocity + mobility * force.
 
         ``memory`` is a number where the law names one, a tuple where it names several, 0 where it names none.

@@ -1,12 +1,16 @@
-"""Materials by the names that people know. Handbook values at room temperature; where a handbook gives a range, its middle.
+"""Materials by the names that people know. Handbook values at room temperature; where a handbook gives a
+range, its middle.
 
-A part's own alloy, heat treatment or filler may differ: a table [material.NAME] in a model file takes the place of an entry.
+A part's own alloy, heat treatment or filler may differ: a table [material.NAME] in a model file takes the
+place of an entry.
 
 And wear coefficients of pairs of materials by name, as their sources have them.
 
-Archard's law, V = K F s/H: volume V that a surface loses under a normal force F over a sliding distance s, H its hardness, K a number of the pair.
-What a machine needs is k = K/H in 1/Pa; 1 mm^3/(N m) is 1e-9 1/Pa. Tests of one pair differ by a factor of ten from each other (``SCATTER``), and
-oil changes K by a factor of a thousand and more (``OILED``): a coefficient that was measured on the pair at hand is worth more than any table.
+Archard's law, V = K F s/H: volume V that a surface loses under a normal force F over a sliding distance s, H
+its hardness, K a number of the pair. What a machine needs is k = K/H in 1/Pa; 1 mm^3/(N m) is 1e-9 1/Pa.
+Tests of one pair differ by a factor of ten from each other (``SCATTER``), and oil changes K by a factor of a
+thousand and more (``OILED``): a coefficient that was measured on the pair at hand is worth more than any
+table.
 """
 
 from __future__ import annotations
@@ -21,7 +25,13 @@ ASHBY = "Ashby: Materials Selection in Mechanical Design, 4th ed. (2011), Append
 
 # Name: Young's modulus (Pa), Poisson's ratio, density (kg/m^3), what it is, source.
 TABLE: dict[str, tuple[float, float, float, str, str]] = {
-    "steel": (207e9, 0.3, 7800.0, "carbon steel", f"{SHIGLEY} (207 GPa); 0.3 and 7800 kg/m^3 as the VFIFE paper takes them, Section 4.1"),
+    "steel": (
+        207e9,
+        0.3,
+        7800.0,
+        "carbon steel",
+        f"{SHIGLEY} (207 GPa); 0.3 and 7800 kg/m^3 as the VFIFE paper takes them, Section 4.1",
+    ),
     "stainless-steel": (190e9, 0.305, 7750.0, "18-8 stainless steel", SHIGLEY),
     "cast-iron": (100e9, 0.211, 7200.0, "grey cast iron", SHIGLEY),
     "aluminium": (71.7e9, 0.333, 2710.0, "aluminium alloys", SHIGLEY),
@@ -42,7 +52,8 @@ TABLE: dict[str, tuple[float, float, float, str, str]] = {
 
 MATERIALS: dict[str, Material] = {name: Material(name, *numbers[:3]) for name, numbers in TABLE.items()}
 
-# Name: indentation hardness (Pa) of materials whose handbook tells one, as Brinell's or Vickers' number times 9.80665 MPa; source.
+# Name: indentation hardness (Pa) of materials whose handbook tells one, as Brinell's or Vickers' number times
+# 9.80665 MPa; source.
 HARDNESS: dict[str, tuple[float, str]] = {
     "steel": (163 * 9.80665e6, "163 HB of AISI 1045, hot-rolled: Shigley, Table A-20"),
     "cast-iron": (201 * 9.80665e6, "201 HB of ASTM No. 30: Shigley, Table A-24"),
@@ -52,15 +63,18 @@ HARDNESS: dict[str, tuple[float, str]] = {
 
 
 def hardness_of(material: Material) -> float | None:
-    """Hardness (Pa) of a material: its own, or that of the built-in one that it is; None where it is not known."""
+    """Hardness (Pa) of a material: its own, or that of the built-in one that it is; None where it is not
+    known.
+    """
     if material.hardness is None and MATERIALS.get(material.name) == material and material.name in HARDNESS:
         return HARDNESS[material.name][0]
     return material.hardness
 
 
 ARCHARD = (
-    "Archard: Contact and rubbing of flat surfaces, J. Appl. Phys. 24, 981 (1953), and Archard, Hirst: The wear of metals under unlubricated "
-    "conditions, Proc. R. Soc. A 236, 397 (1956), as tables of wear coefficients repeat them"
+    "Archard: Contact and rubbing of flat surfaces, J. Appl. Phys. 24, 981 (1953), and Archard, Hirst: The"
+    " wear of metals under unlubricated conditions, Proc. R. Soc. A 236, 397 (1956), as tables of wear"
+    " coefficients repeat them"
 )
 
 SCATTER = 10.0  # tests of one pair lie within so many times of K to either side
@@ -79,7 +93,9 @@ PAIRS: dict[str, tuple[float, str]] = {
 
 
 def coefficient(named: float | str, material: Material) -> float | None:
-    """k (1/Pa) of a surface: the number itself, or that of a pair over the hardness of the surface's material; None where that is not known."""
+    """k (1/Pa) of a surface: the number itself, or that of a pair over the hardness of the surface's
+    material; None where that is not known.
+    """
     if not isinstance(named, str):
         return named
     hardness = hardness_of(material)

@@ -1,7 +1,8 @@
-"""What a run file keeps of laws of the user's own, and what stands for them when it is read: their text is never run again for that.
+"""What a run file keeps of laws of the user's own, and what stands for them when it is read: their text is
+never run again for that.
 
-A contact law is kept as a table of its elastic force and energy over the penetration, for each joint that has it: enough for every number and
-figure of the run, not for another run.
+A contact law is kept as a table of its elastic force and energy over the penetration, for each joint that has
+it: enough for every number and figure of the run, not for another run.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ Entry = dict[str, Any]
 
 
 def kept(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
-    """What JSON can keep of every law that is not built in: name, file and its text, fields, slots, and a table a joint."""
+    """What JSON can keep of every law that is not built in: name, file and its text, fields, slots, and a
+    table a joint.
+    """
     found: dict[tuple[str, str], Entry] = {}
     for law, pair in laws:
         kind = type(law)
@@ -32,11 +35,24 @@ def kept(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
             continue
         what = "contact" if isinstance(law, ContactLaw) else "friction"
         origin = kind.entry if issubclass(kind, Recorded) else {"file": file_of(kind), "text": text_of(kind)}
-        entry: Entry = {"name": law.name, "kind": what, "source": law.source, "formula": law.formula, "slots": list(law.slots), "joints": []}
+        entry: Entry = {
+            "name": law.name,
+            "kind": what,
+            "source": law.source,
+            "formula": law.formula,
+            "slots": list(law.slots),
+            "joints": [],
+        }
         entry = found.setdefault((what, law.name), {**entry, "file": origin["file"], "text": origin["text"]})
-        joint: Entry = {"fields": fields(law), "pair": described(pair), "p": [float(v) for v in law.parameters(pair)]}
+        joint: Entry = {
+            "fields": fields(law),
+            "pair": described(pair),
+            "p": [float(v) for v in law.parameters(pair)],
+        }
         if isinstance(law, ContactLaw):
-            joint["table"] = kind.of(joint)["table"] if issubclass(kind, Recorded) else table(law, pair, tuple(joint["p"]))
+            joint["table"] = (
+                kind.of(joint)["table"] if issubclass(kind, Recorded) else table(law, pair, tuple(joint["p"]))
+            )
         if joint not in entry["joints"]:
             entry["joints"].append(joint)
     return list(found.values())
@@ -48,7 +64,9 @@ def fields(law: Law) -> dict[str, Any]:
 
 
 def described(pair: Pair) -> Entry:
-    """A pair of surfaces as far as laws know it: of hardness none does, and files of former versions have none."""
+    """A pair of surfaces as far as laws know it: of hardness none does, and files of former versions have
+    none.
+    """
     found = dataclasses.asdict(pair)
     for side in ("bearing", "journal"):
         del found[side]["hardness"]
@@ -65,7 +83,9 @@ def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]
         energies = [0.0]
         for k in range(1, POINTS):
             middle = float(law.force(0.5 * (depths[k - 1] + depths[k]), 0.0, p)[0])
-            energies.append(energies[-1] + (depths[k] - depths[k - 1]) * (forces[k - 1] + 4.0 * middle + forces[k]) / 6.0)
+            energies.append(
+                energies[-1] + (depths[k] - depths[k - 1]) * (forces[k - 1] + 4.0 * middle + forces[k]) / 6.0
+            )
     return [depths, forces, energies]
 
 
@@ -85,7 +105,8 @@ class Recorded(Law, register=False):
             if one["fields"] == joint["fields"] and one["pair"] == joint["pair"]:
                 return dict(one)
         raise LawError(
-            f"law {cls.name!r} is known from a run file only, for the joints of that run; to use it otherwise, load {cls.entry['file']} (--laws)"
+            f"law {cls.name!r} is known from a run file only, for the joints of that run; to use it"
+            f" otherwise, load {cls.entry['file']} (--laws)"
         )
 
 
@@ -95,14 +116,20 @@ class RecordedContact(Recorded, ContactLaw, register=False):
     @classmethod
     def row(cls, depth: float, p: tuple[float, ...]) -> tuple[float, float]:
         """Elastic force (N) and energy (J) at a depth (m); straight between the points, and beyond the last."""
-        depths, forces, energies = next(one["table"] for one in cls.entry["joints"] if tuple(one["p"]) == tuple(p))
+        depths, forces, energies = next(
+            one["table"] for one in cls.entry["joints"] if tuple(one["p"]) == tuple(p)
+        )
         k = min(max(bisect_right(depths, depth), 1), len(depths) - 1)
         share = (depth - depths[k - 1]) / (depths[k] - depths[k - 1])
         step = share * (depths[k] - depths[k - 1])
         force = forces[k - 1] + share * (forces[k] - forces[k - 1])
         whole = (depths[k] - depths[k - 1]) * 0.5 * (forces[k] + forces[k - 1])
-        part = step * 0.5 * (forces[k - 1] + force)  # the straight force's own work, stretched to that of the interval
-        return force, energies[k - 1] + (part * (energies[k] - energies[k - 1]) / whole if whole > 0.0 else 0.0)
+        part = (
+            step * 0.5 * (forces[k - 1] + force)
+        )  # the straight force's own work, stretched to that of the interval
+        return force, energies[k - 1] + (
+            part * (energies[k] - energies[k - 1]) / whole if whole > 0.0 else 0.0
+        )
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """Energy (J) from the table, for a depth or an array of them."""
@@ -125,11 +152,22 @@ def stand_in(entry: Entry) -> type[Law]:
         "__module__": __name__,
         "__doc__": entry["formula"],
         "__annotations__": {name: type(value) for name, value in values.items()},
-        **{"name": entry["name"], "source": entry["source"], "formula": entry["formula"], "slots": tuple(entry["slots"]), "entry": entry},
+        **{
+            "name": entry["name"],
+            "source": entry["source"],
+            "formula": entry["formula"],
+            "slots": tuple(entry["slots"]),
+            "entry": entry,
+        },
     }
     for name in values:
         space[name] = dataclasses.field(default=None, metadata={"unit": "1", "meaning": "as it was recorded"})
-    law = types.new_class("Recorded", (RecordedContact if contact else RecordedFriction,), {"register": False}, lambda named: named.update(space))
+    law = types.new_class(
+        "Recorded",
+        (RecordedContact if contact else RecordedFriction,),
+        {"register": False},
+        lambda named: named.update(space),
+    )
     if contact:
         law.force = staticmethod(lambda penetration, slowness, p: (law.row(penetration, p)[0], 0.0))  # type: ignore[attr-defined]
     made: type[Law] = dataclasses.dataclass(frozen=True, kw_only=True)(law)
@@ -141,11 +179,16 @@ def refuse_recorded(laws: Sequence[type]) -> None:
     for law in laws:
         if issubclass(law, Recorded):
             where = law.entry["file"]
-            raise LawError(f"law {law.name!r} is known from a run file only, which does not run code; load its file first: {where} (--laws)")
+            raise LawError(
+                f"law {law.name!r} is known from a run file only, which does not run code; load its file"
+                f" first: {where} (--laws)"
+            )
 
 
 def standing_in(entries: Sequence[Entry]) -> AbstractContextManager[None]:
-    """Makes the laws that a run file tells of known while its model is read; a law that is loaded and has the same text stands for itself."""
+    """Makes the laws that a run file tells of known while its model is read; a law that is loaded and has the
+    same text stands for itself.
+    """
     return known_here([stand_in(entry) for entry in entries if not _loaded(entry)])
 
 

@@ -1,4 +1,6 @@
-"""Laws from a file of the user's own, named on the command line or in a script; a model file never names code. Such code has a time limit."""
+"""Laws from a file of the user's own, named on the command line or in a script; a model file never names
+code. Such code has a time limit.
+"""
 
 from __future__ import annotations
 
@@ -33,8 +35,8 @@ class Endless(BaseException):
 def limited(seconds: float) -> Iterator[None]:
     """Ends what runs for too long by raising Endless.
 
-    In the main thread the system's timer interrupts it, in others Python looks at the clock line by line, which a single call that never
-    returns does not notice.
+    In the main thread the system's timer interrupts it, in others Python looks at the clock line by line,
+    which a single call that never returns does not notice.
     """
     if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
         former = signal.signal(signal.SIGALRM, _late)
@@ -70,8 +72,9 @@ LOADING = threading.RLock()  # one file at a time: what a file defines is told f
 def load_laws(path: str | Path) -> list[type[Law]]:
     """Runs a file of Python and returns the laws that it defines, which are then known by their names.
 
-    The file may import what is installed, and nothing beside it: a run keeps its text. Raises LawError with a sentence for a file that cannot
-    be read or run, defines no law, or one that cannot be used; no law of it is known then.
+    The file may import what is installed, and nothing beside it: a run keeps its text. Raises LawError with a
+    sentence for a file that cannot be read or run, defines no law, or one that cannot be used; no law of it
+    is known then.
     """
     from .check import faults_of_class
 
@@ -81,13 +84,21 @@ def load_laws(path: str | Path) -> list[type[Law]]:
         before = [dict(registry) for registry in REGISTRIES]
         try:
             module = executed(path, text)
-            laws = [law for registry in REGISTRIES for law in registry.values() if law.__module__ == module.__name__]
+            laws = [
+                law
+                for registry in REGISTRIES
+                for law in registry.values()
+                if law.__module__ == module.__name__
+            ]
             if not laws:
                 raise LawError(f"{path}: {no_law(module)}")
             for law in laws:
                 for old in (registry.get(law.name) for registry in before):
                     if old is not None and not built_in(old) and file_of(old) != str(path):
-                        raise LawError(f"{path}: there is a law {law.name!r} already, from {file_of(old)}; rename one of them")
+                        raise LawError(
+                            f"{path}: there is a law {law.name!r} already, from {file_of(old)}; rename one of"
+                            " them"
+                        )
             found = [fault for law in laws for fault in faults_of_class(law)]
             if found:
                 raise LawError("\n".join(found))
@@ -99,7 +110,9 @@ def load_laws(path: str | Path) -> list[type[Law]]:
 
 
 def forgotten(registry: dict[str, type[Law]], known: dict[str, type[Law]]) -> None:
-    """Takes back what a file has put into a registry; what was there before is never missing, for threads beside this one."""
+    """Takes back what a file has put into a registry; what was there before is never missing, for threads
+    beside this one.
+    """
     registry.update(known)
     for name in [name for name in registry if name not in known]:
         del registry[name]
@@ -117,7 +130,9 @@ def read(path: Path) -> str:
 
 
 def executed(path: Path, text: str) -> ModuleType:
-    """The module of a text. It is compiled from the very text that was read, so a change is noticed however quickly it comes."""
+    """The module of a text. It is compiled from the very text that was read, so a change is noticed however
+    quickly it comes.
+    """
     name = f"own_laws_{re.sub(r'[^0-9A-Za-z]', '_', path.stem)}"
     spec = importlib.util.spec_from_file_location(name, path) or ModuleSpec(name, None, origin=str(path))
     module = importlib.util.module_from_spec(spec)
@@ -130,16 +145,27 @@ def executed(path: Path, text: str) -> ModuleType:
         with watched():
             exec(code, module.__dict__)  # the user named this file to have it run
     except Endless:
-        raise LawError(f"{path}: it has run for {SECONDS:g} s and does not end; a file of laws defines them, and computes nothing") from None
+        raise LawError(
+            f"{path}: it has run for {SECONDS:g} s and does not end; a file of laws defines them, and"
+            " computes nothing"
+        ) from None
     except SyntaxError as error:
         line = f" in `{error.text.strip()}`" if error.text else ""
-        raise LawError(f"{path}, line {error.lineno}: this is no Python: {error.msg}{line}; correct it") from None
+        raise LawError(
+            f"{path}, line {error.lineno}: this is no Python: {error.msg}{line}; correct it"
+        ) from None
     except ImportError as error:
-        what = "a file of laws may import what is installed, and nothing that lies beside it: write it into the file"
+        what = (
+            "a file of laws may import what is installed, and nothing that lies beside it: write it into the"
+            " file"
+        )
         raise LawError(f"{path}, line {line_of(error, path)}: {error}; {what}") from None
     except (Exception, SystemExit) as error:
         said = str(error) or "nothing said"
-        told = f"{path}, line {line_of(error, path)}: {said if isinstance(error, ValueError) else f'{type(error).__name__}: {said}'}"
+        told = (
+            f"{path}, line {line_of(error, path)}:"
+            f" {said if isinstance(error, ValueError) else f'{type(error).__name__}: {said}'}"
+        )
         raise LawError(told) from None
     return module
 
@@ -162,7 +188,9 @@ def watched() -> Iterator[None]:
 
 def line_of(error: BaseException, path: Path) -> int | str:
     """Line of the file at which it failed."""
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    lines = [
+        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
+    ]
     return lines[-1] if lines and lines[-1] is not None else "?"
 
 
@@ -171,7 +199,10 @@ def no_law(module: ModuleType) -> str:
     for name, value in vars(module).items():
         if isinstance(value, type) and issubclass(value, Law) and value.__module__ == module.__name__:
             return f'{name} has no name that a model could use; give it name: ClassVar[str] = "my-law"'
-    return "it defines no law; a law is a frozen dataclass that inherits from vfife.ContactLaw or vfife.FrictionLaw and has a name"
+    return (
+        "it defines no law; a law is a frozen dataclass that inherits from vfife.ContactLaw or"
+        " vfife.FrictionLaw and has a name"
+    )
 
 
 def file_of(law: type[Law]) -> str:
@@ -180,6 +211,8 @@ def file_of(law: type[Law]) -> str:
 
 
 def text_of(law: type[Law]) -> str | None:
-    """Text of the file that a law's function stands in, None where there is none, as for one typed at a prompt."""
+    """Text of the file that a law's function stands in, None where there is none, as for one typed at a
+    prompt.
+    """
     lines = linecache.getlines(file_of(law))
     return "".join(lines) if lines else None

@@ -1,1 +1,3 @@
-"""The nouns: mechanism, bodies, joints, springs, drivers, loads, and what they are without arrays: functions of time, lumped masses, limits."""
+"""The nouns: mechanism, bodies, joints, springs, drivers, loads, and what they are without arrays: functions
+of time, lumped masses, limits.
+"""

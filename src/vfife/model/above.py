@@ -1,4 +1,6 @@
-"""Methods whose answers layers above give, such as ``mechanism.plot()``: the layer is loaded when the method is called."""
+"""Methods whose answers layers above give, such as ``mechanism.plot()``: the layer is loaded when the method
+is called.
+"""
 
 from __future__ import annotations
 

@@ -6,9 +6,23 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from ..fields import PLACE, Choice, Each, Inner, Many, Measure, Named, Names, Text, Value, Whole, described, quantity
 from ..laws.law import Material
 from ..numerics.scalar import distance, whole_power
+from ..schema import (
+    PLACE,
+    Choice,
+    Each,
+    Inner,
+    Many,
+    Measure,
+    Named,
+    Names,
+    Text,
+    Value,
+    Whole,
+    described,
+    quantity,
+)
 
 Point = tuple[float, float]
 LinkModel = Literal["rigid", "elastic", "two-particle"]
@@ -20,7 +34,10 @@ ELASTIC = ("elastic", "two-particle")
 DIAMETER = Measure("m", above=0.0)
 STRAINS = (
     Choice(("reference", "current")),
-    "length that E A and E I count on: reference, that without forces, as in beam codes; current, the present one, as in the VFIFE paper",
+    (
+        "length that E A and E I count on: reference, that without forces, as in beam codes; current, the"
+        " present one, as in the VFIFE paper"
+    ),
     "reference",
 )
 
@@ -29,7 +46,8 @@ STRAINS = (
 class Section:
     """Cross section of an elastic link: area (m^2) and second moment of area about the axis of bending (m^4).
 
-    ``extreme_fibre`` (m) is the distance of the outermost fibre from that axis; with it stresses N/A + M e/I are known.
+    ``extreme_fibre`` (m) is the distance of the outermost fibre from that axis; with it stresses N/A + M e/I
+    are known.
     """
 
     shapes: ClassVar[dict[str, tuple[Value, str]]] = {
@@ -42,7 +60,10 @@ class Section:
     area: float = quantity("m^2", "area", above=0.0)
     second_moment: float = quantity("m^4", "second moment of area about the axis of bending", above=0.0)
     extreme_fibre: float | None = quantity(
-        "m", "distance of the outermost fibre from the axis, for stresses; a shape knows its own", None, above=0.0
+        "m",
+        "distance of the outermost fibre from the axis, for stresses; a shape knows its own",
+        None,
+        above=0.0,
     )
 
     @classmethod
@@ -58,20 +79,27 @@ class Section:
     @classmethod
     def round(cls, diameter: float) -> Section:
         """Solid circle (m)."""
-        return cls(math.pi * (diameter * diameter) / 4.0, math.pi * whole_power(diameter, 4) / 64.0, 0.5 * diameter)
+        return cls(
+            math.pi * (diameter * diameter) / 4.0, math.pi * whole_power(diameter, 4) / 64.0, 0.5 * diameter
+        )
 
     @classmethod
     def tube(cls, outer: float, inner: float) -> Section:
         """Hollow circle of outer and inner diameter (m)."""
-        return cls(math.pi * (outer * outer - inner * inner) / 4.0, math.pi * (whole_power(outer, 4) - whole_power(inner, 4)) / 64.0, 0.5 * outer)
+        return cls(
+            math.pi * (outer * outer - inner * inner) / 4.0,
+            math.pi * (whole_power(outer, 4) - whole_power(inner, 4)) / 64.0,
+            0.5 * outer,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Body:
-    """What all bodies have: a name, an approximate angle (rad) and position of the frame's origin (m) to close the mechanism from.
+    """What all bodies have: a name, an approximate angle (rad) and position of the frame's origin (m) to
+    close the mechanism from.
 
-    ``velocity`` (m/s, m/s, rad/s) is that of the frame's origin, and the turning, at the start of a body that no driver moves; joints with
-    clearance then do not hold it.
+    ``velocity`` (m/s, m/s, rad/s) is that of the frame's origin, and the turning, at the start of a body that
+    no driver moves; joints with clearance then do not hold it.
     """
 
     own_points: ClassVar[tuple[str, ...]] = ("center",)  # points that every body of the kind has
@@ -99,17 +127,22 @@ class Body:
 
 @dataclass(frozen=True, kw_only=True)
 class RigidBody(Body):
-    """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins (m, in the body's frame).
+    """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins
+    (m, in the body's frame).
 
-    Mass, inertia and centre are those without the ``masses`` (kg) that sit at its pins. A body without any inertia, one mass on a rigid arm, counts
-    with a millionth of its mass times the square of its reach.
+    Mass, inertia and centre are those without the ``masses`` (kg) that sit at its pins. A body without any
+    inertia, one mass on a rigid arm, counts with a millionth of its mass times the square of its reach.
     """
 
     mass: float = quantity("kg", "mass without attached masses", low=0.0)
-    inertia: float = quantity("kg m^2", "moment of inertia about the centre of mass, without attached masses", low=0.0)
+    inertia: float = quantity(
+        "kg m^2", "moment of inertia about the centre of mass, without attached masses", low=0.0
+    )
     center: Point = described(PLACE, "centre of mass in the body's frame", (0.0, 0.0))
     pins: dict[str, Point] = described(Names(PLACE), "pins in the body's frame", factory=dict)
-    masses: dict[str, float] = described(Names(Measure("kg", above=0.0)), "point masses attached at pins", factory=dict)
+    masses: dict[str, float] = described(
+        Names(Measure("kg", above=0.0)), "point masses attached at pins", factory=dict
+    )
 
     @property
     def points(self) -> dict[str, Point]:
@@ -124,13 +157,16 @@ class RigidBody(Body):
 
 @dataclass(frozen=True, kw_only=True)
 class Link(Body):
-    """Link from ``start`` (0, 0) to ``end`` (length, 0): straight, or bent along the points ``via`` (m, in the link's frame) on the way.
+    """Link from ``start`` (0, 0) to ``end`` (length, 0): straight, or bent along the points ``via`` (m, in
+    the link's frame) on the way.
 
-    Models: ``rigid`` has the exact mass, centre and inertia (a uniform rod unless ``inertia``, kg m^2 about the centre of mass, and
-    ``center``, m from the start, are given). ``elastic`` is cut into ``elements`` frame elements of its section and material, masses lumped by
-    Eq. 2 (k elements give a uniform rod (m l^2/12)(1 + 2/k^2)). ``two-particle`` is one stiff element with half the mass at each end, as in the
-    VFIFE paper; with ``release = "both"`` it is a bar. ``mass`` is that of the link alone, attached masses (kg) and rotary inertias (kg m^2, a
-    flywheel on the pin) sit at its ends. A polyline's elements are spread over its pieces by their length, each piece having one at least.
+    Models: ``rigid`` has the exact mass, centre and inertia (a uniform rod unless ``inertia``, kg m^2 about
+    the centre of mass, and ``center``, m from the start, are given). ``elastic`` is cut into ``elements``
+    frame elements of its section and material, masses lumped by Eq. 2 (k elements give a uniform rod (m
+    l^2/12)(1 + 2/k^2)). ``two-particle`` is one stiff element with half the mass at each end, as in the VFIFE
+    paper; with ``release = "both"`` it is a bar. ``mass`` is that of the link alone, attached masses (kg) and
+    rotary inertias (kg m^2, a flywheel on the pin) sit at its ends. A polyline's elements are spread over its
+    pieces by their length, each piece having one at least.
     """
 
     own_points: ClassVar[tuple[str, ...]] = ("start", "end")
@@ -138,31 +174,58 @@ class Link(Body):
     selected_by: ClassVar[str] = "model"  # the field that says which others are of use
 
     length: float = quantity("m", "distance from start to end", above=0.0)
-    mass: float | None = quantity("kg", "mass without attached masses; from density and section if left out", None, low=0.0)
+    mass: float | None = quantity(
+        "kg", "mass without attached masses; from density and section if left out", None, low=0.0
+    )
     model: LinkModel = described(
         Choice(LINK_MODELS, ("particle", "frame")),
         "rigid, elastic (frame elements) or two-particle (one element, half the mass at each end)",
         "rigid",
     )
-    inertia: float | None = quantity("kg m^2", "inertia about the centre of mass; a uniform rod's if left out", None, above=0.0, only=("rigid",))
-    center_at: float | None = quantity("m", "centre of mass, from the start; the middle if left out", None, only=("rigid",))
-    elements: int = described(Whole(1, MOST_ELEMENTS), "number of frame elements of an elastic link", 4, only=("elastic",))
+    inertia: float | None = quantity(
+        "kg m^2",
+        "inertia about the centre of mass; a uniform rod's if left out",
+        None,
+        above=0.0,
+        only=("rigid",),
+    )
+    center_at: float | None = quantity(
+        "m", "centre of mass, from the start; the middle if left out", None, only=("rigid",)
+    )
+    elements: int = described(
+        Whole(1, MOST_ELEMENTS), "number of frame elements of an elastic link", 4, only=("elastic",)
+    )
     section: Section | None = described(Inner(Section), "cross section", None)
     release: Release = described(
-        Choice(("none", "start", "end", "both")), "ends that transmit no moment to the particle there", "none", only=ELASTIC
+        Choice(("none", "start", "end", "both")),
+        "ends that transmit no moment to the particle there",
+        "none",
+        only=ELASTIC,
     )
-    stiffness_factor: float = quantity("1", "multiplies Young's modulus of this link", 1.0, above=0.0, only=ELASTIC)
+    stiffness_factor: float = quantity(
+        "1", "multiplies Young's modulus of this link", 1.0, above=0.0, only=ELASTIC
+    )
     strain: Strain = described(*STRAINS, only=ELASTIC)
     start_mass: float = quantity("kg", "mass attached at the start", 0.0, low=0.0)
     end_mass: float = quantity("kg", "mass attached at the end", 0.0, low=0.0)
-    start_inertia: float = quantity("kg m^2", "rotary inertia attached at the start: a flywheel, a gear", 0.0, low=0.0)
+    start_inertia: float = quantity(
+        "kg m^2", "rotary inertia attached at the start: a flywheel, a gear", 0.0, low=0.0
+    )
     end_inertia: float = quantity("kg m^2", "rotary inertia attached at the end", 0.0, low=0.0)
     via: tuple[Point, ...] = described(
-        Many(PLACE), "points on the way from start to end, where the link is bent: along it, across it", (), only=("rigid", "elastic")
+        Many(PLACE),
+        "points on the way from start to end, where the link is bent: along it, across it",
+        (),
+        only=("rigid", "elastic"),
     )
-    pins: dict[str, Point] = described(Names(PLACE), "further pins of a rigid link: along it, across it", factory=dict, only=("rigid",))
+    pins: dict[str, Point] = described(
+        Names(PLACE), "further pins of a rigid link: along it, across it", factory=dict, only=("rigid",)
+    )
     masses: dict[str, float] = described(
-        Names(Measure("kg", above=0.0)), "point masses attached at pins of a rigid link, its ends among them", factory=dict, only=("rigid",)
+        Names(Measure("kg", above=0.0)),
+        "point masses attached at pins of a rigid link, its ends among them",
+        factory=dict,
+        only=("rigid",),
     )
 
     @property
@@ -215,19 +278,24 @@ class PointMass(Body):
 
 @dataclass(frozen=True)
 class Member:
-    """A straight piece of a frame from node ``start`` to node ``end``, cut into ``elements``; section and material of the frame unless given."""
+    """A straight piece of a frame from node ``start`` to node ``end``, cut into ``elements``; section and
+    material of the frame unless given.
+    """
 
     start: str = described(Text(), "node where it starts")
     end: str = described(Text(), "node where it ends")
     elements: int = described(Whole(1, MOST_ELEMENTS), "number of frame elements", 1)
     section: Section | None = described(Inner(Section), "cross section; that of the frame if left out", None)
-    material: Material | None = described(Named(Material), "name of a material; that of the frame if left out", None)
+    material: Material | None = described(
+        Named(Material), "name of a material; that of the frame if left out", None
+    )
     mass: float | None = quantity("kg", "mass; from density, section and length if left out", None, above=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Frame(Body):
-    """Structure of straight members welded together at its nodes (m, in the body's frame); every node is a pin.
+    """Structure of straight members welded together at its nodes (m, in the body's frame); every node is a
+    pin.
 
     ``masses`` (kg) sit at nodes. The weight of a member is its ``mass``, or density times area times length.
     """
@@ -237,7 +305,9 @@ class Frame(Body):
     nodes: dict[str, Point] = described(Names(PLACE), "nodes by name, in the body's frame")
     members: tuple[Member, ...] = described(Many(Inner(Member)), "members, each from one node to another")
     section: Section | None = described(Inner(Section), "cross section of members that name none", None)
-    masses: dict[str, float] = described(Names(Measure("kg", above=0.0)), "masses attached at nodes", factory=dict)
+    masses: dict[str, float] = described(
+        Names(Measure("kg", above=0.0)), "masses attached at nodes", factory=dict
+    )
     strain: Strain = described(*STRAINS)
 
     @property

@@ -1,9 +1,11 @@
-"""What adds bodies, joints, gears, springs, drivers and loads to a mechanism: :meth:`Builders.add`, and a method for each kind.
+"""What adds bodies, joints, gears, springs, drivers and loads to a mechanism: :meth:`Builders.add`, and a
+method for each kind.
 
-The methods are made from the fields of the kinds; ``builders.pyi`` writes their signatures out for editors and type checkers
-(``python tests/model/stubs.py``).
-Quantities are numbers in SI units or texts with a unit, "100 mm". Laws and materials are objects or go by their names, laws and sections also
-as tables of a model file: ``contact={"law": "hertz-...", ...}``, ``section={"round": "20 mm"}``.
+The methods are made from the fields of the kinds; ``builders.pyi`` writes their signatures out for editors
+and type checkers (``python tests/model/stubs.py``).
+Quantities are numbers in SI units or texts with a unit, "100 mm". Laws and materials are objects or go by
+their names, laws and sections also as tables of a model file: ``contact={"law": "hertz-...", ...}``,
+``section={"round": "20 mm"}``.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from inspect import Parameter as Argument
 from typing import TYPE_CHECKING, Any, cast
 
 from ..errors import ArgumentError, Fault, ModelError, Path, shown, suggestion
-from ..fields import (
+from ..schema import (
     PLACE,
     Choice,
     Chosen,
@@ -48,14 +50,33 @@ from .springs import ForceElement
 if TYPE_CHECKING:
     from .mechanism import Mechanism
 
-TARGETS = ("body", "slider", "point")  # what a driver is called after, where it has no name: of a pin without its dot
-SECTIONS: dict[type, str] = {Body: "body", Joint: "joint", Gear: "gear", ForceElement: "spring", Driver: "driver", Load: "load"}
-OTHERS: dict[str, type] = {"link": Link, "rigid_body": RigidBody, "point_mass": PointMass, "frame": Frame, "gear": Gear}  # that are no kinds
+TARGETS = (
+    "body",
+    "slider",
+    "point",
+)  # what a driver is called after, where it has no name: of a pin without its dot
+SECTIONS: dict[type, str] = {
+    Body: "body",
+    Joint: "joint",
+    Gear: "gear",
+    ForceElement: "spring",
+    Driver: "driver",
+    Load: "load",
+}
+OTHERS: dict[str, type] = {
+    "link": Link,
+    "rigid_body": RigidBody,
+    "point_mass": PointMass,
+    "frame": Frame,
+    "gear": Gear,
+}  # that are no kinds
 
 
 @dataclass(frozen=True)
 class Builder:
-    """A method that adds one kind: its name, section and class, the keywords of it that it does not take, and those it cannot do without."""
+    """A method that adds one kind: its name, section and class, the keywords of it that it does not take, and
+    those it cannot do without.
+    """
 
     name: str
     section: str
@@ -67,7 +88,11 @@ class Builder:
     def fields(self) -> dict[str, Field]:
         """Fields that it takes, by name."""
         named = [field for field in dataclasses.fields(self.kind) if field.name == "name"]
-        return {field.name: field for field in (*named, *described_fields(self.kind)) if field.name not in self.omitted}
+        return {
+            field.name: field
+            for field in (*named, *described_fields(self.kind))
+            if field.name not in self.omitted
+        }
 
     @property
     def arguments(self) -> list[Argument]:
@@ -76,10 +101,18 @@ class Builder:
         for name, field in self.fields.items():
             held = None if name == "name" else value_of(field)
             needed = name in self.needed or required(field)
-            leading = name == "name" or (needed and bool(getattr(held, "refers", ""))) or (name == "body" and self.section == "driver")
-            default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+            leading = (
+                name == "name"
+                or (needed and bool(getattr(held, "refers", "")))
+                or (name == "body" and self.section == "driver")
+            )
+            default = (
+                field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
+            )
             default = Argument.empty if needed else getattr(default, "name", default)
-            annotation = "str" if held is None else annotation_of(held) + (" | None" if default is None else "")
+            annotation = (
+                "str" if held is None else annotation_of(held) + (" | None" if default is None else "")
+            )
             kind = Argument.POSITIONAL_OR_KEYWORD if leading else Argument.KEYWORD_ONLY
             found.append(Argument(name, kind, default=default, annotation=annotation))
         return sorted(found, key=lambda one: (one.kind, one.default is not Argument.empty))
@@ -104,17 +137,28 @@ class Builder:
             name = found.get("name") or called(found)
             path: Path = (self.section, name if isinstance(name, str) else "?")
             faults = strange(path, self, leading, places, given)
-            lacking = [one.name for one in arguments if one.default is Argument.empty and one.name not in found]
-            faults += [Fault((*path, one), "this keyword is missing", remedy=f"add {one}=...") for one in lacking]
-            item, others = read(path, self.kind, {key: value for key, value in found.items() if key in self.fields})
+            lacking = [
+                one.name for one in arguments if one.default is Argument.empty and one.name not in found
+            ]
+            faults += [
+                Fault((*path, one), "this keyword is missing", remedy=f"add {one}=...") for one in lacking
+            ]
+            item, others = read(
+                path, self.kind, {key: value for key, value in found.items() if key in self.fields}
+            )
             others += alone(mechanism, self.section, name, item, others)
             if faults or others:
-                raise (ArgumentError if faults else ModelError)([*faults, *others], str(mechanism.name) or "mechanism")
+                raise (ArgumentError if faults else ModelError)(
+                    [*faults, *others], str(mechanism.name) or "mechanism"
+                )
             items(mechanism, self.section)[str(name)] = item
             return item
 
         add.__name__, add.__qualname__, add.__doc__ = self.name, f"Mechanism.{self.name}", self.help
-        signature = inspect.Signature([Argument("self", Argument.POSITIONAL_OR_KEYWORD), *arguments], return_annotation=self.kind.__name__)
+        signature = inspect.Signature(
+            [Argument("self", Argument.POSITIONAL_OR_KEYWORD), *arguments],
+            return_annotation=self.kind.__name__,
+        )
         cast(Any, add).__signature__ = signature
         return add
 
@@ -155,11 +199,17 @@ class Builders:
         points: dict[str, tuple[float, float]]
 
     def point(self, name: str, x: Any, y: Any) -> None:
-        """Adds a point of the ground (m). Raises ModelError where its place is none, or there is one of this name."""
+        """Adds a point of the ground (m). Raises ModelError where its place is none, or there is one of this
+        name.
+        """
         reading, at = ScriptReading(), ("ground", str(name))
         found = PLACE.read((x, y), at, reading)
         if not name or "." in str(name):
-            reading.refuse(("ground", ""), f"the name {shown(name)} cannot be part of a path", remedy="choose a name without dots")
+            reading.refuse(
+                ("ground", ""),
+                f"the name {shown(name)} cannot be part of a path",
+                remedy="choose a name without dots",
+            )
         elif name in self.points:
             reading.refuse(at, f"there is a point called {shown(name)} already", remedy="choose another name")
         if reading.faults:
@@ -167,14 +217,17 @@ class Builders:
         self.points[name] = found
 
     def add(self, item: Any, name: str | None = None) -> Any:
-        """Adds a body, joint, gear, spring, driver or load, with the checks of its builder; a driver is called after what it drives.
+        """Adds a body, joint, gear, spring, driver or load, with the checks of its builder; a driver is
+        called after what it drives.
 
         Returns the item. Raises ModelError with all its faults, and TypeError for what no mechanism has.
         """
         mechanism, section = cast("Mechanism", self), section_of(type(item))
         name = name or getattr(item, "name", None) or called(vars(item))
         reading = ScriptReading()
-        reading.fields((section, str(name)), item, bool(getattr(item, "along", False)) and section == "driver")
+        reading.fields(
+            (section, str(name)), item, bool(getattr(item, "along", False)) and section == "driver"
+        )
         faults = reading.faults + alone(mechanism, section, name, item, reading.faults)
         if faults:
             raise ModelError(faults, str(self.name) or "mechanism")
@@ -187,7 +240,9 @@ def section_of(kind: type) -> str:
     for base, section in SECTIONS.items():
         if issubclass(kind, base):
             return section
-    raise TypeError(f"a mechanism has no {kind.__name__}; it has bodies, joints, gears, springs, drivers and loads")
+    raise TypeError(
+        f"a mechanism has no {kind.__name__}; it has bodies, joints, gears, springs, drivers and loads"
+    )
 
 
 def called(found: Mapping[str, Any]) -> Any:
@@ -196,7 +251,9 @@ def called(found: Mapping[str, Any]) -> Any:
     return target.replace(".", " ") if isinstance(target, str) else target
 
 
-def strange(path: Path, builder: Builder, leading: list[str], places: tuple[Any, ...], given: Mapping[str, Any]) -> list[Fault]:
+def strange(
+    path: Path, builder: Builder, leading: list[str], places: tuple[Any, ...], given: Mapping[str, Any]
+) -> list[Fault]:
     """Arguments that there are not, or that come twice."""
     found, names = [], list(builder.fields)
     for key, value in given.items():
@@ -204,12 +261,27 @@ def strange(path: Path, builder: Builder, leading: list[str], places: tuple[Any,
             every = (one for one in builders().values() if one.section == builder.section)
             others = [f"{one.name}()" for one in every if key == one.name or key in one.fields]
             advice = f"use {' or '.join(others[:3])} for it" if others else "remove it"
-            found.append(Fault((*path, key), "there is no such keyword", shown(value), "", suggestion(key, names, advice)))
+            found.append(
+                Fault(
+                    (*path, key), "there is no such keyword", shown(value), "", suggestion(key, names, advice)
+                )
+            )
         elif key in leading[: len(places)]:
             found.append(Fault((*path, key), "this is given twice", shown(value), "", "give it once"))
     if len(places) > len(leading):
-        what, rest = f"only {', '.join(leading)} stand without a keyword", [name for name in names if name not in leading]
-        found.append(Fault((*path, ""), what, shown(places[len(leading)]), "", f"write {rest[0]}=..." if rest else "leave it out"))
+        what, rest = (
+            f"only {', '.join(leading)} stand without a keyword",
+            [name for name in names if name not in leading],
+        )
+        found.append(
+            Fault(
+                (*path, ""),
+                what,
+                shown(places[len(leading)]),
+                "",
+                f"write {rest[0]}=..." if rest else "leave it out",
+            )
+        )
     return found
 
 
@@ -234,19 +306,39 @@ def users_of(kind: Any, fields: Mapping[str, Field], key: str, given: Mapping[st
     only, field = fields[key].metadata.get("only"), fields[key]
     word = given.get(getattr(kind, "selected_by", ""))
     default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
-    if not only or word is None or word in only or given[key] == default or word not in fields[kind.selected_by].metadata["choices"]:
+    if (
+        not only
+        or word is None
+        or word in only
+        or given[key] == default
+        or word not in fields[kind.selected_by].metadata["choices"]
+    ):
         return ()
     return tuple(only)
 
 
 def alone(mechanism: Mechanism, section: str, name: Any, item: Any, known: list[Fault]) -> list[Fault]:
-    """What is wrong with a name, and with an object among those there; pins of bodies that come later are looked for in a whole mechanism."""
-    from .validate.single import faults_of
+    """What is wrong with a name, and with an object among those there; pins of bodies that come later are
+    looked for in a whole mechanism.
+    """
+    from .validation.single import faults_of
 
     if not isinstance(name, str):
-        return [] if name is None else [Fault((section, "?"), "this is no name", shown(name), "a text", "put it in quotes")]
+        return (
+            []
+            if name is None
+            else [Fault((section, "?"), "this is no name", shown(name), "a text", "put it in quotes")]
+        )
     if name in items(mechanism, section):
-        return [Fault((section, name, ""), f"there is a {section} called {shown(name)} already", "", "", "choose another name")]
+        return [
+            Fault(
+                (section, name, ""),
+                f"there is a {section} called {shown(name)} already",
+                "",
+                "",
+                "choose another name",
+            )
+        ]
     return faults_of(mechanism, section, name, item, [fault.path for fault in known])
 
 

@@ -1,4 +1,6 @@
-"""What follows from a whole mechanism: functions of its drivers over time, its crank, the carriers of its gears."""
+"""What follows from a whole mechanism: functions of its drivers over time, its crank, the carriers of its
+gears.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +8,14 @@ import math
 from collections.abc import Iterator
 
 from .drivers import Driver
+from .geometry.polynomials import Polynomials, clamped, constant, moved, raised, spline
 from .joints import Gear
 from .mechanism import Mechanism
-from .polynomials import Polynomials, clamped, constant, moved, raised, spline
 
 
 def motion_function(driver: Driver, offset: float = 0.0, clock: float = 0.0) -> Polynomials:
-    """What a driver prescribes (rad or m) over the time of a run that begins at ``clock`` (s): what it adds from there on to ``offset``.
+    """What a driver prescribes (rad or m) over the time of a run that begins at ``clock`` (s): what it adds
+    from there on to ``offset``.
 
     TypeError for a driver that prescribes no motion.
     """
@@ -28,7 +31,9 @@ def timed(function: Polynomials, clock: float) -> Polynomials:
 
 
 def torque_function(driver: Driver) -> Polynomials:
-    """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever the driver has; else constant."""
+    """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever the driver has; else
+    constant.
+    """
     return driver.effort()
 
 
@@ -38,7 +43,9 @@ def largest_speed(driver: Driver) -> float:
 
 
 def turning_speed(driver: Driver) -> float:
-    """Speed (rad/s) at which a driver turns a body round and round; 0 for those that move it to and fro, or along a line."""
+    """Speed (rad/s) at which a driver turns a body round and round; 0 for those that move it to and fro, or
+    along a line.
+    """
     return driver.largest_speed if driver.revolves and not driver.slider and not driver.point else 0.0
 
 
@@ -49,11 +56,19 @@ def turn_of(mechanism: Mechanism) -> float | None:
 
 
 def crank_of(mechanism: Mechanism, named: str = "") -> str:
-    """The body on whose angle a load depends: the one that is ``named``, else the fastest that a driver turns. ValueError where there is none."""
-    found = {(driver.body or name): turning_speed(driver) for name, driver in mechanism.drivers.items() if driver.moves}
+    """The body on whose angle a load depends: the one that is ``named``, else the fastest that a driver
+    turns. ValueError where there is none.
+    """
+    found = {
+        (driver.body or name): turning_speed(driver)
+        for name, driver in mechanism.drivers.items()
+        if driver.moves
+    }
     fastest = max(found, key=found.__getitem__, default="")
     if not named and not found.get(fastest):
-        raise ValueError("a load goes by the angle of a crank, and no driver turns a body; name the body, with crank")
+        raise ValueError(
+            "a load goes by the angle of a crank, and no driver turns a body; name the body, with crank"
+        )
     return named or fastest
 
 
@@ -68,14 +83,16 @@ Place = tuple[str, str]
 def carrier_of(mechanism: Mechanism, gear: Gear) -> str:
     """The body on which both wheels of a gear turn, ``"ground"`` where they do so on the ground.
 
-    A body carries a wheel that is pinned to it, and one that turns on the ground about the very point about which the carrier does: the sun of a
-    planetary train, or its ring. Nothing carries a wheel that it is.
+    A body carries a wheel that is pinned to it, and one that turns on the ground about the very point about
+    which the carrier does: the sun of a planetary train, or its ring. Nothing carries a wheel that it is.
     """
     if gear.carrier is not None:
         return gear.carrier
     pins = list(_pins(mechanism))
     carried = [_carriers(pins, wheel) for wheel in (gear.first, gear.second)]
-    found = [body for body in carried[0] if body in carried[1] and body not in (gear.first, gear.second, "ground")]
+    found = [
+        body for body in carried[0] if body in carried[1] and body not in (gear.first, gear.second, "ground")
+    ]
     return found[0] if found and not all("ground" in one for one in carried) else "ground"
 
 
@@ -83,7 +100,10 @@ def _pins(mechanism: Mechanism) -> Iterator[tuple[Place, Place]]:
     """The two sides of each revolute, with play or without; points of the ground by where they are."""
     for joint in mechanism.joints.values():
         if joint.revolves:
-            one, two = (("ground", f"{mechanism.points[pin]}") if body == "ground" else (body, pin) for body, pin in joint.sides)
+            one, two = (
+                ("ground", f"{mechanism.points[pin]}") if body == "ground" else (body, pin)
+                for body, pin in joint.sides
+            )
             yield one, two
 
 

@@ -6,12 +6,17 @@ from typing import Any, ClassVar
 
 
 class Kind:
-    """Base of joints, springs, drivers and loads. The base in each package has a ``registry``, which each class below it with a ``kind`` enters."""
+    """Base of joints, springs, drivers and loads. The base in each package has a ``registry``, which each
+    class below it with a ``kind`` enters.
+    """
 
     kind: ClassVar[str] = ""  # the word in a model file
-    sample: ClassVar[dict[str, Any]] = {}  # for fields without a default, sizes with which a test walks its stops
+    sample: ClassVar[
+        dict[str, Any]
+    ] = {}  # for fields without a default, sizes with which a test walks its stops
     registry: ClassVar[dict[str, Any]] = {}
-    # Methods of a mechanism that add it: keywords that each does not take, and those that it cannot do without. Named after the kind if not said.
+    # Methods of a mechanism that add it: keywords that each does not take, and those that it cannot do
+    # without. Named after the kind if not said.
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:

@@ -1,4 +1,6 @@
-"""Mass of bodies: exact for rigid ones, lumped at particles for elastic ones (Eq. 2 of the VFIFE paper, corrected)."""
+"""Mass of bodies: exact for rigid ones, lumped at particles for elastic ones (Eq. 2 of the VFIFE paper,
+corrected).
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,9 @@ RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
 class Mesh:
     """An elastic body as particles and frame elements, in its own frame.
 
-    ``position`` (n, 2) m, ``mass`` (n,) kg, ``inertia`` (n,) kg m^2 and ``pins`` (index by name) of its particles; ``nodes`` (k, 2), ``release``,
-    ``axial`` = E A (N) and ``bending`` = E I (N m^2) of its elements, shape (k,); ``strain`` is the length that these count on.
+    ``position`` (n, 2) m, ``mass`` (n,) kg, ``inertia`` (n,) kg m^2 and ``pins`` (index by name) of its
+    particles; ``nodes`` (k, 2), ``release``, ``axial`` = E A (N) and ``bending`` = E I (N m^2) of its
+    elements, shape (k,); ``strain`` is the length that these count on.
     """
 
     position: Array
@@ -41,7 +44,9 @@ class Mesh:
     @property
     def length(self) -> Array:
         """Of its elements without forces (m), shape (k,)."""
-        return np.asarray(_sizes(self.position[self.nodes[:, 1]] - self.position[self.nodes[:, 0]]), dtype=float)
+        return np.asarray(
+            _sizes(self.position[self.nodes[:, 1]] - self.position[self.nodes[:, 0]]), dtype=float
+        )
 
 
 def _sizes(sides: Array) -> Array:
@@ -57,7 +62,8 @@ def is_elastic(body: Body) -> bool:
 def mesh(body: Body) -> Mesh:
     """Particles and elements of a link or frame; the arrays are not to be written to.
 
-    A body is made once, so its mesh is cut once and kept with it; that of a frame anew where its nodes or masses were changed in place.
+    A body is made once, so its mesh is cut once and kept with it; that of a frame anew where its nodes or
+    masses were changed in place.
     """
     if not isinstance(body, Frame | Link):
         raise TypeError(f"{type(body).__name__} {body.name!r} has no elements")
@@ -65,7 +71,14 @@ def mesh(body: Body) -> Mesh:
     kept = vars(body).get(_KEPT)
     if kept is None or kept[0] != made_of:
         kept = made_of, _frame(body) if isinstance(body, Frame) else _link(body)
-        for values in (kept[1].position, kept[1].mass, kept[1].inertia, kept[1].nodes, kept[1].axial, kept[1].bending):
+        for values in (
+            kept[1].position,
+            kept[1].mass,
+            kept[1].inertia,
+            kept[1].nodes,
+            kept[1].axial,
+            kept[1].bending,
+        ):
             values.setflags(write=False)
         vars(body)[_KEPT] = kept  # a frozen noun has no other way to remember what follows from it
     found: Mesh = kept[1]
@@ -73,9 +86,11 @@ def mesh(body: Body) -> Mesh:
 
 
 def _link(link: Link) -> Mesh:
-    """Eq. 2: half of each element's mass at its ends, I = sum of half masses times the section's radius of gyration squared.
+    """Eq. 2: half of each element's mass at its ends, I = sum of half masses times the section's radius of
+    gyration squared.
 
-    The print has I = sum 1/2 m_i r^2 with r "of the cross section at the node"; r^2 = I_section/A. Attached masses are added at the ends.
+    The print has I = sum 1/2 m_i r^2 with r "of the cross section at the node"; r^2 = I_section/A. Attached
+    masses are added at the ends.
     """
     section, position = section_of(link), _along(link)
     k = len(position) - 1
@@ -99,18 +114,26 @@ def _link(link: Link) -> Mesh:
 
 
 def _along(link: Link) -> Array:
-    """Particles of a link (k + 1, 2): equal elements on a straight one, spread over the pieces of a polyline by their length."""
+    """Particles of a link (k + 1, 2): equal elements on a straight one, spread over the pieces of a polyline
+    by their length.
+    """
     k = link.element_count
     if not link.via:
         return np.column_stack([np.linspace(0.0, link.length, k + 1), np.zeros(k + 1)])
     corners = np.array(link.corners)
     length = _sizes(np.diff(corners, axis=0))
     if k < len(length):
-        raise ValueError(f"link {link.name!r} has {len(length)} pieces and {k} elements: give it an element for each piece at least")
+        raise ValueError(
+            f"link {link.name!r} has {len(length)} pieces and {k} elements: give it an element for each piece"
+            " at least"
+        )
     share = np.ones(len(length), dtype=int)
     while share.sum() < k:
         share[np.argmax(length / share)] += 1
-    pieces = [a + np.outer(np.arange(1, n + 1) / n, b - a) for a, b, n in zip(corners, corners[1:], share, strict=False)]
+    pieces = [
+        a + np.outer(np.arange(1, n + 1) / n, b - a)
+        for a, b, n in zip(corners, corners[1:], share, strict=False)
+    ]
     return np.vstack([corners[:1], *pieces])
 
 
@@ -123,7 +146,9 @@ def _halves(mass: Array, nodes: NDArray[np.intp], count: int) -> Array:
 
 
 def _frame(frame: Frame) -> Mesh:
-    """Particles in the order in which the members come to them, so that neighbours are near each other in memory."""
+    """Particles in the order in which the members come to them, so that neighbours are near each other in
+    memory.
+    """
     index: dict[str, int] = {}
     position: list[Point] = []
     nodes: list[tuple[int, int]] = []
@@ -131,19 +156,29 @@ def _frame(frame: Frame) -> Mesh:
     for member in frame.members:
         section = member.section or frame.section
         if section is None:
-            raise ValueError(f"frame {frame.name!r}: member {member.start}-{member.end} needs a section, or the frame one for all")
+            raise ValueError(
+                f"frame {frame.name!r}: member {member.start}-{member.end} needs a section, or the frame one"
+                " for all"
+            )
         material = member.material or frame.material
         a, b = frame.nodes[member.start], frame.nodes[member.end]
         k = member.elements
         size = float(hypot(b[0] - a[0], b[1] - a[1]))
         mass = material.density * section.area * size if member.mass is None else member.mass
-        stretch, bend = material.youngs_modulus * section.area, material.youngs_modulus * section.second_moment
+        stretch, bend = (
+            material.youngs_modulus * section.area,
+            material.youngs_modulus * section.second_moment,
+        )
         row = (mass / k, section.second_moment / section.area, stretch, bend)
         chain = []
         for j in range(k + 1):
             name = member.start if j == 0 else member.end if j == k else None
             if name is None or name not in index:
-                position.append((a[0] + (b[0] - a[0]) * j / k, a[1] + (b[1] - a[1]) * j / k) if 0 < j < k else frame.nodes[str(name)])
+                position.append(
+                    (a[0] + (b[0] - a[0]) * j / k, a[1] + (b[1] - a[1]) * j / k)
+                    if 0 < j < k
+                    else frame.nodes[str(name)]
+                )
                 if name is not None:
                     index[name] = len(position) - 1
             chain.append(len(position) - 1 if name is None else index[name])
@@ -151,28 +186,45 @@ def _frame(frame: Frame) -> Mesh:
         rows += [row] * k
     loose = [name for name in frame.nodes if name not in index]
     if loose:
-        raise ValueError(f"frame {frame.name!r}: no member holds node {', '.join(loose)}; join it to the others or remove it")
+        raise ValueError(
+            f"frame {frame.name!r}: no member holds node {', '.join(loose)}; join it to the others or"
+            " remove it"
+        )
     pairs, table = np.array(nodes, dtype=np.intp).reshape(-1, 2), np.array(rows).reshape(-1, 4)
     lumps = _halves(table[:, 0], pairs, len(position))
     inertia = _halves(table[:, 0] * table[:, 1], pairs, len(position))
     for name, extra in frame.masses.items():
         lumps[index[name]] += extra
-    return Mesh(np.array(position), lumps, inertia, index, pairs, (0,) * len(pairs), table[:, 2], table[:, 3], frame.strain)
+    return Mesh(
+        np.array(position),
+        lumps,
+        inertia,
+        index,
+        pairs,
+        (0,) * len(pairs),
+        table[:, 2],
+        table[:, 3],
+        frame.strain,
+    )
 
 
 def section_of(link: Link) -> Section:
     """Section of an elastic link; a sentence if it has none."""
     if link.section is None:
-        raise ValueError(f"link {link.name!r} is {link.model} and needs a section (area and second moment of area)")
+        raise ValueError(
+            f"link {link.name!r} is {link.model} and needs a section (area and second moment of area)"
+        )
     return link.section
 
 
 def rigid_properties(body: Body) -> tuple[float, Point, float]:
-    """Mass (kg), centre of mass (m, body's frame) and inertia about it (kg m^2), as the body is calculated if it were rigid.
+    """Mass (kg), centre of mass (m, body's frame) and inertia about it (kg m^2), as the body is calculated if
+    it were rigid.
 
-    One mass on a rigid arm has no inertia of its own: what turns the body is on its arm. It counts with ``THIN`` m r^2, r the farthest point.
-    ValueError where there is no mass, or no inertia and no arm. A body is asked for them at each of its pins, so they are kept with it; they are
-    found anew where its pins or masses were changed in place.
+    One mass on a rigid arm has no inertia of its own: what turns the body is on its arm. It counts with
+    ``THIN`` m r^2, r the farthest point. ValueError where there is no mass, or no inertia and no arm. A body
+    is asked for them at each of its pins, so they are kept with it; they are found anew where its pins or
+    masses were changed in place.
     """
     made_of = _made_of(body)
     kept = vars(body).get(_WEIGHED)
@@ -197,16 +249,24 @@ def _weighed(body: Body) -> tuple[float, Point, float]:
     attached = body.masses if isinstance(body, RigidBody | Link) and not is_elastic(body) else {}
     if attached:
         at = np.array([center, *(body.points[pin] for pin in attached)], dtype=float)
-        mass, center, inertia = _together(at, np.array([mass, *attached.values()]), np.array([inertia, *(0.0 for _ in attached)]))
+        mass, center, inertia = _together(
+            at, np.array([mass, *attached.values()]), np.array([inertia, *(0.0 for _ in attached)])
+        )
     if not mass > 0.0:
-        raise ValueError(f"body {body.name!r} weighs nothing: give it a mass, or masses at its pins, or join the others by a distance")
+        raise ValueError(
+            f"body {body.name!r} weighs nothing: give it a mass, or masses at its pins, or join the others by"
+            " a distance"
+        )
     if isinstance(body, PointMass) or is_elastic(body):
         return mass, center, inertia
     reach = max(float(hypot(x - center[0], y - center[1])) for x, y in body.points.values())
     if inertia > ROUNDING * mass * (reach * reach):
         return mass, center, inertia
     if not reach > 0.0:
-        raise ValueError(f"body {body.name!r} has neither inertia nor a pin away from its mass: give it an inertia, or make it a particle")
+        raise ValueError(
+            f"body {body.name!r} has neither inertia nor a pin away from its mass: give it an inertia, or"
+            " make it a particle"
+        )
     return mass, center, THIN * mass * (reach * reach)
 
 
@@ -218,7 +278,9 @@ def _own_properties(body: Body) -> tuple[float, Point, float]:
         return body.mass, body.center, body.inertia
     if is_elastic(body):
         parts = mesh(body)
-        turning = parts.inertia if not (isinstance(body, Link) and body.release == "both") else 0.0 * parts.inertia
+        turning = (
+            parts.inertia if not (isinstance(body, Link) and body.release == "both") else 0.0 * parts.inertia
+        )
         return _together(parts.position, parts.mass, turning)
     if not isinstance(body, Link):
         raise TypeError(f"{type(body).__name__} is no body")
@@ -238,7 +300,9 @@ def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
     mass = link.own_mass * length / length.sum()
     at = np.vstack([0.5 * (corners[1:] + corners[:-1]), corners[[0, -1]]])
     return _together(
-        at, np.array([*mass, link.start_mass, link.end_mass]), np.array([*mass * (length * length) / 12.0, link.start_inertia, link.end_inertia])
+        at,
+        np.array([*mass, link.start_mass, link.end_mass]),
+        np.array([*mass * (length * length) / 12.0, link.start_inertia, link.end_inertia]),
     )
 
 

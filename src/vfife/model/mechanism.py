@@ -6,7 +6,21 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from ..fields import PLACE, SCALAR, Choice, Each, Entries, Inner, Many, Measure, Names, Text, Whole, described, quantity
+from ..schema import (
+    PLACE,
+    SCALAR,
+    Choice,
+    Each,
+    Entries,
+    Inner,
+    Many,
+    Measure,
+    Names,
+    Text,
+    Whole,
+    described,
+    quantity,
+)
 from .above import upper
 from .bodies import Body
 from .builders import Builders
@@ -21,7 +35,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from ..live.page import Live
+    from ..live.page.page import Live
     from ..report.check import Checked
 
 StartMode = Literal["consistent", "rough"]
@@ -35,9 +49,9 @@ Journals = Literal["centred", "seated"]
 class StartSettings:
     """How a run starts.
 
-    ``consistent``: closed positions, velocities and accelerations of the ideal mechanism, elastic links already carrying the forces that go
-    with them. ``rough``: positions and velocities only, links unstressed. Journals are ``centred`` in their bearings, or ``seated`` where
-    the ideal reaction presses them.
+    ``consistent``: closed positions, velocities and accelerations of the ideal mechanism, elastic links
+    already carrying the forces that go with them. ``rough``: positions and velocities only, links unstressed.
+    Journals are ``centred`` in their bearings, or ``seated`` where the ideal reaction presses them.
     """
 
     mode: StartMode = described(
@@ -46,24 +60,32 @@ class StartSettings:
         "consistent",
     )
     journals: Journals = described(
-        Choice(("centred", "seated")), "journals centred in their bearings, or seated where the ideal reaction presses them", "centred"
+        Choice(("centred", "seated")),
+        "journals centred in their bearings, or seated where the ideal reaction presses them",
+        "centred",
     )
     time: float | None = quantity(
-        "s", "where the clock of drivers and loads stands when the run begins; left out: 0, or where a former run ended from which it goes on", None
+        "s",
+        "where the clock of drivers and loads stands when the run begins; left out: 0, or where a former run"
+        " ended from which it goes on",
+        None,
     )
 
 
 @with_units("run")
 @dataclass(frozen=True)
 class Settings:
-    """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn (or per run without a crank).
+    """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn
+    (or per run without a crank).
 
-    ``settle``: the run ends as soon as turns repeat within that share of their largest values, after ``turns`` at the latest.
-    ``companions`` repeat a run with contact with other step sizes: ranges estimate the error of the step from their results, and an automatic
-    step is halved until the largest values of a turn agree within ``tolerance``.
+    ``settle``: the run ends as soon as turns repeat within that share of their largest values, after
+    ``turns`` at the latest. ``companions`` repeat a run with contact with other step sizes: ranges estimate
+    the error of the step from their results, and an automatic step is halved until the largest values of a
+    turn agree within ``tolerance``.
 
-    A static ``analysis`` finds equilibrium under each of the ``load_factors``, which take the place of time in loads and drivers: unbalanced force
-    at most ``residual`` of the largest force, and kinetic energy at most ``kinetic_energy`` of the largest met, in so many ``iterations``.
+    A static ``analysis`` finds equilibrium under each of the ``load_factors``, which take the place of time
+    in loads and drivers: unbalanced force at most ``residual`` of the largest force, and kinetic energy at
+    most ``kinetic_energy`` of the largest met, in so many ``iterations``.
     """
 
     selected_by: ClassVar[str] = "analysis"  # the field that says which others are of use
@@ -75,38 +97,71 @@ class Settings:
         None, above=0.0, high=1.0,
     )  # fmt: skip
     step: float | Literal["auto"] = described(
-        Measure("s", above=0.0, words=("auto",)), 'time step, or "auto" for the largest that is stable and accurate', "auto"
+        Measure("s", above=0.0, words=("auto",)),
+        'time step, or "auto" for the largest that is stable and accurate',
+        "auto",
     )
     outputs: int = described(Whole(1, 100_000_000), "outputs per turn; per run without a crank", 720)
     parts: int = described(
-        Whole(1, 64), "smaller steps in which a step is taken again when something begins, ends or changes in it; 1: as it is, as in the paper", 8
+        Whole(1, 64),
+        "smaller steps in which a step is taken again when something begins, ends or changes in it; 1: as it"
+        " is, as in the paper",
+        8,
     )
     companions: int | Literal["auto"] = described(
         Whole(0, MOST_COMPANIONS, words=("auto",)),
-        'runs with other step sizes, which estimate the error of a run with contact; "auto" for three, 0 for none',
+        'runs with other step sizes, which estimate the error of a run with contact; "auto" for three, 0 for'
+        " none",
         "auto",
     )
     tolerance: float = quantity(
-        "1", "range of the largest values over run and companions at which an automatic step is fine enough", 0.005, above=0.0, high=1.0
+        "1",
+        "range of the largest values over run and companions at which an automatic step is fine enough",
+        0.005,
+        above=0.0,
+        high=1.0,
     )
     energy_limit: float = quantity(
-        "1", "share of the largest energy by which the ledger may be open; a run in which it is more is stopped", 0.1, above=0.0
+        "1",
+        "share of the largest energy by which the ledger may be open; a run in which it is more is stopped",
+        0.1,
+        above=0.0,
     )
     damping: float = quantity("1/s", "mass-proportional damping", 0.0, low=0.0)
     path_unit: int = described(Whole(1, 1_000_000), "steps in a path unit of the elements", 1)
     analysis: Literal["dynamic", "static"] = described(
-        Choice(("dynamic", "static")), "dynamic: motion over time; static: equilibrium under each of the load factors", "dynamic"
+        Choice(("dynamic", "static")),
+        "dynamic: motion over time; static: equilibrium under each of the load factors",
+        "dynamic",
     )
     load_factors: tuple[float, ...] = described(
-        Many(SCALAR), "of a static analysis: they take the place of time in loads and drivers", (1.0,), only=STATIC
+        Many(SCALAR),
+        "of a static analysis: they take the place of time in loads and drivers",
+        (1.0,),
+        only=STATIC,
     )
     residual: float = quantity(
-        "1", "of a static analysis: largest unbalanced force, as a share of the largest force", 1e-6, above=0.0, high=0.1, only=STATIC
+        "1",
+        "of a static analysis: largest unbalanced force, as a share of the largest force",
+        1e-6,
+        above=0.0,
+        high=0.1,
+        only=STATIC,
     )
     kinetic_energy: float = quantity(
-        "1", "of a static analysis: largest kinetic energy left, as a share of the largest met", 1e-10, above=0.0, high=0.1, only=STATIC
+        "1",
+        "of a static analysis: largest kinetic energy left, as a share of the largest met",
+        1e-10,
+        above=0.0,
+        high=0.1,
+        only=STATIC,
     )
-    iterations: int = described(Whole(1, 1_000_000_000), "of a static analysis: most iterations for a load factor", 1_000_000, only=STATIC)
+    iterations: int = described(
+        Whole(1, 1_000_000_000),
+        "of a static analysis: most iterations for a load factor",
+        1_000_000,
+        only=STATIC,
+    )
 
 
 @with_units()
@@ -122,16 +177,25 @@ class Mechanism(Builders):
 
     name: str = described(Text(), "name of the model", "mechanism")
     note: str = described(Text(), "what a reader should know", "")
-    gravity: tuple[float, float] = described(Each((Measure("m/s^2"), Measure("m/s^2"))), "acceleration of gravity", (0.0, 0.0))
-    points: dict[str, tuple[float, float]] = described(Names(PLACE), "points of the ground", factory=dict, key="ground")
+    gravity: tuple[float, float] = described(
+        Each((Measure("m/s^2"), Measure("m/s^2"))), "acceleration of gravity", (0.0, 0.0)
+    )
+    points: dict[str, tuple[float, float]] = described(
+        Names(PLACE), "points of the ground", factory=dict, key="ground"
+    )
     bodies: dict[str, Body] = described(Entries(Body), "bodies by name", factory=dict, key="body")
     joints: dict[str, Joint] = described(Entries(Joint), "joints by name", factory=dict, key="joint")
     drivers: dict[str, Driver] = described(
-        Entries(Driver), "drivers by name, which is that of the body unless body, slider or point is given", factory=dict, key="driver"
+        Entries(Driver),
+        "drivers by name, which is that of the body unless body, slider or point is given",
+        factory=dict,
+        key="driver",
     )
     loads: dict[str, Load] = described(Entries(Load), "loads by name", factory=dict, key="load")
     gears: dict[str, Gear] = described(Entries(Gear), "gears and belts by name", factory=dict, key="gear")
-    springs: dict[str, AnySpring] = described(Entries(ForceElement), "springs, dampers, stops and bushings by name", factory=dict, key="spring")
+    springs: dict[str, AnySpring] = described(
+        Entries(ForceElement), "springs, dampers, stops and bushings by name", factory=dict, key="spring"
+    )
     start: StartSettings = described(Inner(StartSettings), "how a run starts", factory=StartSettings)
     settings: Settings = described(Inner(Settings), "defaults of a run", factory=Settings, key="run")
     source: str | None = field(default=None, compare=False)
@@ -147,16 +211,20 @@ class Mechanism(Builders):
         return {name: joint for name, joint in self.joints.items() if isinstance(joint, Contact)}
 
     def to_toml(self) -> str:
-        """The text of a model file that holds it, in SI units. Raises ValueError or TypeError where no model file can."""
+        """The text of a model file that holds it, in SI units. Raises ValueError or TypeError where no model
+        file can.
+        """
         return str(upper("modelfile", "dump", self))
 
     def check(self) -> Checked:
-        """Examines the whole of it, closes it at its start, and follows its ideal motion through what drivers ask for; nothing is run.
+        """Examines the whole of it, closes it at its start, and follows its ideal motion through what drivers
+        ask for; nothing is run.
 
-        Raises ModelError with every fault, AssemblyError where no position satisfies its joints, or it jams. What is left is in the answer:
-        degrees of freedom, the step, what to be careful with; printed, it is a few sentences.
+        Raises ModelError with every fault, AssemblyError where no position satisfies its joints, or it jams.
+        What is left is in the answer: degrees of freedom, the step, what to be careful with; printed, it is a
+        few sentences.
         """
-        found: Checked = upper("study.examined", "checked", self)
+        found: Checked = upper("studies.methods.examined", "checked", self)
         return found
 
     def plot(self) -> Figure:
@@ -165,13 +233,16 @@ class Mechanism(Builders):
         return figure
 
     def live(self, slide: Iterable[str] | None = None) -> Live:
-        """A page in which it runs: as the last line of a notebook's cell it runs there, and in pages that the notebook is exported to.
+        """A page in which it runs: as the last line of a notebook's cell it runs there, and in pages that the
+        notebook is exported to.
 
-        ``slide``: numbers that become sliders, with their ranges, as in ["joint.C.clearance=0.01..0.5mm"]; None for every clearance, the speed of
-        drivers, friction and restitution, whose positions take some seconds to assemble; () for none. ``save(path)`` of what comes back writes the
-        page. Raises as :meth:`check` does, VfifeError for what has no motion to run, and ValueError for a slide that cannot be used.
+        ``slide``: numbers that become sliders, with their ranges, as in ["joint.C.clearance=0.01..0.5mm"];
+        None for every clearance, the speed of drivers, friction and restitution, whose positions take some
+        seconds to assemble; () for none. ``save(path)`` of what comes back writes the page. Raises as
+        :meth:`check` does, VfifeError for what has no motion to run, and ValueError for a slide that cannot
+        be used.
         """
-        found: Live = upper("live.page", "live", self, slide)
+        found: Live = upper("live.page.page", "live", self, slide)
         return found
 
     def _repr_html_(self) -> str:
@@ -184,14 +255,18 @@ class Mechanism(Builders):
         return 0.0 if self.settings.analysis == "static" else self.start.time or 0.0
 
     def ideal(self) -> Mechanism:
-        """The reference that clearance runs are compared with: every joint ideal, every link rigid with its lumped masses."""
+        """The reference that clearance runs are compared with: every joint ideal, every link rigid with its
+        lumped masses.
+        """
         from .lumping import rigidified
 
         return dataclasses.replace(
             self,
             name=f"{self.name}, ideal",
             bodies={name: rigidified(body) for name, body in self.bodies.items()},
-            joints={name: ideal for name, joint in self.joints.items() if (ideal := joint.ideal()) is not None},
+            joints={
+                name: ideal for name, joint in self.joints.items() if (ideal := joint.ideal()) is not None
+            },
             settings=dataclasses.replace(self.settings, step="auto", damping=0.0),
             start=StartSettings(time=self.start.time),
         )

@@ -1,4 +1,5 @@
-"""What a drawing shows of bodies: which of their pins, in which order a line runs through them, and about which pins they turn.
+"""What a drawing shows of bodies: which of their pins, in which order a line runs through them, and about
+which pins they turn.
 
 Names and orders only: where a pin is at a moment is for those to say who draw.
 """
@@ -32,7 +33,9 @@ def attached(mechanism: Mechanism, name: str) -> set[str]:
 
 
 def drawn_pins(mechanism: Mechanism, name: str) -> list[str]:
-    """Pins of a rigid body that are drawn: its own, and those that something is fixed to; the centre of mass where there is but one pin."""
+    """Pins of a rigid body that are drawn: its own, and those that something is fixed to; the centre of mass
+    where there is but one pin.
+    """
     noun, held = mechanism.bodies[name], attached(mechanism, name)
     own = ["start", "end"] if isinstance(noun, Link) else [pin for pin in noun.points if pin != CENTER]
     pins = list(dict.fromkeys([*own, *(pin for pin in noun.points if pin in held)]))
@@ -42,14 +45,18 @@ def drawn_pins(mechanism: Mechanism, name: str) -> list[str]:
 
 
 def loose_pins(mechanism: Mechanism, name: str, elastic: bool) -> list[str]:
-    """Pins of a body that nothing takes hold of: feet, pens and ends, whose paths are worth seeing; of an ``elastic`` one its ends only."""
+    """Pins of a body that nothing takes hold of: feet, pens and ends, whose paths are worth seeing; of an
+    ``elastic`` one its ends only.
+    """
     noun, held = mechanism.bodies[name], attached(mechanism, name)
     own = [pin for pin in ("start", "end") if pin in noun.points] if elastic else noun.points
     return [pin for pin in own if pin != CENTER and pin not in held]
 
 
 def corners(points: NDArray[np.float64]) -> tuple[list[int], bool]:
-    """The order in which a line runs through points, shape (points, 2), and whether it encloses an area: it is their hull then, and closed."""
+    """The order in which a line runs through points, shape (points, 2), and whether it encloses an area: it
+    is their hull then, and closed.
+    """
     import numpy as np
 
     if len(points) < 3:
@@ -83,11 +90,17 @@ def _hull(points: NDArray[np.float64]) -> list[int]:
 
 
 def axis_between(mechanism: Mechanism, first: str, second: str) -> str | None:
-    """The pin about which two bodies turn against each other: their common one, else the pivot of the second, else any pin of it; None without."""
+    """The pin about which two bodies turn against each other: their common one, else the pivot of the second,
+    else any pin of it; None without.
+    """
     joints = mechanism.joints.values()
     for wanted in ({first, second}, {"ground", second}):
         for joint in joints:
-            if joint.revolves and not isinstance(joint, Contact) and {joint.sides[0][0], joint.sides[1][0]} == wanted:
+            if (
+                joint.revolves
+                and not isinstance(joint, Contact)
+                and {joint.sides[0][0], joint.sides[1][0]} == wanted
+            ):
                 return joint.bearing
     for joint in joints:
         for (body, _), end in zip(joint.sides, (joint.bearing, joint.journal), strict=True):
@@ -96,11 +109,18 @@ def axis_between(mechanism: Mechanism, first: str, second: str) -> str | None:
     return None
 
 
-def wheels_at(mechanism: Mechanism, gear: Gear, axis: Callable[[str, str], Place], same: Callable[[Place, Place], bool]) -> tuple[Place, Place]:
-    """Where the two wheels of a gear turn, by the place of the ``axis`` between two bodies; ``same`` says whether two places are one."""
+def wheels_at(
+    mechanism: Mechanism, gear: Gear, axis: Callable[[str, str], Place], same: Callable[[Place, Place], bool]
+) -> tuple[Place, Place]:
+    """Where the two wheels of a gear turn, by the place of the ``axis`` between two bodies; ``same`` says
+    whether two places are one.
+    """
     carrier = carrier_of(mechanism, gear)
     if carrier != "ground":
-        one, two = (axis("ground", carrier) if wheel == "ground" else axis(carrier, wheel) for wheel in (gear.first, gear.second))
+        one, two = (
+            axis("ground", carrier) if wheel == "ground" else axis(carrier, wheel)
+            for wheel in (gear.first, gear.second)
+        )
         return one, two
     one, two = axis("ground", gear.first), axis(gear.first, gear.second)
     return (one, axis("ground", gear.second)) if same(one, two) else (one, two)

@@ -1,4 +1,6 @@
-"""What scripts and files give for objects of a model: laws by name, sections by their shapes, quantities as texts, materials by name."""
+"""What scripts and files give for objects of a model: laws by name, sections by their shapes, quantities as
+texts, materials by name.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +10,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeAlias, TypeVar
 
 from ..errors import ArgumentError, Fault, LawError, ModelError, Path, article, kind_of, shown, suggestion
-from ..fields import Choice, Field, Reading, Text, described_fields, key_of, meaning_of, partial, value_of
 from ..laws import MATERIALS, ContactLaw, FrictionLaw, Law
+from ..schema import Choice, Field, Reading, Text, described_fields, key_of, meaning_of, partial, value_of
 from .bodies import Section
 from .joints import Contact
 
 LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
-DEFAULTS: dict[str, Any] = {field.name: field.default_factory for field in dataclasses.fields(Contact) if field.name in LAWS}
+DEFAULTS: dict[str, Any] = {
+    field.name: field.default_factory for field in dataclasses.fields(Contact) if field.name in LAWS
+}
 
 
 class LawReading(Reading):
@@ -41,10 +45,16 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
     registry = LAWS[kind].known()
     name = holder.get("law", DEFAULTS[kind].name)
     if not isinstance(name, str) or name not in registry:
-        remedy = suggestion(str(name), registry, f"name a {kind} law, and with --laws the file of one of your own")
+        remedy = suggestion(
+            str(name), registry, f"name a {kind} law, and with --laws the file of one of your own"
+        )
         return None, [Fault(("law",), f"no {kind} law is called so", shown(name), "", remedy)]
     law, reading = registry[name], LawReading(name)
-    values = reading.values((), {field.name: field for field in dataclasses.fields(law)}, {key: holder[key] for key in holder if key != "law"})
+    values = reading.values(
+        (),
+        {field.name: field for field in dataclasses.fields(law)},
+        {key: holder[key] for key in holder if key != "law"},
+    )
     # Parameters that are known are compared with each other, whatever else is wrong.
     try:
         good = law(**{key: value for key, value in values.items() if value is not None})
@@ -60,7 +70,9 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
 
 
 def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
-    """The section of a table: ``area`` and ``second_moment``, or one shape; known in part where something is refused."""
+    """The section of a table: ``area`` and ``second_moment``, or one shape; known in part where something is
+    refused.
+    """
     before, shapes = len(by.faults), [key for key in Section.shapes if key in value]
     both = {"area", "second_moment"} & set(value)
     if not ((len(shapes) == 1 and not both) or (not shapes and len(both) == 2)):
@@ -80,7 +92,10 @@ def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
         by.refuse((*path, "extreme_fibre"), what, shown(value["extreme_fibre"]), "", "remove it")
     tube = read.get("tube")
     if tube is not None and tube[1] >= tube[0]:
-        what, limit = "the inner diameter is not below the outer one: no wall is left", f"inner below outer = {tube[0]:g} m"
+        what, limit = (
+            "the inner diameter is not below the outer one: no wall is left",
+            f"inner below outer = {tube[0]:g} m",
+        )
         by.refuse((*path, "tube"), what, shown(value["tube"]), limit, "give the outer diameter first")
     if len(by.faults) > before:
         found: Section = partial(Section, {} if shapes else read)
@@ -109,7 +124,11 @@ class ScriptReading(Reading):
             if kind is Section:
                 return read_section(self, path, value)
             before = len(self.faults)
-            return self.made(kind, self.values(path, {field.name: field for field in described_fields(kind)}, value), before)
+            return self.made(
+                kind,
+                self.values(path, {field.name: field for field in described_fields(kind)}, value),
+                before,
+            )
         return self.one_of(path, kind, value)
 
     def named(self, path: Path, kind: type, value: Any) -> Any:
@@ -117,7 +136,11 @@ class ScriptReading(Reading):
         if not isinstance(value, str):
             return self.one_of(path, kind, value)
         if value not in MATERIALS:
-            remedy = suggestion(value, MATERIALS, "make one: vfife.Material(name, youngs_modulus=..., poissons_ratio=..., density=...)")
+            remedy = suggestion(
+                value,
+                MATERIALS,
+                "make one: vfife.Material(name, youngs_modulus=..., poissons_ratio=..., density=...)",
+            )
             self.refuse(path, "there is no material of this name", shown(value), "", remedy)
         return MATERIALS.get(value)
 
@@ -125,15 +148,29 @@ class ScriptReading(Reading):
         """A law, its name, or its table: law = name, and its parameters."""
         kind = next(kind for kind, known in LAWS.items() if known is base)
         if isinstance(value, Law) and not isinstance(value, base):
-            self.refuse(path, f"this is no {kind} law", shown(value.name), "", f"give {article(kind)} law here")
+            self.refuse(
+                path, f"this is no {kind} law", shown(value.name), "", f"give {article(kind)} law here"
+            )
             return None
         if isinstance(value, base):
             return value
         if isinstance(value, type) and issubclass(value, base):
-            self.refuse(path, "this is the law's class", value.__name__, "", f"write {value.__name__}(), with its parameters by name")
+            self.refuse(
+                path,
+                "this is the law's class",
+                value.__name__,
+                "",
+                f"write {value.__name__}(), with its parameters by name",
+            )
             return None
         if not isinstance(value, str | Mapping):
-            self.refuse(path, f"this is {kind_of(value)}", shown(value), f"{article(kind)} law, its name, or its table", "give one")
+            self.refuse(
+                path,
+                f"this is {kind_of(value)}",
+                shown(value),
+                f"{article(kind)} law, its name, or its table",
+                "give one",
+            )
             return None
         law, faults = read_law(kind, {"law": value} if isinstance(value, str) else value)
         for fault in faults:
@@ -149,21 +186,30 @@ class ScriptReading(Reading):
 
 
 def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
-    """What is said of a value for which the model of a link, or the kind of analysis, has no use; ``users`` would have one."""
+    """What is said of a value for which the model of a link, or the kind of analysis, has no use; ``users``
+    would have one.
+    """
     chooser = noun.selected_by
     kind = f"{article(word)} {'link' if chooser == 'model' else chooser}"
     listed = " or ".join(users if chooser == "model" else map(shown, users))
-    return Fault("", f"{kind} has no use for this", shown(value), "", f"remove it, or set {chooser} {'to' if chooser == 'model' else '='} {listed}")
+    return Fault(
+        "",
+        f"{kind} has no use for this",
+        shown(value),
+        "",
+        f"remove it, or set {chooser} {'to' if chooser == 'model' else '='} {listed}",
+    )
 
 
 Noun = TypeVar("Noun", bound=type)
 
 
 def with_units(*path: str) -> Callable[[Noun], Noun]:
-    """Lets a dataclass take texts with units where it holds quantities. ``path``: where it stands in a model file.
+    """Lets a dataclass take texts with units where it holds quantities. ``path``: where it stands in a model
+    file.
 
-    Making one raises ArgumentError for a keyword that it does not have, and ModelError for a text that is no such quantity. Numbers are looked at
-    when the whole mechanism is.
+    Making one raises ArgumentError for a keyword that it does not have, and ModelError for a text that is no
+    such quantity. Numbers are looked at when the whole mechanism is.
     """
 
     def decorate(noun: Noun) -> Noun:
@@ -174,7 +220,9 @@ def with_units(*path: str) -> Callable[[Noun], Noun]:
 
         @functools.wraps(made)
         def init(self: Any, *args: Any, **values: Any) -> None:
-            faults = [strange((*path, key), value, names) for key, value in values.items() if key not in names]
+            faults = [
+                strange((*path, key), value, names) for key, value in values.items() if key not in names
+            ]
             if faults:
                 raise ArgumentError(faults, f"{noun.__name__}()")
             given, reading = dict(zip(names, args, strict=False)) | values, ScriptReading()
@@ -195,9 +243,13 @@ def with_units(*path: str) -> Callable[[Noun], Noun]:
 
 def strange(path: Path, value: Any, names: list[str]) -> Fault:
     """A keyword that there is not."""
-    return Fault(path, "there is no such keyword", shown(value), "", suggestion(str(path[-1]), names, "remove it"))
+    return Fault(
+        path, "there is no such keyword", shown(value), "", suggestion(str(path[-1]), names, "remove it")
+    )
 
 
 def written(value: Any) -> bool:
     """Whether a text is given where a quantity stands, or among those of a list."""
-    return isinstance(value, str) or (isinstance(value, tuple | list) and any(isinstance(one, str) for one in value))
+    return isinstance(value, str) or (
+        isinstance(value, tuple | list) and any(isinstance(one, str) for one in value)
+    )

@@ -1,4 +1,6 @@
-"""What a joint holds, as rows of constraints, and where its surfaces touch, as data that kinematics and steps read."""
+"""What a joint holds, as rows of constraints, and where its surfaces touch, as data that kinematics and steps
+read.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,7 @@ from typing import Any, Literal
 
 from ..numerics import elementwise
 from ..numerics.scalar import hypot
-from .path import Path
+from .geometry.path import Path
 
 Point = tuple[float, float]
 
@@ -24,7 +26,9 @@ class Coincide:
 
 @dataclass(frozen=True)
 class Guided:
-    """The journal's pin seen from a guide through the bearing's pin along ``direction``, in the frame of the bearing's body."""
+    """The journal's pin seen from a guide through the bearing's pin along ``direction``, in the frame of the
+    bearing's body.
+    """
 
     direction: Point
 
@@ -37,7 +41,9 @@ class Guided:
         size = hypot(*self.direction)
         if not 0.0 < size < math.inf:
             x, y = (round(float(value), 6) for value in self.direction)
-            raise ValueError(f"the direction [{x}, {y}] has no length; give two numbers (x, y) that are not both zero")
+            raise ValueError(
+                f"the direction [{x}, {y}] has no length; give two numbers (x, y) that are not both zero"
+            )
         return self.direction[0] / size, self.direction[1] / size
 
 
@@ -53,7 +59,9 @@ class Along(Guided):
 
 @dataclass(frozen=True)
 class OnPath:
-    """The journal's pin does not leave a path in the frame of the bearing's body, which counts from the bearing's pin: one row."""
+    """The journal's pin does not leave a path in the frame of the bearing's body, which counts from the
+    bearing's pin: one row.
+    """
 
     path: Path
 
@@ -75,7 +83,9 @@ class Apart:
 
 @dataclass(frozen=True)
 class Turn:
-    """The journal's body turns by ``ratio`` times the angle of the bearing's body, beside what it was or what is prescribed: one row."""
+    """The journal's body turns by ``ratio`` times the angle of the bearing's body, beside what it was or what
+    is prescribed: one row.
+    """
 
     ratio: float = 1.0
 
@@ -111,9 +121,10 @@ CENTRED = {"bearing": 0.0, "round": -1.0, "line": 1.0, "slot": 1.0}
 class Touching:
     """A round of the journal's body in a bearing, beside another round, on a line, or in a slot along a path.
 
-    ``size`` (m) is the distance from the bearing's pin, from the line through it or from the path at which the surfaces begin to touch; ``arms``
-    (m) are those of friction on bearing and journal from there. ``offset`` is the round's centre seen from the journal's pin, in the journal's
-    frame. ``normal`` points into the material of a line, and ``path`` counts from the bearing's pin, both in the bearing's frame.
+    ``size`` (m) is the distance from the bearing's pin, from the line through it or from the path at which
+    the surfaces begin to touch; ``arms`` (m) are those of friction on bearing and journal from there.
+    ``offset`` is the round's centre seen from the journal's pin, in the journal's frame. ``normal`` points
+    into the material of a line, and ``path`` counts from the bearing's pin, both in the bearing's frame.
     """
 
     geometry: Geometry
@@ -125,11 +136,15 @@ class Touching:
 
     @property
     def centred(self) -> tuple[float, float]:
-        """Arms with which friction makes no couple: at the centres, which are in one place in a bearing; outside, both at the journal's."""
+        """Arms with which friction makes no couple: at the centres, which are in one place in a bearing;
+        outside, both at the journal's.
+        """
         return CENTRED[self.geometry] * self.size, 0.0
 
     def depth(self, x: Any, y: Any) -> Any:
-        """Penetration (m) with the round's centre at (x, y), seen from the bearing's pin in the bearing's frame; negative where they are apart."""
+        """Penetration (m) with the round's centre at (x, y), seen from the bearing's pin in the bearing's
+        frame; negative where they are apart.
+        """
         if self.path is not None:
             return abs(self.path.distance(x, y)) - self.size
         if self.geometry == "line":

@@ -12,17 +12,24 @@ from .mechanism import Mechanism
 
 
 def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
-    """The pair of surfaces of a joint, with the materials and the effective mass of its bodies; the ground does not move."""
-    materials = [mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides]
-    inverse = sum(1.0 / rigid_properties(mechanism.bodies[side[0]])[0] for side in joint.sides if side[0] != "ground")
+    """The pair of surfaces of a joint, with the materials and the effective mass of its bodies; the ground
+    does not move.
+    """
+    materials = [
+        mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides
+    ]
+    inverse = sum(
+        1.0 / rigid_properties(mechanism.bodies[side[0]])[0] for side in joint.sides if side[0] != "ground"
+    )
     return joint.pair(*materials).between(1.0 / inverse if inverse else None)
 
 
 def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | None = None) -> tuple[str, ...]:
     """Sentences on where the laws of the joints leave their ranges; joints that say the same share one.
 
-    Without ``found`` what is known before a run; with it, the deepest penetration (m) and the fastest impact (m/s) of each joint, what only
-    the run could tell, of the worst of those joints that have the same laws and surfaces.
+    Without ``found`` what is known before a run; with it, the deepest penetration (m) and the fastest impact
+    (m/s) of each joint, what only the run could tell, of the worst of those joints that have the same laws
+    and surfaces.
     """
     said: dict[str, list[str]] = {}
     for (law, pair), names in _alike(mechanism).items():
@@ -31,18 +38,26 @@ def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | No
             known = tuple(one for one in law.cautions(pair, *_worst(found, names)) if one not in known)
         for sentence in known:
             said.setdefault(f"{law.name}, {sentence}.", []).extend(names)
-    return tuple(f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in said.items())
+    return tuple(
+        f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in said.items()
+    )
 
 
 def remarks(mechanism: Mechanism, found: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
-    """A line on impacts beyond the theory of the laws, as nearly all machines have them, its joints together; ``found`` as in :func:`cautions`."""
+    """A line on impacts beyond the theory of the laws, as nearly all machines have them, its joints together;
+    ``found`` as in :func:`cautions`.
+    """
     beyond: dict[float, list[str]] = {}
     for (law, pair), names in _alike(mechanism).items():
         usual = law.usual(pair)
         if usual is not None and usual[0] < _worst(found, names)[1] <= usual[1]:
             beyond.setdefault(usual[0], []).extend(names)
-    said = "{}: impacts of up to {:.3g} m/s, the law being quasi-static up to {:.3g} m/s, as usual in machines"
-    return tuple(said.format(", ".join(names), _worst(found, names)[1], limit) for limit, names in beyond.items())
+    said = (
+        "{}: impacts of up to {:.3g} m/s, the law being quasi-static up to {:.3g} m/s, as usual in machines"
+    )
+    return tuple(
+        said.format(", ".join(names), _worst(found, names)[1], limit) for limit, names in beyond.items()
+    )
 
 
 def _alike(mechanism: Mechanism) -> dict[tuple[Law, Pair], list[str]]:

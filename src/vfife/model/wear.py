@@ -7,24 +7,31 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import Fault
-from ..fields import LENGTH, Many, Measure, described
 from ..laws.materials import PAIRS
 from ..numerics.elementwise import sincos
 from ..numerics.scalar import hypot
+from ..schema import LENGTH, Many, Measure, described
 
 MOST_HARMONICS = 32
 COEFFICIENT = Measure("1/Pa", low=0.0, words=tuple(PAIRS))
-MEANING = "wear coefficient of the {}: volume over normal force and sliding distance, or a pair of materials by name"
-PROFILE = "worn depth around the {}, in its body's frame: mean depth, then cosine and sine of each multiple of the angle"
+MEANING = (
+    "wear coefficient of the {}: volume over normal force and sliding distance, or a pair of materials by"
+    " name"
+)
+PROFILE = (
+    "worn depth around the {}, in its body's frame: mean depth, then cosine and sine of each multiple of the"
+    " angle"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wear:
     """Archard's law: a surface loses the volume k F s.
 
-    ``bearing`` and ``journal`` are the coefficients k (1/Pa) of the two surfaces, or names of pairs, whose K over the hardness of the surface's
-    material is k. The ``_profile`` of a surface is the depth (m) that it has lost already, over the angle from its body's x axis, as (mean,
-    cosine 1, sine 1, cosine 2, sine 2 ...); it makes the clearance larger there.
+    ``bearing`` and ``journal`` are the coefficients k (1/Pa) of the two surfaces, or names of pairs, whose K
+    over the hardness of the surface's material is k. The ``_profile`` of a surface is the depth (m) that it
+    has lost already, over the angle from its body's x axis, as (mean, cosine 1, sine 1, cosine 2, sine 2
+    ...); it makes the clearance larger there.
     """
 
     bearing: float | str = described(COEFFICIENT, MEANING.format("bearing"), 0.0)
@@ -43,11 +50,17 @@ class Wear:
             profile = getattr(self, key)
             if profile and len(profile) % 2 == 0:
                 yield Fault(
-                    ("wear",), f"{key} has {len(profile)} depths: a cosine is without its sine", "", "", "give it the mean and pairs after it"
+                    ("wear",),
+                    f"{key} has {len(profile)} depths: a cosine is without its sine",
+                    "",
+                    "",
+                    "give it the mean and pairs after it",
                 )
             elif profile and len(profile) > 2 * MOST_HARMONICS - 1:
                 limit = f"at most {2 * MOST_HARMONICS - 1} depths"
-                yield Fault(("wear",), f"{key} has {len(profile)} depths", "", limit, "leave out the finest ones")
+                yield Fault(
+                    ("wear",), f"{key} has {len(profile)} depths", "", limit, "leave out the finest ones"
+                )
 
 
 def depth_at(profile: tuple[float, ...], angle: Any) -> tuple[Any, Any]:
@@ -64,4 +77,8 @@ def depth_at(profile: tuple[float, ...], angle: Any) -> tuple[Any, Any]:
 
 def deepest(profile: tuple[float, ...]) -> float:
     """Largest depth (m) that a profile can have anywhere."""
-    return abs(profile[0]) + sum(hypot(*profile[k : k + 2]) for k in range(1, len(profile), 2)) if profile else 0.0
+    return (
+        abs(profile[0]) + sum(hypot(*profile[k : k + 2]) for k in range(1, len(profile), 2))
+        if profile
+        else 0.0
+    )

@@ -1,4 +1,6 @@
-"""Model files: TOML text to a mechanism and back. A file holds names and numbers; it can never name code to load."""
+"""Model files: TOML text to a mechanism and back. A file holds names and numbers; it can never name code to
+load.
+"""
 
 from __future__ import annotations
 

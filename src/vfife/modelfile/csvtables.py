@@ -1,4 +1,5 @@
-"""Tables of loads, drivers and contact laws in CSV files beside a model: their numbers become lists of the model, as if they stood in it.
+"""Tables of loads, drivers and contact laws in CSV files beside a model: their numbers become lists of the
+model, as if they stood in it.
 
 So a mechanism, and a run's copy of its model, holds the numbers themselves and needs the file no more.
 """
@@ -32,7 +33,9 @@ HEAD = re.compile(r"([A-Za-z_ ]{1,40})(?:[(\[]([^()\[\]]{1,40})[)\]])?\s*")
 
 
 def expand(raw: Raw, file: str | None) -> list[Fault]:
-    """Puts the numbers of all CSV files in the place of their names; what cannot be read is told, and its table of the model left as it was."""
+    """Puts the numbers of all CSV files in the place of their names; what cannot be read is told, and its
+    table of the model left as it was.
+    """
     broken = []
     for section, columns in COLUMNS.items():
         for name, holder in entries(raw, section):
@@ -45,7 +48,13 @@ def expand(raw: Raw, file: str | None) -> list[Fault]:
                 found = read(told, file, held)
                 for key in found:
                     if key in holder:
-                        raise Fault("", f"{told} has a column for {key}, which the model has too", "", "", "remove one of the two")
+                        raise Fault(
+                            "",
+                            f"{told} has a column for {key}, which the model has too",
+                            "",
+                            "",
+                            "remove one of the two",
+                        )
             except Fault as fault:
                 broken.append(in_file(fault, told, path))
             else:
@@ -58,7 +67,9 @@ def expand(raw: Raw, file: str | None) -> list[Fault]:
 
 
 def in_file(fault: Fault, file: Any, path: Path) -> Fault:
-    """A fault of a CSV file, at the key that names it; where its value is the text of a cell, the file is named as well."""
+    """A fault of a CSV file, at the key that names it; where its value is the text of a cell, the file is
+    named as well.
+    """
     what = f"{file}, {fault.what}" if fault.value and fault.value != shown(file) else fault.what
     return Fault(path, what, fault.value or shown(file), fault.limit, fault.remedy)
 
@@ -83,8 +94,12 @@ def expand_curves(holder: Raw, file: str | None, path: Path = ()) -> list[Fault]
 def units_of(columns: Mapping[str, str], holder: Raw, section: str) -> dict[str, str]:
     """Keys with their units, of what is driven: a body turns, a slider and a point go along a line."""
     if section == "driver" and target_of(holder) == "body":
-        return {key: unit for key, unit in columns.items() if key not in ("travels", "force")} | {"speeds": "rad/s"}
-    return {key: unit for key, unit in columns.items() if section == "load" or key not in ("angles", "torque")}
+        return {key: unit for key, unit in columns.items() if key not in ("travels", "force")} | {
+            "speeds": "rad/s"
+        }
+    return {
+        key: unit for key, unit in columns.items() if section == "load" or key not in ("angles", "torque")
+    }
 
 
 def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, list[float]]:
@@ -97,20 +112,38 @@ def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
     _, heads = next(rows, (0, []))
     keys = [head(one, k, columns) for k, one in enumerate(heads, 1)]
     if len(keys) < 2 or len({key for key, _ in keys}) < len(keys):
-        what = "its first line names a column twice" if len(keys) > 1 else "its first line does not name two columns"
+        what = (
+            "its first line names a column twice"
+            if len(keys) > 1
+            else "its first line does not name two columns"
+        )
         raise Fault("", what, shown(first), "", 'begin with a line such as "angle (deg), force (kN)"')
     found: dict[str, list[float]] = {key: [] for key, _ in keys}
     for line, row in rows:
         if len(row) != len(keys):
-            raise Fault("", f"line {line} has {len(row)} values", shown(delimiter.join(row)), f"{len(keys)} values", "give each column one")
+            raise Fault(
+                "",
+                f"line {line} has {len(row)} values",
+                shown(delimiter.join(row)),
+                f"{len(keys)} values",
+                "give each column one",
+            )
         if len(found[keys[0][0]]) >= MOST_ROWS:
             raise Fault("", f"line {line} is too many", "", f"at most {MOST_ROWS} rows", "thin the table out")
         for column, ((key, unit), cell) in enumerate(zip(keys, row, strict=True), 1):
-            found[key].append(cell_of(cell, unit, columns[key], f"line {line}, column {column} ({heads[column - 1].strip()})"))
+            found[key].append(
+                cell_of(
+                    cell, unit, columns[key], f"line {line}, column {column} ({heads[column - 1].strip()})"
+                )
+            )
             if key in AXES and len(found[key]) > 1 and not found[key][-1] > found[key][-2]:
                 where = f"line {line}, column {column} ({heads[column - 1].strip()})"
                 raise Fault(
-                    "", f"{where}: this is not above the value before it", shown(cell.strip()), "", "sort the rows, and keep one for each place"
+                    "",
+                    f"{where}: this is not above the value before it",
+                    shown(cell.strip()),
+                    "",
+                    "sort the rows, and keep one for each place",
                 )
     if len(found[keys[0][0]]) < 2:
         raise Fault("", f"{told} has {len(found[keys[0][0]])} rows of numbers", "", "two or more", "add more")
@@ -122,24 +155,48 @@ def contents(told: Any, file: str | None) -> str:
     if not isinstance(told, str):
         raise Fault("", f"this is {kind_of(told)}", shown(told), "the name of a CSV file", "put it in quotes")
     if file is None:
-        raise Fault("", "the model was given as a text, and has no folder to look in", "", "", "read it from its file, or write the lists into it")
+        raise Fault(
+            "",
+            "the model was given as a text, and has no folder to look in",
+            "",
+            "",
+            "read it from its file, or write the lists into it",
+        )
     folder, path = FilePath(file).resolve().parent, FilePath(told)
     try:
         found = (folder / path).resolve()
         there = found.is_file()
     except (OSError, RuntimeError, ValueError):  # too long, a link to itself, a character that no name has
-        raise Fault("", "this is no name of a file", "", "a file beside the model", "correct the name") from None
+        raise Fault(
+            "", "this is no name of a file", "", "a file beside the model", "correct the name"
+        ) from None
     if path.is_absolute() or path.drive or not found.is_relative_to(folder):
-        raise Fault("", "this leads out of the folder of the model", "", "a file beside the model, or in a folder there", "copy it there")
+        raise Fault(
+            "",
+            "this leads out of the folder of the model",
+            "",
+            "a file beside the model, or in a folder there",
+            "copy it there",
+        )
     if not there:
         near = [one.name for one in found.parent.glob("*.csv")] if found.parent.is_dir() else []
-        raise Fault("", "there is no such file beside the model", "", "", suggestion(told, near, f"put it into {folder}"))
+        raise Fault(
+            "",
+            "there is no such file beside the model",
+            "",
+            "",
+            suggestion(told, near, f"put it into {folder}"),
+        )
     try:
         data = read_bytes(found, LARGEST)
     except OSError as error:
         if error.errno == errno.EFBIG:
-            raise Fault("", "the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out") from None
-        raise Fault("", f"it cannot be read ({error.strerror})", "", "", "name a file that can be read") from None
+            raise Fault(
+                "", "the file is too large", "", f"at most {LARGEST // 1_000_000} MB", "thin the table out"
+            ) from None
+        raise Fault(
+            "", f"it cannot be read ({error.strerror})", "", "", "name a file that can be read"
+        ) from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -165,7 +222,9 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
     if match is None or not match[1].strip():
         raise Fault("", f"{where}: this names no column", shown(text), "", 'write it as in "force (kN)"')
     name = match[1].strip().lower().replace(" ", "_")
-    key = next((one for one in columns if name in (one, one.removesuffix("s"), one.replace("s_back", "_back"))), "")
+    key = next(
+        (one for one in columns if name in (one, one.removesuffix("s"), one.replace("s_back", "_back"))), ""
+    )
     if not key:
         singular = [one.removesuffix("s").replace("s_back", "_back") for one in columns]
         remedy = suggestion(name, singular, f"name one of {', '.join(singular)}")
@@ -174,8 +233,14 @@ def head(text: str, column: int, columns: Mapping[str, str]) -> tuple[str, str]:
         unit = (match[2] or columns[key]).strip()
         number(f"1 {unit}", columns[key])
     except Fault as error:
-        what = error.what.removeprefix("a text whose ") if error.what.startswith("a text whose ") else f"unit is that of {error.what}"
-        raise Fault("", f"{where}: its {what}", shown(text), error.limit, f"for example ({columns[key]})") from None
+        what = (
+            error.what.removeprefix("a text whose ")
+            if error.what.startswith("a text whose ")
+            else f"unit is that of {error.what}"
+        )
+        raise Fault(
+            "", f"{where}: its {what}", shown(text), error.limit, f"for example ({columns[key]})"
+        ) from None
     return key, unit
 
 
@@ -185,5 +250,9 @@ def cell_of(text: str, unit: str, dimension: str, where: str) -> float:
         return number(f"{text.strip()} {unit}" if unit != "1" else text.strip(), dimension)
     except Fault as error:
         raise Fault(
-            "", f"{where}: this is {error.what}", shown(text.strip()), "a number", "write a bare number; its unit stands in the first line"
+            "",
+            f"{where}: this is {error.what}",
+            shown(text.strip()),
+            "a number",
+            "write a bare number; its unit stands in the first line",
         ) from None

@@ -21,9 +21,10 @@ ABSENT = object()
 def edited(text: str, path: Path, written: str | None) -> str:
     """The text with the value at ``path`` replaced or added, or removed where ``written`` is None.
 
-    ``written`` is read as a value of ``--set`` is: TOML where it is that, else the text itself. What a new kind, model or law has no use for is
-    dropped. Raises ModelError where the text is no TOML, the path leads through a value that is no table, or the value stands in a form that cannot
-    be changed alone; what comes out is read again and compared, so that nothing else changes.
+    ``written`` is read as a value of ``--set`` is: TOML where it is that, else the text itself. What a new
+    kind, model or law has no use for is dropped. Raises ModelError where the text is no TOML, the path leads
+    through a value that is no table, or the value stands in a form that cannot be changed alone; what comes
+    out is read again and compared, so that nothing else changes.
     """
     import tomlkit
 
@@ -37,9 +38,13 @@ def edited(text: str, path: Path, written: str | None) -> str:
             _change(document, keys, value)
         found = tomlkit.dumps(document).rstrip("\n") + "\n"
     except (LookupError, TypeError, ValueError, RecursionError, AttributeError):
-        raise ModelError([Fault(path, "there is no place for this value", shown_value, "", BY_HAND)]) from None
+        raise ModelError(
+            [Fault(path, "there is no place for this value", shown_value, "", BY_HAND)]
+        ) from None
     if not _says(found, wanted):
-        raise ModelError([Fault(path, "it stands in a form that cannot be changed alone", shown_value, "", BY_HAND)])
+        raise ModelError(
+            [Fault(path, "it stands in a form that cannot be changed alone", shown_value, "", BY_HAND)]
+        )
     return found
 
 

@@ -19,28 +19,37 @@ def load(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Mechan
 
     >>> m = load("machine.toml", {"joint.C.clearance": "0.5 mm", "run.turns": 3})  # doctest: +SKIP
 
-    ``overrides``: values by their paths, as ``vfife run --set`` takes them. Raises ModelError with every fault of the file and of the values.
+    ``overrides``: values by their paths, as ``vfife run --set`` takes them. Raises ModelError with every
+    fault of the file and of the values.
     """
     if not isinstance(path, str | os.PathLike):
-        raise ModelError([Fault("path", f"this is {kind_of(path)}", shown(path), "the name of a model file", "name one")], "load()")
+        raise ModelError(
+            [Fault("path", f"this is {kind_of(path)}", shown(path), "the name of a model file", "name one")],
+            "load()",
+        )
     given: Any = {} if overrides is None else overrides
     if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
         remedy = 'give them as in {"joint.C.clearance": "0.5 mm"}'
-        raise ModelError([Fault("overrides", f"this is {kind_of(overrides)}", shown(overrides), "values by path", remedy)], "load()")
+        raise ModelError(
+            [Fault("overrides", f"this is {kind_of(overrides)}", shown(overrides), "values by path", remedy)],
+            "load()",
+        )
     return read_file(path, list(given.items()))
 
 
 def load_model(path: str | Path, set: Iterable[tuple[str, Any]] = ()) -> Mechanism:
     """The mechanism of a model file.
 
-    ``set`` holds (path, value) pairs that replace or add values before anything is checked, as in ("joint.C.clearance", "0.5 mm").
+    ``set`` holds (path, value) pairs that replace or add values before anything is checked, as in
+    ("joint.C.clearance", "0.5 mm").
     :func:`load` takes them as a mapping. Raises ModelError with every fault of the file.
     """
     return read_file(path, set)
 
 
 def save_model(mechanism: Mechanism, path: str | Path) -> None:
-    """Writes a model file that :func:`load_model` reads as an equal mechanism; one that is there gives way when the new one is whole.
+    """Writes a model file that :func:`load_model` reads as an equal mechanism; one that is there gives way
+    when the new one is whole.
 
     Raises ModelError for a mechanism that no model file can hold, and where the file cannot be written.
     """
@@ -54,4 +63,6 @@ def save_model(mechanism: Mechanism, path: str | Path) -> None:
             temporary.write_text(text, encoding="utf-8")
     except OSError as error:
         remedy = "name a file in a folder that is there and can be written to"
-        raise ModelError([Fault("file", f"it cannot be written ({error.strerror})", remedy=remedy)], str(path)) from None
+        raise ModelError(
+            [Fault("file", f"it cannot be written ({error.strerror})", remedy=remedy)], str(path)
+        ) from None

@@ -1,4 +1,6 @@
-"""JSON Schema of a model file, for editors and validators: the tables of the nouns, with the units and limits of their keys, and the laws."""
+"""JSON Schema of a model file, for editors and validators: the tables of the nouns, with the units and limits
+of their keys, and the laws.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +10,22 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from ..fields import Chosen, Entries, Field, Inner, Many, Value, described_fields, meaning_of, required, value_of
 from ..laws import Material
 from ..laws.law import built_in
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.reading import DEFAULTS, LAWS
+from ..schema import (
+    Chosen,
+    Entries,
+    Field,
+    Inner,
+    Many,
+    Value,
+    described_fields,
+    meaning_of,
+    required,
+    value_of,
+)
 from .reader import merged
 from .tables import CSV, TARGETS, Table, tables
 
@@ -21,14 +34,18 @@ Json = dict[str, Any]
 DIALECT = "http://json-schema.org/draft-07/schema#"
 IDENTITY = "urn:vfife:model"
 TITLE = "Model file of vfife"
-BESIDE: Json = {"type": "string", "description": "a CSV file beside the model with the columns of a table, as in: angle (deg), force (kN)"}
+BESIDE: Json = {
+    "type": "string",
+    "description": "a CSV file beside the model with the columns of a table, as in: angle (deg), force (kN)",
+}
 DRIVERS = "a speed, a travel, an amplitude, a table of values, a torque or a force"
 
 
 def model_schema() -> Json:
     """The schema, with what vfife brings as kinds and laws.
 
-    Written in what drafts 4 and 7 have in common, because editors know no later one: no ``prefixItems``, ``const``, ``$defs``.
+    Written in what drafts 4 and 7 have in common, because editors know no later one: no ``prefixItems``,
+    ``const``, ``$defs``.
     """
     definitions: Json = {}
     properties = {}
@@ -41,13 +58,25 @@ def model_schema() -> Json:
         if field.default is not dataclasses.MISSING:
             properties[key]["default"] = plain(field.default)
     materials = "materials by name, beside those of `vfife materials`"
-    properties["material"] = {"type": "object", "additionalProperties": {"$ref": reference(Material)}, "description": materials}
+    properties["material"] = {
+        "type": "object",
+        "additionalProperties": {"$ref": reference(Material)},
+        "description": materials,
+    }
     for noun, header in ((Material, "[material.NAME]"), (Settings, "[run]"), (StartSettings, "[start]")):
-        definitions[f"{noun.__name__}Table"] = noun_table(Table(noun, whole=noun is Material), header, definitions)
+        definitions[f"{noun.__name__}Table"] = noun_table(
+            Table(noun, whole=noun is Material), header, definitions
+        )
     laws = {f"{kind}_law": {"oneOf": list(law_tables(kind))} for kind in LAWS}
     heads = {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, "description": "A model file."}
     ordered = {name: definitions[name] for name in sorted(definitions)}
-    return {**heads, "type": "object", "properties": properties, "additionalProperties": False, "definitions": {**ordered, **laws}}
+    return {
+        **heads,
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": False,
+        "definitions": {**ordered, **laws},
+    }
 
 
 def text() -> str:
@@ -77,7 +106,9 @@ def named_tables(section: str, definitions: Json) -> list[str]:
     for what in tables(section):
         if built_in(what.noun):
             names.append(f"{what.noun.__name__}Table")
-            header = f"[{section}.NAME]" + (f' with {what.tag} = "{what.word}"' if what.tag and not what.optional else "")
+            header = f"[{section}.NAME]" + (
+                f' with {what.tag} = "{what.word}"' if what.tag and not what.optional else ""
+            )
             definitions[names[-1]] = noun_table(what, header, definitions)
     return names
 
@@ -86,7 +117,10 @@ def noun_table(what: Table, header: str, definitions: Json) -> Json:
     """The table of a noun."""
     properties: Json = {}
     if what.tag:
-        properties[what.tag] = {"enum": [what.word], "description": f"{what.word}{', also if left out' if what.optional else ''}"}
+        properties[what.tag] = {
+            "enum": [what.word],
+            "description": f"{what.word}{', also if left out' if what.optional else ''}",
+        }
     for key, field in what.fields.items():
         properties[key] = entry(field, what.value(key), what.along)
         for inner in nouns_in(what.value(key)):
@@ -140,7 +174,11 @@ def nouns_in(held: Value) -> Iterator[type]:
 def entry(field: Field, held: Value, along: bool = False) -> Json:
     """What a key may be."""
     told = {**held.json(), "description": described(meaning_of(field, along), held)}
-    default = field.default if field.default_factory is dataclasses.MISSING or isinstance(held, Chosen) else field.default_factory()
+    default = (
+        field.default
+        if field.default_factory is dataclasses.MISSING or isinstance(held, Chosen)
+        else field.default_factory()
+    )
     if isinstance(default, Material):
         told["default"] = default.name
     elif default not in (None, dataclasses.MISSING, ""):
@@ -165,7 +203,10 @@ def law_tables(kind: str) -> Iterator[Json]:
         if not built_in(law):
             continue
         default = name == DEFAULTS[kind].name
-        named = {"enum": [name], "description": f"name of the {kind} law{'; taken if left out' if default else ''}"}
+        named = {
+            "enum": [name],
+            "description": f"name of the {kind} law{'; taken if left out' if default else ''}",
+        }
         fields: tuple[Field, ...] = dataclasses.fields(law)
         needed = [field.name for field in fields if required(field)]
         needed = needed if default else ["law", *needed]

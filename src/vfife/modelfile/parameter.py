@@ -1,7 +1,8 @@
 """A value of a model by its path: unit, limits, value, and the model with another value.
 
-A path such as ``joint.C.clearance`` names a key of the model file. The value is read and changed in the objects of the mechanism where one of them
-holds that very number, and else through the tables of its model file, which know shapes of sections, shared materials and kinds.
+A path such as ``joint.C.clearance`` names a key of the model file. The value is read and changed in the
+objects of the mechanism where one of them holds that very number, and else through the tables of its model
+file, which know shapes of sections, shared materials and kinds.
 """
 
 from __future__ import annotations
@@ -12,10 +13,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from ..errors import Fault, Path, shown
-from ..fields import Each, Field, Inner, Many, Measure, Named, Names, Value, described_fields, key_of, value_of
 from ..laws import MATERIALS, Law
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
+from ..schema import (
+    Each,
+    Field,
+    Inner,
+    Many,
+    Measure,
+    Named,
+    Names,
+    Value,
+    described_fields,
+    key_of,
+    value_of,
+)
 from .paths import field_at, parsed, resolve
 from .read import of_tables
 from .tables import Raw
@@ -28,7 +41,8 @@ NO_NUMBER = "name a number of the model by its path, such as joint.C.clearance"
 class Parameter:
     """A value of a model by its path; ``joint.BODY-BODY`` stands for the joint that connects the two bodies.
 
-    ``model``: a mechanism, or the tables of a model file, which need not be sound. Raises Fault for a path that leads nowhere.
+    ``model``: a mechanism, or the tables of a model file, which need not be sound. Raises Fault for a path
+    that leads nowhere.
 
     >>> from vfife.gallery import four_bar
     >>> gap = Parameter(four_bar(), "joint.C.clearance")
@@ -40,7 +54,9 @@ class Parameter:
         self.mechanism = model if isinstance(model, Mechanism) else None
         parts = tuple(part.strip() for part in path.split("."))
         found = held_by(self.mechanism, parts) if self.mechanism is not None else None
-        self.steps: Path | None = None  # attributes, names and indices from the mechanism to the number, where an object holds it
+        self.steps: Path | None = (
+            None  # attributes, names and indices from the mechanism to the number, where an object holds it
+        )
         self.keys: Path
         self.field: Value | None
         if found is not None:
@@ -63,7 +79,13 @@ class Parameter:
     @property
     def limits(self) -> str:
         """Limits of a number in words."""
-        return self.field.limits() if isinstance(self.field, Measure) else next(self.field.units(), "") if self.field else ""
+        return (
+            self.field.limits()
+            if isinstance(self.field, Measure)
+            else next(self.field.units(), "")
+            if self.field
+            else ""
+        )
 
     @property
     def quantity(self) -> Measure | None:
@@ -71,7 +93,9 @@ class Parameter:
         return self.field if isinstance(self.field, Measure) and not self.field.series else None
 
     def read(self, value: Any) -> Any:
-        """A value as it is written, a text with a unit perhaps, in SI units. Raises Fault for one that cannot stand there."""
+        """A value as it is written, a text with a unit perhaps, in SI units. Raises Fault for one that cannot
+        stand there.
+        """
         if self.field is None:
             raise Fault("", "this is no number of the model", shown(value), "", NO_NUMBER)
         return self.field.take(parsed(value) if isinstance(value, str) else value, written=True)
@@ -103,20 +127,25 @@ def with_values(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
 
 
 def holds(mechanism: Mechanism, path: str, value: float) -> bool:
-    """Whether an object of the mechanism has that very number at a full path: not of a shared material, nor of one that others follow from."""
+    """Whether an object of the mechanism has that very number at a full path: not of a shared material, nor
+    of one that others follow from.
+    """
     found = held_by(mechanism, path.split("."))
     return found is not None and Parameter(mechanism, path).get() == value
 
 
 def numbers(mechanism: Mechanism) -> dict[str, float]:
-    """Values (SI) of all numbers of a model by their paths; counts and numbers of the table ``run`` are left out.
+    """Values (SI) of all numbers of a model by their paths; counts and numbers of the table ``run`` are left
+    out.
 
     Those of materials that it names, and of steel, the material of what names none, are among them.
     """
     tables = tables_of(mechanism)
     materials = sorted({STEEL, *_texts(tables)} & MATERIALS.keys() - tables.get("material", {}).keys())
     named = {f"material.{name}": vars(MATERIALS[name]) for name in materials}
-    return dict(pair for key, value in {**tables, **named}.items() if key != "run" for pair in _within(key, value))
+    return dict(
+        pair for key, value in {**tables, **named}.items() if key != "run" for pair in _within(key, value)
+    )
 
 
 def _texts(value: Any) -> Iterator[str]:
@@ -135,7 +164,9 @@ def _within(path: str, value: Any) -> Iterator[tuple[str, float]]:
 
 
 def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Measure] | None:
-    """Keys, steps (attributes, names, indices) and field of a number that an object of the mechanism holds; None for any other path."""
+    """Keys, steps (attributes, names, indices) and field of a number that an object of the mechanism holds;
+    None for any other path.
+    """
     here: Any = mechanism
     field: Value = Inner(Mechanism)
     keys, steps = list[str | int](), list[str | int]()
@@ -153,12 +184,25 @@ def held_by(mechanism: Mechanism, parts: Sequence[str]) -> tuple[Path, Path, Mea
             field = field.part if isinstance(field, Names) else Inner(type(here))
         elif isinstance(here, tuple) and part.isdecimal() and int(part) < len(here):
             key = step = at = int(part)
-            here, field = here[at], field.parts[at] if isinstance(field, Each) else field.part if isinstance(field, Many) else field
+            here, field = (
+                here[at],
+                (
+                    field.parts[at]
+                    if isinstance(field, Each)
+                    else field.part
+                    if isinstance(field, Many)
+                    else field
+                ),
+            )
         else:
             return None
         keys.append(key)
         steps.append(step)
-    if not isinstance(field, Measure) or not isinstance(here, float | None) or (field.series and here is None):
+    if (
+        not isinstance(field, Measure)
+        or not isinstance(here, float | None)
+        or (field.series and here is None)
+    ):
         return None
     return tuple(keys), tuple(steps), dataclasses.replace(field, series=False) if field.series else field
 

@@ -1,4 +1,6 @@
-"""Paths into the tables of a model file: which key is meant, values set before the model is checked, what may stand there."""
+"""Paths into the tables of a model file: which key is meant, values set before the model is checked, what may
+stand there.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +11,38 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion
-from ..fields import Choice, Chosen, Each, Inner, Many, Measure, Names, Value, value_of
 from ..laws import MATERIALS
 from ..model.mechanism import Mechanism
 from ..model.reading import DEFAULTS, LAWS
-from .tables import FAMILIES, NAMED, TARGETS, Raw, Table, body_table, entries, kind_table, known_keys, law_fields, table, tables, target_of
+from ..schema import Choice, Chosen, Each, Inner, Many, Measure, Names, Value, value_of
+from .tables import (
+    FAMILIES,
+    NAMED,
+    TARGETS,
+    Raw,
+    Table,
+    body_table,
+    entries,
+    kind_table,
+    known_keys,
+    law_fields,
+    table,
+    tables,
+    target_of,
+)
 
 # How many keys of a path name a table; the next one is a key in it.
-DEPTHS = {"material": 2, "body": 2, "joint": 2, "gear": 2, "spring": 2, "driver": 2, "load": 2, "run": 1, "start": 1}
+DEPTHS = {
+    "material": 2,
+    "body": 2,
+    "joint": 2,
+    "gear": 2,
+    "spring": 2,
+    "driver": 2,
+    "load": 2,
+    "run": 1,
+    "start": 1,
+}
 
 
 def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], set[Path]]:
@@ -44,16 +70,22 @@ def parsed(text: str) -> Any:
 
 
 def resolve(raw: Raw, text: str) -> Path:
-    """Keys and list indices of a dotted path; ``joint.BODY-BODY`` stands for the joint that connects the two. Raises Fault for another."""
+    """Keys and list indices of a dotted path; ``joint.BODY-BODY`` stands for the joint that connects the two.
+    Raises Fault for another.
+    """
     parts: list[str | int] = [part.strip() for part in text.split(".")]
     if not all(parts):
         raise Fault("", "a path is names joined by dots", remedy='write it as in "joint.C.clearance"')
     top = known_keys(()) or ()
     if parts[0] not in top:
-        raise Fault("", f"there is nothing called {parts[0]!r} at the top of a model", remedy=nearest(raw, text))
+        raise Fault(
+            "", f"there is nothing called {parts[0]!r} at the top of a model", remedy=nearest(raw, text)
+        )
     if parts[0] in NAMED:
         if len(parts) < 2:
-            raise Fault("", f"a table, not a number of the model, is at {parts[0]}", remedy=nearest(raw, text))
+            raise Fault(
+                "", f"a table, not a number of the model, is at {parts[0]}", remedy=nearest(raw, text)
+            )
         parts[1] = entry(raw, str(parts[0]), str(parts[1]), text)
     for depth in range(1, len(parts)):
         parts[depth] = step(raw, tuple(parts[:depth]), str(parts[depth]), text)
@@ -66,14 +98,21 @@ def entry(raw: Raw, section: str, name: str, text: str) -> str:
         known = MATERIALS[name]
         materials = raw.setdefault("material", {})
         if isinstance(materials, dict):
-            materials.setdefault(name, {key: value for key, value in vars(known).items() if key != "name" and value is not None})
+            materials.setdefault(
+                name,
+                {key: value for key, value in vars(known).items() if key != "name" and value is not None},
+            )
     if name in table(raw, section):
         return name
     found = [joint for joint, ends in connected(raw) if name in ends] if section == "joint" else []
     if len(found) == 1:
         return found[0]
     if found:
-        raise Fault("", f"more than one joint connects {name}", remedy=f"name the one that is meant: {' or '.join(found)}")
+        raise Fault(
+            "",
+            f"more than one joint connects {name}",
+            remedy=f"name the one that is meant: {' or '.join(found)}",
+        )
     raise Fault("", f"there is no {section} {name!r}", remedy=nearest(raw, text))
 
 
@@ -92,7 +131,11 @@ def step(raw: Raw, above: Path, part: str, text: str) -> str | int:
     if isinstance(here, list):
         if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(here):
             return int(part)
-        raise Fault("", f"{'.'.join(map(str, above))} is a list of {len(here)}", remedy=f"end the path in a number from 0 to {len(here) - 1}")
+        raise Fault(
+            "",
+            f"{'.'.join(map(str, above))} is a list of {len(here)}",
+            remedy=f"end the path in a number from 0 to {len(here) - 1}",
+        )
     if not isinstance(here, dict):
         raise Fault("", f"{'.'.join(map(str, above))} is a value, not a table", remedy=nearest(raw, text))
     known = known_keys(above)
@@ -138,7 +181,8 @@ def assign(raw: Raw, path: Path, value: Any) -> None:
 
 
 def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
-    """Where a model, a kind or a law is set, drops what the file says beside it and the new one has no use for.
+    """Where a model, a kind or a law is set, drops what the file says beside it and the new one has no use
+    for.
 
     So `body.coupler.model = rigid` is enough, although the file gives the coupler its elements.
     """
@@ -160,7 +204,9 @@ def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
 
 
 def field_at(raw: Raw, path: Path) -> Value | None:
-    """What may stand at a path, from the fields of the model classes; None for a table and for a path that a model does not have."""
+    """What may stand at a path, from the fields of the model classes; None for a table and for a path that a
+    model does not have.
+    """
     section = str(path[0])
     depth = DEPTHS.get(section, 0)
     if depth and len(path) <= depth:
@@ -200,7 +246,13 @@ def _inside(held: Value, rest: Path, holder: Any) -> Value | None:
             found = _of_law(held, str(part), table(holder, *rest[:depth]))
         elif isinstance(held, Inner):
             known, shapes = Table(held.noun), getattr(held.noun, "shapes", {})
-            found = known.value(str(part)) if part in known.fields else shapes[part][0] if part in shapes else None
+            found = (
+                known.value(str(part))
+                if part in known.fields
+                else shapes[part][0]
+                if part in shapes
+                else None
+            )
         if found is None:
             return None
         held = found
@@ -213,4 +265,8 @@ def _of_law(held: Chosen, key: str, holder: Raw) -> Value | None:
     if key == "law":
         return Choice(tuple(sorted(registry)))
     law = registry.get(str(holder.get("law", DEFAULTS[held.word].name)))
-    return next((value_of(one) for one in dataclasses.fields(law) if one.name == key), None) if law is not None else None
+    return (
+        next((value_of(one) for one in dataclasses.fields(law) if one.name == key), None)
+        if law is not None
+        else None
+    )

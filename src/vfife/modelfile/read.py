@@ -1,4 +1,6 @@
-"""TOML text -> mechanism: values set by path, keys read by the fields, checks across objects; all faults at once."""
+"""TOML text -> mechanism: values set by path, keys read by the fields, checks across objects; all faults at
+once.
+"""
 
 from __future__ import annotations
 
@@ -12,17 +14,26 @@ from typing import Any
 from ..errors import Fault, ModelError, Path, place, shown
 from ..files import read_bytes
 from ..model.mechanism import Mechanism
-from ..model.validate import Checks, across, check_laws
-from ..model.validate.settings import check_name
+from ..model.validation import Checks, across, check_laws
+from ..model.validation.settings import check_name
 from .csvtables import expand
 from .paths import override
 from .reader import Written
 from .tables import Raw, table
 
-SQLITE, MARK = b"SQLite format 3\0", slice(68, 72)  # how such a file begins, and where its header says whose it is
+SQLITE, MARK = (
+    b"SQLite format 3\0",
+    slice(68, 72),
+)  # how such a file begins, and where its header says whose it is
 KEPT = {
-    b"VFIF": ("this is what a run was kept in", "see vfife info, plot, report, impacts and resume, or name its model.toml"),
-    b"VFST": ("this is what a study was kept in", "see vfife study show, plot, export, resume and add, or name its STUDY.toml"),
+    b"VFIF": (
+        "this is what a run was kept in",
+        "see vfife info, plot, report, impacts and resume, or name its model.toml",
+    ),
+    b"VFST": (
+        "this is what a study was kept in",
+        "see vfife study show, plot, export, resume and add, or name its STUDY.toml",
+    ),
     b"VFMP": ("this is what a map was kept in", "see vfife map show, or name its model"),
 }
 
@@ -42,9 +53,10 @@ def load(path: str | FilePath, set: Items = ()) -> Mechanism:
     """The mechanism of a model file.
 
     ``set`` holds (path, value) pairs that replace or add values before anything is checked, as in
-    ("joint.C.clearance", "0.5 mm"); "joint.coupler-follower" stands for the joint that connects the two bodies. A text
-    is read as TOML if it is that, else as it stands. Where a ``model``, a ``kind`` or a ``law`` is set, keys beside it
-    in the file that the new one has no use for are dropped. Raises ModelError with every fault of the file.
+    ("joint.C.clearance", "0.5 mm"); "joint.coupler-follower" stands for the joint that connects the two
+    bodies. A text is read as TOML if it is that, else as it stands. Where a ``model``, a ``kind`` or a
+    ``law`` is set, keys beside it in the file that the new one has no use for are dropped. Raises ModelError
+    with every fault of the file.
     """
     return loads(text_of(path), set, file=str(path))
 
@@ -57,9 +69,13 @@ def text_of(path: str | FilePath) -> str:
         return data.decode("utf-8-sig")
     except OSError as error:
         remedy = "check the name" if isinstance(error, FileNotFoundError) else "name a file that can be read"
-        raise ModelError([Fault("file", f"it cannot be read ({error.strerror})", "", "", remedy)], str(path)) from None
+        raise ModelError(
+            [Fault("file", f"it cannot be read ({error.strerror})", "", "", remedy)], str(path)
+        ) from None
     except UnicodeDecodeError as error:
-        fault = Fault(f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding")
+        fault = Fault(
+            f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding"
+        )
         raise ModelError([kept(data) or fault], str(path)) from None
 
 
@@ -113,7 +129,13 @@ def written(raw: Raw, path: Path) -> str:
 def syntax_fault(text: str, error: Exception) -> Fault:
     """Line and column of a fault in the TOML itself, with the line."""
     if isinstance(error, RecursionError):
-        return Fault("file", "lists or tables are nested too deeply", "", "", "a model needs no more than lists of numbers")
+        return Fault(
+            "file",
+            "lists or tables are nested too deeply",
+            "",
+            "",
+            "a model needs no more than lists of numbers",
+        )
     said, _, place_said = str(error).partition(" (at ")
     what, where = f"this is no TOML: {said}", place_said.rstrip(")") or "file"
     if where == "end of document":

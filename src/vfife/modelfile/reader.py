@@ -1,4 +1,6 @@
-"""Tables of a model file -> objects: every key read by its field, faults with their places, the rest known in part."""
+"""Tables of a model file -> objects: every key read by its field, faults with their places, the rest known in
+part.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +8,37 @@ from collections.abc import Iterable
 from typing import Any
 
 from ..errors import Fault, Path, article, kind_of, shown, suggestion
-from ..fields import Choice, Reading, partial
 from ..laws import MATERIALS, Material
 from ..model.bodies import Section
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.reading import LAWS, idle, read_law, read_section
-from .tables import FAMILIES, TARGETS, Raw, Table, body_table, kind_table, known_keys, strangeness, table, tables, target_of
+from ..schema import Choice, Reading, partial
+from .tables import (
+    FAMILIES,
+    TARGETS,
+    Raw,
+    Table,
+    body_table,
+    kind_table,
+    known_keys,
+    strangeness,
+    table,
+    tables,
+    target_of,
+)
 
 
 def driver_of(by: Written, path: Path, holder: Any) -> Any:
     """The driver that the keys tell; None where they do not."""
     if not isinstance(holder, dict):
-        by.refuse(path, f"this is {kind_of(holder)}", shown(holder), "a table", "write its keys in a table of that name")
+        by.refuse(
+            path,
+            f"this is {kind_of(holder)}",
+            shown(holder),
+            "a table",
+            "write its keys in a table of that name",
+        )
         return None
     target = target_of(holder)
     kinds = [one for one in tables("driver") if one.target == target]
@@ -26,7 +46,11 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
     for one in kinds:
         leads.setdefault(lead(one), []).append(one)
     told = [key for key in leads if key in holder]
-    told = [key for key in told if not any(key in one.fields for other in told if other != key for one in leads[other])]
+    told = [
+        key
+        for key in told
+        if not any(key in one.fields for other in told if other != key for one in leads[other])
+    ]
     strange = {lead(one) for one in tables("driver")} & set(holder) - set(leads)
     if len(told) != 1 and not strange:
         said = f"{' and '.join(told)} exclude each other" if told else "nothing says what the driver does"
@@ -43,13 +67,23 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
             found[users[0].fields[key].name] = users[0].value(key).read(value, (*path, key), by)
         else:
             owners = dict.fromkeys(map(lead, users))
-            by.refuse((*path, key), f"{key} goes with {' or '.join(owners)}, not with {told[0]}", shown(value), "", "remove it")
+            by.refuse(
+                (*path, key),
+                f"{key} goes with {' or '.join(owners)}, not with {told[0]}",
+                shown(value),
+                "",
+                "remove it",
+            )
     if len(told) != 1:
         return None
     by.shapes.append((path, what, holder))
     for key in what.needed:
         if key not in holder:
-            said = f"{told[0]} and {key} go together, and {key} is missing" if key.endswith("s") else f"{told[0]} needs a {key}, which is missing"
+            said = (
+                f"{told[0]} and {key} go together, and {key} is missing"
+                if key.endswith("s")
+                else f"{told[0]} needs a {key}, which is missing"
+            )
             by.refuse((*path, key), said, "", "", "add it")
     return by.made(what.noun, found, before)
 
@@ -63,10 +97,16 @@ def limits(leads: dict[str, list[Table]]) -> str:
     """Which keys tell a kind, and what goes with them."""
     words = []
     for key, kinds in leads.items():
-        own = [name for one in kinds for name in one.fields if name not in TARGETS[one.target] and name != key]
+        own = [
+            name for one in kinds for name in one.fields if name not in TARGETS[one.target] and name != key
+        ]
         needed = {name for one in kinds for name in one.needed} if len(kinds) == 1 else set()
         must, may = [name for name in own if name in needed], [name for name in own if name not in needed]
-        words.append(key + (f" with {' and '.join(must)}" if must else "") + (f" (with {' or '.join(may)})" if may else ""))
+        words.append(
+            key
+            + (f" with {' and '.join(must)}" if must else "")
+            + (f" (with {' or '.join(may)})" if may else "")
+        )
     return ", or ".join((", ".join(words[:-1]), words[-1]))
 
 
@@ -95,7 +135,9 @@ A_TABLE = ("a table", "write its keys in a table of that name")
 
 
 class Written(Reading):
-    """Reads a model file. ``shapes`` are the tables met, with their paths; ``given`` the paths of values that do not stand in the file."""
+    """Reads a model file. ``shapes`` are the tables met, with their paths; ``given`` the paths of values that
+    do not stand in the file.
+    """
 
     def __init__(self, raw: Raw, given: set[Path]) -> None:
         super().__init__(written=True)
@@ -113,7 +155,15 @@ class Written(Reading):
         for key, value in raw.items():
             if key not in (*top.keys, "material"):
                 self.unknown((key,), value)
-            elif not isinstance(value, dict) and key in ("material", "body", "joint", "gear", "spring", "driver", "load"):
+            elif not isinstance(value, dict) and key in (
+                "material",
+                "body",
+                "joint",
+                "gear",
+                "spring",
+                "driver",
+                "load",
+            ):
                 self.refuse((key,), f"this is {kind_of(value)}", shown(value), *A_TABLE)
         for name, holder in table(raw, "material").items():
             self.materials[name] = self.table(("material", name), tables("material")[0], holder, name=name)
@@ -125,7 +175,9 @@ class Written(Reading):
         found["settings"] = self.table(("run",), Table(Settings), raw.get("run", {}))
         found["start"] = self.table(("start",), Table(StartSettings), raw.get("start", {}))
         for section in ("body", "joint", "gear", "spring", "driver", "load"):
-            found[top.fields[section].name] = {name: self.entry(section, name, holder) for name, holder in table(raw, section).items()}
+            found[top.fields[section].name] = {
+                name: self.entry(section, name, holder) for name, holder in table(raw, section).items()
+            }
         return Mechanism(**found)
 
     def entry(self, section: str, name: str, holder: Any) -> Any:
@@ -133,11 +185,21 @@ class Written(Reading):
         path: Path = (section, name)
         if section == "driver":
             return driver_of(self, path, holder)
-        what = body_table(holder) if section == "body" else kind_table(section, holder) if section in FAMILIES else tables(section)[0]
+        what = (
+            body_table(holder)
+            if section == "body"
+            else kind_table(section, holder)
+            if section in FAMILIES
+            else tables(section)[0]
+        )
         noun = self.table(path, what, holder, name=name)
         if isinstance(noun, Contact) and self.materials["steel"] != Material():
             # A body brings its own material; the ground is of steel, also where the file says what steel is.
-            unsaid = [f"{side}_material" for side in ("bearing", "journal") if (getattr(noun, side) or "").startswith("ground.")]
+            unsaid = [
+                f"{side}_material"
+                for side in ("bearing", "journal")
+                if (getattr(noun, side) or "").startswith("ground.")
+            ]
             steel = {key: self.materials["steel"] for key in unsaid if key not in holder}
             noun = partial(type(noun), vars(noun) | steel)
         return noun
@@ -231,10 +293,16 @@ def other_kind(section: str, key: str, holder: Raw, value: str) -> Fault:
         kind = kind_table(section, holder).word
         # First the kind that the rest of the table suits best.
         bare = {name: entry for name, entry in holder.items() if name != "kind"}
-        users = [one.word for one in sorted(tables(section), key=lambda one: strangeness(one, bare)) if key in one.fields]
+        users = [
+            one.word
+            for one in sorted(tables(section), key=lambda one: strangeness(one, bare))
+            if key in one.fields
+        ]
         more = f" (or {', '.join(users[1:])})" if len(users) > 1 else ""
         named = f"{article(kind)} joint" if section == "joint" else f"a {section} of kind {kind}"
-        return Fault("", f"{named} has no such key", value, "", f'set kind = "{users[0]}"{more}, or remove it')
+        return Fault(
+            "", f"{named} has no such key", value, "", f'set kind = "{users[0]}"{more}, or remove it'
+        )
     length = "with" if "length" in holder else "without"
     what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"
     return Fault("", what, value, "", "remove it, or give the body the model and the length that go with it")

@@ -1,4 +1,6 @@
-"""The tables of a model file: which noun each one is, which keys it has, and how to walk them. All of it comes from the nouns' own fields."""
+"""The tables of a model file: which noun each one is, which keys it has, and how to walk them. All of it
+comes from the nouns' own fields.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,6 @@ from types import MappingProxyType
 from typing import Any
 
 from ..errors import Path
-from ..fields import Chosen, Field, Inner, Many, Value, described_fields, key_of, required, value_of
 from ..laws import Law, Material
 from ..model.bodies import LINK_MODELS, Frame, Link, PointMass, RigidBody
 from ..model.drivers import Driver
@@ -19,13 +20,23 @@ from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.reading import LAWS
 from ..model.springs import ForceElement, Spring
+from ..schema import Chosen, Field, Inner, Many, Value, described_fields, key_of, required, value_of
 
 Raw = dict[str, Any]
 
 NAMED = ("material", "ground", "body", "joint", "gear", "spring", "driver", "load")
 # Sections of several kinds, told by a word, and the kind that needs none.
-FAMILIES: dict[str, tuple[Any, type]] = {"joint": (Joint, IdealRevolute), "spring": (ForceElement, Spring), "load": (Load, PointForce)}
-BODIES: dict[type, str] = {Link: "", RigidBody: "rigid", PointMass: "particle", Frame: "frame"}  # and the model that says so
+FAMILIES: dict[str, tuple[Any, type]] = {
+    "joint": (Joint, IdealRevolute),
+    "spring": (ForceElement, Spring),
+    "load": (Load, PointForce),
+}
+BODIES: dict[type, str] = {
+    Link: "",
+    RigidBody: "rigid",
+    PointMass: "particle",
+    Frame: "frame",
+}  # and the model that says so
 TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point", "direction")}
 
 
@@ -34,10 +45,12 @@ CSV = "table"  # the key of a CSV file beside the model, whose numbers take its 
 
 @dataclass(frozen=True)
 class Table:
-    """A table: its noun, and what a file has beside the noun's fields: the key ``tag`` that is the ``word`` of the kind.
+    """A table: its noun, and what a file has beside the noun's fields: the key ``tag`` that is the ``word``
+    of the kind.
 
-    ``optional``: the tag may be left out. ``beside`` are the words of other kinds. ``target`` is what a driver drives. A ``whole`` table gives all
-    its keys, whatever the noun has by default, but those that may stay unknown.
+    ``optional``: the tag may be left out. ``beside`` are the words of other kinds. ``target`` is what a
+    driver drives. A ``whole`` table gives all its keys, whatever the noun has by default, but those that may
+    stay unknown.
     """
 
     noun: Any
@@ -69,7 +82,14 @@ class Table:
         if hasattr(self.noun, "shapes"):
             return ()
         tag = (self.tag,) if self.tag and not self.optional else ()
-        return (*tag, *(key for key, field in self.fields.items() if (self.whole and field.default is not None) or required(field)))
+        return (
+            *tag,
+            *(
+                key
+                for key, field in self.fields.items()
+                if (self.whole and field.default is not None) or required(field)
+            ),
+        )
 
     def value(self, key: str) -> Value:
         """What a key holds."""
@@ -87,7 +107,9 @@ class Table:
 
 @functools.lru_cache(maxsize=512)
 def fields_of(noun: Any, target: str, along: bool) -> Mapping[str, Field]:
-    """Fields of a noun by key, of a driver those for what it drives; asked of the same nouns for every table of a file, and of every other file."""
+    """Fields of a noun by key, of a driver those for what it drives; asked of the same nouns for every table
+    of a file, and of every other file.
+    """
     found = {key_of(field, along): field for field in described_fields(noun)}
     strange = {key for other, keys in TARGETS.items() if other != target for key in keys} if target else set()
     return MappingProxyType({key: field for key, field in found.items() if key not in strange})
@@ -111,16 +133,31 @@ def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Tabl
     if section in FAMILIES:
         plain = FAMILIES[section][1]
         words = tuple(word for word, _ in registered)
-        return tuple(Table(noun, "kind", word, noun is plain, tuple(other for other in words if other != word)) for word, noun in registered)
+        return tuple(
+            Table(noun, "kind", word, noun is plain, tuple(other for other in words if other != word))
+            for word, noun in registered
+        )
     if section == "body":
         words = (*LINK_MODELS, "particle", "frame")
         return tuple(
-            Table(noun, "model" if word else "", word, word == "rigid", tuple(one for one in words if one != word)) for noun, word in BODIES.items()
+            Table(
+                noun,
+                "model" if word else "",
+                word,
+                word == "rigid",
+                tuple(one for one in words if one != word),
+            )
+            for noun, word in BODIES.items()
         )
     if section == "material":
         return (Table(Material, whole=True),)
     if section == "driver":
-        return tuple(Table(noun, target=target) for _, noun in registered for target in TARGETS if target in noun.drives)
+        return tuple(
+            Table(noun, target=target)
+            for _, noun in registered
+            for target in TARGETS
+            if target in noun.drives
+        )
     known = {"gear": Gear, "run": Settings, "start": StartSettings}
     return (Table(known[section]),) if section in known else ()
 
@@ -155,12 +192,16 @@ def strangeness(table: Table, holder: Raw) -> int:
     keys = set(holder) - {table.tag}
     known = keys & set(table.fields)
     missing = set(table.needed) - {table.tag} - keys
-    return 3 * (len(keys - known) + sum(not table.value(key).suits(holder[key]) for key in known)) + len(missing)
+    return 3 * (len(keys - known) + sum(not table.value(key).suits(holder[key]) for key in known)) + len(
+        missing
+    )
 
 
 def target_of(holder: Any) -> str:
     """What a [driver.NAME] drives."""
-    return next((target for target in ("slider", "point") if isinstance(holder, dict) and target in holder), "body")
+    return next(
+        (target for target in ("slider", "point") if isinstance(holder, dict) and target in holder), "body"
+    )
 
 
 def table(raw: Any, *path: str | int) -> Raw:
@@ -184,7 +225,9 @@ def law_fields(law: type[Law]) -> tuple[str, ...]:
 
 
 def known_keys(path: Path) -> tuple[str, ...] | None:
-    """Keys that the table at a path can have, of whatever kind it is; None where keys are names that the user gives."""
+    """Keys that the table at a path can have, of whatever kind it is; None where keys are names that the user
+    gives.
+    """
     if not path:
         return (*Table(Mechanism).keys, "material")
     depth = 1 if path[0] in ("run", "start") else 2
@@ -203,5 +246,8 @@ def keys_at(found: tuple[Table, ...], path: Path) -> tuple[str, ...] | None:
         values, rest = [value.part for value in values if isinstance(value, Many)], rest[1:]
     laws = [value for value in values if isinstance(value, Chosen)]
     if laws and not rest:
-        return ("law", *dict.fromkeys(name for law in LAWS[laws[0].word].known().values() for name in law_fields(law)))
+        return (
+            "law",
+            *dict.fromkeys(name for law in LAWS[laws[0].word].known().values() for name in law_fields(law)),
+        )
     return keys_at(tuple(Table(value.noun) for value in values if isinstance(value, Inner)), rest)

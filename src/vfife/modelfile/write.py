@@ -8,12 +8,12 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..fields import Chosen, Direction, Field, Named
-from ..fields import Names as NamedValues
 from ..laws import Law, Material
 from ..model.bodies import Frame
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism, Settings, StartSettings
+from ..schema import Chosen, Direction, Field, Named
+from ..schema import Names as NamedValues
 from .tables import Raw, Table, tables
 
 Names = tuple[str, ...]
@@ -23,8 +23,9 @@ Entries = Mapping[str, Any]
 def dump(mechanism: Mechanism) -> str:
     """TOML text of a mechanism; ``loads`` makes an equal one of it.
 
-    What equals its default is left out, and so is what a link's model or the kind of analysis has no use for. Raises ValueError
-    where two different materials share a name, and TypeError for a noun that the file has no table for.
+    What equals its default is left out, and so is what a link's model or the kind of analysis has no use for.
+    Raises ValueError where two different materials share a name, and TypeError for a noun that the file has
+    no table for.
     """
     lines = ["# All numbers are in SI units.", *assignments(heads(mechanism))]
     for header, entries in contents(mechanism):
@@ -33,7 +34,9 @@ def dump(mechanism: Mechanism) -> str:
 
 
 def tables_of(mechanism: Mechanism) -> Raw:
-    """The tables of a mechanism, equal to those that a TOML parser reads from :func:`dump`. Raises as that does."""
+    """The tables of a mechanism, equal to those that a TOML parser reads from :func:`dump`. Raises as that
+    does.
+    """
     raw: Raw = {key: plain(entry) for key, entry in heads(mechanism).items()}
     for header, entries in contents(mechanism):
         here = raw
@@ -73,13 +76,17 @@ def contents(mechanism: Mechanism) -> Iterator[tuple[Names, Entries]]:
     if mechanism.points:
         yield ("ground",), mechanism.points
     for name, body in mechanism.bodies.items():
-        yield from noun_tables(("body", name), table_of("body", name, body), body, {"model": body.model}, brief=True)
+        yield from noun_tables(
+            ("body", name), table_of("body", name, body), body, {"model": body.model}, brief=True
+        )
     fields = Table(Mechanism).fields
     for section in ("joint", "gear", "spring", "driver", "load"):
         for name, noun in vars(mechanism)[fields[section].name].items():
             what = table_of(section, name, noun)
             said = {} if what.optional or not what.tag else {what.tag: what.word}
-            yield from noun_tables((section, name), what, noun, said | aimed(name, noun), brief=section == "load")
+            yield from noun_tables(
+                (section, name), what, noun, said | aimed(name, noun), brief=section == "load"
+            )
 
 
 def table_of(section: str, name: str, noun: Any) -> Table:
@@ -95,10 +102,15 @@ def aimed(name: str, noun: Any) -> dict[str, Any]:
     """What a driver says of its target where that is not the body of its name; nothing of other nouns."""
     if not isinstance(noun, Driver) or noun.target != "body":
         return {}
-    return {"body": noun.body if noun.body != name else None, "against": noun.against if noun.against != "ground" else None}
+    return {
+        "body": noun.body if noun.body != name else None,
+        "against": noun.against if noun.against != "ground" else None,
+    }
 
 
-def noun_tables(header: Names, what: Table, noun: Any, said: Entries | None = None, *, brief: bool = False) -> Iterator[tuple[Names, Entries]]:
+def noun_tables(
+    header: Names, what: Table, noun: Any, said: Entries | None = None, *, brief: bool = False
+) -> Iterator[tuple[Names, Entries]]:
     """The table of a noun and those within it; a ``brief`` one leaves out what equals its default.
 
     Laws are written with every parameter, so that a later default changes nothing.
@@ -108,7 +120,12 @@ def noun_tables(header: Names, what: Table, noun: Any, said: Entries | None = No
         entry, held = getattr(noun, field.name), what.value(key)
         default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
         # A round beside another has a direction by default, and none in a file.
-        if key in entries or entry is None or unused(noun, field) or ((brief or isinstance(held, Direction)) and entry == default):
+        if (
+            key in entries
+            or entry is None
+            or unused(noun, field)
+            or ((brief or isinstance(held, Direction)) and entry == default)
+        ):
             continue
         if isinstance(held, Named):
             if entry.name != "steel" or default is None:
@@ -125,7 +142,9 @@ def noun_tables(header: Names, what: Table, noun: Any, said: Entries | None = No
 
 
 def unused(noun: Any, field: Field) -> bool:
-    """Whether the noun's model, or the kind of analysis, has no use for a field; what stands in the header is no key."""
+    """Whether the noun's model, or the kind of analysis, has no use for a field; what stands in the header is
+    no key.
+    """
     only = field.metadata.get("only") or ()
     return bool(only) and getattr(noun, noun.selected_by) not in only
 
@@ -141,7 +160,9 @@ def materials(mechanism: Mechanism) -> list[Material]:
     known: dict[str, Material] = {}
     for material in used:
         if material is not None and known.setdefault(material.name, material) != material:
-            raise ValueError(f"two different materials are called {material.name!r}; give one of them another name")
+            raise ValueError(
+                f"two different materials are called {material.name!r}; give one of them another name"
+            )
     return [material for material in known.values() if material != Material()]
 
 

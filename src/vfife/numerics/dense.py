@@ -1,4 +1,6 @@
-"""Linear algebra of small dense matrices (..., rows, columns), with the same bits on every machine and in every batch."""
+"""Linear algebra of small dense matrices (..., rows, columns), with the same bits on every machine and in
+every batch.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def _shape(matrix: Any) -> tuple[Array, tuple[int, ...], int, int, int]:
 def _square(matrix: Any) -> tuple[Array, tuple[int, ...], int, int]:
     own, lead, count, rows, columns = _shape(matrix)
     if rows != columns:
-        raise np.linalg.LinAlgError(f"a square matrix is needed, not one of {rows} rows and {columns} columns")
+        raise np.linalg.LinAlgError(
+            f"a square matrix is needed, not one of {rows} rows and {columns} columns"
+        )
     return own, lead, count, rows
 
 
@@ -36,7 +40,8 @@ def _finite(sizes: Array) -> None:
 
 
 def solve(matrix: Any, right: Any) -> Any:
-    """x of A x = b by elimination with partial pivoting, for b (..., n) or (..., n, columns); LinAlgError where a column has no pivot.
+    """x of A x = b by elimination with partial pivoting, for b (..., n) or (..., n, columns); LinAlgError
+    where a column has no pivot.
 
     A right side with one dimension less than the matrix is a vector.
     """
@@ -46,7 +51,9 @@ def solve(matrix: Any, right: Any) -> Any:
     b = b[..., None] if vector else b
     found = np.array(np.broadcast_to(b, (*lead, size, b.shape[-1])), order="C")
     signs = np.empty(count)
-    call("eliminate", np.array(own, order="C").reshape(-1), found.reshape(-1), signs, count, size, b.shape[-1])
+    call(
+        "eliminate", np.array(own, order="C").reshape(-1), found.reshape(-1), signs, count, size, b.shape[-1]
+    )
     if not (signs != 0.0).all():
         raise np.linalg.LinAlgError("Singular matrix")
     found = found[..., 0] if vector else found
@@ -63,7 +70,11 @@ class Solved(NamedTuple):
 def solve_with_determinant(matrix: Array, right: Array) -> Solved:
     """x (..., n, columns) of A x = b by elimination with partial pivoting, and the determinant of each A."""
     own, lead, count, size = _square(matrix)
-    triangle, found, signs = np.array(own, order="C"), np.array(right, dtype=np.float64, order="C"), np.empty(count)
+    triangle, found, signs = (
+        np.array(own, order="C"),
+        np.array(right, dtype=np.float64, order="C"),
+        np.empty(count),
+    )
     call("eliminate", triangle.reshape(-1), found.reshape(-1), signs, count, size, found.shape[-1])
     diagonal = np.diagonal(triangle, axis1=-2, axis2=-1)
     return Solved(found, signs.reshape(lead) * np.abs(np.multiply.reduce(diagonal, axis=-1)))
@@ -84,7 +95,9 @@ def inverse(matrix: Any) -> Any:
 
 
 def svd(matrix: Any, full: bool = True) -> tuple[Any, Any, Any]:
-    """left (..., r, r), size (..., k) in falling order, right (..., c, c) with A = left size right; k columns and rows where not ``full``."""
+    """left (..., r, r), size (..., k) in falling order, right (..., c, c) with A = left size right; k columns
+    and rows where not ``full``.
+    """
     own, lead, count, rows, columns = _shape(matrix)
     k = min(rows, columns)
     wide, deep = (rows, columns) if full else (k, k)
@@ -121,7 +134,9 @@ def _room(rows: int, columns: int) -> Array:
 
 
 def eigh(matrix: Any) -> tuple[Any, Any]:
-    """Eigenvalues (..., n) in rising order and vectors (..., n, n) as columns of symmetric matrices, whose lower triangle is read."""
+    """Eigenvalues (..., n) in rising order and vectors (..., n, n) as columns of symmetric matrices, whose
+    lower triangle is read.
+    """
     own, lead, count, size = _square(matrix)
     values, vectors = np.empty((*lead, size)), np.empty((*lead, size, size))
     call(
@@ -141,13 +156,17 @@ def eigenvalue_sizes(matrix: Any) -> Any:
     """Absolute values (..., n) of the eigenvalues of general real matrices, in no order."""
     own, lead, count, size = _square(matrix)
     real, imaginary = np.empty((*lead, size)), np.empty((*lead, size))
-    call("eigenvalues", flat(own), real.reshape(-1), imaginary.reshape(-1), np.empty(size * size), count, size)
+    call(
+        "eigenvalues", flat(own), real.reshape(-1), imaginary.reshape(-1), np.empty(size * size), count, size
+    )
     _finite(real)
     return np.sqrt(real * real + imaginary * imaginary)
 
 
 def qr(matrix: Any, full: bool = False) -> tuple[Any, Any]:
-    """Q (..., r, k) with orthonormal columns and an upper triangle R (..., k, c); k is the lesser of r and c, or r where ``full``."""
+    """Q (..., r, k) with orthonormal columns and an upper triangle R (..., k, c); k is the lesser of r and c,
+    or r where ``full``.
+    """
     own, lead, count, rows, columns = _shape(matrix)
     k = rows if full else min(rows, columns)
     q, r = np.empty((*lead, rows, k)), np.empty((*lead, k, columns))
@@ -159,13 +178,17 @@ def qr(matrix: Any, full: bool = False) -> tuple[Any, Any]:
 def least_squares(matrix: Any, right: Any, tolerance: float | None = None) -> Any:
     """x (c,) of least norm with the least |A x - b|; singular values up to ``tolerance`` of the largest count as zero (as in np.linalg.lstsq)."""
     left, size, rows = svd(matrix, full=False)
-    least = (EPS * max(np.shape(matrix)[-2:]) if tolerance is None else tolerance) * float(size.max(initial=0.0))
+    least = (EPS * max(np.shape(matrix)[-2:]) if tolerance is None else tolerance) * float(
+        size.max(initial=0.0)
+    )
     rank = int((size > least).sum())
     return times(rows[:rank].T, times(left[:, :rank].T, right) / size[:rank])
 
 
 def pinv(matrix: Any, tolerance: float = 1e-15) -> Any:
-    """Pseudoinverse (..., c, r) of each matrix; singular values up to ``tolerance`` of its largest count as zero."""
+    """Pseudoinverse (..., c, r) of each matrix; singular values up to ``tolerance`` of its largest count as
+    zero.
+    """
     left, size, rows = svd(matrix, full=False)
     least = tolerance * size.max(axis=-1, keepdims=True, initial=0.0)
     with np.errstate(divide="ignore"):

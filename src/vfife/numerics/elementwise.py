@@ -1,6 +1,8 @@
-"""Elementary functions of a number, or of each number of an array, with the same bits whatever stands beside a number.
+"""Elementary functions of a number, or of each number of an array, with the same bits whatever stands beside
+a number.
 
-Where a function has no value, one number raises the error of :mod:`math`; in an array stands an infinity or NaN.
+Where a function has no value, one number raises the error of :mod:`math`; in an array stands an infinity or
+NaN.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ Array = NDArray[np.float64]
 
 def _parts(values: tuple[Any, ...]) -> tuple[list[Array], tuple[int, ...]]:
     """Values as flat arrays of one length, and their common shape."""
-    if len(values) == 1 or all(isinstance(one, np.ndarray) and one.shape == np.shape(values[0]) for one in values):
+    if len(values) == 1 or all(
+        isinstance(one, np.ndarray) and one.shape == np.shape(values[0]) for one in values
+    ):
         return [flat(one) for one in values], np.shape(values[0])
     arrays = [np.asarray(one, dtype=np.float64) for one in values]
     shape = np.broadcast_shapes(*(one.shape for one in arrays))
@@ -33,8 +37,12 @@ def _plain(values: tuple[Any, ...]) -> bool:
     return not any(isinstance(one, np.ndarray | list | tuple) and np.ndim(one) for one in values)
 
 
-def _each(function: Callable[..., float], name: str, values: tuple[Any, ...], easy: Callable[..., NDArray[np.bool_]]) -> Any:
-    """A function of numbers, or of arrays: by the compiled routine where that is ``easy``, elsewhere number by number."""
+def _each(
+    function: Callable[..., float], name: str, values: tuple[Any, ...], easy: Callable[..., NDArray[np.bool_]]
+) -> Any:
+    """A function of numbers, or of arrays: by the compiled routine where that is ``easy``, elsewhere number
+    by number.
+    """
     if _plain(values):
         return function(*(float(one) for one in values))
     parts, shape = _parts(values)
@@ -111,7 +119,12 @@ def power(x: Any, exponent: Any) -> Any:
     """x**exponent, as :func:`~vfife.numerics.scalar.power` has it."""
 
     def easy(x: Array, exponent: Array) -> NDArray[np.bool_]:
-        return np.asarray((x > 0.0) & (x < np.inf) & ~((exponent == np.floor(exponent)) & (np.abs(exponent) <= 16.0)) & (exponent != 0.5))
+        return np.asarray(
+            (x > 0.0)
+            & (x < np.inf)
+            & ~((exponent == np.floor(exponent)) & (np.abs(exponent) <= 16.0))
+            & (exponent != 0.5)
+        )
 
     if not _plain((x,)) and _plain((exponent,)):
         whole = float(exponent)
@@ -129,7 +142,9 @@ def whole_power(x: Any, exponent: int) -> Any:
 
 def atan2(y: Any, x: Any) -> Any:
     """Angles (rad) of directions (x, y), from -pi to pi."""
-    return _each(scalar.atan2, "directions_of", (y, x), lambda y, x: np.isfinite(y) & np.isfinite(x) & (y != 0.0))
+    return _each(
+        scalar.atan2, "directions_of", (y, x), lambda y, x: np.isfinite(y) & np.isfinite(x) & (y != 0.0)
+    )
 
 
 def hypot(*sides: Any) -> Any:
@@ -144,14 +159,18 @@ def hypot(*sides: Any) -> Any:
     found = np.sqrt(squares)
     unusual = ~((squares > 1e-290) & (squares < 1e300))
     if unusual.any():
-        unusual &= sum(np.abs(side) for side in parts) != 0.0  # zeros are what they are: a joint that does not touch has many
+        unusual &= (
+            sum(np.abs(side) for side in parts) != 0.0
+        )  # zeros are what they are: a joint that does not touch has many
     for k in np.flatnonzero(unusual).tolist() if unusual.any() else ():
         found[k] = scalar.hypot(*(float(one[k]) for one in parts))
     return found.reshape(shape)
 
 
 def interpolate(x: Any, places: Any, values: Any) -> Any:
-    """Values between those at rising places, along straight lines, and beyond the ends those of the ends, as np.interp has them."""
+    """Values between those at rising places, along straight lines, and beyond the ends those of the ends, as
+    np.interp has them.
+    """
     at, xs, ys = (
         np.asarray(x, dtype=np.float64),
         np.asarray(places, dtype=np.float64),
@@ -163,7 +182,9 @@ def interpolate(x: Any, places: Any, values: Any) -> Any:
     run = np.clip(at, xs[0], xs[-1]) - xs[left]
     with np.errstate(all="ignore"):
         found = (ys[left + 1] - ys[left]) / (xs[left + 1] - xs[left]) * run + ys[left]
-    found = np.where(at >= xs[-1], ys[-1], np.where(at <= xs[0], ys[0], np.where(run == 0.0, ys[left], found)))
+    found = np.where(
+        at >= xs[-1], ys[-1], np.where(at <= xs[0], ys[0], np.where(run == 0.0, ys[left], found))
+    )
     return found if at.ndim else float(found)
 
 

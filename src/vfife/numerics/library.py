@@ -7,13 +7,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ..codegen.cache import digest
-from ..codegen.functiontext import WRITING
-from ..codegen.native import Called, interpreted, library
-from ..codegen.source import Gathered
+from ..compiler.runtime.cache import digest
+from ..compiler.runtime.native import Called, interpreted, library
+from ..compiler.trace.functiontext import WRITING
+from ..compiler.trace.source import Gathered
 from .routines import eigenvalues, functions, linear, singular
 
-# Routines and the kinds of their arguments: f1 a flat array of numbers, d a number, i an integer (codegen.native).
+# Routines and the kinds of their arguments: f1 a flat array of numbers, d a number, i an integer
+# (codegen.native).
 ROUTINES: dict[Callable[..., None], str] = {
     linear.multiply: "f1 f1 f1 i i i i i i i",
     linear.multiply_vectors: "f1 f1 f1 i i i i i",
@@ -49,7 +50,9 @@ def compiled() -> dict[str, Called]:
 
 
 def _sources() -> str:
-    """Hash of the files that the text is gathered from; what they take from the kernels is in the key of every file of the cache."""
+    """Hash of the files that the text is gathered from; what they take from the kernels is in the key of
+    every file of the cache.
+    """
     return digest(file.read_bytes() for file in sorted((Path(__file__).parent / "routines").glob("*.py")))
 
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from .library import call
 
 Array = NDArray[np.float64]
-# Entries of a matrix up to which NumPy's running sum along rows is quicker than a call of compiled code; the order of the sum is the same.
+# Entries of a matrix up to which NumPy's running sum along rows is quicker than a call of compiled code; the
+# order of the sum is the same.
 SMALL = 1500
 
 
@@ -73,7 +74,9 @@ def dot(first: Any, second: Any) -> Any:
 
 
 def norm(vector: Any, axis: int | None = None) -> Any:
-    """Length of a vector, or along an axis; of all entries of an array where no axis is named. Squares must not overflow."""
+    """Length of a vector, or along an axis; of all entries of an array where no axis is named. Squares must
+    not overflow.
+    """
     if axis is None:
         own = flat(vector)
         return math.sqrt(dot(own, own))

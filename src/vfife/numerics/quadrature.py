@@ -12,9 +12,11 @@ ROUNDS = 20  # of Newton's method, which squares the error: four or five do
 
 @lru_cache(maxsize=8)
 def gauss(count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Places, ascending, and weights with which ``count`` values integrate polynomials of degree 2 count - 1 exactly.
+    """Places, ascending, and weights with which ``count`` values integrate polynomials of degree 2 count - 1
+    exactly.
 
-    Places are the roots of Legendre's polynomial, by Newton's method from their asymptotic values; those of the lower half mirror the upper ones.
+    Places are the roots of Legendre's polynomial, by Newton's method from their asymptotic values; those of
+    the lower half mirror the upper ones.
     """
     nodes, weights = [0.0] * count, [0.0] * count
     for k in range((count + 1) // 2):

@@ -8,7 +8,8 @@ from functools import lru_cache
 from ..kernels import elementary
 from .routines.functions import arctangent, exponential, half_turn, length, logarithm, raised
 
-# The reduction of kernels.elementary.sincos is exact up to here; beyond, the angle is reduced in whole numbers.
+# The reduction of kernels.elementary.sincos is exact up to here; beyond, the angle is reduced in whole
+# numbers.
 LARGE_ANGLE = 1e6
 # pi, to 1,270 bits: a double is at most 2^1024, so that 190 bits remain behind the point.
 PI_BITS = 1270
@@ -27,7 +28,9 @@ def sincos(angle: float) -> tuple[float, float]:
 
 @lru_cache(maxsize=1024)
 def _near(angle: float) -> tuple[float, float]:
-    """Those of an angle that is not large; known ones, because velocities, accelerations and ranks are found at the position that was closed."""
+    """Those of an angle that is not large; known ones, because velocities, accelerations and ranks are found
+    at the position that was closed.
+    """
     found: tuple[float, float] = elementary.sincos(angle)
     return found
 
@@ -167,7 +170,9 @@ def whole_power(x: float, exponent: int) -> float:
 
 
 def power(x: float, exponent: float) -> float:
-    """x**exponent: squarings for small whole exponents, a root for 1/2, else by logarithms; ValueError for a root of a negative number."""
+    """x**exponent: squarings for small whole exponents, a root for 1/2, else by logarithms; ValueError for a
+    root of a negative number.
+    """
     x, exponent = float(x), float(exponent)
     if exponent == math.floor(exponent) and abs(exponent) <= 16.0:
         return whole_power(x, int(exponent))

@@ -1,4 +1,6 @@
-"""Sparse matrices and their products in a fixed order, and solutions of the symmetric ones that follow from them."""
+"""Sparse matrices and their products in a fixed order, and solutions of the symmetric ones that follow from
+them.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ Places = NDArray[np.intp]
 
 
 class Sparse:
-    """A matrix (r, c) by its entries, sorted by rows and in these by columns; entries of one place are summed in their order."""
+    """A matrix (r, c) by its entries, sorted by rows and in these by columns; entries of one place are summed
+    in their order.
+    """
 
     def __init__(self, values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> None:
         at = np.asarray(rows, dtype=np.intp) * shape[1] + np.asarray(columns, dtype=np.intp)
@@ -83,7 +87,9 @@ class Sparse:
         return found
 
     def solver(self, added: float) -> Callable[[Array], Array]:
-        """What solves (A + added I) x = b, for a symmetric A without negative eigenvalues and a positive addition."""
+        """What solves (A + added I) x = b, for a symmetric A without negative eigenvalues and a positive
+        addition.
+        """
         size = self.shape[0]
         order, place, first, start = _skyline(size, self.rows.tobytes(), self.columns.tobytes())
         factors = np.zeros(int(start[-1]) + 1 if size else 0)
@@ -127,7 +133,9 @@ def _neighbours(size: int, rows: Places, columns: Places) -> list[list[int]]:
 
 
 def _levels(neighbours: list[list[int]], node: int) -> list[list[int]]:
-    """Nodes by their distance from one; in a level those come first whose predecessor did, then those of few neighbours."""
+    """Nodes by their distance from one; in a level those come first whose predecessor did, then those of few
+    neighbours.
+    """
     met, levels = {node}, [[node]]
     while True:
         following = []
@@ -145,9 +153,11 @@ def _levels(neighbours: list[list[int]], node: int) -> list[list[int]]:
 
 @lru_cache(maxsize=8)
 def _skyline(size: int, rows: bytes, columns: bytes) -> tuple[Places, Places, Array, Array]:
-    """An order in which entries lie near the diagonal, the place of each row in it, the first column of each row, and where diagonals lie.
+    """An order in which entries lie near the diagonal, the place of each row in it, the first column of each
+    row, and where diagonals lie.
 
-    Reverse order of Cuthill and McKee (1969): by levels from a node at one end, which is the last of the levels from any other.
+    Reverse order of Cuthill and McKee (1969): by levels from a node at one end, which is the last of the
+    levels from any other.
     """
     own_rows, own_columns = np.frombuffer(rows, dtype=np.intp), np.frombuffer(columns, dtype=np.intp)
     neighbours = _neighbours(size, own_rows, own_columns)

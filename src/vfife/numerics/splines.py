@@ -1,4 +1,6 @@
-"""Cubic pieces through points: natural and periodic splines, and monotone cubics; coefficients from each place on, constant first."""
+"""Cubic pieces through points: natural and periodic splines, and monotone cubics; coefficients from each
+place on, constant first.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,8 @@ def natural(places: Places, values: Places) -> list[Row]:
 def periodic(places: Places, values: Places) -> list[Row]:
     """The spline whose ends meet with one slope and one curvature; the last value counts as the first.
 
-    The matrix is tridiagonal but for its corners, which a correction of rank one takes out (Sherman and Morrison 1950).
+    The matrix is tridiagonal but for its corners, which a correction of rank one takes out (Sherman and
+    Morrison 1950).
     """
     closed = [*values[:-1], values[0]]
     h, slopes = _steps(places, closed)
@@ -50,7 +53,9 @@ def periodic(places: Places, values: Places) -> list[Row]:
 
 
 def monotone(places: Places, values: Places) -> list[Row]:
-    """Cubics that rise only where the values do (Fritsch and Carlson 1980), with slopes after Fritsch and Butland (1984)."""
+    """Cubics that rise only where the values do (Fritsch and Carlson 1980), with slopes after Fritsch and
+    Butland (1984).
+    """
     h, slopes = _steps(places, values)
     if len(h) == 1:
         return [(float(values[0]), slopes[0], 0.0, 0.0)]
@@ -113,5 +118,7 @@ def _rows(values: Places, h: Places, slopes: Places, curvature: Places) -> list[
     found = []
     for k, step in enumerate(h):
         a, b = curvature[k], curvature[k + 1]
-        found.append((float(values[k]), slopes[k] - step * (2.0 * a + b) / 6.0, 0.5 * a, (b - a) / (6.0 * step)))
+        found.append(
+            (float(values[k]), slopes[k] - step * (2.0 * a + b) / 6.0, 0.5 * a, (b - a) / (6.0 * step))
+        )
     return found

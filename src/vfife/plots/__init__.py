@@ -1,5 +1,5 @@
-"""Figures of a result: the one place that imports matplotlib. Figures are objects, without pyplot and without a
-window.
+"""Figures of a result: the one place that imports matplotlib. Figures are objects, without pyplot and without
+a window.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from matplotlib import rc_context
 from ..assembly.assemble import assemble
 from ..errors import VfifeError, shown, suggestion
 from ..model.mechanism import Mechanism
-from ..model.validate import validate
+from ..model.validation import validate
 from ..results.view import standing
 from .clearances import orbits
 from .curves import acceleration_curves, force_curves, moment_curves
@@ -32,10 +32,13 @@ PICTURES = (".svg", ".pdf", ".png")
 
 
 def figures(result: View, reference: View | None = None, names: Collection[str] = ()) -> dict[str, Figure]:
-    """Figures by name, as :data:`~vfife.plots.table.FIGURES` lists them: the usual ones, "all" that the result has, or ``names``.
+    """Figures by name, as :data:`~vfife.plots.table.FIGURES` lists them: the usual ones, "all" that the
+    result has, or ``names``.
 
-    The reference, whose curves lie below those of the result, is the result's own unless another one is given. Raises
-    :class:`~vfife.errors.VfifeError` for a name that is no figure's, and for a figure that the result has nothing for.
+    The reference, whose curves lie below those of the result, is the result's own unless another one is
+    given. Raises
+    :class:`~vfife.errors.VfifeError` for a name that is no figure's, and for a figure that the result has
+    nothing for.
     """
     wanted = chosen(result, names)
     reference = reference if reference is not None else result.reference
@@ -43,15 +46,22 @@ def figures(result: View, reference: View | None = None, names: Collection[str] 
 
 
 def chosen(result: View, names: Collection[str]) -> list[str]:
-    """Names of figures in the order of the table; raises VfifeError for a name that is no figure's, and a figure that there is nothing for."""
+    """Names of figures in the order of the table; raises VfifeError for a name that is no figure's, and a
+    figure that there is nothing for.
+    """
     if not names:
         return usual(result)
     for name in names:
         if name not in FIGURES and name != EVERY:
-            raise VfifeError(f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}")
+            raise VfifeError(
+                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
+            )
     for name in names:
         if name != EVERY and (why := FIGURES[name].lacks(result)):
-            raise VfifeError(f"this result has nothing for the figure {shown(name)}: {why}; there are {', '.join(available(result))}")
+            raise VfifeError(
+                f"this result has nothing for the figure {shown(name)}: {why}; there are"
+                f" {', '.join(available(result))}"
+            )
     return available(result) if EVERY in names else [name for name in FIGURES if name in names]
 
 
@@ -63,13 +73,17 @@ def refuse_beside(names: Collection[str]) -> None:
 
 @rc_context(STYLE)
 def figure(result: View, name: str, reference: View | None = None, at: str | None = None) -> Figure:
-    """One figure that the result has something for; the mechanism ``at`` a moment, see :func:`~vfife.plots.turn.output_at`."""
+    """One figure that the result has something for; the mechanism ``at`` a moment, see
+    :func:`~vfife.plots.turn.output_at`.
+    """
     return FIGURES[name].draw(result, reference) if at is None else drawing(result, output_at(result, at))
 
 
 @rc_context(STYLE)
 def at_start(mechanism: Mechanism) -> Figure:
-    """A mechanism drawn where it starts. Raises ModelError for one with faults, AssemblyError for one that cannot be assembled."""
+    """A mechanism drawn where it starts. Raises ModelError for one with faults, AssemblyError for one that
+    cannot be assembled.
+    """
     validate(mechanism)
     return drawing(standing(assemble(mechanism)))
 
@@ -82,14 +96,18 @@ def save(figures: dict[str, Figure], folder: str | Path, kind: str = "png") -> l
 
 
 def save_one(result: View, name: str | None, path: Path, beside: Collection[str] = ()) -> None:
-    """Writes one figure as its file's ending says: ``name``, else that of the file. ``beside`` are endings that are told where none fits.
+    """Writes one figure as its file's ending says: ``name``, else that of the file. ``beside`` are endings
+    that are told where none fits.
 
     Raises VfifeError for another ending, and for a figure that the result has nothing for; OSError.
     """
     kind = path.suffix.lower()
     if kind not in PICTURES:
         known = ", ".join((*PICTURES, *beside)) if name is None else ", ".join(PICTURES)
-        raise VfifeError(f'{path}: nothing is written as "{path.suffix or path.name}"; endings that say a format are {known}')
+        raise VfifeError(
+            f'{path}: nothing is written as "{path.suffix or path.name}"; endings that say a format are'
+            f" {known}"
+        )
     wanted = name if name is not None else path.stem
     try:
         found = figures(result, names=[wanted])
@@ -98,4 +116,14 @@ def save_one(result: View, name: str | None, path: Path, beside: Collection[str]
     saved(found[wanted], path)
 
 
-__all__ = ["acceleration_curves", "at_start", "drawing", "figures", "force_curves", "moment_curves", "orbits", "save", "save_one"]
+__all__ = [
+    "acceleration_curves",
+    "at_start",
+    "drawing",
+    "figures",
+    "force_curves",
+    "moment_curves",
+    "orbits",
+    "save",
+    "save_one",
+]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis import elastic
+from ..measures import elastic
 from ..model.lumping import mesh
 from .layout import Panels
 from .style import BLUE, DEEP, GREY, INK, SKY, digits, length_unit, scale_of
@@ -28,10 +28,16 @@ FAINT = 12  # shapes over a turn
 def stressed(result: View) -> list[str]:
     """Elastic bodies whose stress is known: an element of theirs has a section with an extreme fibre."""
     record = result.record
-    if not record.keeps("frame_axial_force") or not any(body.elements for body in record.assembly.bodies.values()):
+    if not record.keeps("frame_axial_force") or not any(
+        body.elements for body in record.assembly.bodies.values()
+    ):
         return []
     tension, _ = elastic.fibres(record)
-    return [name for name, body in record.assembly.bodies.items() if body.elements and not np.isnan(tension[:, list(body.elements)]).all()]
+    return [
+        name
+        for name, body in record.assembly.bodies.items()
+        if body.elements and not np.isnan(tension[:, list(body.elements)]).all()
+    ]
 
 
 def bent(result: View) -> list[str]:
@@ -46,7 +52,9 @@ def places(result: View, name: str) -> Array:
 
 
 def stress(result: View) -> Figure:
-    """Largest and smallest stress in the outermost fibres along each elastic body, and along it at the moment of the largest."""
+    """Largest and smallest stress in the outermost fibres along each elastic body, and along it at the moment
+    of the largest.
+    """
     names, over = stressed(result)[:MOST], span(result)
     panels = Panels([PANEL if len(names) > 1 else (7.0, 3.0)] * len(names), 2, down=0.95)
     tension, compression = (one[over.first : over.last + 1] for one in elastic.fibres(result.record))
@@ -57,7 +65,15 @@ def stress(result: View) -> Figure:
         k, most = int(size.max(axis=1).argmax()), float(size.max())
         (factor, unit), (long, of) = scale_of(most, "Pa"), length_unit(float(at.max()))
         x = long * at.ravel()
-        ax.fill_between(x, factor * below.min(axis=0), factor * above.max(axis=0), color=SKY, alpha=0.55, lw=0.7, label="over the part shown")
+        ax.fill_between(
+            x,
+            factor * below.min(axis=0),
+            factor * above.max(axis=0),
+            color=SKY,
+            alpha=0.55,
+            lw=0.7,
+            label="over the part shown",
+        )
         ax.plot(x, factor * above[k], color=BLUE, lw=1.2, label="when it is largest, both fibres")
         ax.plot(x, factor * below[k], color=BLUE, lw=1.2)
         ax.axhline(0.0, color=GREY, lw=0.7)
@@ -70,12 +86,25 @@ def _largest(ax: Axes, x: Array, above: Array, below: Array, unit: str) -> None:
     """The largest size as a number and where it is."""
     values = np.where(np.abs(np.nan_to_num(above)) >= np.abs(np.nan_to_num(below)), above, below)
     at = int(np.nanargmax(np.abs(values)))
-    ax.plot(x[at], values[at], ls="", marker="v" if values[at] > 0.0 else "^", ms=5, color=DEEP, mec=INK, mew=0.5, label="largest", zorder=5)
+    ax.plot(
+        x[at],
+        values[at],
+        ls="",
+        marker="v" if values[at] > 0.0 else "^",
+        ms=5,
+        color=DEEP,
+        mec=INK,
+        mew=0.5,
+        label="largest",
+        zorder=5,
+    )
     ax.set_title(f"{digits(values[at])} {unit}", loc="right", fontsize=9, fontweight="normal")
 
 
 def deflection(result: View) -> Figure:
-    """How far each elastic link is off the line through its ends: as far as it goes to both sides, and its shape when it is farthest off."""
+    """How far each elastic link is off the line through its ends: as far as it goes to both sides, and its
+    shape when it is farthest off.
+    """
     names, over = bent(result)[:MOST], span(result)
     panels = Panels([PANEL if len(names) > 1 else (7.0, 3.0)] * len(names), 2, down=0.95)
     for ax, name in zip(panels.axes, names, strict=True):
@@ -90,13 +119,39 @@ def _shape(ax: Axes, result: View, name: str, over: Span) -> None:
     x[::2], x[1::2] = nodes, 0.5 * (nodes[1:] + nodes[:-1])
     k = int(np.abs(off).max(axis=1).argmax())
     (factor, unit), (long, of) = length_unit(float(np.abs(off).max())), length_unit(float(nodes[-1]))
-    ax.fill_between(long * x, factor * off.min(axis=0), factor * off.max(axis=0), color=SKY, alpha=0.45, lw=0.7, label="over the part shown")
+    ax.fill_between(
+        long * x,
+        factor * off.min(axis=0),
+        factor * off.max(axis=0),
+        color=SKY,
+        alpha=0.45,
+        lw=0.7,
+        label="over the part shown",
+    )
     for j in np.linspace(0, len(off) - 1, min(FAINT, len(off))).astype(int):
-        ax.plot(long * x, factor * off[j], color=GREY, lw=0.5, alpha=0.6, label="from time to time" if j == 0 else None)
+        ax.plot(
+            long * x,
+            factor * off[j],
+            color=GREY,
+            lw=0.5,
+            alpha=0.6,
+            label="from time to time" if j == 0 else None,
+        )
     ax.plot(long * x, factor * off[k], color=BLUE, lw=1.4, label="when it is largest")
     j = int(np.abs(off[k]).argmax())
     ax.plot(
-        long * x[j], factor * off[k, j], ls="", marker="v" if off[k, j] > 0 else "^", ms=5, color=DEEP, mec=INK, mew=0.5, label="largest", zorder=5
+        long * x[j],
+        factor * off[k, j],
+        ls="",
+        marker="v" if off[k, j] > 0 else "^",
+        ms=5,
+        color=DEEP,
+        mec=INK,
+        mew=0.5,
+        label="largest",
+        zorder=5,
     )
     ax.set_title(f"{digits(factor * off[k, j])} {unit}", loc="right", fontsize=9, fontweight="normal")
-    ax.set(title=name, xlabel=f"along {name} ({of})", ylabel=f"deflection ({unit})", xlim=(0.0, long * nodes[-1]))
+    ax.set(
+        title=name, xlabel=f"along {name} ({of})", ylabel=f"deflection ({unit})", xlim=(0.0, long * nodes[-1])
+    )

@@ -9,7 +9,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib import rc_context
 
-from .style import BLUE, BODIES, FAINT, GREY, INK, STYLE, VERMILION, heading, one_legend, panels, readable, saved, scale_of
+from .style import (
+    BLUE,
+    BODIES,
+    FAINT,
+    GREY,
+    INK,
+    STYLE,
+    VERMILION,
+    heading,
+    one_legend,
+    panels,
+    readable,
+    saved,
+    scale_of,
+)
 from .turn import abscissa, one_turn
 
 if TYPE_CHECKING:
@@ -25,13 +39,17 @@ LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)))
 
 def labels(found: Comparison) -> list[str]:
     """Names of the runs: only the kind of law that differs."""
-    kinds = [kind for kind in ("contact", "friction") if len({row[kind] for row in found.rows}) > 1] or ["contact"]
+    kinds = [kind for kind in ("contact", "friction") if len({row[kind] for row in found.rows}) > 1] or [
+        "contact"
+    ]
     return [" + ".join(row[kind] for kind in kinds) for row in found.rows]
 
 
 @rc_context(STYLE)
 def forces(found: Comparison) -> Figure:
-    """Size of each joint's force over the last turn, a line a run; the largest force in each output interval, so that no peak is missed."""
+    """Size of each joint's force over the last turn, a line a run; the largest force in each output interval,
+    so that no peak is missed.
+    """
     count = len(found.joints)
     figure, axes = panels(count, 2, 5.6 if count > 1 else 8.0, 3.2 if count > 2 else 4.0)
     for ax, name in zip(axes, found.joints, strict=True):
@@ -41,9 +59,18 @@ def forces(found: Comparison) -> Figure:
             x, _ = one_turn(abscissa(result)[first:], result)
             joint = list(result.record.assembly.mechanism.joints).index(name)
             y = result.channels["joint_force_max"].values[first:, joint]
-            ax.plot(x, factor * y, color=BODIES[k % len(BODIES)], ls=LINES[k // len(BODIES) % len(LINES)], lw=1.0, label=label)
+            ax.plot(
+                x,
+                factor * y,
+                color=BODIES[k % len(BODIES)],
+                ls=LINES[k // len(BODIES) % len(LINES)],
+                lw=1.0,
+                label=label,
+            )
         ax.set(title=f"joint {name}", ylabel=f"joint force\n({unit})")
-        ax.set_xlabel("time (ms)" if found.results[0].crank is None else f"angle of {found.results[0].crank} (degrees)")
+        ax.set_xlabel(
+            "time (ms)" if found.results[0].crank is None else f"angle of {found.results[0].crank} (degrees)"
+        )
         ax.margins(x=0.0)
     one_legend(figure, axes)
     turn = "" if found.results[0].crank is None else ", last turn"
@@ -70,7 +97,15 @@ def bars(found: Comparison) -> Figure:
         ax.set_title(title, fontsize=10)
         ax.grid(axis="y", visible=False)
         for place, value in zip(places, values, strict=True):
-            ax.annotate(f"{value:,.4g}", (value, place), (3, 0), textcoords="offset points", va="center", fontsize=8, color=INK)
+            ax.annotate(
+                f"{value:,.4g}",
+                (value, place),
+                (3, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=8,
+                color=INK,
+            )
         ax.set_xlim(0.0, 1.3 * max(max(values), 1e-30))
         ax.locator_params(axis="x", nbins=4)
         ax.tick_params(axis="x", labelcolor=GREY, labelsize=8)
@@ -82,7 +117,11 @@ def bars(found: Comparison) -> Figure:
 
 def drawn(found: Comparison, folder: Path) -> list[Path]:
     """Writes both figures into a folder; nothing where no run is complete."""
-    return [saved(draw(found), folder / f"{name}.png") for name, draw in (("forces", forces), ("bars", bars)) if found.rows]
+    return [
+        saved(draw(found), folder / f"{name}.png")
+        for name, draw in (("forces", forces), ("bars", bars))
+        if found.rows
+    ]
 
 
 CURVES = 4  # in one figure, at the most
@@ -95,7 +134,9 @@ ABSCISSAE = {
 
 @rc_context(STYLE)
 def fit_figure(found: Fit) -> Figure:
-    """Above each other a curve and what is left of it; on the right the parameters between their bounds with their confidence, and correlations."""
+    """Above each other a curve and what is left of it; on the right the parameters between their bounds with
+    their confidence, and correlations.
+    """
     curves = found.curves[:CURVES]
     figure, axes = panels(3 * len(curves), 3, 4.0, 2.7, width_ratios=(1.6, 1.2, 1.2))
     for k, one in enumerate(curves):
@@ -126,7 +167,9 @@ def laid(ax: Axes, one: Laid, first: bool) -> None:
     ax.plot(x[::every], factor * one.model[::every], color=BLUE, lw=1.1, label="model")
     ax.set(title=one.channel, xlabel=label, ylabel=unit if one.unit != "1" else "")
     if first:
-        ax.figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2, markerscale=3.0)  # curves fill the axes
+        ax.figure.legend(
+            *ax.get_legend_handles_labels(), loc="outside lower left", ncols=2, markerscale=3.0
+        )  # curves fill the axes
 
 
 def residual(ax: Axes, one: Laid) -> None:
@@ -143,10 +186,21 @@ def ranges(ax: Axes, found: Fit) -> None:
     for k, one in enumerate(found.values):
         at, ends = one.share(one.value), [one.share(end) for end in (one.low, one.high)]
         if all(map(math.isfinite, ends)):
-            ax.plot(np.clip(ends, 0.0, 1.0), [k, k], color=INK if one.told else VERMILION, lw=3.0, solid_capstyle="butt")
+            ax.plot(
+                np.clip(ends, 0.0, 1.0),
+                [k, k],
+                color=INK if one.told else VERMILION,
+                lw=3.0,
+                solid_capstyle="butt",
+            )
         ax.plot([at], [k], "o", color=INK if one.told else VERMILION, ms=5.0)
     ax.set_yticks(range(len(found.values)), [short(one.name) for one in found.values], fontsize=8)
-    ax.set(xlim=(0.0, 1.0), ylim=(len(found.values) - 0.5, -0.5), xlabel="from bound to bound", title=f"{100.0 * found.confidence:g} % confidence")
+    ax.set(
+        xlim=(0.0, 1.0),
+        ylim=(len(found.values) - 0.5, -0.5),
+        xlabel="from bound to bound",
+        title=f"{100.0 * found.confidence:g} % confidence",
+    )
 
 
 def correlations(ax: Axes, found: Fit) -> None:
@@ -157,7 +211,15 @@ def correlations(ax: Axes, found: Fit) -> None:
     ax.set_yticks(range(len(names)), names, fontsize=8)
     for row, line in enumerate(found.correlation):
         for column, value in enumerate(line):
-            ax.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=8, color=INK if abs(value) < 0.6 else FAINT)
+            ax.text(
+                column,
+                row,
+                f"{value:.2f}",
+                ha="center",
+                va="center",
+                fontsize=8,
+                color=INK if abs(value) < 0.6 else FAINT,
+            )
     ax.grid(visible=False)
     ax.set_title("correlation")
 
@@ -175,24 +237,39 @@ PANELS = 6  # measures in one figure, at the most
 
 @rc_context(STYLE)
 def tornado(found: Sensitivity) -> Figure:
-    """By how many per cent measures change with one per cent of each number; hatched, and to the left, where they fall. Thin lines are ranges.
+    """By how many per cent measures change with one per cent of each number; hatched, and to the left, where
+    they fall. Thin lines are ranges.
 
-    A bar is an elasticity; with a star at its number it is the change for 1 %, which the derivative does not describe. A number whose effect is
-    not known has a question mark and no bar; of a measure that the run's companions do not agree on there is the question mark alone. Measures
-    that are zero are left out.
+    A bar is an elasticity; with a star at its number it is the change for 1 %, which the derivative does not
+    describe. A number whose effect is not known has a question mark and no bar; of a measure that the run's
+    companions do not agree on there is the question mark alone. Measures that are zero are left out.
     """
-    names = [name for name in found.measures if name in found.doubtful or any(np.isfinite(e) and e for _, e in found.ranked(name))][:PANELS]
+    names = [
+        name
+        for name in found.measures
+        if name in found.doubtful or any(np.isfinite(e) and e for _, e in found.ranked(name))
+    ][:PANELS]
     figure, axes = panels(max(1, len(names)), 2, 5.4, 0.9 + 0.24 * BARS)
     for ax, name in zip(axes, names, strict=False):
         ax.set_title(name)
         if name in found.doubtful:
-            ax.text(0.5, 0.5, "?\ncompanions part:\nderivatives mean nothing", ha="center", va="center", transform=ax.transAxes, color=GREY)
+            ax.text(
+                0.5,
+                0.5,
+                "?\ncompanions part:\nderivatives mean nothing",
+                ha="center",
+                va="center",
+                transform=ax.transAxes,
+                color=GREY,
+            )
             ax.set(xticks=[], yticks=[])
             continue
         effects = [one for one in found.effects(name) if np.isfinite(one.value)][:BARS]
         places = np.arange(len(effects))
         values = [0.0 if one.kind == "unknown" else one.value for one in effects]
-        bars = ax.barh(places, values, height=0.66, color=[BLUE if value > 0.0 else VERMILION for value in values])
+        bars = ax.barh(
+            places, values, height=0.66, color=[BLUE if value > 0.0 else VERMILION for value in values]
+        )
         for bar, value in zip(bars, values, strict=True):
             bar.set_hatch("" if value > 0.0 else "////")
             bar.set_edgecolor("white")
@@ -203,7 +280,9 @@ def tornado(found: Sensitivity) -> Figure:
         ax.set_yticks(places, [f"{one.path}{MARKS[one.kind]}" for one in effects], fontsize=8)
         ax.invert_yaxis()
         ax.grid(axis="y", visible=False)
-        ax.set_xlabel("% by 1 % (* change for 1 %)" if any(one.kind == "change" for one in effects) else "% by 1 %")
+        ax.set_xlabel(
+            "% by 1 % (* change for 1 %)" if any(one.kind == "change" for one in effects) else "% by 1 %"
+        )
     for ax in axes[len(names) :]:
         ax.set_visible(False)
     heading(figure, f"{found.mechanism}: what its measures depend on")

@@ -1,4 +1,6 @@
-"""Joint forces, moments and accelerations over crank angle, over the ideal ones (Figs. 16-17 of the VFIFE paper)."""
+"""Joint forces, moments and accelerations over crank angle, over the ideal ones (Figs. 16-17 of the VFIFE
+paper).
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.forces import joint_force, joint_force_max, joint_moment, joint_rows
-from ..analysis.guides import slider_motion, sliders
-from ..analysis.ranges import band
+from ..measures.forces import joint_force, joint_force_max, joint_moment, joint_rows
+from ..measures.guides import slider_motion, sliders
+from ..measures.ranges import band
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .layout import ACROSS, Panels
@@ -31,7 +33,9 @@ ROUNDING = 1e-6  # of the largest acceleration, below which one is what rounding
 
 @dataclass(frozen=True)
 class Quantity:
-    """``samples`` of a record at its outputs, (outputs,); ``extremes``, the largest size since the output before; ``peak`` is a measure's name."""
+    """``samples`` of a record at its outputs, (outputs,); ``extremes``, the largest size since the output
+    before; ``peak`` is a measure's name.
+    """
 
     title: str
     what: str
@@ -42,14 +46,20 @@ class Quantity:
 
     def largest(self, record: Record) -> float:
         """The largest size over a whole record."""
-        every = [self.samples(record)] if self.extremes is None or record.static else [self.samples(record), self.extremes(record)]
+        every = (
+            [self.samples(record)]
+            if self.extremes is None or record.static
+            else [self.samples(record), self.extremes(record)]
+        )
         return max(float(np.nanmax(np.abs(one), initial=0.0)) for one in every)
 
 
 def joint_forces(result: View) -> dict[str, Quantity]:
     """Size of the force of each joint that carries one, in the order of tables."""
     found = {name: _force(result, name) for name in joint_rows(result.record)}
-    return _carrying(result, found, max([0.0, *(one.largest(result.record) for one in moments_of(result).values())]))
+    return _carrying(
+        result, found, max([0.0, *(one.largest(result.record) for one in moments_of(result).values())])
+    )
 
 
 def moments(result: View) -> dict[str, Quantity]:
@@ -62,16 +72,29 @@ def moments_of(result: View) -> dict[str, Quantity]:
     record, found = result.record, {}
     for name, (block, _) in joint_rows(record).items():
         if block == "joint":
-            found[name] = Quantity(titled(result, name), "moment", "N m", _column(joint_moment, name), _moment_max(name), f"{name}.moment.max")
+            found[name] = Quantity(
+                titled(result, name),
+                "moment",
+                "N m",
+                _column(joint_moment, name),
+                _moment_max(name),
+                f"{name}.moment.max",
+            )
     for name, body in record.assembly.bodies.items():
         if body.driven is not None and not record.static and record.keeps("driven_torque_max"):
-            torque, most = (_of_body(block, name, "driven") for block in ("driven_torque", "driven_torque_max"))
-            found[f"{name} "] = Quantity(f"drive of {name}", "torque", "N m", torque, most, f"{name}.torque.max")
+            torque, most = (
+                _of_body(block, name, "driven") for block in ("driven_torque", "driven_torque_max")
+            )
+            found[f"{name} "] = Quantity(
+                f"drive of {name}", "torque", "N m", torque, most, f"{name}.torque.max"
+            )
     return found
 
 
 def accelerations(result: View) -> dict[str, Quantity]:
-    """Acceleration of each slider along its guide, and angular acceleration of each other body that is not driven."""
+    """Acceleration of each slider along its guide, and angular acceleration of each other body that is not
+    driven.
+    """
     record = result.record
     if record.static:
         return {}
@@ -86,12 +109,17 @@ def accelerations(result: View) -> dict[str, Quantity]:
         if body.driven is None and name not in gliding and result.measures.get(measure):
             sample, most = (_of_body(block, name, "row") for block in ("body_alpha", "body_alpha_max"))
             found[f"{name} "] = Quantity(name, "angular acceleration", "rad/s²", sample, most, measure)
-    tallest = {unit: max((one.largest(record) for one in found.values() if one.unit == unit), default=0.0) for unit in ("m/s²", "rad/s²")}
+    tallest = {
+        unit: max((one.largest(record) for one in found.values() if one.unit == unit), default=0.0)
+        for unit in ("m/s²", "rad/s²")
+    }
     return {name: one for name, one in found.items() if one.largest(record) > ROUNDING * tallest[one.unit]}
 
 
 def loaded_joints(result: View, most: int) -> list[str]:
-    """Names of the joints that carry a force, in the order of tables; of more than ``most`` those with the largest forces."""
+    """Names of the joints that carry a force, in the order of tables; of more than ``most`` those with the
+    largest forces.
+    """
     return list(hardest(result, joint_forces(result), most))
 
 
@@ -104,7 +132,9 @@ def hardest(result: View, found: dict[str, Quantity], most: int) -> dict[str, Qu
 def titled(result: View, name: str) -> str:
     """What a joint, gear or driver is called over its panel."""
     mechanism = result.record.assembly.mechanism
-    return ("joint " if name in mechanism.joints else "gear " if name in mechanism.gears else "driver ") + name
+    return (
+        "joint " if name in mechanism.joints else "gear " if name in mechanism.gears else "driver "
+    ) + name
 
 
 def _force(result: View, name: str) -> Quantity:
@@ -127,11 +157,15 @@ def _column(of: Callable[[Record], Array], name: str) -> Callable[[Record], Arra
 
 
 def _moment_max(name: str) -> Callable[[Record], Array]:
-    return lambda record: np.asarray(record.block("joint_moment_max")[:, joint_rows(record)[name][1][0]], dtype=float)
+    return lambda record: np.asarray(
+        record.block("joint_moment_max")[:, joint_rows(record)[name][1][0]], dtype=float
+    )
 
 
 def _of_body(block: str, name: str, place: str) -> Callable[[Record], Array]:
-    return lambda record: np.asarray(record.block(block)[:, getattr(record.assembly.bodies[name], place)], dtype=float)
+    return lambda record: np.asarray(
+        record.block(block)[:, getattr(record.assembly.bodies[name], place)], dtype=float
+    )
 
 
 MOST = 16  # panels of a figure; of more those with the largest values
@@ -141,7 +175,9 @@ ALONE = (8.0, 2.9)  # of a panel without another one
 
 @dataclass(frozen=True)
 class Swept:
-    """How far a quantity reaches over a span: ``line`` at the outputs, from ``low`` to ``high`` between them and over all turns."""
+    """How far a quantity reaches over a span: ``line`` at the outputs, from ``low`` to ``high`` between them
+    and over all turns.
+    """
 
     line: Array
     low: Array
@@ -164,12 +200,16 @@ def moment_curves(result: View, reference: View | None = None) -> Figure:
 
 
 def acceleration_curves(result: View, reference: View | None = None) -> Figure:
-    """Acceleration of sliders along their guides, and angular acceleration of each other body that is not driven."""
+    """Acceleration of sliders along their guides, and angular acceleration of each other body that is not
+    driven.
+    """
     return curves(result, reference, accelerations(result), "accelerations")
 
 
 def curves(result: View, reference: View | None, found: dict[str, Quantity], title: str) -> Figure:
-    """A panel for each quantity: samples as a line, a band to the extremes between them, the ideal mechanism, the peak that is reported."""
+    """A panel for each quantity: samples as a line, a band to the extremes between them, the ideal mechanism,
+    the peak that is reported.
+    """
     chosen = list(hardest(result, found, MOST).values())
     panels = Panels([PANEL if len(chosen) > 1 else ALONE] * len(chosen), 2, across=ACROSS)
     over = span(result)
@@ -185,7 +225,9 @@ def curves(result: View, reference: View | None, found: dict[str, Quantity], tit
 
 
 def swept(result: View, one: Quantity, over: Span) -> Swept:
-    """How far a quantity reaches at each output of a span. Extremes are sizes: they are taken to be on the side of the sample."""
+    """How far a quantity reaches at each output of a span. Extremes are sizes: they are taken to be on the
+    side of the sample.
+    """
     record = result.record
     samples = one.samples(record)
     every = over.overlaid(samples)
@@ -200,7 +242,9 @@ def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Sp
     """One quantity on its axes."""
     reach = swept(result, one, over)
     ideal = _ideal(reference, one, over)
-    factor, unit = scale_of(max(reach.most, 0.0 if ideal is None else float(np.abs(ideal[1]).max())), one.unit)
+    factor, unit = scale_of(
+        max(reach.most, 0.0 if ideal is None else float(np.abs(ideal[1]).max())), one.unit
+    )
     _companions(ax, result, one, over, factor)
     if np.any(reach.high > reach.low):
         x, low = over.placed(factor * reach.low)
@@ -219,7 +263,9 @@ def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Sp
 
 
 def _peak(ax: Axes, result: View, one: Quantity, over: Span, reach: Swept, factor: float, unit: str) -> None:
-    """The peak that is reported, as a number and where it is; of a mean over turns also their highest, which is the one that is marked."""
+    """The peak that is reported, as a number and where it is; of a mean over turns also their highest, which
+    is the one that is marked.
+    """
     told = result.measures.get(one.peak)
     if told is None:
         return
@@ -228,9 +274,24 @@ def _peak(ax: Axes, result: View, one: Quantity, over: Span, reach: Swept, facto
     top = reach.high if reach.high[k] >= -reach.low[k] else reach.low
     x, y = over.placed(np.where(np.arange(len(sizes)) == k, factor * top, np.nan))
     name = "peak that is reported" if over.turns is None else "highest of these turns"
-    ax.plot(x, y, ls="", marker="v" if top is reach.high else "^", ms=5, color=DEEP, mec=INK, mew=0.5, zorder=6, label=name)
+    ax.plot(
+        x,
+        y,
+        ls="",
+        marker="v" if top is reach.high else "^",
+        ms=5,
+        color=DEEP,
+        mec=INK,
+        mew=0.5,
+        zorder=6,
+        label=name,
+    )
     times = "" if one.unit in PREFIXED or factor == 1.0 else "× "
-    peak = f"peak {digits(factor * told)}" if over.turns is None else f"mean peak {digits(factor * told)}, highest {digits(factor * sizes[k])}"
+    peak = (
+        f"peak {digits(factor * told)}"
+        if over.turns is None
+        else f"mean peak {digits(factor * told)}, highest {digits(factor * sizes[k])}"
+    )
     ax.set_title(f"{peak} {times}{unit}", loc="right", fontsize=9, fontweight="normal")
 
 
@@ -242,13 +303,19 @@ def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float
     reach = band(result.record, sizes)
     if reach is None or len(reach[0]) != len(over.x):
         return
-    side = np.where(one.samples(result.record)[over.first : over.last + 1] < 0.0, -factor, factor)  # companions keep sizes
+    side = np.where(
+        one.samples(result.record)[over.first : over.last + 1] < 0.0, -factor, factor
+    )  # companions keep sizes
     (x, low), (_, high) = over.placed(side * reach[0]), over.placed(side * reach[1])
-    ax.fill_between(x, low, high, color=ORANGE, alpha=0.6, lw=0.5, label="range of the companions", zorder=3.5)
+    ax.fill_between(
+        x, low, high, color=ORANGE, alpha=0.6, lw=0.5, label="range of the companions", zorder=3.5
+    )
 
 
 def _ideal(reference: View | None, one: Quantity, over: Span) -> tuple[Array, Array] | None:
-    """The curve of the ideal mechanism; None where it has none there, as one that turned elsewhere while it gathered speed."""
+    """The curve of the ideal mechanism; None where it has none there, as one that turned elsewhere while it
+    gathered speed.
+    """
     if reference is None:
         return None
     try:

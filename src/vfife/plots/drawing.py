@@ -1,4 +1,6 @@
-"""The mechanism drawn: where it starts, faint positions over a turn, joints, springs, ground, and names where they cover least."""
+"""The mechanism drawn: where it starts, faint positions over a turn, joints, springs, ground, and names where
+they cover least.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,18 @@ from numpy.typing import NDArray
 from ..model.outlines import loose_pins
 from .layout import Panels, fitting, width_of
 from .sheet import Sheet
-from .signs import Outline, gear_seen, gear_signs, joint_signs, load_signs, named_places, outline, seen, spring_signs, tails
+from .signs import (
+    Outline,
+    gear_seen,
+    gear_signs,
+    joint_signs,
+    load_signs,
+    named_places,
+    outline,
+    seen,
+    spring_signs,
+    tails,
+)
 from .style import BODIES, length_unit
 from .turn import abscissa, said_shortly, span
 
@@ -32,7 +45,9 @@ MOST_NAMED = 12  # bodies that the legend names
 
 
 def drawing(result: View, shown: int | None = None) -> Figure:
-    """Bodies at the start (a static analysis: at the end) or at an output, other positions faint behind them, joints with their names."""
+    """Bodies at the start (a static analysis: at the end) or at an output, other positions faint behind them,
+    joints with their names.
+    """
     mechanism = result.record.assembly.mechanism
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
     low, high = extent(result, outlines)
@@ -60,7 +75,9 @@ def strip(result: View) -> Figure:
     width, height = sides(high - low)
     over = span(result)
     whole = over.cut is not None  # then the last one is the first one again
-    moments = np.linspace(over.first, over.last, min(STRIP + whole, over.last - over.first + 1)).astype(int)[: STRIP if whole else None]
+    moments = np.linspace(over.first, over.last, min(STRIP + whole, over.last - over.first + 1)).astype(int)[
+        : STRIP if whole else None
+    ]
     panels = Panels([(SMALLER * width, SMALLER * height)] * len(moments), 4, across=0.3, down=0.4)
     for ax, k in zip(panels.axes, moments, strict=True):
         sheet = on_sheet(ax, result, int(k), low, high)
@@ -93,7 +110,12 @@ def on_sheet(ax: Axes, result: View, shown: int, low: Array, high: Array) -> She
     names = list(result.record.assembly.bodies)
     colours = {name: BODIES[k % len(BODIES)] for k, name in enumerate(names)}
     striped = frozenset(names[len(BODIES) :])
-    ax.set(xlim=factor * np.array([low[0], high[0]]), ylim=factor * np.array([low[1], high[1]]), xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+    ax.set(
+        xlim=factor * np.array([low[0], high[0]]),
+        ylim=factor * np.array([low[1], high[1]]),
+        xlabel=f"x ({unit})",
+        ylabel=f"y ({unit})",
+    )
     ax.set_autoscale_on(False)
     return Sheet(ax, result, factor, factor * size, shown, colours, striped)
 
@@ -126,12 +148,18 @@ def _when(result: View, shown: int, asked: bool, faint: bool) -> str:
         return f"at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
     if asked:
         angle = "" if result.crank is None else f"{result.crank} at {abscissa(result)[shown] % 360.0:.4g}°, "
-        return f"at {angle}{1e3 * result.time[shown]:.4g} ms" + (" (faint: over the last turn)" if faint and result.crank is not None else "")
-    return "at the start" + ("" if not faint else " (faint: over the last turn)" if result.crank is not None else " (faint: later)")
+        return f"at {angle}{1e3 * result.time[shown]:.4g} ms" + (
+            " (faint: over the last turn)" if faint and result.crank is not None else ""
+        )
+    return "at the start" + (
+        "" if not faint else " (faint: over the last turn)" if result.crank is not None else " (faint: later)"
+    )
 
 
 def extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
-    """Lower left and upper right corner (m) of what is drawn, with a margin that holds the signs for the ground."""
+    """Lower left and upper right corner (m) of what is drawn, with a margin that holds the signs for the
+    ground.
+    """
     mechanism = result.record.assembly.mechanism
     points = [one.path.reshape(-1, 2) for one in outlines.values()]
     shown = len(result.record.steps) - 1 if result.record.static else 0
@@ -186,7 +214,12 @@ NAME_SIZE, HIGH = 9.0, 12.0  # points: of the font, and of a line
 AWAY = (9.0, 14.0, 20.0, 28.0, 38.0)  # points from a sign to the nearest edge of its name
 LONGEST = 2.2  # inches of a name
 APART = 4.0  # points between places of a line that a name should not cover
-TAKEN, OUTSIDE, COVERED, FAR = 400.0, 4000.0, 3.0, 0.25  # what it costs: another name, the edge, a place of a line, a point of distance
+TAKEN, OUTSIDE, COVERED, FAR = (
+    400.0,
+    4000.0,
+    3.0,
+    0.25,
+)  # what it costs: another name, the edge, a place of a line, a point of distance
 LOWEST = 2.0  # zorder from which on a line should not be covered; what is faint lies below
 BACK = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.75}
 
@@ -195,7 +228,11 @@ def place_names(sheet: Sheet) -> None:
     """Writes the names where they cover least of what is drawn. The axes have their place and limits."""
     ax = sheet.ax
     lines = [np.asarray(line.get_xydata(), dtype=float) for line in ax.lines if line.get_zorder() >= LOWEST]
-    lines += [np.array([one.xy, one.get_position()], dtype=float) for one in ax.texts if isinstance(one, Annotation) and not one.get_text()]
+    lines += [
+        np.array([one.xy, one.get_position()], dtype=float)
+        for one in ax.texts
+        if isinstance(one, Annotation) and not one.get_text()
+    ]
     points = ax.figure.dpi / 72.0
 
     def seen(at: Array) -> Array:
@@ -203,11 +240,20 @@ def place_names(sheet: Sheet) -> None:
 
     places = named_places(sheet)
     signs = np.array([seen(label.at) for label, _ in places]).reshape(-1, 2)
-    covered = np.concatenate([signs, *(_along(seen(line[np.isfinite(line).all(axis=1)])) for line in lines if len(line))])
+    covered = np.concatenate(
+        [signs, *(_along(seen(line[np.isfinite(line).all(axis=1)])) for line in lines if len(line))]
+    )
     box = ax.get_window_extent()
     corners = np.array([[box.x0, box.y0], [box.x1, box.y1]]) / points
     taken: list[Array] = []
-    look: dict[str, Any] = {"ha": "center", "va": "center", "weight": "bold", "fontsize": NAME_SIZE, "bbox": BACK, "zorder": 9}
+    look: dict[str, Any] = {
+        "ha": "center",
+        "va": "center",
+        "weight": "bold",
+        "fontsize": NAME_SIZE,
+        "bbox": BACK,
+        "zorder": 9,
+    }
     for (label, names), sign in zip(places, signs, strict=True):
         text = fitting(ax.figure, ", ".join(names), LONGEST, NAME_SIZE, "bold")  # type: ignore[arg-type]
         half = np.array([0.5 * 72.0 * width_of(ax.figure, text, NAME_SIZE, "bold"), 0.5 * HIGH])  # type: ignore[arg-type]
@@ -216,9 +262,18 @@ def place_names(sheet: Sheet) -> None:
         cost = np.array([_cost(centre, half, covered, taken, corners) for centre in centres])
         gap = np.linalg.norm(np.maximum(np.abs(centres - sign) - half, 0.0), axis=1)
         outward = (centres - sign) @ _unit(sign - corners.mean(axis=0)) / 60.0
-        best = centres[int(np.argmin(cost + FAR * gap - outward - (8.0 * label.fixed * (np.arange(len(centres)) == 0))))]
+        best = centres[
+            int(np.argmin(cost + FAR * gap - outward - (8.0 * label.fixed * (np.arange(len(centres)) == 0))))
+        ]
         taken.append(np.stack([best - half, best + half]))
-        ax.annotate(text, tuple(label.at), xytext=tuple(best - sign), textcoords="offset points", annotation_clip=False, **look)
+        ax.annotate(
+            text,
+            tuple(label.at),
+            xytext=tuple(best - sign),
+            textcoords="offset points",
+            annotation_clip=False,
+            **look,
+        )
 
 
 def _candidates(sign: Array, half: Array, fixed: bool) -> Array:

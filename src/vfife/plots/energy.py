@@ -38,8 +38,12 @@ def energy(result: View) -> Figure:
     panels = Panels([(4.6, 2.3), (4.6, 2.3), (4.6, 1.5)], 1)
     most = max(float(np.abs(values).max()) for values in ledger.terms.values())
     for ax, terms, what in ((panels.axes[0], STORED, "stored"), (panels.axes[1], FLOWN, "since the start")):
-        kept = {name: ledger.terms[name] for name in terms if np.abs(ledger.terms[name]).max() > PRESENT * most}
-        factor, unit = scale_of(max((float(np.abs(values).max()) for values in kept.values()), default=0.0), "J")
+        kept = {
+            name: ledger.terms[name] for name in terms if np.abs(ledger.terms[name]).max() > PRESENT * most
+        }
+        factor, unit = scale_of(
+            max((float(np.abs(values).max()) for values in kept.values()), default=0.0), "J"
+        )
         for name, values in kept.items():
             label, look = terms[name]
             ax.plot(time, factor * values, label=label, **({"lw": 1.2} | look))

@@ -1,4 +1,6 @@
-"""A run as a film: the mechanism as it moves, its clearance drawn larger, and beside it the forces as they come."""
+"""A run as a film: the mechanism as it moves, its clearance drawn larger, and beside it the forces as they
+come.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..analysis.motion import pin_path
+from ..measures.motion import pin_path
 from ..results.view import View
 from ..solvers.record import Record
 from .curves import Quantity, joint_forces, loaded_joints
@@ -34,7 +36,9 @@ PLAY = 0.028  # radius of the largest clearance circle, as a share of the drawin
 BESIDE = 7.0  # points by which a name stands farther away where circles are drawn larger
 SEEN = 2.0  # times as large: play that would be drawn larger by less is seen as it is
 TRAIL = 12  # frames that a journal's way is seen in its circle
-CIRCLE = np.stack([np.cos(np.linspace(0.0, 2.0 * np.pi, 49)), np.sin(np.linspace(0.0, 2.0 * np.pi, 49))], axis=1)
+CIRCLE = np.stack(
+    [np.cos(np.linspace(0.0, 2.0 * np.pi, 49)), np.sin(np.linspace(0.0, 2.0 * np.pi, 49))], axis=1
+)
 
 
 @dataclass
@@ -60,7 +64,9 @@ class Running:
 
 
 class Film:
-    """The frames of a run. ``frames`` are drawn one after another by :meth:`pictures`; ``size`` is that of each, in pixels."""
+    """The frames of a run. ``frames`` are drawn one after another by :meth:`pictures`; ``size`` is that of
+    each, in pixels.
+    """
 
     def __init__(self, result: View, reference: View | None, frames: int, turns: float, dpi: float) -> None:
         self.result, self.reference = result, reference
@@ -76,19 +82,33 @@ class Film:
         self.size = self.canvas.get_width_height()
 
     def pictures(self) -> Iterator[NDArray[np.uint8]]:
-        """The frames, each as pixels of red, green, blue and opacity, shape (height, width, 4); one is overwritten by the next."""
+        """The frames, each as pixels of red, green, blue and opacity, shape (height, width, 4); one is
+        overwritten by the next.
+        """
         with matplotlib.rc_context(STYLE):
             self.canvas.draw()
             grown = self.canvas.copy_from_bbox(self.figure.bbox)
-            lines = [curve.ax.plot([], [], color=BLUE, lw=1.3, animated=True, zorder=4)[0] for curve in self.curves]
-            heads = [curve.ax.plot([], [], ls="", marker="o", ms=5, color=BLUE, mec="white", animated=True, zorder=5)[0] for curve in self.curves]
+            lines = [
+                curve.ax.plot([], [], color=BLUE, lw=1.3, animated=True, zorder=4)[0] for curve in self.curves
+            ]
+            heads = [
+                curve.ax.plot(
+                    [], [], ls="", marker="o", ms=5, color=BLUE, mec="white", animated=True, zorder=5
+                )[0]
+                for curve in self.curves
+            ]
             for k in range(self.frames):
                 self.canvas.restore_region(grown)
                 for line, curve in zip(lines, self.curves, strict=True):
                     upto = slice(*self._between(k))
-                    line.set_data(np.append(curve.x[upto], self._head(curve.x, k)), np.append(curve.y[upto], self._head(curve.y, k)))
+                    line.set_data(
+                        np.append(curve.x[upto], self._head(curve.x, k)),
+                        np.append(curve.y[upto], self._head(curve.y, k)),
+                    )
                     curve.ax.draw_artist(line)
-                grown = self.canvas.copy_from_bbox(self.figure.bbox) if lines else grown  # what a curve has drawn stays
+                grown = (
+                    self.canvas.copy_from_bbox(self.figure.bbox) if lines else grown
+                )  # what a curve has drawn stays
                 for head, curve in zip(heads, self.curves, strict=True):
                     head.set_data([self._head(curve.x, k)], [self._head(curve.y, k)])
                     curve.ax.draw_artist(head)
@@ -111,7 +131,8 @@ class Film:
         angle = "" if self.result.crank is None else f"{self.result.crank} {self._head(self.over, k):.0f}°, "
         return f"{angle}{1e3 * now:.2f} ms"
 
-    # -------------------------------------------------------------------------------------------- what does not move
+    # -------------------------------------------------------------------------------------------- what does
+    # not move
 
     def _draw_still(self) -> None:
         names = loaded_joints(self.result, MOST_PANELS)
@@ -122,9 +143,17 @@ class Film:
         low, high = extent(self.view, outlines)
         size = float(np.max(high - low)) or 1.0
         factor, unit = length_unit(size)
-        colours, striped = {name: BODIES[k % len(BODIES)] for k, name in enumerate(outlines)}, frozenset(list(outlines)[len(BODIES) :])
+        colours, striped = (
+            {name: BODIES[k % len(BODIES)] for k, name in enumerate(outlines)},
+            frozenset(list(outlines)[len(BODIES) :]),
+        )
         ax.set_aspect("equal")
-        ax.set(xlim=factor * np.array([low[0], high[0]]), ylim=factor * np.array([low[1], high[1]]), xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+        ax.set(
+            xlim=factor * np.array([low[0], high[0]]),
+            ylim=factor * np.array([low[1], high[1]]),
+            xlabel=f"x ({unit})",
+            ylabel=f"y ({unit})",
+        )
         ax.set_autoscale_on(False)
         largest = max((joint.clearance for joint in mechanism.clearances.values()), default=0.0)
         larger = PLAY * size / largest if largest > 0.0 else 1.0
@@ -160,7 +189,9 @@ class Film:
             sheet.ax.plot(*trail[-1], ls="", marker="o", ms=5, color=VERMILION, mec=INK, mew=0.8, zorder=9.3)
 
     def _panel(self, name: str, k: int, count: int) -> Running:
-        """Axes for the force of a joint: the whole curve faint, the ideal one, and room for the one that runs."""
+        """Axes for the force of a joint: the whole curve faint, the ideal one, and room for the one that
+        runs.
+        """
         height = 0.76 / count
         ax = self.figure.add_axes((0.665, 0.11 + (count - 1 - k) * height + 0.02, 0.315, height - 0.075))
         found = force_from(self.result, self.reference, joint_forces(self.result)[name], self.first)
@@ -168,7 +199,14 @@ class Film:
         factor, unit = scale_of(most, "N")
         ax.plot(found.x, factor * found.force, color=BLUE, lw=0.8, alpha=0.25, zorder=2)
         if found.ideal is not None:
-            ax.plot(found.ideal[0], factor * found.ideal[1], color=VERMILION, lw=1.2, zorder=3, label="ideal joints")
+            ax.plot(
+                found.ideal[0],
+                factor * found.ideal[1],
+                color=VERMILION,
+                lw=1.2,
+                zorder=3,
+                label="ideal joints",
+            )
             if k == 0:
                 ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderpad=0.0, fontsize=9)
         ax.set_title(f"joint {name}", fontsize=10)
@@ -177,7 +215,11 @@ class Film:
             ax.set_xlabel(axis_title(self.result))
         else:
             ax.tick_params(labelbottom=False)
-        if self.result.crank is not None and not self.result.record.static and 300.0 < abs(found.x[-1] - found.x[0]) <= 361.0:
+        if (
+            self.result.crank is not None
+            and not self.result.record.static
+            and 300.0 < abs(found.x[-1] - found.x[0]) <= 361.0
+        ):
             ax.set_xticks(np.arange(60.0 * math.ceil(min(found.x) / 60.0 - 1e-6), max(found.x) + 1e-6, 60.0))
         ax.set_autoscale_on(False)
         return Running(ax, found.x, factor * found.force)
@@ -189,7 +231,9 @@ def _limits(x: Array) -> tuple[float, float]:
 
 
 def first_output(result: View, turns: float) -> int:
-    """The output at which the last ``turns`` turns of the crank begin; 0 without a crank, and where the run is shorter."""
+    """The output at which the last ``turns`` turns of the crank begin; 0 without a crank, and where the run
+    is shorter.
+    """
     record = result.record
     turn, step = record.assembly.choice.turn, record.assembly.choice.step
     if turn is None or record.static:
@@ -199,24 +243,34 @@ def first_output(result: View, turns: float) -> int:
 
 
 def places_between(outputs: int, first: int, frames: int) -> Array:
-    """Where among the outputs each frame is, shape (frames,): output 7 and a quarter is 7.25. Never more frames than outputs."""
+    """Where among the outputs each frame is, shape (frames,): output 7 and a quarter is 7.25. Never more
+    frames than outputs.
+    """
     return np.linspace(first, outputs - 1, min(frames, outputs - first))
 
 
 def moments(result: View, at: Array) -> View:
-    """The run as it is at places between its outputs: positions and angles on a straight line from one to the next, shape (places, rows)."""
+    """The run as it is at places between its outputs: positions and angles on a straight line from one to the
+    next, shape (places, rows).
+    """
     record = result.record
     low = np.minimum(at.astype(int), max(len(record.steps) - 2, 0))
     share = (at - low)[:, None]
     high = np.minimum(low + 1, len(record.steps) - 1)
-    rows = record.rows[low] * (1.0 - share) + record.rows[high] * share if len(record.steps) > 1 else record.rows[low]
+    rows = (
+        record.rows[low] * (1.0 - share) + record.rows[high] * share
+        if len(record.steps) > 1
+        else record.rows[low]
+    )
     steps = record.steps[np.rint(at).astype(int)]
     return View(Record(record.assembly, steps, rows, record.kept, status=record.status))
 
 
 @dataclass(frozen=True)
 class ForceCurve:
-    """Largest force of a joint in each interval (N) over crank angle (degrees), time (ms) or load factor, and the ideal one's."""
+    """Largest force of a joint in each interval (N) over crank angle (degrees), time (ms) or load factor, and
+    the ideal one's.
+    """
 
     x: Array
     force: Array
@@ -229,7 +283,9 @@ def force_from(result: View, reference: View | None, one: Quantity, first: int) 
     force = largest(result, one)[first:]
     if reference is None:
         return ForceCurve(x, force, None)
-    at, values = Span(first, first + len(x) - 1, x, None, axis_title(result), origin).beside(reference, largest(reference, one))
+    at, values = Span(first, first + len(x) - 1, x, None, axis_title(result), origin).beside(
+        reference, largest(reference, one)
+    )
     if result.crank is not None and not result.record.static:
         turns = range(1 + int(abs(x[-1] - x[0]) / 360.0))
         at, values = np.concatenate([at + 360.0 * k for k in turns]), np.tile(values, len(turns))
@@ -239,4 +295,8 @@ def force_from(result: View, reference: View | None, one: Quantity, first: int) 
 
 def largest(result: View, one: Quantity) -> Array:
     """The largest force since the output before, or that of an equilibrium."""
-    return one.samples(result.record) if one.extremes is None or result.record.static else one.extremes(result.record)
+    return (
+        one.samples(result.record)
+        if one.extremes is None or result.record.static
+        else one.extremes(result.record)
+    )

@@ -23,25 +23,44 @@ Told = Callable[[int, int], None]  # frames that are done, and all of them
 FILMS = (".gif", ".mp4")
 PIXELS = {".gif": 96.0, ".mp4": 128.0}  # an inch: 960 by 540 and 1280 by 720
 MOST_FRAMES = 3000
-EXTRA = 'MP4 is written by imageio-ffmpeg, which is not installed here: pip install "vfife[video]", or write .gif'
-NEAR_WHITE = 240  # of 255: what is lighter is white, or paper would be grey where colours are looked up coarsely
+EXTRA = (
+    'MP4 is written by imageio-ffmpeg, which is not installed here: pip install "vfife[video]", or write .gif'
+)
+NEAR_WHITE = (
+    240  # of 255: what is lighter is white, or paper would be grey where colours are looked up coarsely
+)
 SHORTEST = 3.0  # s that a film of equilibria takes, if each is shown for no more than a second
 SHADES = 8  # of each colour in the palette of a GIF, for soft edges
 
 
 def animate(
-    result: View, path: Path, frames: int = 240, rate: float = 25.0, turns: float = 1.0, told: Told | None = None, reference: View | None = None
+    result: View,
+    path: Path,
+    frames: int = 240,
+    rate: float = 25.0,
+    turns: float = 1.0,
+    told: Told | None = None,
+    reference: View | None = None,
 ) -> tuple[int, float]:
-    """Writes a film of the last ``turns`` turns, of the whole run without a crank; returns how many frames it has and how long (s) it is.
+    """Writes a film of the last ``turns`` turns, of the whole run without a crank; returns how many frames it
+    has and how long (s) it is.
 
-    It has as many ``frames`` as are asked for, or as the run has outputs, ``rate`` of them a second; few equilibria are shown more slowly. ``told``
-    is called after each. Raises VfifeError for another ending, numbers out of range, and MP4 without imageio-ffmpeg; StorageError or OSError where
-    the file cannot be written.
+    It has as many ``frames`` as are asked for, or as the run has outputs, ``rate`` of them a second; few
+    equilibria are shown more slowly. ``told`` is called after each. Raises VfifeError for another ending,
+    numbers out of range, and MP4 without imageio-ffmpeg; StorageError or OSError where the file cannot be
+    written.
     """
     kind = path.suffix.lower()
     if kind not in FILMS:
-        raise VfifeError(f'{path}: no film is written as "{path.suffix or path.name}"; endings that say a format are {", ".join(FILMS)}')
-    for name, value, low, high in (("frames", frames, 2, MOST_FRAMES), ("frames a second", rate, 1, 50), ("turns", turns, 1e-3, 1e4)):
+        raise VfifeError(
+            f'{path}: no film is written as "{path.suffix or path.name}"; endings that say a format are'
+            f" {', '.join(FILMS)}"
+        )
+    for name, value, low, high in (
+        ("frames", frames, 2, MOST_FRAMES),
+        ("frames a second", rate, 1, 50),
+        ("turns", turns, 1e-3, 1e4),
+    ):
         if not low <= value <= high:
             raise VfifeError(f"{path}: {name}: {value:g} is not between {low:g} and {high:g}")
     program = _ffmpeg(path) if kind == ".mp4" else ""
@@ -72,13 +91,43 @@ def _ffmpeg(path: Path) -> str:
 def _mp4(film: Film, path: Path, part: Path, rate: float, told: Told | None, program: str) -> None:
     """H.264 in the colours that every player shows. Ctrl-C does not reach the encoder: it is ended here."""
     width, height = film.size
-    given = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-", "-an"]
-    wanted = ["-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"]
+    given = [
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgba",
+        "-s",
+        f"{width}x{height}",
+        "-r",
+        f"{rate:g}",
+        "-i",
+        "-",
+        "-an",
+    ]
+    wanted = [
+        "-c:v",
+        "libx264",
+        "-preset",
+        "veryfast",
+        "-crf",
+        "20",
+        "-pix_fmt",
+        "yuv420p",
+        "-movflags",
+        "+faststart",
+        "-f",
+        "mp4",
+    ]
     with TemporaryFile() as said:
         line = [program, "-y", "-v", "error", *given, *wanted, str(part.absolute())]
-        encoder = subprocess.Popen(line, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True)
+        encoder = subprocess.Popen(
+            line, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True
+        )
         try:
-            with suppress(BrokenPipeError), cast("IO[bytes]", encoder.stdin) as pipe:  # broken: it ended, and why is told below
+            with (
+                suppress(BrokenPipeError),
+                cast("IO[bytes]", encoder.stdin) as pipe,
+            ):  # broken: it ended, and why is told below
                 for k, picture in enumerate(film.pictures(), 1):
                     pipe.write(picture.data)
                     if told is not None:
@@ -95,7 +144,9 @@ def _mp4(film: Film, path: Path, part: Path, rate: float, told: Told | None, pro
 def _last_line(said: IO[bytes]) -> str:
     said.seek(0)
     lines = said.read().decode("utf-8", "replace").split("\n")
-    return next((line.strip().rstrip(".") for line in reversed(lines) if line.strip()), "it ended without a word")
+    return next(
+        (line.strip().rstrip(".") for line in reversed(lines) if line.strip()), "it ended without a word"
+    )
 
 
 def _gif(film: Film, part: Path, rate: float, told: Told | None) -> None:
@@ -111,7 +162,9 @@ def _gif(film: Film, part: Path, rate: float, told: Told | None) -> None:
 
     every = frames()
     lasting = 10 * max(2, round(100.0 / rate))  # ms; less than two hundredths are shown slowly
-    next(every).save(part, format="GIF", save_all=True, append_images=every, duration=lasting, loop=0, optimize=False)
+    next(every).save(
+        part, format="GIF", save_all=True, append_images=every, duration=lasting, loop=0, optimize=False
+    )
 
 
 def _palette() -> Image.Image:
@@ -129,4 +182,7 @@ def _palette() -> Image.Image:
 
 
 def _shades(of: tuple[int, ...], towards: tuple[int, ...]) -> list[tuple[int, ...]]:
-    return [tuple(round(a + (b - a) * k / SHADES) for a, b in zip(of, towards, strict=True)) for k in range(SHADES + 1)]
+    return [
+        tuple(round(a + (b - a) * k / SHADES) for a, b in zip(of, towards, strict=True))
+        for k in range(SHADES + 1)
+    ]

@@ -1,4 +1,6 @@
-"""Pictures of a law by itself: the loop of a free impact and what restitution it delivers; friction over sliding velocity."""
+"""Pictures of a law by itself: the loop of a free impact and what restitution it delivers; friction over
+sliding velocity.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +16,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from ..analysis.impact import Impact
+    from ..measures.impact import Impact
 
     Array = NDArray[np.float64]
 
 
 @rc_context(STYLE)
 def contact_figure(title: str, loops: dict[str, Impact], delivered: tuple[Array, Array] | None) -> Figure:
-    """Force against penetration of free impacts, by label, and restitution delivered against restitution asked for, if the law has any."""
+    """Force against penetration of free impacts, by label, and restitution delivered against restitution
+    asked for, if the law has any.
+    """
     figure, axes = panels(2 if delivered is not None else 1, 2, 4.9, 4.3)
     length, unit = length_unit(max(one.deepest for one in loops.values()))
     factor, force = scale_of(max(one.largest for one in loops.values()), "N")
@@ -33,12 +37,26 @@ def contact_figure(title: str, loops: dict[str, Impact], delivered: tuple[Array,
     if delivered is not None:
         handles, labels = axes[0].get_legend_handles_labels()
         said = "loops: restitution asked for → delivered"
-        figure.legend(handles, labels, loc="outside lower center", ncols=5, title=said, columnspacing=1.4, handlelength=1.4)
+        figure.legend(
+            handles,
+            labels,
+            loc="outside lower center",
+            ncols=5,
+            title=said,
+            columnspacing=1.4,
+            handlelength=1.4,
+        )
     if delivered is not None:
         asked, found = delivered
         axes[1].plot([0.0, 1.0], [0.0, 1.0], color=GREY, lw=0.9, ls=(0, (4, 3)), label="as asked for")
         axes[1].plot(asked, found, color=BLUE, label="delivered")
-        axes[1].set(xlabel="restitution asked for", ylabel="restitution delivered", title="restitution", xlim=(0.0, 1.0), ylim=(0.0, 1.02))
+        axes[1].set(
+            xlabel="restitution asked for",
+            ylabel="restitution delivered",
+            title="restitution",
+            xlim=(0.0, 1.0),
+            ylim=(0.0, 1.02),
+        )
         axes[1].set_aspect("equal", adjustable="box")
         axes[1].legend(loc="upper left")
     heading(figure, title)
@@ -46,22 +64,40 @@ def contact_figure(title: str, loops: dict[str, Impact], delivered: tuple[Array,
 
 
 @rc_context(STYLE)
-def friction_figure(title: str, speeds: Array, forces: Array, loops: dict[str, tuple[Array, Array]], normal: float) -> Figure:
-    """Force against the motion over the normal force, against sliding velocity, steady; loops of small sliding for a law with memory."""
+def friction_figure(
+    title: str, speeds: Array, forces: Array, loops: dict[str, tuple[Array, Array]], normal: float
+) -> Figure:
+    """Force against the motion over the normal force, against sliding velocity, steady; loops of small
+    sliding for a law with memory.
+    """
     figure, axes = panels(2 if loops else 1, 2, 4.9, 4.1 if loops else 3.6)
     axes[0].plot(speeds, -forces / normal, color=BLUE)
     small = float(np.abs(speeds[np.abs(speeds) > 0.0]).min())
     axes[0].set_xscale("symlog", linthresh=small)
-    axes[0].set_xticks([sign * 10.0**power for sign in (-1, 1) for power in range(round(np.log10(small)), 1, 2)] + [0.0])
+    axes[0].set_xticks(
+        [sign * 10.0**power for sign in (-1, 1) for power in range(round(np.log10(small)), 1, 2)] + [0.0]
+    )
     axes[0].minorticks_off()
-    axes[0].set(xlabel="sliding velocity (m/s)", ylabel="resisting force / normal force", title="steady sliding")
+    axes[0].set(
+        xlabel="sliding velocity (m/s)", ylabel="resisting force / normal force", title="steady sliding"
+    )
     if loops:
         length, unit = length_unit(max(float(np.abs(place).max()) for place, _ in loops.values()))
-        for colour, (label, (place, force)) in zip((VERMILION, BLUE, BODIES[2]), reversed(loops.items()), strict=False):
+        for colour, (label, (place, force)) in zip(
+            (VERMILION, BLUE, BODIES[2]), reversed(loops.items()), strict=False
+        ):
             axes[1].plot(length * place, -force / normal, color=colour, lw=1.2, label=label)
-        axes[1].set(xlabel=f"displacement ({unit})", ylabel="resisting force / normal force", title="before it slides")
+        axes[1].set(
+            xlabel=f"displacement ({unit})", ylabel="resisting force / normal force", title="before it slides"
+        )
         handles, labels = axes[1].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=3, title="strokes, of the displacement at which it breaks away")
+        figure.legend(
+            handles,
+            labels,
+            loc="outside lower center",
+            ncols=3,
+            title="strokes, of the displacement at which it breaks away",
+        )
     heading(figure, title)
     return figure
 

@@ -1,4 +1,6 @@
-"""Panels of given sizes on a sheet that is as large as they, their labels, a title and a legend need: nothing is cut, and drawing is fast."""
+"""Panels of given sizes on a sheet that is as large as they, their labels, a title and a legend need: nothing
+is cut, and drawing is fast.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +17,49 @@ from matplotlib.lines import Line2D
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LEFT, RIGHT, BOTTOM, TOP, ACROSS, DOWN = 0.82, 0.3, 0.55, 0.36, 1.0, 0.72  # inches around panels, and between them
+LEFT, RIGHT, BOTTOM, TOP, ACROSS, DOWN = (
+    0.82,
+    0.3,
+    0.55,
+    0.36,
+    1.0,
+    0.72,
+)  # inches around panels, and between them
 SEEN, NARROW = 4.0, 4.6  # points of a dot in the legend; inches of the narrowest sheet
-LINE, TITLE, HANDLE = 0.21, 0.26, 0.62  # inches: a line of the legend, one of the title, what stands before a name in the legend
+LINE, TITLE, HANDLE = (
+    0.21,
+    0.26,
+    0.62,
+)  # inches: a line of the legend, one of the title, what stands before a name in the legend
 
 WIDTHS: dict[tuple[str, float, str], float] = {}  # of texts that were measured, which takes long (inches)
 MOST_WIDTHS = 10_000
 
 
 class Panels:
-    """``sizes`` are width and height (inches) of each panel, laid in rows of so many ``columns``; :meth:`close` when all is drawn."""
+    """``sizes`` are width and height (inches) of each panel, laid in rows of so many ``columns``;
+    :meth:`close` when all is drawn.
+    """
 
-    def __init__(self, sizes: Sequence[tuple[float, float]], columns: int, *, down: float = DOWN, across: float = ACROSS) -> None:
-        self.sizes, self.columns, self.down, self.across = list(sizes), max(1, min(columns, len(sizes))), down, across
+    def __init__(
+        self,
+        sizes: Sequence[tuple[float, float]],
+        columns: int,
+        *,
+        down: float = DOWN,
+        across: float = ACROSS,
+    ) -> None:
+        self.sizes, self.columns, self.down, self.across = (
+            list(sizes),
+            max(1, min(columns, len(sizes))),
+            down,
+            across,
+        )
         self.figure = Figure(figsize=(4.0, 4.0))
         FigureCanvasAgg(self.figure)
-        self.axes: list[Axes] = [self.figure.add_axes((0.1, 0.1, 0.8, 0.8), label=str(k)) for k in range(len(self.sizes))]
+        self.axes: list[Axes] = [
+            self.figure.add_axes((0.1, 0.1, 0.8, 0.8), label=str(k)) for k in range(len(self.sizes))
+        ]
         self.signs: dict[str, Any] = {}  # of the legend, beside what the panels name
         self.told: dict[str, Any] | None = None  # the legend, in place of what the panels name
         self.bars: list[tuple[int, Axes]] = []
@@ -54,11 +83,16 @@ class Panels:
         width = LEFT + sum(widths) + self.across * (self.columns - 1) + (RIGHT if not self.bars else 1.0)
         width = max(width, NARROW)
         self._shorten()
-        entries = {fitting(self.figure, name, width - 0.5 - HANDLE, 9.5): handle for name, handle in self._entries().items()}
+        entries = {
+            fitting(self.figure, name, width - 0.5 - HANDLE, 9.5): handle
+            for name, handle in self._entries().items()
+        }
         columns, lines = self._legend(list(entries), width - 0.3)
         said = broken(self.figure, title, width - 0.4, 12.0)
         below = 0.12 + LINE * lines if lines else 0.05
-        over = TOP if any(ax.get_title(loc="left") or ax.get_title(loc="center") for ax in self.axes) else 0.08
+        over = (
+            TOP if any(ax.get_title(loc="left") or ax.get_title(loc="center") for ax in self.axes) else 0.08
+        )
         under = BOTTOM if any(ax.get_xlabel() for ax in self.axes) else 0.15
         height = below + under + sum(heights) + self.down * (len(rows) - 1) + over + TITLE * len(said) + 0.08
         self.figure.set_size_inches(width, height)
@@ -71,12 +105,25 @@ class Panels:
         for k, beside in self.bars:
             place = self.axes[k].get_position()
             beside.set_position((place.x1 + 0.1 / width, place.y0, 0.14 / width, place.height))
-        self.figure.suptitle("\n".join(said), x=0.2 / width, y=1.0 - 0.08 / height, ha="left", va="top", fontsize=12.0)
+        self.figure.suptitle(
+            "\n".join(said), x=0.2 / width, y=1.0 - 0.08 / height, ha="left", va="top", fontsize=12.0
+        )
         if lines:
-            look: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.12 / width, 0.02 / height), "ncols": columns, "borderpad": 0.3}
+            look: dict[str, Any] = {
+                "loc": "lower left",
+                "bbox_to_anchor": (0.12 / width, 0.02 / height),
+                "ncols": columns,
+                "borderpad": 0.3,
+            }
             handler = {tuple: HandlerTuple(ndivide=1)}
             self.figure.legend(
-                list(entries.values()), list(entries), fontsize=9.5, columnspacing=1.2, labelspacing=0.35, handler_map=handler, **look
+                list(entries.values()),
+                list(entries),
+                fontsize=9.5,
+                columnspacing=1.2,
+                labelspacing=0.35,
+                handler_map=handler,
+                **look,
             )
         return self.figure
 
@@ -110,7 +157,11 @@ class Panels:
 
 def _seen(handle: Any) -> Any:
     """What stands for a line in the legend: dots large enough to be seen, in full colour."""
-    if not isinstance(handle, Line2D) or handle.get_linestyle() not in ("None", "") or handle.get_markersize() >= SEEN:
+    if (
+        not isinstance(handle, Line2D)
+        or handle.get_linestyle() not in ("None", "")
+        or handle.get_markersize() >= SEEN
+    ):
         return handle
     return Line2D([], [], ls="", marker="o", ms=SEEN, mew=0.0, color=handle.get_color())
 
@@ -122,12 +173,16 @@ def width_of(figure: Figure, text: str, size: float, weight: str = "normal") -> 
         if len(WIDTHS) > MOST_WIDTHS:
             WIDTHS.clear()
         font = FontProperties(family="DejaVu Sans", size=size, weight=weight)
-        WIDTHS[text, size, weight] = float(renderer.get_text_width_height_descent(text, font, ismath=False)[0] / figure.dpi)
+        WIDTHS[text, size, weight] = float(
+            renderer.get_text_width_height_descent(text, font, ismath=False)[0] / figure.dpi
+        )
     return WIDTHS[text, size, weight]
 
 
 def broken(figure: Figure, text: str, room: float, size: float) -> list[str]:
-    """Lines of a text, broken between words where it is wider than so many inches; a word that is wider by itself is cut."""
+    """Lines of a text, broken between words where it is wider than so many inches; a word that is wider by
+    itself is cut.
+    """
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word

@@ -9,15 +9,30 @@ from matplotlib import rc_context
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
-from .style import BLUE, BODIES, FAINT, GREEN, GREY, INK, ORANGE, PURPLE, SKY, STYLE, VERMILION, heading, panels, readable
+from .style import (
+    BLUE,
+    BODIES,
+    FAINT,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    STYLE,
+    VERMILION,
+    heading,
+    panels,
+    readable,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..study.maps.basins import Basins
-    from ..study.maps.bifurcation import Bifurcation
-    from ..study.maps.sections import PoincareSection
+    from ..dynamics.basins import Basins
+    from ..dynamics.bifurcation import Bifurcation
+    from ..dynamics.sections import PoincareSection
 
 MARKERS = (("o", 1.6), ("x", 2.6), ("^", 2.6), ("s", 1.6), ("+", 4.0), ("v", 2.6))  # with the area of each
 NAMES = {"up": "way up", "down": "way down"}
@@ -25,7 +40,8 @@ NAMES = {"up": "way up", "down": "way down"}
 
 @rc_context(STYLE)
 def diagram(found: Bifurcation) -> Figure:
-    """Points of each series, each way or start in a mark of its own, and below them the largest Lyapunov exponent, above zero of chaos.
+    """Points of each series, each way or start in a mark of its own, and below them the largest Lyapunov
+    exponent, above zero of chaos.
 
     Rings are round values where companions with other steps are told to be something else.
     """
@@ -35,11 +51,26 @@ def diagram(found: Bifurcation) -> Figure:
     scale, unit_x = readable(values, found.asked.unit)
     x = scale * values
     for ax, (name, points) in zip(axes, found.points.items(), strict=False):
-        factor, unit = readable(points, dict(zip(found.asked.series, found.asked.units, strict=False)).get(name, "SI"))
+        factor, unit = readable(
+            points, dict(zip(found.asked.series, found.asked.units, strict=False)).get(name, "SI")
+        )
         for k, (way, chain) in enumerate(zip(found.asked.ways, points, strict=True)):
             marker, area = MARKERS[k % len(MARKERS)]
-            across, color, width = np.repeat(x, chain.shape[1]), BODIES[k % len(BODIES)], 0.5 if marker in "x+" else 0.0
-            ax.scatter(across, factor * chain.ravel(), s=area, c=color, marker=marker, lw=width, label=NAMES.get(way, way), rasterized=True)
+            across, color, width = (
+                np.repeat(x, chain.shape[1]),
+                BODIES[k % len(BODIES)],
+                0.5 if marker in "x+" else 0.0,
+            )
+            ax.scatter(
+                across,
+                factor * chain.ravel(),
+                s=area,
+                c=color,
+                marker=marker,
+                lw=width,
+                label=NAMES.get(way, way),
+                rasterized=True,
+            )
         ax.set_ylabel(f"{name}\n({unit}), once a turn")
         ax.margins(x=0.01)
     last = axes[-1]
@@ -51,7 +82,14 @@ def diagram(found: Bifurcation) -> Figure:
     if differ:
         at = np.array([(x[one.number], found.exponents[one.way, one.number, 0]) for one in differ])
         last.scatter(
-            at[:, 0], at[:, 1], s=70.0, facecolors="none", edgecolors=VERMILION, lw=1.2, label="another motion with other steps", zorder=4.0
+            at[:, 0],
+            at[:, 1],
+            s=70.0,
+            facecolors="none",
+            edgecolors=VERMILION,
+            lw=1.2,
+            label="another motion with other steps",
+            zorder=4.0,
         )
         last.legend(loc="lower right")
     last.axhline(0.0, color=GREY, lw=0.8)
@@ -59,13 +97,22 @@ def diagram(found: Bifurcation) -> Figure:
     last.set_xlabel(f"{found.asked.path} ({unit_x})")
     if len(found.asked.ways) > 1:
         axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
-    told = f"{found.asked.turns - found.asked.dropped} turns at each value after {found.asked.dropped}, {found.asked.steps:,} steps a turn"
+    told = (
+        f"{found.asked.turns - found.asked.dropped} turns at each value after {found.asked.dropped},"
+        f" {found.asked.steps:,} steps a turn"
+    )
     heading(figure, f"{found.name}: {told}; {found.laws}; {found.alike}")
     return figure
 
 
 PERIODIC = (BLUE, ORANGE, GREEN, SKY, PURPLE, "#F0E442", "#5B4B3A")
-OTHERS = {"chaotic": VERMILION, "quasi-periodic": "#44AA99", "not settled": GREY, "not decided": "#DDAA33", "diverged": INK}
+OTHERS = {
+    "chaotic": VERMILION,
+    "quasi-periodic": "#44AA99",
+    "not settled": GREY,
+    "not decided": "#DDAA33",
+    "diverged": INK,
+}
 
 
 def colours(found: Basins) -> list[str]:
@@ -76,7 +123,9 @@ def colours(found: Basins) -> list[str]:
 
 @rc_context(STYLE)
 def basins(found: Basins) -> Figure:
-    """The grid, with the share of each attractor among all starts; white is what is no start, crosses where companions are told otherwise."""
+    """The grid, with the share of each attractor among all starts; white is what is no start, crosses where
+    companions are told otherwise.
+    """
     asked = found.asked
     figure, (ax,) = panels(1, 1, 8.0, 7.0)
     scales = [readable(np.degrees(values) if unit == "rad" else np.array(values), "°" if unit == "rad" else unit) for values, unit in
@@ -91,10 +140,16 @@ def basins(found: Basins) -> Figure:
         norm = BoundaryNorm(np.arange(len(colour) + 1) - 0.5, len(colour)) if len(colour) > 1 else None
         ax.pcolormesh(x, y, mesh, cmap=ListedColormap(colour), norm=norm, shading="nearest", rasterized=True)
     crosses = []
-    differ = [one for one in found.companions if one.number in found.verdicts and one.kind != found.verdicts[one.number].kind]
+    differ = [
+        one
+        for one in found.companions
+        if one.number in found.verdicts and one.kind != found.verdicts[one.number].kind
+    ]
     if differ:
         columns, rows = np.array([(one.number % len(x), one.number // len(x)) for one in differ]).T
-        crosses.append(ax.scatter(x[columns], y[rows], marker="x", c=INK, s=50.0, label="another with another step"))
+        crosses.append(
+            ax.scatter(x[columns], y[rows], marker="x", c=INK, s=50.0, label="another with another step")
+        )
     ax.set_xlabel(f"{asked.paths[0]} ({scales[0][1]})")
     ax.set_ylabel(f"{asked.paths[1]} ({scales[1][1]})")
     ax.grid(visible=False)
@@ -103,7 +158,10 @@ def basins(found: Basins) -> Figure:
     told = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in found.attractors]
     shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, told, strict=True)]
     figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
-    said = f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped}, {asked.steps:,} steps a turn"
+    said = (
+        f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped},"
+        f" {asked.steps:,} steps a turn"
+    )
     heading(figure, f"{found.name}: {said}; {found.laws}; {found.alike}")
     return figure
 
@@ -114,7 +172,9 @@ BOX = {"boxstyle": "square,pad=0.2", "fc": "white", "ec": "none"}
 
 @rc_context(STYLE)
 def section(found: PoincareSection) -> Figure:
-    """Points once a turn (of one series over those a turn before), the running mean of the exponent, and below them the onsets of each joint."""
+    """Points once a turn (of one series over those a turn before), the running mean of the exponent, and
+    below them the onsets of each joint.
+    """
     rows = 1 + len(found.struck)
     figure, axes = panels(2 * rows, 2, 4.7, 3.6)
     points(axes[0], found)
@@ -128,7 +188,9 @@ def section(found: PoincareSection) -> Figure:
 
 
 def points(ax: Axes, found: PoincareSection) -> None:
-    """The section at one phase of the crank: the second series over the first, or the only one over itself a turn before."""
+    """The section at one phase of the crank: the second series over the first, or the only one over itself a
+    turn before.
+    """
     units = dict(zip(found.asked.series, found.asked.units, strict=True))
     names = list(found.points)[:2]
     x, y = found.points[names[0]], found.points[names[-1]]
@@ -152,15 +214,28 @@ def converging(ax: Axes, found: PoincareSection) -> None:
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
         ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
         told = f"{exponent.value:+.4g}; halves {exponent.low:+.4g}, {exponent.high:+.4g}"
-        low = exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5  # where the curve is not
-        ax.text(0.98, 0.1 if low else 0.9, told, transform=ax.transAxes, ha="right", color=INK, fontsize=9.0, bbox=BOX)
+        low = (
+            exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5
+        )  # where the curve is not
+        ax.text(
+            0.98,
+            0.1 if low else 0.9,
+            told,
+            transform=ax.transAxes,
+            ha="right",
+            color=INK,
+            fontsize=9.0,
+            bbox=BOX,
+        )
     ax.set_title("largest exponent, as it converges")
     ax.set_xlabel("turn")
     ax.set_ylabel("mean growth (1/turn)")
 
 
 def strikes(left: Axes, right: Axes, found: PoincareSection, name: str) -> None:
-    """Onsets of a joint over the angle of the crank: where on the bearing, in the colours of their speed, and the speed itself."""
+    """Onsets of a joint over the angle of the crank: where on the bearing, in the colours of their speed, and
+    the speed itself.
+    """
     one = found.struck[name]
     crank = np.degrees(np.mod(one["crank"], 2.0 * np.pi))
     scale, unit = readable(one["speed"], "m/s")

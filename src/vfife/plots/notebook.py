@@ -25,7 +25,15 @@ if TYPE_CHECKING:
 LARGEST = 300_000  # bytes of a figure as lines
 FINE = 150.0  # pixels an inch of one that would be larger: enough for paper
 SHOWN = ("mechanism", "orbits", "forces")  # figures of a result in a notebook
-REPORTED = ("guides", "moments", "accelerations", "polar", "stress", "deflection", "energy")  # and in a report
+REPORTED = (
+    "guides",
+    "moments",
+    "accelerations",
+    "polar",
+    "stress",
+    "deflection",
+    "energy",
+)  # and in a report
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
@@ -50,7 +58,9 @@ def result_html(result: View) -> str:
 
 
 def pictures(result: View) -> dict[str, str]:
-    """All figures of a result as elements of a page, by what they show: lines that stay sharp on paper, pixels where lines would take more room."""
+    """All figures of a result as elements of a page, by what they show: lines that stay sharp on paper,
+    pixels where lines would take more room.
+    """
     from . import figures
 
     names = [name for name, one in FIGURES.items() if name in (*SHOWN, *REPORTED) and not one.lacks(result)]
@@ -77,8 +87,13 @@ def sharp(figure: Figure, words: str) -> str:
 
 @rc_context(STYLE)
 def picture(figure: Figure, words: str, dpi: float = 96.0) -> str:
-    """A figure as an element of a page in its own size, with what it shows in words; ``dpi`` are pixels an inch."""
+    """A figure as an element of a page in its own size, with what it shows in words; ``dpi`` are pixels an
+    inch.
+    """
     made = io.BytesIO()
     figure.savefig(made, format="png", dpi=dpi)
     data = base64.b64encode(made.getvalue()).decode("ascii")
-    return f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%" src="data:image/png;base64,{data}">'
+    return (
+        f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%"'
+        f' src="data:image/png;base64,{data}">'
+    )

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.guides import slider_motion, sliders
-from ..analysis.motion import body_motion, pin_path
+from ..measures.guides import slider_motion, sliders
+from ..measures.motion import body_motion, pin_path
 from ..model.outlines import CENTER, loose_pins
 from .layout import Panels
 from .style import BLUE, BODIES, IDEAL, INK, SKY, length_unit, readable
@@ -28,7 +28,9 @@ MOVES = 1e-3  # of the largest way: what moves by less has no path to be seen
 
 
 def points(result: View) -> dict[str, tuple[str, str]]:
-    """Body and pin of each point whose path is drawn, by what it is called; of those that go together the first."""
+    """Body and pin of each point whose path is drawn, by what it is called; of those that go together the
+    first.
+    """
     found = _named(result)
     paths = {name: pin_path(result.record, *at) for name, at in found.items()}
     size = float(np.ptp(np.concatenate(list(paths.values()) or [np.zeros((1, 2))]), axis=0).max())
@@ -43,12 +45,21 @@ def points(result: View) -> dict[str, tuple[str, str]]:
 
 
 def _named(result: View) -> dict[str, tuple[str, str]]:
-    """Joints by their names, other pins as ``body.pin``, bodies without any by their centre, driven points by their driver."""
+    """Joints by their names, other pins as ``body.pin``, bodies without any by their centre, driven points by
+    their driver.
+    """
     mechanism = result.record.assembly.mechanism
-    found = {name: joint.sides[1] if joint.sides[1][0] != "ground" else joint.sides[0] for name, joint in mechanism.joints.items()}
+    found = {
+        name: joint.sides[1] if joint.sides[1][0] != "ground" else joint.sides[0]
+        for name, joint in mechanism.joints.items()
+    }
     for name, body in result.record.assembly.bodies.items():
         found |= {f"{name}.{pin}": (name, pin) for pin in loose_pins(mechanism, name, bool(body.elements))}
-        if not body.elements and not any(owner == name for owner, _ in found.values()) and CENTER in body.pins:
+        if (
+            not body.elements
+            and not any(owner == name for owner, _ in found.values())
+            and CENTER in body.pins
+        ):
             found[name] = (name, CENTER)
     for name, driver in mechanism.drivers.items():
         owner, _, pin = driver.point.partition(".")
@@ -62,7 +73,11 @@ def traces(result: View, reference: View | None = None) -> Figure:
     found, over = dict(list(points(result).items())[:MOST]), span(result)
     shown = slice(over.first, over.last + 1)
     paths = {name: pin_path(result.record, *at)[shown] for name, at in found.items()}
-    ideal = {} if reference is None else {name: pin_path(reference.record, *at)[reference.last_turn] for name, at in found.items()}
+    ideal = (
+        {}
+        if reference is None
+        else {name: pin_path(reference.record, *at)[reference.last_turn] for name, at in found.items()}
+    )
     every = np.concatenate([*paths.values(), *ideal.values()])
     low, high = every.min(axis=0), every.max(axis=0)
     size = float(np.max(high - low))
@@ -74,11 +89,26 @@ def traces(result: View, reference: View | None = None) -> Figure:
     ax = panels.axes[0]
     for k, (name, path) in enumerate(paths.items()):
         colour = BODIES[k % len(BODIES)]
-        ax.plot(*(factor * path).T, color=colour, lw=1.6, ls=LINES[k // len(BODIES) % len(LINES)], label=name, zorder=3)
+        ax.plot(
+            *(factor * path).T,
+            color=colour,
+            lw=1.6,
+            ls=LINES[k // len(BODIES) % len(LINES)],
+            label=name,
+            zorder=3,
+        )
         ax.plot(*(factor * path[0]), color=colour, ls="", marker="o", ms=4.5, mec=INK, mew=0.6, zorder=4)
         if name in ideal:
-            ax.plot(*(factor * ideal[name]).T, color=INK, lw=0.6, label="ideal joints" if k == 0 else None, zorder=2)
-    panels.signs["begins here"] = ax.plot([], [], color="white", ls="", marker="o", ms=4.5, mec=INK, mew=0.8)[0]
+            ax.plot(
+                *(factor * ideal[name]).T,
+                color=INK,
+                lw=0.6,
+                label="ideal joints" if k == 0 else None,
+                zorder=2,
+            )
+    panels.signs["begins here"] = ax.plot([], [], color="white", ls="", marker="o", ms=4.5, mec=INK, mew=0.8)[
+        0
+    ]
     limits = factor * np.stack([middle - half, middle + half], axis=1)
     ax.set(xlim=limits[0], ylim=limits[1], xlabel=f"x ({unit})", ylabel=f"y ({unit})")
     return panels.close(f"{result.name}: paths of points{said_shortly(result, over)}")
@@ -90,7 +120,9 @@ STILL = 1e-4  # rad: a body that turns by less has no portrait
 
 
 def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
-    """Position and velocity by title, with what each axis is: sliders along their guides, then bodies that turn and are not driven."""
+    """Position and velocity by title, with what each axis is: sliders along their guides, then bodies that
+    turn and are not driven.
+    """
     record = result.record
     if record.static or len(record.steps) < 3:
         return {}
@@ -114,7 +146,9 @@ def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
 
 
 def phase(result: View, reference: View | None = None) -> Figure:
-    """A panel for each of them: the last turn as a line, what came before it dots, the ideal mechanism dashed."""
+    """A panel for each of them: the last turn as a line, what came before it dots, the ideal mechanism
+    dashed.
+    """
     found, over = dict(list(portraits(result).items())[:MOST_PORTRAITS]), span(result)
     ideal = {} if reference is None else portraits(reference)
     panels = Panels([(3.9, 2.7)] * len(found), COLUMNS, across=1.1, down=0.95)
@@ -124,13 +158,31 @@ def phase(result: View, reference: View | None = None) -> Figure:
         if over.first > 0:
             part = slice(0, over.first, max(1, over.first // 20_000))
             dots: dict[str, Any] = {"color": SKY, "ls": "", "marker": ".", "ms": 2.2, "mew": 0.0}
-            ax.plot(factor * position[part], power * velocity[part], label="before", zorder=2, rasterized=True, **dots)
+            ax.plot(
+                factor * position[part],
+                power * velocity[part],
+                label="before",
+                zorder=2,
+                rasterized=True,
+                **dots,
+            )
         shown = slice(over.first, over.last + 1)
         if reference is not None and name in ideal:
             turn = reference.last_turn
             ax.plot(factor * ideal[name][2][turn], power * ideal[name][3][turn], **IDEAL)
-        ax.plot(factor * position[shown], power * velocity[shown], color=BLUE, lw=0.9, label="this run", zorder=3)
-        ax.plot(factor * position[over.first], power * velocity[over.first], color=INK, ls="", marker="o", ms=4, label="begins here", zorder=5)
+        ax.plot(
+            factor * position[shown], power * velocity[shown], color=BLUE, lw=0.9, label="this run", zorder=3
+        )
+        ax.plot(
+            factor * position[over.first],
+            power * velocity[over.first],
+            color=INK,
+            ls="",
+            marker="o",
+            ms=4,
+            label="begins here",
+            zorder=5,
+        )
         what = ("position", "velocity") if first == "m" else ("angle", "angular velocity")
         ax.set(xlabel=f"{what[0]} ({unit})", ylabel=f"{what[1]} ({rate})", title=name)
     return panels.close(f"{result.name}: velocity over position{said_shortly(result, over)}")

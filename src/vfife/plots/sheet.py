@@ -1,4 +1,6 @@
-"""The sheet a mechanism is drawn on: axes, scale, where things are at the output that is drawn, and strokes of nouns with matplotlib."""
+"""The sheet a mechanism is drawn on: axes, scale, where things are at the output that is drawn, and strokes
+of nouns with matplotlib.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.motion import pin_path
-from ..model.strokes import Block, Curve, Mark, Stroke, Surface
+from ..measures.motion import pin_path
+from ..model.drawing.strokes import Block, Curve, Mark, Stroke, Surface
 from .style import GREY, INK, SIGNS
 
 if TYPE_CHECKING:
@@ -24,7 +26,8 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Sheet:
-    """``factor`` turns metres into the units drawn, ``size`` is that of the drawing in those, ``shown`` the output that is drawn.
+    """``factor`` turns metres into the units drawn, ``size`` is that of the drawing in those, ``shown`` the
+    output that is drawn.
 
     Bodies that share a ``colours`` entry with an earlier one are ``striped``.
     """
@@ -77,13 +80,22 @@ class Sheet:
         """A surface from one point to another, its material hatched on the side that ``inward`` points to."""
         self.line([first, second], lw=1.4, zorder=2)
         corners = np.array([first, second, second + depth * inward, first + depth * inward])
-        look: dict[str, Any] = {"facecolor": "none", "edgecolor": GREY, "hatch": "//////", "lw": 0.0, "zorder": 1.5}
+        look: dict[str, Any] = {
+            "facecolor": "none",
+            "edgecolor": GREY,
+            "hatch": "//////",
+            "lw": 0.0,
+            "zorder": 1.5,
+        }
         self.ax.fill(*corners.T, **look)
 
     def box(self, centre: Array, along: Array, length: float, height: float, **look: Any) -> Any:
         """A rectangle with its length along a unit vector."""
         across = np.array([-along[1], along[0]])
-        corners = [centre + 0.5 * (i * length * along + j * height * across) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        corners = [
+            centre + 0.5 * (i * length * along + j * height * across)
+            for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        ]
         return self.ax.fill(*np.array(corners).T, **look)[0]
 
 
@@ -94,13 +106,23 @@ MARKS: dict[str, dict[str, Any]] = {
     "square": {"marker": "s", "ms": 6, "zorder": 7},
     "bearing": {"marker": "o", "ms": 11, "mfc": "white", "mew": 1.8},
 }
-INNER: dict[str, dict[str, Any]] = {"bearing": {"marker": "o", "ms": 7.5, "mfc": "#cfcfcf", "mew": 0.9}}  # of a sign of two
+INNER: dict[str, dict[str, Any]] = {
+    "bearing": {"marker": "o", "ms": 7.5, "mfc": "#cfcfcf", "mew": 0.9}
+}  # of a sign of two
 DASHES: dict[str, Any] = {"-": "-", "-.": "-.", ":": (0, (2, 2))}
 
 
 def draw(sheet: Sheet, strokes: Iterable[Stroke], bodies: tuple[str, str] = ("ground", "ground")) -> None:
-    """Draws the strokes of a noun between two bodies, whose colours they may take; what has a sign goes into the legend."""
-    colours = {"ink": INK, "grey": GREY, "spring": SIGNS, "bearing": sheet.colour(bodies[0]), "journal": sheet.colour(bodies[1])}
+    """Draws the strokes of a noun between two bodies, whose colours they may take; what has a sign goes into
+    the legend.
+    """
+    colours = {
+        "ink": INK,
+        "grey": GREY,
+        "spring": SIGNS,
+        "bearing": sheet.colour(bodies[0]),
+        "journal": sheet.colour(bodies[1]),
+    }
     signs: dict[str, list[Any]] = {}
     for stroke in strokes:
         if isinstance(stroke, Surface):
@@ -109,7 +131,9 @@ def draw(sheet: Sheet, strokes: Iterable[Stroke], bodies: tuple[str, str] = ("gr
         artist = _one(sheet, stroke, colours[stroke.colour])
         if stroke.sign:
             signs.setdefault(stroke.sign, []).append(artist)
-    sheet.signs |= {sign: artists[0] if len(artists) == 1 else tuple(artists) for sign, artists in signs.items()}
+    sheet.signs |= {
+        sign: artists[0] if len(artists) == 1 else tuple(artists) for sign, artists in signs.items()
+    }
 
 
 def _one(sheet: Sheet, stroke: Curve | Block | Mark, colour: str) -> Any:
@@ -119,7 +143,9 @@ def _one(sheet: Sheet, stroke: Curve | Block | Mark, colour: str) -> Any:
     if isinstance(stroke, Mark):
         at: Any = ([], []) if stroke.at is None else stroke.at
         looks = [MARKS[stroke.shape], *([INNER[stroke.shape]] if stroke.shape in INNER else [])]
-        drawn = tuple(sheet.ax.plot(*at, ls="", **({"mec": colour, "mfc": colour} | look))[0] for look in looks)
+        drawn = tuple(
+            sheet.ax.plot(*at, ls="", **({"mec": colour, "mfc": colour} | look))[0] for look in looks
+        )
         return drawn if len(drawn) > 1 else drawn[0]
     box = stroke.centre, stroke.along, stroke.length, stroke.height
     sheet.box(*box, facecolor="white", edgecolor="none", zorder=3.2)

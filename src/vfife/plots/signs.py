@@ -1,4 +1,6 @@
-"""What is drawn of a mechanism: bodies as outlines, signs of joints, springs, gears and loads, as the nouns say how they are drawn."""
+"""What is drawn of a mechanism: bodies as outlines, signs of joints, springs, gears and loads, as the nouns
+say how they are drawn.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.motion import pin_path
+from ..measures.motion import pin_path
+from ..model.drawing.strokes import JointSeen, Label, PairSeen
 from ..model.joints import Gear, Joint
 from ..model.loads.load import Push
 from ..model.outlines import CENTER, FEW, axis_between, corners, drawn_pins, wheels_at
 from ..model.springs import AnySpring
-from ..model.strokes import JointSeen, Label, PairSeen
 from .sheet import Sheet, draw
 from .style import LOADS
 
@@ -25,7 +27,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Outline:
-    """``path`` (m), shape (outputs, corners, 2), with NaN between pieces that do not hang together; ``plate`` if it encloses an area."""
+    """``path`` (m), shape (outputs, corners, 2), with NaN between pieces that do not hang together; ``plate``
+    if it encloses an area.
+    """
 
     path: Array
     plate: bool = False
@@ -87,12 +91,20 @@ def _leaving(sheet: Sheet, joint: Joint, at: Array) -> Array:
     body = next(owner for owner, _ in joint.sides if owner != "ground")
     where = sheet.result.record.assembly.bodies[body]
     if where.elements:
-        nodes = np.stack([sheet.factor * sheet.result.record.block(f"particle_{axis}")[0, list(where.particles)] for axis in "xy"], axis=1)
+        nodes = np.stack(
+            [
+                sheet.factor * sheet.result.record.block(f"particle_{axis}")[0, list(where.particles)]
+                for axis in "xy"
+            ],
+            axis=1,
+        )
         gap = np.linalg.norm(nodes - at, axis=1)
         other = nodes[np.argsort(gap)[min(1, len(nodes) - 1)]]
     else:
         column = list(sheet.result.record.assembly.bodies).index(body)
-        other = sheet.factor * np.array([sheet.result.channels[f"body_{axis}"].values[0, column] for axis in "xy"])
+        other = sheet.factor * np.array(
+            [sheet.result.channels[f"body_{axis}"].values[0, column] for axis in "xy"]
+        )
     dx, dy = other - at
     return np.array([np.sign(dx) or 1.0, 0.0]) if abs(dx) >= abs(dy) else np.array([0.0, np.sign(dy)])
 
@@ -112,7 +124,9 @@ def named_places(sheet: Sheet) -> list[tuple[Label, list[str]]]:
 
 
 def joint_names(sheet: Sheet, middle: Array, farther: float = 0.0) -> None:
-    """Names of the joints beside their signs, away from the ``middle``, by so many points ``farther``: in a film they keep their side."""
+    """Names of the joints beside their signs, away from the ``middle``, by so many points ``farther``: in a
+    film they keep their side.
+    """
     look: dict[str, Any] = {"ha": "center", "va": "center", "weight": "bold", "zorder": 9, "fontsize": 9}
     look["bbox"] = {"boxstyle": "round,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.75}
     for label, names in named_places(sheet):
@@ -122,7 +136,9 @@ def joint_names(sheet: Sheet, middle: Array, farther: float = 0.0) -> None:
             continue
         away = (at - middle) / (np.linalg.norm(at - middle) or 1.0)
         reach = np.array([12.0 + 2.6 * len(text), 17.0]) + farther
-        sheet.ax.annotate(text, (at[0], at[1]), xytext=tuple(reach * away), textcoords="offset points", **look)
+        sheet.ax.annotate(
+            text, (at[0], at[1]), xytext=tuple(reach * away), textcoords="offset points", **look
+        )
 
 
 def spring_signs(sheet: Sheet) -> None:
@@ -147,7 +163,12 @@ def gear_signs(sheet: Sheet) -> None:
 
 def gear_seen(sheet: Sheet, gear: Gear) -> PairSeen:
     """A gear as the sheet shows it: where its wheels turn."""
-    one, two = wheels_at(sheet.mechanism, gear, lambda first, second: axis_of(sheet, first, second), lambda a, b: bool(np.allclose(a, b)))
+    one, two = wheels_at(
+        sheet.mechanism,
+        gear,
+        lambda first, second: axis_of(sheet, first, second),
+        lambda a, b: bool(np.allclose(a, b)),
+    )
     return PairSeen(one, two, 0.0, sheet.size)
 
 
@@ -157,14 +178,20 @@ def axis_of(sheet: Sheet, first: str, second: str) -> Array:
     if end is not None:
         return sheet.at(end)
     column = list(sheet.result.record.assembly.bodies).index(second)
-    return sheet.factor * np.array([sheet.result.channels[f"body_{axis}"].values[sheet.shown, column] for axis in "xy"])
+    return sheet.factor * np.array(
+        [sheet.result.channels[f"body_{axis}"].values[sheet.shown, column] for axis in "xy"]
+    )
 
 
 def tails(sheet: Sheet, length: float) -> list[tuple[Array, Array]]:
     """Tip and tail of the arrow of each force and driven point."""
     arrows = [(f"{push.body}.{push.pin}", push.acts[:2]) for push in pushes(sheet) if any(push.acts[:2])]
-    arrows += [(driver.point, driver.direction) for driver in sheet.mechanism.drivers.values() if driver.point]
-    return [(sheet.at(end), sheet.at(end) - length * np.array(force) / np.hypot(*force)) for end, force in arrows]
+    arrows += [
+        (driver.point, driver.direction) for driver in sheet.mechanism.drivers.values() if driver.point
+    ]
+    return [
+        (sheet.at(end), sheet.at(end) - length * np.array(force) / np.hypot(*force)) for end, force in arrows
+    ]
 
 
 def pushes(sheet: Sheet) -> list[Push]:
@@ -175,13 +202,22 @@ def pushes(sheet: Sheet) -> list[Push]:
 
 def load_signs(sheet: Sheet) -> None:
     """Arrows for forces and driven points, arcs for moments."""
-    look: dict[str, Any] = {"arrowstyle": "-|>", "color": LOADS, "lw": 2.0, "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 14.0}
+    look: dict[str, Any] = {
+        "arrowstyle": "-|>",
+        "color": LOADS,
+        "lw": 2.0,
+        "shrinkA": 0.0,
+        "shrinkB": 0.0,
+        "mutation_scale": 14.0,
+    }
     for tip, tail in tails(sheet, 0.13 * sheet.size):
         sheet.ax.annotate("", tuple(tip), xytext=tuple(tail), arrowprops=look | {"shrinkB": 5.0}, zorder=8)
     moments = [push for push in pushes(sheet) if push.acts[2]]
     for push in moments:
         turn = np.linspace(-2.4, 1.2, 60) * np.sign(push.acts[2])
-        arc = sheet.at(f"{push.body}.{push.pin}") + 0.045 * sheet.size * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        arc = sheet.at(f"{push.body}.{push.pin}") + 0.045 * sheet.size * np.stack(
+            [np.cos(turn), np.sin(turn)], axis=1
+        )
         sheet.line(arc, color=LOADS, lw=2.0, zorder=8)
         sheet.ax.annotate("", tuple(arc[-1]), xytext=tuple(arc[-4]), arrowprops=look, zorder=8)
     if sheet.mechanism.loads or any(driver.point for driver in sheet.mechanism.drivers.values()):

@@ -1,4 +1,6 @@
-"""What forces and other series are made of: amplitudes over orders or frequencies, turn by turn, in time, over a number of the model; envelopes."""
+"""What forces and other series are made of: amplitudes over orders or frequencies, turn by turn, in time,
+over a number of the model; envelopes.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ import numpy as np
 from matplotlib import rc_context
 from numpy.typing import NDArray
 
-from ..analysis.spectral import frequencies_of, short_time
+from ..measures.spectral import frequencies_of, short_time
 from ..solvers.repeating import outputs_of_a_turn
 from .curves import Quantity, hardest, joint_forces
 from .layout import Panels
@@ -20,9 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ..dynamics.waterfall import Waterfall
     from ..results.spectra import Envelope, Spectrogram, Spectrum, Transformed
     from ..results.view import View
-    from ..study.maps.waterfall import Waterfall
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -36,7 +38,8 @@ CELLS = 1200  # of a picture in each direction; more are joined, the highest of 
 RPM = 30.0 / np.pi
 
 
-# ---------------------------------------------------------------------------------------------------- joint forces of a run
+# ---------------------------------------------------------------------------------------------------- joint
+# forces of a run
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,9 @@ class Found:
 
 
 def pieces(result: View) -> tuple[Places, int, bool] | None:
-    """First outputs of whole turns, or of overlapping parts of a run without; outputs in each, and whether they are turns; None where too few."""
+    """First outputs of whole turns, or of overlapping parts of a run without; outputs in each, and whether
+    they are turns; None where too few.
+    """
     outputs, count = outputs_of_a_turn(result.record.assembly), len(result.record.steps) - 1
     if result.record.static or count < 16:
         return None
@@ -61,9 +66,13 @@ def pieces(result: View) -> tuple[Places, int, bool] | None:
 
 
 def found(result: View, one: Quantity, starts: Places, count: int, orders: bool) -> Found:
-    """Amplitudes of a quantity in pieces of so many outputs, through Hann's window unless they are turns, which repeat (``orders``)."""
+    """Amplitudes of a quantity in pieces of so many outputs, through Hann's window unless they are turns,
+    which repeat (``orders``).
+    """
     over = frequencies_of(count, 1.0 / count if orders else spacing(result))
-    return Found(over, short_time(one.samples(result.record), starts + 1, "rectangular" if orders else "hann", count))
+    return Found(
+        over, short_time(one.samples(result.record), starts + 1, "rectangular" if orders else "hann", count)
+    )
 
 
 def spacing(result: View) -> float:
@@ -72,7 +81,9 @@ def spacing(result: View) -> float:
 
 
 def _latest(result: View, one: Quantity, orders: bool) -> Found:
-    """The root of the mean square of the latest turns, or of a whole run without any; of a reference, which turns, at frequencies too."""
+    """The root of the mean square of the latest turns, or of a whole run without any; of a reference, which
+    turns, at frequencies too.
+    """
     starts, count, turning = pieces(result) or (np.array([0]), 1, False)
     if not turning:
         starts, count = np.array([0]), len(result.record.steps) - 1
@@ -82,7 +93,9 @@ def _latest(result: View, one: Quantity, orders: bool) -> Found:
 
 
 def spectrum(result: View, reference: View | None = None) -> Figure:
-    """Amplitudes of the size of each joint's force, of the last turns or of the whole run, on logarithmic scales."""
+    """Amplitudes of the size of each joint's force, of the last turns or of the whole run, on logarithmic
+    scales.
+    """
     chosen = list(hardest(result, joint_forces(result), MOST).values())
     panels = Panels([(4.6, 2.2) if len(chosen) > 1 else (8.0, 2.9)] * len(chosen), 2)
     starts, _, turning = pieces(result) or (np.array([0]), 1, False)
@@ -101,7 +114,9 @@ def spectrum(result: View, reference: View | None = None) -> Figure:
 
 
 def waterfall(result: View) -> Figure:
-    """The same of every turn, or of parts of a run without turns, as colour: from bottom to top as time goes on."""
+    """The same of every turn, or of parts of a run without turns, as colour: from bottom to top as time goes
+    on.
+    """
     chosen = list(hardest(result, joint_forces(result), MOST).values())
     panels = Panels([(4.4, 2.6) if len(chosen) > 1 else (7.4, 3.4)] * len(chosen), 2, across=1.75)
     starts, count, turning = pieces(result) or (np.array([0]), 1, False)
@@ -114,7 +129,11 @@ def waterfall(result: View) -> Figure:
         shown, unit = logarithms(every.each, one.unit)
         last = reached(shown)
         coloured(panels, ax, edges(every.over, len(every.over))[: last + 1], times, shown[:, :last], unit)
-        ax.set(title=one.title, ylabel="turn" if turning else "time (ms)", xlabel=f"order of {result.crank}" if turning else "frequency (Hz)")
+        ax.set(
+            title=one.title,
+            ylabel="turn" if turning else "time (ms)",
+            xlabel=f"order of {result.crank}" if turning else "frequency (Hz)",
+        )
         ax.set_xlim(left=0.0)
     return panels.close(f"{result.name}: joint forces in time and frequency")
 
@@ -123,7 +142,11 @@ def forces(result: View) -> list[str]:
     """Series of the forces of joints that carry the most."""
     if len(result.record.steps) <= SAMPLES:
         return []
-    return [f"{name}.force" for name in hardest(result, joint_forces(result), MOST_IN_TIME) if f"{name}.force" in result.series]
+    return [
+        f"{name}.force"
+        for name in hardest(result, joint_forces(result), MOST_IN_TIME)
+        if f"{name}.force" in result.series
+    ]
 
 
 def spectrogram(result: View) -> Figure:
@@ -136,7 +159,8 @@ def envelope(result: View) -> Figure:
     return envelopes([result.envelope(name) for name in forces(result)], result)
 
 
-# ---------------------------------------------------------------------------------------------------------- any series
+# ----------------------------------------------------------------------------------------------------------
+# any series
 
 
 @rc_context(STYLE)
@@ -160,7 +184,9 @@ def envelopes(every: Sequence[Envelope], result: View) -> Figure:
     for k, one in enumerate(every):
         ax, right = panels.axes[2 * k], panels.axes[2 * k + 1]
         factor, unit = scale_of(float(one.values.max()), one.unit)
-        ax.plot(1e3 * one.times, factor * one.filtered, color=SKY, lw=0.5, rasterized=True, label="what vibrates")
+        ax.plot(
+            1e3 * one.times, factor * one.filtered, color=SKY, lw=0.5, rasterized=True, label="what vibrates"
+        )
         ax.plot(1e3 * one.times, factor * one.values, color=VERMILION, lw=0.9, label="its envelope")
         ax.set(title=one.name, ylabel=f"{unit}, without the mean")
         ax.margins(x=0.0)
@@ -197,12 +223,15 @@ def axis(one: Transformed, result: View) -> tuple[Array, str]:
     return one.orders, f"order of {result.crank} ({1.0 / one.turn:.4g} Hz each)"
 
 
-# ---------------------------------------------------------------------------------- amplitudes over a number of the model
+# ---------------------------------------------------------------------------------- amplitudes over a number
+# of the model
 
 
 @rc_context(STYLE)
 def over_values(one: Waterfall, hertz: bool = False) -> Figure:
-    """A panel for each series, orders to the right, or frequencies (``hertz``), the number upwards; what is not known, or diverged, stays grey."""
+    """A panel for each series, orders to the right, or frequencies (``hertz``), the number upwards; what is
+    not known, or diverged, stays grey.
+    """
     asked, unit = one.asked, one.asked.unit
     panels = Panels([(5.2, 3.4) if len(asked.series) > 1 else (8.0, 4.4)] * len(asked.series), 2, across=1.85)
     factor, unit = (RPM, "rpm") if unit == "rad/s" else scale_of(float(np.abs(asked.values).max()), unit)
@@ -210,14 +239,27 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
     for ax, name, unit_of in zip(panels.axes, asked.series, asked.units, strict=True):
         shown, of = logarithms(one.amplitudes[name], unit_of)
         ax.set_facecolor(FAINT)
-        coloured(panels, ax, across(one, hertz), np.repeat(y[:, None], shown.shape[1] + 1, axis=1), np.ma.masked_invalid(shown), of)
-        ax.set(title=name, ylabel=f"{asked.path} ({unit})", xlabel="frequency (Hz)" if hertz else "order of the crank")
+        coloured(
+            panels,
+            ax,
+            across(one, hertz),
+            np.repeat(y[:, None], shown.shape[1] + 1, axis=1),
+            np.ma.masked_invalid(shown),
+            of,
+        )
+        ax.set(
+            title=name,
+            ylabel=f"{asked.path} ({unit})",
+            xlabel="frequency (Hz)" if hertz else "order of the crank",
+        )
         ax.set_xlim(left=0.0)
     return panels.close(f"{one.name}: {one.words}; {one.limits}; no companions")
 
 
 def across(one: Waterfall, hertz: bool) -> Array:
-    """Edges of cells from left to right, shape (values + 1, places + 1); of frequencies those of the values, which fan out with the speed."""
+    """Edges of cells from left to right, shape (values + 1, places + 1); of frequencies those of the values,
+    which fan out with the speed.
+    """
     places = np.append(one.orders, 2.0 * one.orders[-1] - one.orders[-2]) - 0.5 * one.orders[1]
     rate = 1.0 / one.turn if hertz else np.ones(len(one.turn))
     rate = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
@@ -228,7 +270,9 @@ def across(one: Waterfall, hertz: bool) -> Array:
 
 
 def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any) -> float:
-    """Draw amplitudes on a logarithmic scale of so many decades, as far as they reach; returns the factor of their unit."""
+    """Draw amplitudes on a logarithmic scale of so many decades, as far as they reach; returns the factor of
+    their unit.
+    """
     top = float(values.max())
     factor, unit = scale_of(top, unit)
     ax.plot(over, factor * values, color=BLUE, lw=0.9, zorder=3, **look)

@@ -1,4 +1,6 @@
-"""Axes on which the same things are drawn at each moment of a film: first they are noted, then those that moved are moved and drawn."""
+"""Axes on which the same things are drawn at each moment of a film: first they are noted, then those that
+moved are moved and drawn.
+"""
 
 from __future__ import annotations
 
@@ -93,7 +95,9 @@ def move(artist: Any, one: Drawn) -> None:
 
 
 class Stamp:
-    """A name as pixels, which is drawn once: of all that moves, text takes longest to draw. It covers what is under it."""
+    """A name as pixels, which is drawn once: of all that moves, text takes longest to draw. It covers what is
+    under it.
+    """
 
     def __init__(self, ax: Axes, one: Drawn) -> None:
         self.ax, (canvas, dpi) = ax, (ax.figure.canvas, ax.figure.dpi)
@@ -104,7 +108,10 @@ class Stamp:
         own.draw()
         drawn = np.array(own.buffer_rgba())
         rows, columns = (np.flatnonzero((drawn[..., :3] < 255).any(axis=(2, axis))) for axis in (1, 0))
-        spaces = [slice(max(int(at[0]) - 2, 0), int(at[-1]) + 3) if len(at) else slice(0, 0) for at in (rows, columns)]
+        spaces = [
+            slice(max(int(at[0]) - 2, 0), int(at[-1]) + 3) if len(at) else slice(0, 0)
+            for at in (rows, columns)
+        ]
         self.pixels = drawn[spaces[0], spaces[1]]
         self.canvas, self.scale = canvas, dpi / 72.0
 
@@ -114,21 +121,38 @@ class Stamp:
         x, y = self.ax.transData.transform(one.at[0]) + (self.scale * one.at[1] if len(one.at) > 1 else 0.0)
         (height, width), (tall, wide) = picture.shape[:2], self.pixels.shape[:2]
         top, left = round(height - y - 0.5 * tall), round(x - 0.5 * wide)
-        rows, columns = slice(max(top, 0), min(top + tall, height)), slice(max(left, 0), min(left + wide, width))
+        rows, columns = (
+            slice(max(top, 0), min(top + tall, height)),
+            slice(max(left, 0), min(left + wide, width)),
+        )
         if rows.start < rows.stop and columns.start < columns.stop:
-            picture[rows, columns] = self.pixels[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left]
+            picture[rows, columns] = self.pixels[
+                rows.start - top : rows.stop - top, columns.start - left : columns.stop - left
+            ]
 
 
 class Stage:
-    """Plays notes of many moments on axes: what stands still below all that moves is drawn once, with the background."""
+    """Plays notes of many moments on axes: what stands still below all that moves is drawn once, with the
+    background.
+    """
 
     def __init__(self, ax: Axes, moments: list[list[Drawn]]) -> None:
         self.ax, self.moments = ax, moments
         first = moments[0]
-        same = all(len(one) == len(first) and all(a.like(b) for a, b in zip(one, first, strict=True)) for one in moments)
-        still = [same and all(np.array_equal(one[k].at, first[k].at, equal_nan=True) for one in moments) for k in range(len(first))]
-        lowest = min([one.rank for one, stands in zip(first, still, strict=True) if not stands], default=np.inf)
-        under = [one.rank < lowest or one.by in ("text", "annotate") for one in first]  # names are slow to draw
+        same = all(
+            len(one) == len(first) and all(a.like(b) for a, b in zip(one, first, strict=True))
+            for one in moments
+        )
+        still = [
+            same and all(np.array_equal(one[k].at, first[k].at, equal_nan=True) for one in moments)
+            for k in range(len(first))
+        ]
+        lowest = min(
+            [one.rank for one, stands in zip(first, still, strict=True) if not stands], default=np.inf
+        )
+        under = [
+            one.rank < lowest or one.by in ("text", "annotate") for one in first
+        ]  # names are slow to draw
         self.below = {k for k in range(len(first)) if still[k] and under[k]} if same else set()
         for k in sorted(self.below):
             placed(ax, first[k])
@@ -138,8 +162,13 @@ class Stage:
 
     def draw(self, moment: int) -> None:
         """Draws what moves as it is at a moment, over what is on the canvas."""
-        found = sorted((one for k, one in enumerate(self.moments[moment]) if k not in self.below), key=lambda one: one.rank)
-        if len(found) != len(self.shown) or not all(a.like(b) for a, b in zip(found, self.shown, strict=True)):
+        found = sorted(
+            (one for k, one in enumerate(self.moments[moment]) if k not in self.below),
+            key=lambda one: one.rank,
+        )
+        if len(found) != len(self.shown) or not all(
+            a.like(b) for a, b in zip(found, self.shown, strict=True)
+        ):
             for artist in self.artists:
                 if not isinstance(artist, Stamp):
                     artist.remove()

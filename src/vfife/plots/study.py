@@ -1,4 +1,6 @@
-"""Figures of a study by name: heat maps, curves with bands, parallel coordinates, Pareto fronts, and what their axes show."""
+"""Figures of a study by name: heat maps, curves with bands, parallel coordinates, Pareto fronts, and what
+their axes show.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,20 @@ from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
 from .notebook import sharp
-from .style import BLUE, BODIES, FAINT, GREY, INK, STYLE, VERMILION, heading, one_legend, panels, readable, saved
+from .style import (
+    BLUE,
+    BODIES,
+    FAINT,
+    GREY,
+    INK,
+    STYLE,
+    VERMILION,
+    heading,
+    one_legend,
+    panels,
+    readable,
+    saved,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,7 +102,13 @@ def ticked(ax: Axes, one: Varied, values: Sequence[Any], middles: Array, unit: s
 def lines(study: Study) -> list[Varied]:
     """Parameters along the axes, those of most values first, words last."""
     own = [one for one in study.parameters if one.name in study.axes]
-    return sorted(own, key=lambda one: (any(isinstance(value, str) for value in study.axes[one.name]), -len(study.axes[one.name])))
+    return sorted(
+        own,
+        key=lambda one: (
+            any(isinstance(value, str) for value in study.axes[one.name]),
+            -len(study.axes[one.name]),
+        ),
+    )
 
 
 def said_of(study: Study, dims: list[str]) -> str:
@@ -97,7 +118,11 @@ def said_of(study: Study, dims: list[str]) -> str:
 
 def shortened(count: int, most: int) -> list[int]:
     """So many of a number of things, evenly."""
-    return sorted({round(k * (count - 1) / max(most - 1, 1)) for k in range(most)}) if count > most else list(range(count))
+    return (
+        sorted({round(k * (count - 1) / max(most - 1, 1)) for k in range(most)})
+        if count > most
+        else list(range(count))
+    )
 
 
 MOST_CURVES, MOST_PANELS = 6, 6
@@ -161,7 +186,9 @@ LEAST = 3  # values of each of two parameters that make a map
 
 
 def heat_maps(study: Study, measures: list[str]) -> Figure | None:
-    """A map_panel a measure; None where no two parameters have a grid of values. Members that gave nothing are grey."""
+    """A map_panel a measure; None where no two parameters have a grid of values. Members that gave nothing
+    are grey.
+    """
     axes = [one for one in lines(study) if len(study.axes[one.name]) >= LEAST][:2]
     if len(axes) < 2:
         return None
@@ -184,7 +211,9 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, axes: list[Any]
     (x, x_unit), (y, y_unit) = (places(study.axes[one.name], one.unit) for one in axes)
     factor, unit = readable(values, study.measures[name])
     ax.set_facecolor(FAINT)
-    drawn = ax.pcolormesh(edges(x), edges(y), np.ma.masked_invalid(factor * values), cmap="viridis", rasterized=True)
+    drawn = ax.pcolormesh(
+        edges(x), edges(y), np.ma.masked_invalid(factor * values), cmap="viridis", rasterized=True
+    )
     ticked(ax, across, study.axes[across.name], x, x_unit)
     ticked(ax, up, study.axes[up.name], y, y_unit, "y")
     ax.grid(visible=False)
@@ -205,7 +234,11 @@ def median(values: Array, keep: list[int]) -> Array:
     return found
 
 
-END: dict[str, Any] = {"fontsize": 8.5, "color": INK, "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 1.0}}
+END: dict[str, Any] = {
+    "fontsize": 8.5,
+    "color": INK,
+    "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+}
 MOST_LINES, MOST_AXES = 2000, 12
 
 
@@ -225,13 +258,20 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     segments = [np.column_stack([np.arange(len(names)), row]) for row in scaled[order]]
     ax.add_collection(
         LineCollection(
-            segments, array=key[order], cmap="viridis", norm=Normalize(least, most), lw=0.9, alpha=min(1.0, max(0.15, 60.0 / len(order)))
+            segments,
+            array=key[order],
+            cmap="viridis",
+            norm=Normalize(least, most),
+            lw=0.9,
+            alpha=min(1.0, max(0.15, 60.0 / len(order))),
         )
     )
     furnish(ax, study, names, low, high)
     colour = names[min(len(study.parameters), len(names) - 1)]
     factor, unit = readable(key, unit_of(study, colour))
-    bar = figure.colorbar(ScalarMappable(Normalize(factor * least, factor * most), "viridis"), ax=ax, pad=0.02)
+    bar = figure.colorbar(
+        ScalarMappable(Normalize(factor * least, factor * most), "viridis"), ax=ax, pad=0.02
+    )
     bar.outline.set_visible(False)
     bar.set_label(titled(colour, unit))
     heading(figure, f"{study.model}: {len(order):,} members")
@@ -260,14 +300,26 @@ def furnish(ax: Axes, study: Study, names: list[str], low: Array, high: Array) -
     heads = []
     for k, name in enumerate(names):
         ax.axvline(k, color=GREY, lw=0.8, zorder=0)
-        words = sorted({value for one in study.done if isinstance(value := study.at(one)[k], str)}) if k < len(study.parameters) else []
+        words = (
+            sorted({value for one in study.done if isinstance(value := study.at(one)[k], str)})
+            if k < len(study.parameters)
+            else []
+        )
         factor, unit = readable([low[k], high[k]], unit_of(study, name))
         heads.append(broken(name) + (f"\n({unit})" if unit else ""))
         ends = ("", "") if words else (f"{factor * low[k]:.4g}", f"{factor * high[k]:.4g}")
         ax.text(k, -0.04, ends[0], ha="center", va="center", **END)
         ax.text(k, 1.04, ends[1], ha="center", va="center", **END)
         for n, word in enumerate(dict.fromkeys(study.at(one)[k] for one in study.done) if words else ()):
-            ax.text(k + 0.04, n / max(len(words) - 1, 1), str(word), ha="left", va="center", fontsize=8.5, color=INK)
+            ax.text(
+                k + 0.04,
+                n / max(len(words) - 1, 1),
+                str(word),
+                ha="left",
+                va="center",
+                fontsize=8.5,
+                color=INK,
+            )
     ax.set_xticks(range(len(names)), heads, fontsize=9.0)
     ax.tick_params(axis="x", length=0.0, pad=8.0)
 
@@ -276,7 +328,9 @@ MOST_PAIRS = 3  # pairs of measures
 
 
 def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> Figure | None:
-    """The first measure against each of the next, smaller being better but for those of which ``larger`` is; None with fewer than two."""
+    """The first measure against each of the next, smaller being better but for those of which ``larger`` is;
+    None with fewer than two.
+    """
     pairs = [(measures[0], other) for other in measures[1 : MOST_PAIRS + 1]]
     known = [pair for pair in pairs if np.isfinite(study.values(pair[0]) + study.values(pair[1])).sum() > 1]
     if not known:
@@ -292,8 +346,20 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
         ax.scatter(x[~best], y[~best], s=14.0, color=BLUE, alpha=0.35, lw=0.0, label="members")
         order = np.flatnonzero(best)[np.argsort(signs[0] * x[best], kind="stable")]
         ax.step(x[order], y[order], where="post", color=GREY, lw=0.9, zorder=1)
-        ax.scatter(x[order], y[order], s=22.0, color=VERMILION, edgecolor=FAINT, lw=0.4, zorder=3, label="front: none is better in both")
-        names = [titled(name, scale[1]) + (", large" if name in larger else "") for name, scale in zip(pair, scales, strict=True)]
+        ax.scatter(
+            x[order],
+            y[order],
+            s=22.0,
+            color=VERMILION,
+            edgecolor=FAINT,
+            lw=0.4,
+            zorder=3,
+            label="front: none is better in both",
+        )
+        names = [
+            titled(name, scale[1]) + (", large" if name in larger else "")
+            for name, scale in zip(pair, scales, strict=True)
+        ]
         ax.set(xlabel=names[0], ylabel=names[1])
     one_legend(figure, axes)
     heading(figure, study.model)
@@ -301,7 +367,9 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
 
 
 def front(values: Array) -> NDArray[np.bool_]:
-    """Which of some points, shape (points, measures), no other is at most equal to in all measures and less in one."""
+    """Which of some points, shape (points, measures), no other is at most equal to in all measures and less
+    in one.
+    """
     order = np.lexsort(values.T[::-1])
     best = np.zeros(len(values), dtype=bool)
     kept = np.empty((0, values.shape[1]))
@@ -312,7 +380,12 @@ def front(values: Array) -> NDArray[np.bool_]:
     return best
 
 
-FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {"maps": heat_maps, "curves": curves, "parallel": parallel, "fronts": fronts}
+FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {
+    "maps": heat_maps,
+    "curves": curves,
+    "parallel": parallel,
+    "fronts": fronts,
+}
 TITLES = {
     "maps": "Measures over two parameters", "curves": "Measures over a parameter", "parallel": "Members, a line each",
     "fronts": "Measures against each other",
@@ -321,18 +394,26 @@ KINDS = (".png", ".svg", ".pdf")
 
 
 @rc_context(STYLE)
-def figures(study: Study, names: Collection[str] = (), measures: Collection[str] = (), larger: Collection[str] = ()) -> dict[str, Figure]:
-    """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; all that the study has something for, or those of ``names``.
+def figures(
+    study: Study, names: Collection[str] = (), measures: Collection[str] = (), larger: Collection[str] = ()
+) -> dict[str, Figure]:
+    """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; all that the study has something for,
+    or those of ``names``.
 
-    ``measures``: those that are drawn, in this order, all unless some are named; ``larger``: those that are better the larger they are, which a
-    front goes by. Raises VfifeError for a name that nothing has.
+    ``measures``: those that are drawn, in this order, all unless some are named; ``larger``: those that are
+    better the larger they are, which a front goes by. Raises VfifeError for a name that nothing has.
     """
     for name in names:
         if name not in FIGURES:
-            raise VfifeError(f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}")
+            raise VfifeError(
+                f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
+            )
     for name in (*measures, *larger):
         study.values(name)
-    draws: dict[str, Callable[[Study, list[str]], Figure | None]] = {**FIGURES, "fronts": partial(fronts, larger=larger)}
+    draws: dict[str, Callable[[Study, list[str]], Figure | None]] = {
+        **FIGURES,
+        "fronts": partial(fronts, larger=larger),
+    }
     chosen = list(measures) or list(study.measures)
     found = {name: draw(study, chosen) for name, draw in draws.items() if not names or name in names}
     return {name: figure for name, figure in found.items() if figure is not None}
@@ -357,6 +438,7 @@ def drawn(
     found = figures(study, names, measures, larger)
     if not found:
         raise VfifeError(
-            f"{study.path or 'this study'}: there is nothing to draw: {len(study.done):,} of {len(study.members):,} members have ended"
+            f"{study.path or 'this study'}: there is nothing to draw: {len(study.done):,} of"
+            f" {len(study.members):,} members have ended"
         )
     return [saved(figure, folder / f"{name}{ending}") for name, figure in found.items()]

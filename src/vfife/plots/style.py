@@ -1,4 +1,6 @@
-"""One look for all figures: colours that the colour-blind can tell apart (Okabe and Ito 2008), little ink; figures as files."""
+"""One look for all figures: colours that the colour-blind can tell apart (Okabe and Ito 2008), little ink;
+figures as files.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,15 @@ BODIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 IDEAL: Any = {"color": VERMILION, "lw": 1.3, "ls": (0, (5, 1.6)), "label": "ideal joints"}
 PREFIXED = ("N", "N m", "Pa", "J", "W")
 LENGTHS = ((1.0, 1.0, "m"), (1e-4, 1e3, "mm"), (1e-7, 1e6, "µm"), (0.0, 1e9, "nm"))  # from so much on
-SCALES = ((2e9, 9, "G"), (2e6, 6, "M"), (2e3, 3, "k"), (0.02, 0, ""), (2e-5, -3, "m"), (2e-8, -6, "µ"), (0.0, -9, "n"))  # from so much on
+SCALES = (
+    (2e9, 9, "G"),
+    (2e6, 6, "M"),
+    (2e3, 3, "k"),
+    (0.02, 0, ""),
+    (2e-5, -3, "m"),
+    (2e-8, -6, "µ"),
+    (0.0, -9, "n"),
+)  # from so much on
 
 STYLE: Any = {  # matplotlib types its settings by their names
     "font.family": "sans-serif",
@@ -63,8 +73,12 @@ STYLE: Any = {  # matplotlib types its settings by their names
 }
 
 
-def panels(count: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any) -> tuple[Figure, list[Axes]]:
-    """A figure with so many axes (inches for each) in rows of up to ``columns``, and the axes; ``equal`` if their scales will be."""
+def panels(
+    count: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any
+) -> tuple[Figure, list[Axes]]:
+    """A figure with so many axes (inches for each) in rows of up to ``columns``, and the axes; ``equal`` if
+    their scales will be.
+    """
     columns = min(columns, count)
     rows = -(-count // columns)
     figure = Figure(figsize=(width * columns, height * rows), layout="compressed" if equal else "constrained")
@@ -81,7 +95,9 @@ def length_unit(size: float) -> tuple[float, str]:
 
 
 def scale_of(size: float, unit: str) -> tuple[float, str]:
-    """Factor and unit in which a quantity reads well: kN, MPa or mJ for units that take a prefix, powers of ten for others."""
+    """Factor and unit in which a quantity reads well: kN, MPa or mJ for units that take a prefix, powers of
+    ten for others.
+    """
     if unit == "m":
         return length_unit(size)
     unit = "" if unit == "1" else unit.replace("^2", "²")
@@ -90,7 +106,10 @@ def scale_of(size: float, unit: str) -> tuple[float, str]:
     power, prefix = next((power, prefix) for limit, power, prefix in SCALES if size >= limit)
     if power == 0:
         return 1.0, unit
-    return 10.0**-power, f"{prefix}{unit}" if unit in PREFIXED else f"10{str(power).translate(RAISED)} {unit}".strip()
+    return (
+        10.0**-power,
+        f"{prefix}{unit}" if unit in PREFIXED else f"10{str(power).translate(RAISED)} {unit}".strip(),
+    )
 
 
 def readable(values: Any, unit: str) -> tuple[float, str]:
@@ -125,5 +144,9 @@ def saved(figure: Figure, path: Path) -> Path:
     """Writes a figure under another name and renames it; the ending of ``path`` chooses PNG, PDF or SVG."""
     kind, by = path.suffix.lower().removeprefix("."), f"vfife, Matplotlib {matplotlib.__version__}"
     with replacement(path) as temporary:
-        figure.savefig(temporary, format=kind, metadata={"png": {"Software": by}, "pdf": {"Creator": by}, "svg": {"Creator": by}}.get(kind))
+        figure.savefig(
+            temporary,
+            format=kind,
+            metadata={"png": {"Software": by}, "pdf": {"Creator": by}, "svg": {"Creator": by}}.get(kind),
+        )
     return path

@@ -25,7 +25,9 @@ STATIC = "a static analysis has no motion"
 
 @dataclass(frozen=True)
 class Kind:
-    """``says`` in a line what is shown; ``lacks`` tells why a result has nothing for it, "" where it has; a ``usual`` one is drawn unasked."""
+    """``says`` in a line what is shown; ``lacks`` tells why a result has nothing for it, "" where it has; a
+    ``usual`` one is drawn unasked.
+    """
 
     says: str
     draw: Callable[[View, View | None], Figure]

@@ -1,4 +1,6 @@
-"""What curves are drawn over: the turn that a run is judged by, opened where least happens in it; time; load factors; moments by name."""
+"""What curves are drawn over: the turn that a run is judged by, opened where least happens in it; time; load
+factors; moments by name.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.forces import joint_force_max
 from ..errors import Fault, VfifeError, shown
+from ..measures.forces import joint_force_max
 from ..solvers.repeating import outputs_of_a_turn
 from ..units import number
 
@@ -21,14 +23,19 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 AROUND = 25.0  # degrees to both sides of an angle that have to be quiet for a turn to be opened there
 EVERY = 30  # degrees: where a turn may be opened
-BETTER = (1.5, 0.05)  # a turn stays open at 0 unless another place has less than this part of its variation, and this much less
+BETTER = (
+    1.5,
+    0.05,
+)  # a turn stays open at 0 unless another place has less than this part of its variation, and this much less
 ROUNDED = 1e-6  # degrees by which an angle may be off where the turn is opened
 FULL = 300.0  # degrees from which on a turn is one
 
 
 @dataclass(frozen=True)
 class Span:
-    """The outputs ``first`` to ``last`` of a run and what they are drawn over, ``x``; a whole turn is opened at the angle ``cut`` (degrees)."""
+    """The outputs ``first`` to ``last`` of a run and what they are drawn over, ``x``; a whole turn is opened
+    at the angle ``cut`` (degrees).
+    """
 
     first: int
     last: int
@@ -36,10 +43,14 @@ class Span:
     cut: float | None
     title: str
     origin: float = 0.0  # degrees that were counted before the turn
-    turns: tuple[int, int] | None = None  # those that measures are means over, counted from 1, of as many outputs as this one
+    turns: tuple[int, int] | None = (
+        None  # those that measures are means over, counted from 1, of as many outputs as this one
+    )
 
     def series(self, values: Array) -> tuple[Array, Array]:
-        """Curve of values at all outputs, shape (outputs,); where the turn ends and begins again it is interrupted."""
+        """Curve of values at all outputs, shape (outputs,); where the turn ends and begins again it is
+        interrupted.
+        """
         return self.placed(values[self.first : self.last + 1])
 
     def placed(self, values: Array) -> tuple[Array, Array]:
@@ -57,7 +68,9 @@ class Span:
         return np.where(np.array(order) < 0, at[-1], at[order]), broken
 
     def beside(self, reference: View, values: Array) -> tuple[Array, Array]:
-        """The curve of a reference over the same angles: its last turn; times and load factors are compared as they are."""
+        """The curve of a reference over the same angles: its last turn; times and load factors are compared
+        as they are.
+        """
         over, chosen = abscissa(reference)[reference.last_turn], values[reference.last_turn]
         if reference.crank is None or reference.record.static or np.ptp(over) < FULL:
             over = over - self.origin
@@ -72,18 +85,24 @@ class Span:
         return at[seen], chosen[seen]
 
     def overlaid(self, values: Array) -> Array:
-        """The turns that measures are means over, laid over each other, shape (turns, outputs of a turn and the one before)."""
+        """The turns that measures are means over, laid over each other, shape (turns, outputs of a turn and
+        the one before).
+        """
         if self.turns is None:
             return values[None, self.first : self.last + 1]
         count = self.last - self.first
-        return np.stack([values[k * count : (k + 1) * count + 1] for k in range(self.turns[0] - 1, self.turns[1])])
+        return np.stack(
+            [values[k * count : (k + 1) * count + 1] for k in range(self.turns[0] - 1, self.turns[1])]
+        )
 
     def mark(self, ax: Axes) -> None:
         """Limits and ticks of an axis of angles: whole sixties, counted within one turn."""
         low, high = (min(self.x), max(self.x)) if self.cut is None else (self.cut, self.cut + 360.0)
         ax.set_xlim(low, high if high > low else low + 1.0)
         if self.title.endswith("(degrees)") and high - low > FULL:
-            ticks = np.arange(np.ceil(low / 60.0 - 1e-6) * 60.0, high + 1e-6, 60.0 if high - low <= 361.0 else 180.0)
+            ticks = np.arange(
+                np.ceil(low / 60.0 - 1e-6) * 60.0, high + 1e-6, 60.0 if high - low <= 361.0 else 180.0
+            )
             ax.set_xticks(ticks, [f"{tick % 360.0 if self.cut is not None else tick:.0f}" for tick in ticks])
 
 
@@ -102,10 +121,15 @@ def span(result: View) -> Span:
 
 
 def _quietest(result: View, first: int, last: int, x: Array) -> float:
-    """The angle (degrees) around which the joint forces vary least, as shares of the largest of each; 0 unless it is much quieter elsewhere."""
+    """The angle (degrees) around which the joint forces vary least, as shares of the largest of each; 0
+    unless it is much quieter elsewhere.
+    """
     forces = joint_force_max(result.record)[first + 1 : last + 1]
     most = forces.max(axis=0) if forces.size else np.zeros(0)
-    share = forces[:, most > 1e-9 * max(most.max(initial=0.0), 1e-300)] / most[most > 1e-9 * max(most.max(initial=0.0), 1e-300)]
+    share = (
+        forces[:, most > 1e-9 * max(most.max(initial=0.0), 1e-300)]
+        / most[most > 1e-9 * max(most.max(initial=0.0), 1e-300)]
+    )
     if not share.size:
         return 0.0
     angles, varied = np.mod(x[1:], 360.0), {}
@@ -143,7 +167,9 @@ def abscissa(result: View) -> Array:
 
 
 def one_turn(angle: Array, result: View) -> tuple[Array, float]:
-    """Angles of a turn counted from the last whole turn before it, and that whole turn's angle; times as they are."""
+    """Angles of a turn counted from the last whole turn before it, and that whole turn's angle; times as they
+    are.
+    """
     if result.crank is None or result.record.static:
         return angle, 0.0
     origin = 360.0 * np.floor(min(angle[0], angle[-1]) / 360.0 + 1e-6)
@@ -151,7 +177,8 @@ def one_turn(angle: Array, result: View) -> tuple[Array, float]:
 
 
 def output_at(result: View, text: str) -> int:
-    """The output nearest to a moment: ``90deg`` or ``0.25 turn`` in the last turn, ``12ms`` or a bare number of seconds; a load factor.
+    """The output nearest to a moment: ``90deg`` or ``0.25 turn`` in the last turn, ``12ms`` or a bare number
+    of seconds; a load factor.
 
     Raises VfifeError for what is no moment of the run.
     """
@@ -159,7 +186,9 @@ def output_at(result: View, text: str) -> int:
     if result.record.static:
         at = _read(text, "1")
         if at is None:
-            raise VfifeError(f"at {shown(text)}: this is a static analysis; give a load factor, up to {moments[-1]:g}")
+            raise VfifeError(
+                f"at {shown(text)}: this is a static analysis; give a load factor, up to {moments[-1]:g}"
+            )
     else:
         at, angle = _read(text, "s"), _read(text, "rad")
         if at is None and angle is not None:
@@ -174,14 +203,18 @@ def output_at(result: View, text: str) -> int:
 
 def _at_angle(result: View, angle: float, text: str) -> int:
     if result.crank is None:
-        raise VfifeError(f"at {shown(text)}: nothing is driven, so there is no crank with an angle; give a time, as 12ms")
+        raise VfifeError(
+            f"at {shown(text)}: nothing is driven, so there is no crank with an angle; give a time, as 12ms"
+        )
     inside = np.flatnonzero(result.last_turn)
     off = np.abs(np.mod(abscissa(result)[inside] - angle + 180.0, 360.0) - 180.0)
     k = int(np.argmin(off))
     spacing = float(np.abs(np.diff(abscissa(result)[inside])).max()) if len(inside) > 1 else 0.0
     if off[k] > spacing:
         low, high = np.sort(abscissa(result)[inside[[0, -1]]])
-        raise VfifeError(f"at {shown(text)}: {result.crank} goes from {low:.4g} to {high:.4g} degrees in this run")
+        raise VfifeError(
+            f"at {shown(text)}: {result.crank} goes from {low:.4g} to {high:.4g} degrees in this run"
+        )
     return int(inside[k])
 
 

@@ -1,4 +1,6 @@
-"""Wear of joints: depths around bearings and journals in polar axes, with play and force over turns beside them."""
+"""Wear of joints: depths around bearings and journals in polar axes, with play and force over turns beside
+them.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +13,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from ..analysis.contacts import of_window
-from ..analysis.measures import last_turn
-from ..analysis.wear import PLACES, SIDES, depths, is_round, worn_contacts
+from ..measures.catalogue import last_turn
+from ..measures.contacts import of_window
+from ..measures.wear import PLACES, SIDES, depths, is_round, worn_contacts
 from .style import BLUE, FAINT, GREY, INK, STYLE, VERMILION, digits, heading, length_unit, scale_of
 
 if TYPE_CHECKING:
     from ..results.view import View
-    from ..study.tribology.wear_state import Worn
+    from ..tribology.wear_state import Worn
 
 HOLLOW = 1.5  # radius of the surface as it was, in deepest depths
 MOST_JOINTS = 6
@@ -29,9 +31,14 @@ MOST, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches
 
 @rc_context(STYLE)
 def worn(found: Worn) -> Figure:
-    """One row a joint: each surface around itself, drawn far larger than its wear is small, and over turns the play and the largest force."""
+    """One row a joint: each surface around itself, drawn far larger than its wear is small, and over turns
+    the play and the largest force.
+    """
     sides = max(sum(one.joint == joint for one in found.surfaces) for joint in found.joints)
-    figure = Figure(figsize=(SIDE * (sides + 1.25), HEIGHT * len(found.joints) + 0.4), layout=ConstrainedLayoutEngine(wspace=0.1, h_pad=0.12))
+    figure = Figure(
+        figsize=(SIDE * (sides + 1.25), HEIGHT * len(found.joints) + 0.4),
+        layout=ConstrainedLayoutEngine(wspace=0.1, h_pad=0.12),
+    )
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2 * len(found.joints), sides + 1, width_ratios=[1.0] * sides + [1.15])
     chosen = choice(found)
@@ -44,11 +51,18 @@ def worn(found: Worn) -> Figure:
         over_turns(figure.add_subplot(grid[2 * row, sides]), found, row, "play")
         over_turns(figure.add_subplot(grid[2 * row + 1, sides]), found, row, "force")
     figure.legend(
-        *figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=MOST + 2, title="surfaces after turns", fontsize=9.0
+        *figure.axes[0].get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=MOST + 2,
+        title="surfaces after turns",
+        fontsize=9.0,
     )
     told = f"{counted(found.turns[-1])} turns of the crank, {found.simulated:,.0f} of them simulated"
     if found.ended:
-        told += f"; life of joint {found.ended['joint']} ends after {counted(found.ended['turns'])} by its {found.ended['by']}"
+        told += (
+            f"; life of joint {found.ended['joint']} ends after {counted(found.ended['turns'])} by its"
+            f" {found.ended['by']}"
+        )
     heading(figure, f"{found.name}: wear after {told}")
     return laid_out(figure)
 
@@ -62,9 +76,15 @@ def laid_out(figure: Figure) -> Figure:
 
 
 def in_a_turn(result: View) -> Figure:
-    """What each surface of the joints that wear loses in a million turns like the last one, around it; in the run where there are no turns."""
+    """What each surface of the joints that wear loses in a million turns like the last one, around it; in the
+    run where there are no turns.
+    """
     record = result.record
-    many, said = (1e6, "a million turns like the last") if record.assembly.choice.turn is not None else (1.0, "the run")
+    many, said = (
+        (1e6, "a million turns like the last")
+        if record.assembly.choice.turn is not None
+        else (1.0, "the run")
+    )
     part, _ = of_window(record, last_turn(record))
     shown = [
         (name, side, many * depth)
@@ -80,7 +100,9 @@ def in_a_turn(result: View) -> Figure:
     for place, (name, side, depth) in enumerate(shown):
         ax = figure.add_subplot(rows, columns, place + 1, projection="polar")
         around(ax, name, side, ANGLES, [(f"lost in {said}", depth)])
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9.0)
+    figure.legend(
+        *figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9.0
+    )
     heading(figure, f"{result.name}: wear by Archard's law in {said}")
     return laid_out(figure)
 
@@ -98,7 +120,9 @@ def choice(found: Worn) -> list[int]:
 
 
 def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
-    """Depths (m) of one surface, each with its label, the last one filled: outwards from a bearing, inwards into a journal."""
+    """Depths (m) of one surface, each with its label, the last one filled: outwards from a bearing, inwards
+    into a journal.
+    """
     deepest = max(max(float(depth.max()) for _, depth in lines), 1e-15)
     factor, unit = length_unit(deepest)
     sign, last = 1.0 if side == "bearing" else -1.0, lines[-1][1]
@@ -110,10 +134,14 @@ def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, A
         ax.plot(angle, circle + sign * closed(depth) / deepest, color=color, lw=1.1, label=label)
     ax.plot(angle, circle, color=INK, lw=1.0, label="new")
     marks = np.array([0.5, 1.0])
-    ax.set_rticks(HOLLOW + sign * marks, [f"{digits(float(f'{factor * deepest * mark:.2g}'))} {unit}" for mark in marks])
+    ax.set_rticks(
+        HOLLOW + sign * marks, [f"{digits(float(f'{factor * deepest * mark:.2g}'))} {unit}" for mark in marks]
+    )
     ax.set_rlabel_position(shallow(last, angles))
     ax.set_rlim(0.0, HOLLOW + (1.2 if sign > 0.0 else 0.15))
-    ax.set_xlabel(f"{joint}: {side}, up to {digits(float(f'{factor * deepest:.3g}'))} {unit}", fontweight="bold")
+    ax.set_xlabel(
+        f"{joint}: {side}, up to {digits(float(f'{factor * deepest:.3g}'))} {unit}", fontweight="bold"
+    )
     ax.grid(color=FAINT, lw=0.6)
     ax.tick_params(axis="x", labelsize=8.0, pad=0.0)
     ax.tick_params(axis="y", labelsize=8.0)
@@ -122,10 +150,16 @@ def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, A
 
 
 def shallow(depth: Any, angles: Any) -> float:
-    """Where least is worn within a sixth of the way around (degrees), above or below, where figures stand clear of each other."""
+    """Where least is worn within a sixth of the way around (degrees), above or below, where figures stand
+    clear of each other.
+    """
     width = len(depth) // 6
-    around_it = np.convolve(np.concatenate([depth[-width:], depth, depth[:width]]), np.ones(width) / width, mode="same")[width:-width]
-    return float(np.degrees(angles[int(np.argmin(np.where(np.abs(np.cos(angles)) < STEEP, around_it, np.inf)))]))
+    around_it = np.convolve(
+        np.concatenate([depth[-width:], depth, depth[:width]]), np.ones(width) / width, mode="same"
+    )[width:-width]
+    return float(
+        np.degrees(angles[int(np.argmin(np.where(np.abs(np.cos(angles)) < STEEP, around_it, np.inf)))])
+    )
 
 
 def closed(depth: Any) -> Any:

@@ -1,4 +1,6 @@
-"""What is known of a mechanism before a run: bodies, joints and laws in plain numbers (SI), step and cost, and the answer of ``vfife check``."""
+"""What is known of a mechanism before a run: bodies, joints and laws in plain numbers (SI), step and cost,
+and the answer of ``vfife check``.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +29,11 @@ ROWS = 30  # of a table
 
 @dataclass(frozen=True)
 class Checked:
-    """A mechanism without faults: ``free`` degrees of freedom with ideal joints, ``after_drives`` with the drivers at work, what is ``redundant``.
+    """A mechanism without faults: ``free`` degrees of freedom with ideal joints, ``after_drives`` with the
+    drivers at work, what is ``redundant``.
 
-    ``step`` (s) is the one that a run begins with, ``set_by`` what sets it; ``notes`` are sentences on what to be careful with.
+    ``step`` (s) is the one that a run begins with, ``set_by`` what sets it; ``notes`` are sentences on what
+    to be careful with.
     """
 
     name: str
@@ -43,13 +47,22 @@ class Checked:
     notes: tuple[str, ...]
 
     def __str__(self) -> str:
-        counts = f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}, {self.joints} joint{'s' * (self.joints != 1)}"
+        counts = (
+            f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}, {self.joints}"
+            f" joint{'s' * (self.joints != 1)}"
+        )
         lines = [
             f"{self.name}: no faults; {counts}.",
-            f"Degrees of freedom with ideal joints: {self.free}; {self.after_drives} with the drivers at work.",
+            (
+                f"Degrees of freedom with ideal joints: {self.free}; {self.after_drives} with the drivers at"
+                " work."
+            ),
         ]
         if self.redundant:
-            lines.append(f"Redundant constraints, at {', '.join(self.redundant)}: rigid links do not determine how these joints share their load.")
+            lines.append(
+                f"Redundant constraints, at {', '.join(self.redundant)}: rigid links do not determine how"
+                " these joints share their load."
+            )
         if self.step > 0.0:
             lines.append(f"Step {self.step:.4g} s, set by {self.set_by}.")
         return "\n".join([*lines, *self.notes])
@@ -73,13 +86,31 @@ def checked(assembly: Assembly, notes: Sequence[str] = ()) -> Checked:
 def mechanism_parts(mechanism: Mechanism) -> list[Table]:
     """Tables of the bodies, joints, gears, springs, drivers and loads of a mechanism."""
     pairs: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
-    drivers = [(name, driver(one), one.body or one.slider or one.point) for name, one in mechanism.drivers.items()]
+    drivers = [
+        (name, driver(one), one.body or one.slider or one.point) for name, one in mechanism.drivers.items()
+    ]
     tables = (
-        Table(("body", "model", "pins"), [(n, b.model, ", ".join(b.points)) for n, b in mechanism.bodies.items()], "Bodies"),
-        Table(("joint", "what", "bearing", "journal"), [(n, j.words, j.bearing, j.journal) for n, j in mechanism.joints.items()], "Joints"),
-        Table(("name", "what", "between"), [(n, one.words, f"{one.first} and {one.second}") for n, one in pairs.items()], "Gears and springs"),
+        Table(
+            ("body", "model", "pins"),
+            [(n, b.model, ", ".join(b.points)) for n, b in mechanism.bodies.items()],
+            "Bodies",
+        ),
+        Table(
+            ("joint", "what", "bearing", "journal"),
+            [(n, j.words, j.bearing, j.journal) for n, j in mechanism.joints.items()],
+            "Joints",
+        ),
+        Table(
+            ("name", "what", "between"),
+            [(n, one.words, f"{one.first} and {one.second}") for n, one in pairs.items()],
+            "Gears and springs",
+        ),
         Table(("driver", "what", "of"), drivers, "Drivers"),
-        Table(("load", "what", "at"), [(name, one.words, one.place) for name, one in mechanism.loads.items()], "Loads"),
+        Table(
+            ("load", "what", "at"),
+            [(name, one.words, one.place) for name, one in mechanism.loads.items()],
+            "Loads",
+        ),
     )
     return [table for table in tables if table.rows]
 
@@ -130,13 +161,18 @@ def _contact(assembly: Assembly, joint: Joint) -> dict[str, Any]:
     pair = surfaces(assembly.mechanism, noun)
     sizes = {key: getattr(noun, key) for key in (*noun.sizes, *SIZES) if getattr(noun, key, None) is not None}
     found = sizes | {kind: _law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
-    found["contact"] |= {"modulus": pair.composite_modulus, "exponent": noun.contact.exponent_at(noun.landing, pair)}
+    found["contact"] |= {
+        "modulus": pair.composite_modulus,
+        "exponent": noun.contact.exponent_at(noun.landing, pair),
+    }
     worn = {} if noun.wear is None else {"wear": _wear(noun.wear, pair)}
     return found | worn | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
 
 
 def _wear(noun: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
-    """Of bearing and journal the coefficient of wear (1/Pa), the named pair of materials with its source, and the initial depth (m)."""
+    """Of bearing and journal the coefficient of wear (1/Pa), the named pair of materials with its source, and
+    the initial depth (m).
+    """
     found: dict[str, dict[str, Any]] = {}
     for side in ("bearing", "journal"):
         chosen = getattr(noun, side)
@@ -147,27 +183,50 @@ def _wear(noun: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
 
 
 def couplings(assembly: Assembly) -> list[dict[str, str]]:
-    """Gears, springs, and drivers that do not bear the name of the body they turn: name, what it is, what it acts on."""
+    """Gears, springs, and drivers that do not bear the name of the body they turn: name, what it is, what it
+    acts on.
+    """
     mechanism = assembly.mechanism
     pairs: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
-    found = [{"name": name, "what": one.words, "first": one.first, "second": one.second} for name, one in pairs.items()]
+    found = [
+        {"name": name, "what": one.words, "first": one.first, "second": one.second}
+        for name, one in pairs.items()
+    ]
     for name, noun in mechanism.drivers.items():
         if name not in mechanism.bodies:
-            found.append({"name": name, "what": f"driver: {driver(noun)}", "first": noun.body or noun.slider or noun.point, "second": ""})
+            found.append(
+                {
+                    "name": name,
+                    "what": f"driver: {driver(noun)}",
+                    "first": noun.body or noun.slider or noun.point,
+                    "second": "",
+                }
+            )
     return found
 
 
 def _law(noun: Any, pair: Any) -> dict[str, Any]:
     """A law with its parameters and what is derived from them and the two surfaces."""
     parameters = {field.name: getattr(noun, field.name) for field in dataclasses.fields(noun)}
-    return {"law": noun.name, "parameters": parameters, "derived": noun.derived(pair), "units": noun.units(pair)}
+    return {
+        "law": noun.name,
+        "parameters": parameters,
+        "derived": noun.derived(pair),
+        "units": noun.units(pair),
+    }
 
 
 def step(assembly: Assembly) -> dict[str, Any]:
     """The step (s), what set it, and every limit."""
     choice = assembly.choice
     limits = dict(choice.limits)
-    return {"size": choice.step, "automatic": choice.automatic, "set_by": choice.culprit, "stable": choice.stable, "limits": limits}
+    return {
+        "size": choice.step,
+        "automatic": choice.automatic,
+        "set_by": choice.culprit,
+        "stable": choice.stable,
+        "limits": limits,
+    }
 
 
 def freedom(assembly: Assembly) -> dict[str, Any]:
@@ -194,17 +253,34 @@ def document(found: Mapping[str, Any], long: bool = False) -> Document:
     """What would run and what it would cost; ``long``: with all defaults, limits and rows."""
     most = None if long else ROWS
     texts = (note.strip() for note in (found["note"], *found["notes"]) if note)
-    parts: list[Part] = [Paragraph(f"  ({found['file']})", lead=found["model"]), *sentences(list(texts), style="caution"), Paragraph("")]
+    parts: list[Part] = [
+        Paragraph(f"  ({found['file']})", lead=found["model"]),
+        *sentences(list(texts), style="caution"),
+        Paragraph(""),
+    ]
     parts += [*_bodies(found["bodies"], most), *_joints(found["joints"], most)]
     if found["couplings"]:
-        rows = [(one["name"], one["what"], one["first"] + (f" and {one['second']}" if one["second"] else "")) for one in found["couplings"]]
+        rows = [
+            (one["name"], one["what"], one["first"] + (f" and {one['second']}" if one["second"] else ""))
+            for one in found["couplings"]
+        ]
         parts.append(Table(("name", "what", "acts on"), rows))
     parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in found.get("laws", {}).items()]
-    parts += sentences([*freedom_words(found["degrees_of_freedom"]), *(_statics(found) if found["load_factors"] else _transient(found, long))])
+    parts += sentences(
+        [
+            *freedom_words(found["degrees_of_freedom"]),
+            *(_statics(found) if found["load_factors"] else _transient(found, long)),
+        ]
+    )
     if long:
         parts += _defaults(found["defaults"])
     elif found["defaults"]:
-        parts.append(Paragraph(f"{len(found['defaults'])} values that the file does not give are taken by default; --long lists them."))
+        parts.append(
+            Paragraph(
+                f"{len(found['defaults'])} values that the file does not give are taken by default; --long"
+                " lists them."
+            )
+        )
     return Document(parts, data=found)
 
 
@@ -215,7 +291,9 @@ def _bodies(found: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Pa
         center = f"({body['center'][0]:.6g}, {body['center'][1]:.6g})"
         numbers = (f"{body['mass']:.6g}", f"{body['inertia']:.6g}")
         rows.append((body["name"], body["model"] + elements, *numbers, center, body["driver"] or ""))
-    yield Table(("body", "model", "mass, kg", "inertia, kg m²", "centre of mass, m", "driver"), rows, numbers=(2, 3))
+    yield Table(
+        ("body", "model", "mass, kg", "inertia, kg m²", "centre of mass, m", "driver"), rows, numbers=(2, 3)
+    )
     yield from _left_out(len(found), most, "bodies")
 
 
@@ -239,18 +317,31 @@ def _joints(found: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Pa
     yield Table(heads, rows[:most], numbers=(4, 5, 6))
     yield from _left_out(len(found), most, "joints")
     for text, names in laws.items():
-        yield Paragraph(f"{', '.join(names[:most])}{'' if most is None or len(names) <= most else ', ...'}: {text}")
+        yield Paragraph(
+            f"{', '.join(names[:most])}{'' if most is None or len(names) <= most else ', ...'}: {text}"
+        )
     if laws:
         yield Paragraph("")
 
 
 def _law_words(kind: str, entry: Mapping[str, Any]) -> str:
     """A law: its parameters, and what follows from them and the surfaces."""
-    parameters = ", ".join(f"{name} {_points(value) or _shown(value)}" for name, value in entry["parameters"].items() if value is not None)
+    parameters = ", ".join(
+        f"{name} {_points(value) or _shown(value)}"
+        for name, value in entry["parameters"].items()
+        if value is not None
+    )
     derived = [text for text in (named(entry["derived"], entry["units"]),) if text]
     if "modulus" in entry:
-        derived += [f"exponent {entry['exponent']:.4g}", f"composite modulus E* {1e-9 * entry['modulus']:.4g} GPa"]
-    return f"{kind} {entry['law']}" + (f" ({parameters})" if parameters else "") + (f"; {', '.join(derived)}" if derived else "")
+        derived += [
+            f"exponent {entry['exponent']:.4g}",
+            f"composite modulus E* {1e-9 * entry['modulus']:.4g} GPa",
+        ]
+    return (
+        f"{kind} {entry['law']}"
+        + (f" ({parameters})" if parameters else "")
+        + (f"; {', '.join(derived)}" if derived else "")
+    )
 
 
 def _wear_words(side: str, entry: Mapping[str, Any]) -> str:
@@ -268,7 +359,10 @@ def _points(value: Any) -> str:
 
 def freedom_words(found: Mapping[str, Any]) -> list[str]:
     """Degrees of freedom in sentences."""
-    lines = [f"Degrees of freedom with ideal joints: {found['free']}; {found['after_drives']} with the drivers at work."]
+    lines = [
+        f"Degrees of freedom with ideal joints: {found['free']}; {found['after_drives']} with the drivers at"
+        " work."
+    ]
     if found["redundant"]:
         count, joints = found["redundant"], ", ".join(found["redundant_joints"])
         many = f"{count} redundant constraint{'s' * (count > 1)}, at {joints}"
@@ -277,11 +371,15 @@ def freedom_words(found: Mapping[str, Any]) -> list[str]:
         lines.append(f"Shared by least norm, not unique: {', '.join(found['shared'])}.")
     if found["singular"]:
         lines.append(
-            f"The start is a singular position (a change point or dead centre), at {', '.join(found['singular'])}: beside it these hold "
-            "something of their own. The branch that the motion takes from here is not determined; start a little aside."
+            "The start is a singular position (a change point or dead centre), at"
+            f" {', '.join(found['singular'])}: beside it these hold something of their own. The branch that"
+            " the motion takes from here is not determined; start a little aside."
         )
     if found["blocked"]:
-        lines.append("A motion that the joints allow leads nowhere: links lie in line, where no force along them holds anything across.")
+        lines.append(
+            "A motion that the joints allow leads nowhere: links lie in line, where no force along them holds"
+            " anything across."
+        )
     if found["four_bar"]:
         lines.append(f"Four-bar: {found['four_bar']}.")
     return lines
@@ -292,7 +390,8 @@ def _transient(found: Mapping[str, Any], long: bool) -> list[str]:
     step = found["step"]
     endless = step["stable"] == float("inf")
     how = (
-        f"chosen; set by {step['set_by']}" + ("; a run halves it while runs with other step sizes disagree" if step["searched"] else "")
+        f"chosen; set by {step['set_by']}"
+        + ("; a run halves it while runs with other step sizes disagree" if step["searched"] else "")
         if step["automatic"]
         else "as given"
         if endless
@@ -309,7 +408,10 @@ def _transient(found: Mapping[str, Any], long: bool) -> list[str]:
         stable or f"The largest stable step is {step['stable']:.4g} s:",
         *(f"  {value:.4g} s  {name}" for name, value in shown),
         *rest,
-        f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}{until}; an output every {found['steps_between_outputs']:,} steps.",
+        (
+            f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}{until}; an output every"
+            f" {found['steps_between_outputs']:,} steps."
+        ),
         *_cost(found),
     ]
 
@@ -317,8 +419,15 @@ def _transient(found: Mapping[str, Any], long: bool) -> list[str]:
 def _statics(found: Mapping[str, Any]) -> list[str]:
     """Load factors and cost of a static analysis in sentences."""
     factors = found["load_factors"]
-    again = ", other numbers of elements with it" if found["repeated"] else "; errors of the mesh are not estimated"
-    time = f"Time, a rough estimate: {span(found['estimate']['seconds'])}{again}; each equilibrium ends after {found['iterations']:,} iterations."
+    again = (
+        ", other numbers of elements with it"
+        if found["repeated"]
+        else "; errors of the mesh are not estimated"
+    )
+    time = (
+        f"Time, a rough estimate: {span(found['estimate']['seconds'])}{again}; each equilibrium ends after"
+        f" {found['iterations']:,} iterations."
+    )
     what = f"equilibrium under load factor {factors[0]:g}"
     if len(factors) > 1:
         what = f"equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}"
@@ -329,17 +438,30 @@ def _cost(found: Mapping[str, Any]) -> list[str]:
     from ..job.cost import BRIEF, MOST_TRIES
 
     cost = found["estimate"]
-    pace, compiling = f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop", span(cost["compile_seconds"])
-    again = f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved twice" if found["step"]["searched"] else ""
+    pace, compiling = (
+        f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop",
+        span(cost["compile_seconds"]),
+    )
+    again = (
+        f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved twice"
+        if found["step"]["searched"]
+        else ""
+    )
     again += "; half and a quarter of the step with it, for the errors" if found["repeated"] else ""
     lines = [
         f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){again},",
         f"  and some {compiling} to compile that loop if it was never used here.",
-        f"The record takes {amount_of_bytes(cost['bytes'])}, which is packed to about half of it in the run file; to be read, it takes",
+        (
+            f"The record takes {amount_of_bytes(cost['bytes'])}, which is packed to about half of it in the"
+            " run file; to be read, it takes"
+        ),
         f"  some {amount_of_bytes(cost['memory'])} of memory.",
     ]
     if cost["ideal_seconds"] > BRIEF:
-        lines.append(f"The ideal mechanism alone takes {span(cost['ideal_seconds'])}: what forces its joints carry is told by the run.")
+        lines.append(
+            f"The ideal mechanism alone takes {span(cost['ideal_seconds'])}: what forces its joints carry is"
+            " told by the run."
+        )
     return lines + _confirmation(cost)
 
 
@@ -355,10 +477,19 @@ def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
         section, _, rest = entry["path"].partition(".")
         name, _, key = rest.partition(".") if rest.count(".") else ("", "", rest)
         unit = "" if entry["unit"] == "1" else f" {entry['unit']}"
-        same = (f"{section}.*.{key}" if name else entry["path"], f"{_shown(entry['value'])}{unit}", entry["meaning"])
+        same = (
+            f"{section}.*.{key}" if name else entry["path"],
+            f"{_shown(entry['value'])}{unit}",
+            entry["meaning"],
+        )
         alike.setdefault(same, []).append(name)
     rows = [
-        (path.replace("*", names[0]) if len(names) == 1 else path, ", ".join(names) if len(names) > 1 else "", value, meaning)
+        (
+            path.replace("*", names[0]) if len(names) == 1 else path,
+            ", ".join(names) if len(names) > 1 else "",
+            value,
+            meaning,
+        )
         for (path, value, meaning), names in alike.items()
     ]
     if rows:

@@ -1,4 +1,6 @@
-"""Likely causes of a divergence: step, time, quantity and remedy, and a position that the drivers cannot pass."""
+"""Likely causes of a divergence: step, time, quantity and remedy, and a position that the drivers cannot
+pass.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..analysis.energy import own_floor
 from ..errors import VfifeError
+from ..measures.energy import own_floor
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
@@ -29,7 +31,10 @@ from ..solvers.record import Record
 FAR = 4.0  # times the automatic step, beyond which a step is a likely cause
 
 # What is said where no step closes the ledger.
-FLOOR = 'what elements of the present length leave open does not go with the step; take more elements, or strain = "reference" for them'
+FLOOR = (
+    "what elements of the present length leave open does not go with the step; take more elements, or strain"
+    ' = "reference" for them'
+)
 
 # Forces come first: where a step makes several quantities infinite, they are what did it.
 ORDER = ("contact", "frame", "spring", "joint", "driven", "function", "system", "body", "particle")
@@ -43,18 +48,27 @@ def diverged(record: Record) -> str:
 
 
 def first_infinite(record: Record) -> tuple[int, str]:
-    """Step of the first number beyond all bounds, and what it is: as the run found it, else by going on from the last sound output step by step."""
+    """Step of the first number beyond all bounds, and what it is: as the run found it, else by going on from
+    the last sound output step by step.
+    """
     if record.burst is not None:
         gone = "left all bounds" if record.burst.finite else "became infinite"
         return record.burst.step, f"{named(record.assembly, record.burst.rows)} {gone}"
     from ..assembly.assembled import Bounds
-    from ..codegen.runner import Runner
+    from ..compiler.runtime.runner import Runner
 
     assembly, last = record.assembly, int(record.steps[-1])
     state = assembly.state.copy()
     state[record.kept] = record.rows[-1]
     loop = "generated" if record.loop == "generated" else "data-driven"  # the one that is compiled
-    runner = Runner(assembly.topology, state[:, None], assembly.tables[None, :], loop, record.kept, parts=assembly.mechanism.settings.parts)
+    runner = Runner(
+        assembly.topology,
+        state[:, None],
+        assembly.tables[None, :],
+        loop,
+        record.kept,
+        parts=assembly.mechanism.settings.parts,
+    )
     runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
     for step in range(last + 1, last + assembly.choice.outputs_every + 1):
         rows = runner.advance(1, 1)[:, :, 0]
@@ -72,7 +86,11 @@ def named(assembly: Assembly, rows: Any) -> str:
     found = []
     for block in BLOCKS:
         where = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
-        found += [(ORDER.index(block.entity), block, where[int(row)]) for row in rows if block.entity in ORDER and int(row) in where]
+        found += [
+            (ORDER.index(block.entity), block, where[int(row)])
+            for row in rows
+            if block.entity in ORDER and int(row) in where
+        ]
     if not found:
         return "a number of the state"
     _, block, index = min(found, key=lambda entry: entry[0])
@@ -95,7 +113,11 @@ def owner(assembly: Assembly, entity: str, index: int) -> str:
     for name, where in assembly.bodies.items():
         parts = {"frame": where.elements, "particle": where.particles}.get(entity, ())
         if index in parts:
-            return f"body {name}" if len(parts) == 1 else f"body {name} ({words.get(entity, entity)} {parts.index(index) + 1} of {len(parts)})"
+            return (
+                f"body {name}"
+                if len(parts) == 1
+                else f"body {name} ({words.get(entity, entity)} {parts.index(index) + 1} of {len(parts)})"
+            )
     return "the whole"
 
 
@@ -103,15 +125,21 @@ def energy_cause(result: View) -> str:
     """The sentences about a run whose energy ledger is open beyond its limit."""
     record, choice = result.record, result.record.assembly.choice
     limit = record.assembly.mechanism.settings.energy_limit
-    said = f"the energy ledger is open by {100.0 * result.ledger.error:.3g} % of the largest energy, and {100.0 * limit:.3g} % is the limit."
+    said = (
+        f"the energy ledger is open by {100.0 * result.ledger.error:.3g} % of the largest energy, and"
+        f" {100.0 * limit:.3g} % is the limit."
+    )
     if own_floor(record) and choice.step <= choice.stable:
         return f"{said} {FLOOR[0].upper()}{FLOOR[1:]}, or allow more (energy_limit in [run])."
     if choice.step > choice.stable:
         return (
-            f"{said} The step of {choice.step:.4g} s was forced, and is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows: "
-            "take --step auto, without --force-step."
+            f"{said} The step of {choice.step:.4g} s was forced, and is larger than the stable"
+            f" {choice.stable:.4g} s that {choice.culprit} allows: take --step auto, without --force-step."
         )
-    return f"{said} Take a smaller step, --step {0.5 * choice.step:.4g}, or allow more (energy_limit in [run]) where you know better."
+    return (
+        f"{said} Take a smaller step, --step {0.5 * choice.step:.4g}, or allow more (energy_limit in [run])"
+        " where you know better."
+    )
 
 
 def automatic_step(assembly: Assembly) -> float:
@@ -120,7 +148,9 @@ def automatic_step(assembly: Assembly) -> float:
 
     choice = assembly.choice
     try:
-        return assemble(assembly.mechanism, "auto", duration=choice.steps * choice.step, outputs=choice.outputs).choice.step
+        return assemble(
+            assembly.mechanism, "auto", duration=choice.steps * choice.step, outputs=choice.outputs
+        ).choice.step
     except VfifeError:
         return math.inf
 
@@ -128,36 +158,47 @@ def automatic_step(assembly: Assembly) -> float:
 def cause(record: Record, time: float) -> str:
     """Likely cause of what happened at ``time`` (s), and remedy."""
     choice = record.assembly.choice
-    forced = f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that {choice.culprit} allows"
+    forced = (
+        f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that"
+        f" {choice.culprit} allows"
+    )
     if passed := end_of_reach(record, time + choice.step):
         said = (
-            f"The drivers lead to a position that the mechanism cannot pass: {passed}. No step helps there: end the course of the driver before, "
-            "or drive the mechanism elsewhere, such as at the crank."
+            f"The drivers lead to a position that the mechanism cannot pass: {passed}. No step helps there:"
+            " end the course of the driver before, or drive the mechanism elsewhere, such as at the crank."
         )
         return f"{said} {forced}, too." if choice.step > choice.stable else said
     if choice.step > choice.stable:
         return f"{forced}, which is the likely cause; take --step auto, without --force-step."
     if not choice.automatic and choice.step > FAR * (own := automatic_step(record.assembly)):
         return (
-            f"The step of {choice.step:.4g} s that was asked for is {choice.step / own:.3g} times as large as the {own:.4g} s "
-            "of an automatic one, which is the likely cause; take --step auto."
+            f"The step of {choice.step:.4g} s that was asked for is {choice.step / own:.3g} times as large as"
+            f" the {own:.4g} s of an automatic one, which is the likely cause; take --step auto."
         )
     topology = record.assembly.topology
     if record.assembly.ideals and not (topology.frame_nodes or topology.contact_bearing):
-        held = "the drivers lead it" if record.assembly.mobility is not None and record.assembly.mobility.after_drives == 0 else "the motion leads"
+        held = (
+            "the drivers lead it"
+            if record.assembly.mobility is not None and record.assembly.mobility.after_drives == 0
+            else "the motion leads"
+        )
         return (
-            f"The likely cause is that {held} to a place where the ideal joints cannot stay closed: a dead centre, or beyond the reach of the "
-            "links. Check lengths (vfife check tells the class of a four-bar), the course of the drivers, and the last outputs with `vfife plot`."
+            f"The likely cause is that {held} to a place where the ideal joints cannot stay closed: a dead"
+            " centre, or beyond the reach of the links. Check lengths (vfife check tells the class of a"
+            " four-bar), the course of the drivers, and the last outputs with `vfife plot`."
         )
     deepest = ""
     if record.assembly.contacts:
         depths = record.block("contact_penetration_max").max(axis=0)
         worst = int(np.argmax(depths))
-        deepest = f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint {record.assembly.contacts[worst]})"
+        deepest = (
+            f" (the deepest so far is {1e6 * depths[worst]:.3g} µm at joint"
+            f" {record.assembly.contacts[worst]})"
+        )
     return (
-        f"The likely cause is a contact or an element that became stiffer than the step was chosen for{deepest}, "
-        f"or a load that grows without limit; try half the step, --step {0.5 * choice.step:.4g}, "
-        "and look at the last outputs with `vfife plot`."
+        "The likely cause is a contact or an element that became stiffer than the step was chosen"
+        f" for{deepest}, or a load that grows without limit; try half the step, --step"
+        f" {0.5 * choice.step:.4g}, and look at the last outputs with `vfife plot`."
     )
 
 
@@ -168,7 +209,8 @@ LEAST = 50  # positions on the way
 
 
 def end_of_reach(record: Record, until: float) -> str:
-    """The position at which the ideal mechanism ceases to close before ``until`` (s), in words; empty where it closes all the way.
+    """The position at which the ideal mechanism ceases to close before ``until`` (s), in words; empty where
+    it closes all the way.
 
     Only where drivers alone decide the motion; elastic links are held rigid, and play is left out.
     """
@@ -184,12 +226,16 @@ def end_of_reach(record: Record, until: float) -> str:
     if found is None:
         return ""
     time, joints = found
-    where = "; ".join(_place(mechanism, name, driver, datum, time) for name, driver in _moving(mechanism).items())
+    where = "; ".join(
+        _place(mechanism, name, driver, datum, time) for name, driver in _moving(mechanism).items()
+    )
     held = f", where {', '.join(joints)} cannot stay closed" if joints else ""
     return f"at {time:.6g} s {where}: a dead centre, or the end of the links' reach{held}"
 
 
-def _last(mechanism: Mechanism, until: float, datum: Datum, count: int) -> tuple[float, tuple[str, ...]] | None:
+def _last(
+    mechanism: Mechanism, until: float, datum: Datum, count: int
+) -> tuple[float, tuple[str, ...]] | None:
     """Time of the last position that closes, and the joints that do not beyond it; None where all close."""
     guess, closed = ideal_motion(mechanism, datum=datum).position, 0.0
     open_at: list[tuple[float, Array]] = []  # times at which it did not close, and the positions it came from
@@ -209,7 +255,9 @@ def _last(mechanism: Mechanism, until: float, datum: Datum, count: int) -> tuple
         except AssemblyError:
             beyond = middle
             open_at.append((middle, guess))
-    return closed, next((names for names in (_open(mechanism, *one, datum) for one in reversed(open_at)) if names), ())
+    return closed, next(
+        (names for names in (_open(mechanism, *one, datum) for one in reversed(open_at)) if names), ()
+    )
 
 
 def _open(mechanism: Mechanism, time: float, guess: Array, datum: Datum) -> tuple[str, ...]:
@@ -231,9 +279,20 @@ def _place(mechanism: Mechanism, name: str, driver: Driver, datum: Datum, time: 
     body = driven_body(name, driver)
     if body:
         start = datum.angle.get(body, mechanism.bodies[body].angle)
-        start -= 0.0 if driver.against == "ground" else datum.angle.get(driver.against, mechanism.bodies[driver.against].angle)
-        return f"driver {name} has {body} at {math.degrees(motion_function(driver, start, mechanism.clock)(time)[0]):.6g} degrees"
+        start -= (
+            0.0
+            if driver.against == "ground"
+            else datum.angle.get(driver.against, mechanism.bodies[driver.against].angle)
+        )
+        return (
+            f"driver {name} has {body} at"
+            f" {math.degrees(motion_function(driver, start, mechanism.clock)(time)[0]):.6g} degrees"
+        )
     begin = datum.travel.get(name, 0.0)
     value = motion_function(driver, begin, mechanism.clock)(time)[0]
-    along = f"joint {driver.slider} at {value:.6g} m along its guide" if driver.slider else f"{driver.point} at {value:.6g} m along its direction"
+    along = (
+        f"joint {driver.slider} at {value:.6g} m along its guide"
+        if driver.slider
+        else f"{driver.point} at {value:.6g} m along its direction"
+    )
     return f"driver {name} has {along}, {abs(value - begin):.6g} m from where it began"

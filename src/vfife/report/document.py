@@ -1,4 +1,6 @@
-"""An answer as data: title, paragraphs, tables, cautions and figures. `terminal` and `html` render it; ``data`` is what ``--json`` prints."""
+"""An answer as data: title, paragraphs, tables, cautions and figures. `terminal` and `html` render it;
+``data`` is what ``--json`` prints.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,11 @@ Style = Literal["", "strong", "aside", "caution", "alarm", "code", "faint", "goo
 
 @dataclass(frozen=True)
 class Paragraph:
-    """Text after a ``lead`` that stands out. ``style`` is that of the lead, or of the text where there is none.
+    """Text after a ``lead`` that stands out. ``style`` is that of the lead, or of the text where there is
+    none.
 
-    ``lines``: "wrapped" at words, "whole" (never broken, so that a terminal's search finds the sentence) or "cut" at the margin.
+    ``lines``: "wrapped" at words, "whole" (never broken, so that a terminal's search finds the sentence) or
+    "cut" at the margin.
     """
 
     text: str
@@ -25,7 +29,9 @@ class Paragraph:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of texts under ``headings``; columns ``numbers`` are aligned to the right, columns ``names`` are never broken."""
+    """Rows of texts under ``headings``; columns ``numbers`` are aligned to the right, columns ``names`` are
+    never broken.
+    """
 
     headings: Sequence[str]
     rows: Sequence[Sequence[Any]]
@@ -35,7 +41,14 @@ class Table:
     indent: int = 0
 
     @classmethod
-    def of(cls, headings: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "", words: int = 1, indent: int = 0) -> Table:
+    def of(
+        cls,
+        headings: Sequence[str],
+        rows: Sequence[Sequence[Any]],
+        title: str = "",
+        words: int = 1,
+        indent: int = 0,
+    ) -> Table:
         """A table whose columns are numbers, except the first ``words``."""
         return cls(headings, rows, title, range(words, len(headings)), indent=indent)
 

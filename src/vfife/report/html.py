@@ -1,4 +1,6 @@
-"""Documents as HTML: a part of a notebook, or a page that prints well. Every text in it is text, whatever it says."""
+"""Documents as HTML: a part of a notebook, or a page that prints well. Every text in it is text, whatever it
+says.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,16 @@ DOCUMENTS = {  # of maps by their own: the module and function that makes the do
     "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
     "Comparison": ("sensitivity", "comparison"), "Sensitivity": ("sensitivity", "sensitivity"),
 }  # fmt: skip
-STYLED = {"strong": "b", "aside": "i", "caution": "em", "alarm": "strong", "code": "code", "faint": "small", "good": "b", "bad": "strong"}
+STYLED = {
+    "strong": "b",
+    "aside": "i",
+    "caution": "em",
+    "alarm": "strong",
+    "code": "code",
+    "faint": "small",
+    "good": "b",
+    "bad": "strong",
+}
 IN_NOTEBOOK = """<style>
 .vfife table td, .vfife table th { text-align: left; padding: .15em .9em .15em 0 } .vfife table .number { text-align: right }
 .vfife table { margin: .6em 0; border-collapse: collapse } .vfife table caption { text-align: left; font-weight: 600; padding: .2em 0 }
@@ -37,12 +48,16 @@ def notebook(answer: Any) -> str:
 
 
 def page(document: Document, introduction: Iterable[str], script: str = "") -> str:
-    """A document of sections as a page, with links to each of them; ``introduction`` are sentences below its title."""
+    """A document of sections as a page, with links to each of them; ``introduction`` are sentences below its
+    title.
+    """
     sections = [part for part in document.parts if isinstance(part, Section) and part.parts]
     links = "".join(f'<a href="#{anchor(one.title)}">{escape(one.title)}</a>' for one in sections)
     said = "".join(f"<p>{escape(text)}</p>" for text in introduction if text)
     body = "\n".join(element(one) for one in sections)
-    return PAGE.substitute(title=escape(document.title), said=said, links=links, body=body + script, version=escape(__version__))
+    return PAGE.substitute(
+        title=escape(document.title), said=said, links=links, body=body + script, version=escape(__version__)
+    )
 
 
 def elements(parts: Iterable[Part]) -> str:
@@ -68,7 +83,10 @@ def element(part: Part) -> str:
         case Figure():
             return f"<figure>{part.element()}<figcaption>{escape(part.title)}</figcaption></figure>"
         case Section():
-            return f'<section id="{anchor(part.title)}"><h2>{escape(part.title)}</h2>\n{elements(part.parts)}\n</section>'
+            return (
+                "<section"
+                f' id="{anchor(part.title)}"><h2>{escape(part.title)}</h2>\n{elements(part.parts)}\n</section>'
+            )
 
 
 def anchor(title: str) -> str:
@@ -76,16 +94,23 @@ def anchor(title: str) -> str:
     return title.lower().replace(" ", "-")
 
 
-def table(rows: Iterable[Sequence[Any]], title: str = "", headings: Sequence[str] = (), numbers: Sequence[int] = ()) -> str:
+def table(
+    rows: Iterable[Sequence[Any]], title: str = "", headings: Sequence[str] = (), numbers: Sequence[int] = ()
+) -> str:
     """A table; columns ``numbers`` are aligned to the right."""
 
     def line(row: Sequence[Any], tag: str) -> str:
-        cells = (f"<{tag}{NUMBER if k in numbers else ''}>{_cell(cell)}</{tag}>" for k, cell in enumerate(row))
+        cells = (
+            f"<{tag}{NUMBER if k in numbers else ''}>{_cell(cell)}</{tag}>" for k, cell in enumerate(row)
+        )
         return f"<tr>{''.join(cells)}</tr>"
 
     caption = f"<caption>{escape(title)}</caption>" if title else ""
     head = f"<thead>{line(headings, 'th')}</thead>" if headings else ""
-    return f'<div class="wide"><table>{caption}{head}<tbody>{"".join(line(row, "td") for row in rows)}</tbody></table></div>'
+    return (
+        "<div"
+        f' class="wide"><table>{caption}{head}<tbody>{"".join(line(row, "td") for row in rows)}</tbody></table></div>'
+    )
 
 
 NUMBER = ' class="number"'

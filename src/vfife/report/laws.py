@@ -19,13 +19,25 @@ def described() -> Iterator[dict[str, Any]]:
     for kind, base in (("contact", ContactLaw), ("friction", FrictionLaw)):
         for name, law in sorted(base.registry.items()):
             parameters = [parameter(field) for field in dataclasses.fields(law)]
-            about = {"name": name, "kind": kind, "own": not built_in(law), "source": law.source, "formula": law.formula}
+            about = {
+                "name": name,
+                "kind": kind,
+                "own": not built_in(law),
+                "source": law.source,
+                "formula": law.formula,
+            }
             yield {**about, "parameters": parameters, "slots": list(law.slots)}
 
 
 def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    """Describe a parameter of a law; a default of null is derived from the surfaces, and there is none where a value has to be given."""
-    entry = {"name": field.name, "unit": field.metadata.get("unit", "1"), "meaning": field.metadata.get("meaning", "")}
+    """Describe a parameter of a law; a default of null is derived from the surfaces, and there is none where
+    a value has to be given.
+    """
+    entry = {
+        "name": field.name,
+        "unit": field.metadata.get("unit", "1"),
+        "meaning": field.metadata.get("meaning", ""),
+    }
     entry |= {limit: field.metadata[limit] for limit in LIMITS if field.metadata.get(limit) is not None}
     return entry if field.default is dataclasses.MISSING else {**entry, "default": field.default}
 
@@ -44,7 +56,10 @@ def law_list(laws: Sequence[Mapping[str, Any]]) -> Document:
             if law["kind"] == kind:
                 source = "(your own) " * law["own"] + " ".join(law["source"].split())
                 parts.append(Paragraph(source, lead=law["name"].ljust(width), style="code", lines="cut"))
-    more = "Formula, parameters and limits of one: vfife laws NAME; by itself in numbers and a picture: vfife laws NAME --plot."
+    more = (
+        "Formula, parameters and limits of one: vfife laws NAME; by itself in numbers and a picture: vfife"
+        " laws NAME --plot."
+    )
     return Document([*parts, Paragraph(more)], data=laws)
 
 
@@ -60,7 +75,10 @@ def _law(law: Mapping[str, Any]) -> Iterator[Part]:
     if "compared" in law:
         yield Paragraph(f"Compared: {law['compared']}.", indent=2)
     if law["parameters"]:
-        rows = [(one["name"], one["unit"], _default(one), limits(one), one["meaning"]) for one in law["parameters"]]
+        rows = [
+            (one["name"], one["unit"], _default(one), limits(one), one["meaning"])
+            for one in law["parameters"]
+        ]
         yield Table(("parameter", "unit", "default", "limits", "meaning"), rows)
     else:
         yield Paragraph("")
@@ -80,15 +98,27 @@ def _numbers(found: Mapping[str, Any]) -> Iterator[Part]:
     """A contact law in free impacts, or a friction law in steady sliding."""
     if "impacts" in found:
         yield Paragraph(f"Free impact of {found['mass']:g} kg at {found['speed']:g} m/s")
-        heads = ("restitution asked for", "delivered", "deepest, µm", "largest force, N", "time in contact, µs")
+        heads = (
+            "restitution asked for",
+            "delivered",
+            "deepest, µm",
+            "largest force, N",
+            "time in contact, µs",
+        )
         yield Table.of(heads, [_impact(one) for one in found["impacts"]], words=0)
         return
     normal = found["normal_force"]
     yield Paragraph(f"Steady sliding under a normal force of {normal:g} N")
-    rows = [(f"{one['speed']:g}", f"{one['force']:.5g}", f"{one['force'] / normal:.5f}") for one in found["steady"]]
+    rows = [
+        (f"{one['speed']:g}", f"{one['force']:.5g}", f"{one['force'] / normal:.5f}")
+        for one in found["steady"]
+    ]
     yield Table.of(("sliding velocity, m/s", "resisting force, N", "over the normal force"), rows, words=0)
     if "breakaway" in found:
-        yield Paragraph(f"Pulled slowly from rest, it reaches 95 % of its largest force after {1e6 * found['breakaway']:.4g} µm.")
+        yield Paragraph(
+            "Pulled slowly from rest, it reaches 95 % of its largest force after"
+            f" {1e6 * found['breakaway']:.4g} µm."
+        )
 
 
 def _impact(one: Mapping[str, Any]) -> tuple[str, ...]:
@@ -100,7 +130,8 @@ def _impact(one: Mapping[str, Any]) -> tuple[str, ...]:
 def materials() -> Document:
     """Materials that a model may name, with the sources of their numbers.
 
-    Data: name, Young's modulus (Pa), Poisson's ratio, density (kg/m^3), meaning, source, and hardness (Pa) with its source.
+    Data: name, Young's modulus (Pa), Poisson's ratio, density (kg/m^3), meaning, source, and hardness (Pa)
+    with its source.
     """
     from ..laws.materials import HARDNESS, TABLE
 
@@ -108,15 +139,40 @@ def materials() -> Document:
     found: list[dict[str, Any]] = []
     for name, entry in TABLE.items():
         hardness, source = HARDNESS.get(name, (None, None))
-        found.append({"name": name, **dict(zip(keys, entry, strict=True)), "hardness": hardness, "hardness_source": source})
-    sources = list(dict.fromkeys(source for one in found for source in (one["source"], one["hardness_source"]) if source))
+        found.append(
+            {
+                "name": name,
+                **dict(zip(keys, entry, strict=True)),
+                "hardness": hardness,
+                "hardness_source": source,
+            }
+        )
+    sources = list(
+        dict.fromkeys(source for one in found for source in (one["source"], one["hardness_source"]) if source)
+    )
     rows = []
     for one in found:
-        numbers = (f"{1e-9 * one['youngs_modulus']:.4g}", f"{one['poissons_ratio']:.4g}", f"{one['density']:.4g}")
+        numbers = (
+            f"{1e-9 * one['youngs_modulus']:.4g}",
+            f"{one['poissons_ratio']:.4g}",
+            f"{one['density']:.4g}",
+        )
         hard = "" if one["hardness"] is None else f"{1e-9 * one['hardness']:.3g}"
-        cited = ", ".join(f"[{1 + sources.index(source)}]" for source in (one["source"], one["hardness_source"]) if source)
+        cited = ", ".join(
+            f"[{1 + sources.index(source)}]" for source in (one["source"], one["hardness_source"]) if source
+        )
         rows.append((one["name"], *numbers, hard, one["meaning"], cited))
-    heads = ("material", "Young's modulus, GPa", "Poisson's ratio", "density, kg/m³", "hardness, GPa", "what it is", "source")
+    heads = (
+        "material",
+        "Young's modulus, GPa",
+        "Poisson's ratio",
+        "density, kg/m³",
+        "hardness, GPa",
+        "what it is",
+        "source",
+    )
     own = "A table [material.NAME] in a model file adds a material, or takes the place of one of these."
     notes = [Paragraph(f"[{number}] {source}") for number, source in enumerate(sources, 1)]
-    return Document([Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(own)], data=found)
+    return Document(
+        [Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(own)], data=found
+    )

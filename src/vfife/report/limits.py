@@ -1,4 +1,6 @@
-"""Where a run went beyond what its models are for: one warning with numbers, and quiet lines on what is usual."""
+"""Where a run went beyond what its models are for: one warning with numbers, and quiet lines on what is
+usual.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..analysis.contacts import CONFORMAL, line_pressure
 from ..laws import Material
 from ..laws.materials import hardness_of
+from ..measures.contacts import CONFORMAL, line_pressure
 from ..model.surfaces import cautions, remarks, surfaces
 
 if TYPE_CHECKING:
@@ -39,8 +41,8 @@ def out_of_range(result: View) -> Iterable[str]:
     beyond = [*_too_deep(result, found), *_too_hard(result)]
     if beyond:
         yield (
-            f"Beyond what joints are built for, at some time of the run: {'; '.join(beyond)}. Forces are taken as the laws give them; check loads, "
-            "sizes and materials, and the law's stiffness."
+            f"Beyond what joints are built for, at some time of the run: {'; '.join(beyond)}. Forces are"
+            " taken as the laws give them; check loads, sizes and materials, and the law's stiffness."
         )
 
 
@@ -50,19 +52,30 @@ def quiet(result: View) -> list[str]:
 
 
 def _too_deep(result: View, found: dict[str, tuple[float, float]]) -> Iterable[str]:
-    """Penetrations beyond the clearance, or beyond a tenth of the pin's radius, whichever is the less; joints with one limit together."""
+    """Penetrations beyond the clearance, or beyond a tenth of the pin's radius, whichever is the less; joints
+    with one limit together.
+    """
     mechanism, alike = result.record.assembly.mechanism, dict[str, list[str]]()
     for name, (depth, _) in found.items():
         joint = mechanism.contacts[name]
-        pin, clearance = PIN * surfaces(mechanism, joint).journal_radius, getattr(joint, "clearance", None) or np.inf
-        text = f"a clearance of {1e6 * clearance:.4g} µm" if clearance < pin else f"a tenth of the journal's radius, {1e6 * pin:.4g} µm"
+        pin, clearance = (
+            PIN * surfaces(mechanism, joint).journal_radius,
+            getattr(joint, "clearance", None) or np.inf,
+        )
+        text = (
+            f"a clearance of {1e6 * clearance:.4g} µm"
+            if clearance < pin
+            else f"a tenth of the journal's radius, {1e6 * pin:.4g} µm"
+        )
         if depth > min(pin, clearance):
             alike.setdefault(text, []).append(f"{1e6 * depth:.4g} µm in {name}")
     yield from (f"penetrations of {', '.join(depths)} are more than {text}" for text, depths in alike.items())
 
 
 def _too_hard(result: View) -> Iterable[str]:
-    """Hertz' line pressure beyond the hardness of the softer material, over the whole run; joints with one material together."""
+    """Hertz' line pressure beyond the hardness of the softer material, over the whole run; joints with one
+    material together.
+    """
     record = result.record
     largest: dict[str, float] = {}
     squares = record.block("contact_force_squared_max").max(axis=0) if record.assembly.contacts else []
@@ -75,16 +88,23 @@ def _too_hard(result: View) -> Iterable[str]:
         pressure = float(line_pressure(pair, np.sqrt(square))[0])
         if softest is not None and pressure > softest[1]:
             text = f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa"
-            alike.setdefault(text, []).append(f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm")
+            alike.setdefault(text, []).append(
+                f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
+            )
     yield from (f"line pressures of {', '.join(found)} are more than {text}" for text, found in alike.items())
 
 
 def conformal(result: View) -> list[str]:
     """Joints whose contact becomes wider than Hertz' theory is for."""
     mechanism, found = result.record.assembly.mechanism, []
-    for contact, name in zip(result.record.assembly.contacts, result.record.assembly.contact_joints, strict=True):
+    for contact, name in zip(
+        result.record.assembly.contacts, result.record.assembly.contact_joints, strict=True
+    ):
         width = result.measures.get(f"{contact}.contact_half_width.max", 0.0)
-        if width > CONFORMAL * surfaces(mechanism, mechanism.contacts[name]).journal_radius and name not in found:
+        if (
+            width > CONFORMAL * surfaces(mechanism, mechanism.contacts[name]).journal_radius
+            and name not in found
+        ):
             found.append(name)
     return found
 

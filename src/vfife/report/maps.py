@@ -7,16 +7,16 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..analysis.chaos import CHAOTIC
 from ..job.amounts import counted
+from ..measures.chaos import CHAOTIC
 from .document import Document, Paragraph, Table, sentences
 from .study import quantity
 
 if TYPE_CHECKING:
-    from ..study.maps.basins import Basins
-    from ..study.maps.bifurcation import Bifurcation, Spell
-    from ..study.maps.sections import PoincareSection
-    from ..study.maps.waterfall import Waterfall
+    from ..dynamics.basins import Basins
+    from ..dynamics.bifurcation import Bifurcation, Spell
+    from ..dynamics.sections import PoincareSection
+    from ..dynamics.waterfall import Waterfall
 
 WAYS = {"up": "On the way up", "down": "On the way down"}
 MOST_ATTRACTORS = 12
@@ -36,12 +36,24 @@ def diagram(found: Bifurcation) -> Document:
     asked = found.asked
     heads = asked.ways if asked.starts else ("values on the way up", "on the way down")
     counts = [Counter(kind for kind in kinds if kind) for kinds in found.kinds]
-    rows = [(kind, *(one[kind] for one in counts)) for kind in sorted({kind for one in counts for kind in one}, key=_order)]
+    rows = [
+        (kind, *(one[kind] for one in counts))
+        for kind in sorted({kind for one in counts for kind in one}, key=_order)
+    ]
     said = [
         _chaos(found),
-        *(f"{WAYS.get(way, way)}: {spells_words(found.spells(k), asked.unit)}." for k, way in enumerate(asked.ways)),
-        f"{asked.turns} turns at each value, {asked.dropped} of them dropped, {asked.steps:,} steps a turn; {found.laws}.",
-        "A period is told within 0.1 % of the range, chaos where a small difference grows more than e-fold in each half of the turns.",
+        *(
+            f"{WAYS.get(way, way)}: {spells_words(found.spells(k), asked.unit)}."
+            for k, way in enumerate(asked.ways)
+        ),
+        (
+            f"{asked.turns} turns at each value, {asked.dropped} of them dropped, {asked.steps:,} steps a"
+            f" turn; {found.laws}."
+        ),
+        (
+            "A period is told within 0.1 % of the range, chaos where a small difference grows more than"
+            " e-fold in each half of the turns."
+        ),
         f"Companions: {found.told or 'none.'}",
     ]
     return Document([Table.of(("motion", *heads), rows), *sentences(said)], f"{found.name}: {asked.path}")
@@ -68,7 +80,11 @@ def spells_words(spells: Sequence[Spell], unit: str) -> str:
     """Ranges of values with one motion; the longest of many."""
     places = sorted(range(len(spells)), key=lambda k: -spells[k].count)[:MOST_SPELLS]
     longest = [spells[k] for k in sorted(places)]
-    said = [f"{one.kind} {f'from {quantity(one.first, unit)} to' if one.count > 1 else 'at'} {quantity(one.last, unit)}" for one in longest]
+    said = [
+        f"{one.kind} {f'from {quantity(one.first, unit)} to' if one.count > 1 else 'at'}"
+        f" {quantity(one.last, unit)}"
+        for one in longest
+    ]
     rest = len(spells) - len(longest)
     return ", ".join(said) + (f", and {rest} others between them" if rest else "")
 
@@ -87,11 +103,17 @@ def basins(found: Basins) -> Document:
     if asked.varied:
         same = f"of one period, for their points move with {' and '.join(asked.varied)}"
     said = [
-        f"{asked.turns} turns of each start, {asked.dropped} of them dropped, {asked.steps:,} steps a turn; {found.laws}.{lost}",
+        (
+            f"{asked.turns} turns of each start, {asked.dropped} of them dropped, {asked.steps:,} steps a"
+            f" turn; {found.laws}.{lost}"
+        ),
         f"A period is told within 0.1 % of the range; periodic motions are one {same}.",
         f"Companions: {found.told or 'none.'}",
     ]
-    return Document([Table.of(("motion", "starts", "share"), rows), *sentences(said)], f"{found.name}: {asked.paths[0]}, {asked.paths[1]}")
+    return Document(
+        [Table.of(("motion", "starts", "share"), rows), *sentences(said)],
+        f"{found.name}: {asked.paths[0]}, {asked.paths[1]}",
+    )
 
 
 def section(found: PoincareSection) -> Document:
@@ -106,21 +128,41 @@ def _section(found: PoincareSection) -> Iterator[str]:
     for name, one in found.struck.items():
         count = len(one["speed"])
         fastest = f", the fastest at {one['speed'].max():.4g} m/s" if count else ""
-        held = "" if count else "; if it is closed all the time, a law that has the speed of its onset in it remembers that of long ago"
+        held = (
+            ""
+            if count
+            else (
+                "; if it is closed all the time, a law that has the speed of its onset in it remembers that"
+                " of long ago"
+            )
+        )
         yield f"{name}: {counted(count, 'contact')} began{fastest}{held}."
-    yield f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn; {found.laws}. Without companions."
+    yield (
+        f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn;"
+        f" {found.laws}. Without companions."
+    )
 
 
 def waterfall(found: Waterfall) -> Document:
     """The range that was swept, and how the series were transformed."""
     asked = found.asked
     low, high = asked.values[0], asked.values[-1]
-    speeds = f" ({30.0 / math.pi * low:.4g} to {30.0 / math.pi * high:.4g} rpm)" if asked.unit == "rad/s" else ""
+    speeds = (
+        f" ({30.0 / math.pi * low:.4g} to {30.0 / math.pi * high:.4g} rpm)" if asked.unit == "rad/s" else ""
+    )
     said = [
-        f"{found.name}: {', '.join(asked.series)} over {asked.path} from {low:.6g} to {high:.6g} {asked.unit}{speeds}",
+        (
+            f"{found.name}: {', '.join(asked.series)} over {asked.path} from {low:.6g} to {high:.6g}"
+            f" {asked.unit}{speeds}"
+        ),
         f"{found.done:,} runs. {found.words}.",
-        f"{found.limits[:1].upper()}{found.limits[1:]}; without companions; each run begins at the model's own start.",
+        (
+            f"{found.limits[:1].upper()}{found.limits[1:]}; without companions; each run begins at the"
+            " model's own start."
+        ),
     ]
     if found.diverged:
-        said.append(f"At {', '.join(f'{value:g}' for value in found.diverged)} {asked.unit} the motion diverged.")
+        said.append(
+            f"At {', '.join(f'{value:g}' for value in found.diverged)} {asked.unit} the motion diverged."
+        )
     return Document(sentences(said))

@@ -12,7 +12,19 @@ from ..errors import VfifeError
 from ..files import read_bytes
 from ..modelfile import dump, load
 from .check import mechanism_parts
-from .document import Bullets, Document, Element, Facts, Figure, Paragraph, Part, Section, Table, named, sentences
+from .document import (
+    Bullets,
+    Document,
+    Element,
+    Facts,
+    Figure,
+    Paragraph,
+    Part,
+    Section,
+    Table,
+    named,
+    sentences,
+)
 from .html import page
 from .run import facts, footnotes, tables
 from .statics import equilibria
@@ -38,7 +50,9 @@ for (const button of document.querySelectorAll("button[data-positions]"))
 
 
 def run_page(result: View, pictures: Mapping[str, str], live: str | None, source: str | None) -> str:
-    """The report of a run: ``pictures`` are elements by their titles, ``live`` is a page shown in it, ``source`` the path of the model file."""
+    """The report of a run: ``pictures`` are elements by their titles, ``live`` is a page shown in it,
+    ``source`` the path of the model file.
+    """
     summary = report(result)
     about = summary["model"]
     cautions = [*summary["warnings"], *summary["remarks"]]
@@ -51,7 +65,10 @@ def run_page(result: View, pictures: Mapping[str, str], live: str | None, source
         Section("Inputs", _inputs(result, source)),
         Section("Derived parameters", _derived(summary)),
     )
-    return page(Document(sections, about["name"]), (about["note"], f"Read from {Path(about['source']).name}." if about["source"] else ""))
+    return page(
+        Document(sections, about["name"]),
+        (about["note"], f"Read from {Path(about['source']).name}." if about["source"] else ""),
+    )
 
 
 def found(summary: dict[str, Any]) -> list[Part]:
@@ -67,11 +84,23 @@ def trust(summary: dict[str, Any]) -> list[Part]:
     if summary["run"].get("analysis") == "static":
         return []
     depths = [
-        (name, f"{one.get('deep_landings', 0.0):.0f} of {one.get('impacts', 0.0):.0f}", f"{1e6 * one.get('landing_depth.max', 0.0):.4g} µm")
+        (
+            name,
+            f"{one.get('deep_landings', 0.0):.0f} of {one.get('impacts', 0.0):.0f}",
+            f"{1e6 * one.get('landing_depth.max', 0.0):.4g} µm",
+        )
         for name, one in summary["contacts"].items()
     ]
-    onsets = [Table.of(("contact", "too deep", "deepest"), depths, "Depth at which contacts began")] if depths else []
-    return [Facts([(name, text) for topic, name, text in _topics(summary) if topic in TRUSTED]), *onsets, *sentences(summary["run"]["notes"])]
+    onsets = (
+        [Table.of(("contact", "too deep", "deepest"), depths, "Depth at which contacts began")]
+        if depths
+        else []
+    )
+    return [
+        Facts([(name, text) for topic, name, text in _topics(summary) if topic in TRUSTED]),
+        *onsets,
+        *sentences(summary["run"]["notes"]),
+    ]
 
 
 def _topics(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -89,8 +118,13 @@ def _figures(pictures: Mapping[str, str]) -> list[Part]:
 
 def _frame(live: str) -> Part:
     """A page in the page, without access to it."""
-    opened = f'<iframe title="the mechanism running" sandbox="allow-scripts allow-downloads" srcdoc="{escape(live)}"></iframe>'
-    return Element(f'<div class="screen">{opened}</div><p class="paper">On a screen the mechanism runs here.</p>')
+    opened = (
+        '<iframe title="the mechanism running" sandbox="allow-scripts allow-downloads"'
+        f' srcdoc="{escape(live)}"></iframe>'
+    )
+    return Element(
+        f'<div class="screen">{opened}</div><p class="paper">On a screen the mechanism runs here.</p>'
+    )
 
 
 def _inputs(result: View, source: str | None) -> list[Part]:
@@ -112,8 +146,16 @@ def as_given(model: str, source: str | None) -> list[Part]:
     except (OSError, VfifeError, ValueError):
         text = ""
     if not text:
-        return [Paragraph("The file that it was read from is not there any more, or cannot be read.")] if source else []
-    differs = "It gives the numbers above." if same else "It gives other numbers than those above: options were added, or it was changed since."
+        return (
+            [Paragraph("The file that it was read from is not there any more, or cannot be read.")]
+            if source
+            else []
+        )
+    differs = (
+        "It gives the numbers above."
+        if same
+        else "It gives other numbers than those above: options were added, or it was changed since."
+    )
     return [_model("As given", text, f"{Path(source or '').name} as it reads now. {differs}")]
 
 
@@ -127,7 +169,13 @@ def _model(title: str, text: str, words: str = "") -> Part:
 def _derived(summary: dict[str, Any]) -> list[Part]:
     """Parameters that laws derive from radii and materials: formulas, numbers with units, sources."""
     rows = [
-        (joint, f"{kind}: {law['law']}", law["formula"], named(law["derived"], law.get("units", {})), law["source"])
+        (
+            joint,
+            f"{kind}: {law['law']}",
+            law["formula"],
+            named(law["derived"], law.get("units", {})),
+            law["source"],
+        )
         for joint, laws in summary["laws"].items()
         for kind, law in laws.items()
     ]
@@ -141,36 +189,69 @@ def study_page(
     places: Mapping[int, Mapping[str, int]] | None = None,
     notes: Sequence[str] = (),
 ) -> str:
-    """The report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of sliders of the live page by member."""
+    """The report of a study: ``pictures`` and ``live`` as of a run, ``places`` are positions of sliders of
+    the live page by member.
+    """
     failed = [(one.number, where(study, one), reason) for one, reason in study.failed[:MOST_ROWS]]
     source = study.asked.get("source")
     read = [Paragraph(f"Read from {source}.")] if source else []
     sections = (
-        Section("Found", [parameter_table(study, "What is varied"), extreme_table(study, "What it came to"), error_table(study)]),
+        Section(
+            "Found",
+            [
+                parameter_table(study, "What is varied"),
+                extreme_table(study, "What it came to"),
+                error_table(study),
+            ],
+        ),
         Section("Failed", [Table(("member", "at", "reason"), failed)] if failed else []),
         Section("Figures", _figures(pictures)),
         Section("A member running", [] if live is None else _running(study, live, places or {}, notes)),
         Section("Members", _members(study, (places or {}) if live else {})),
-        Section("Inputs", [*read, _model("The model, in SI units, before anything is varied", study.asked["text"])]),
+        Section(
+            "Inputs",
+            [*read, _model("The model, in SI units, before anything is varied", study.asked["text"])],
+        ),
     )
-    return page(Document(sections, f"{study.model}: {study.name}"), (_study_words(study), study.asked.get("note", "")), SCRIPT)
+    return page(
+        Document(sections, f"{study.model}: {study.name}"),
+        (_study_words(study), study.asked.get("note", "")),
+        SCRIPT,
+    )
 
 
 def _study_words(study: Study) -> str:
     """How many members ended, over how many turns."""
-    wanted, counts = study.asked["wanted"], ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count)
-    until = "" if wanted["settle"] is None else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
-    over = "the last turn" if wanted["last"] == 1 else f"the last {wanted['last']} turns, of which means are told"
-    return f"{len(study.members):,} members: {counts}. Each makes {wanted['turns']:,} turns{until}; measures are of {over}."
+    wanted, counts = (
+        study.asked["wanted"],
+        ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count),
+    )
+    until = (
+        ""
+        if wanted["settle"] is None
+        else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
+    )
+    over = (
+        "the last turn"
+        if wanted["last"] == 1
+        else f"the last {wanted['last']} turns, of which means are told"
+    )
+    return (
+        f"{len(study.members):,} members: {counts}. Each makes {wanted['turns']:,} turns{until}; measures are"
+        f" of {over}."
+    )
 
 
-def _running(study: Study, live: str, places: Mapping[int, Mapping[str, int]], notes: Sequence[str]) -> list[Part]:
+def _running(
+    study: Study, live: str, places: Mapping[int, Mapping[str, int]], notes: Sequence[str]
+) -> list[Part]:
     """The page in which a member runs."""
     first = study.done[0]
     picked = escape(f"{first.number}: {where(study, first)}")
     said = Element(f'<p class="screen">Member <span id="picked">{picked}</span>; pick another one below.</p>')
     steps = (
-        "All run here with as many steps a turn as the finest of them, so numbers may differ from the study's as far as they depend on the step."
+        "All run here with as many steps a turn as the finest of them, so numbers may differ from the study's"
+        " as far as they depend on the step."
     )
     left = len(study.done) - len(places)
     rest = [f"{left:,} members run by themselves only, with vfife live."] if left > 0 else []
@@ -187,8 +268,15 @@ def _members(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part
         button = [_button(places, number, f"{number}: {where(study, known[number])}")] if places else []
         rows.append((number, *(quantity(row[name], units[name]) for name in names), row["status"], *button))
     rest = len(study.members) - len(rows)
-    left_out = [Paragraph(f"{rest:,} more are in the file; vfife study export writes all of them.")] if rest > 0 else []
-    return [Table(("member", *names, "ended", *([""] if places else [])), rows, numbers=range(len(names) + 1)), *left_out]
+    left_out = (
+        [Paragraph(f"{rest:,} more are in the file; vfife study export writes all of them.")]
+        if rest > 0
+        else []
+    )
+    return [
+        Table(("member", *names, "ended", *([""] if places else [])), rows, numbers=range(len(names) + 1)),
+        *left_out,
+    ]
 
 
 def _button(places: Mapping[int, Mapping[str, int]], number: int, words: str) -> Element:

@@ -1,12 +1,14 @@
-"""The answer of a run: facts with how far they can be trusted, and tables of reactions, contacts, losses, wear and accelerations."""
+"""The answer of a run: facts with how far they can be trusted, and tables of reactions, contacts, losses,
+wear and accelerations.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import Any
 
-from ..analysis.forces import MODES
-from ..analysis.measured import NOT_ESTIMATED
+from ..measures.forces import MODES
+from ..measures.measured import NOT_ESTIMATED
 from .digits import amount, decimals, estimated, fixed, mark, measured, percent, prefixed, spread_of
 from .document import Caution, Document, Facts, Paragraph, Part, Table, named, sentences
 from .statics import equilibria
@@ -15,8 +17,13 @@ from .trust import lines, several, turn_lines, verdict
 SHOWN = 1e-4  # share of a measure by which turns have to differ to be shown
 NOISE = 1e-6  # share of the largest angular acceleration
 MANY = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
-SHARED = "* shared by least norm, not unique: joints are redundant, and rigid bodies leave open how these reactions share the load."
-CONFORMAL = "* wider than 0.3 of the journal's radius: Hertz' theory is coarse there, and the line pressure too low."
+SHARED = (
+    "* shared by least norm, not unique: joints are redundant, and rigid bodies leave open how these"
+    " reactions share the load."
+)
+CONFORMAL = (
+    "* wider than 0.3 of the journal's radius: Hertz' theory is coarse there, and the line pressure too low."
+)
 
 
 def document(summary: dict[str, Any]) -> Document:
@@ -41,7 +48,16 @@ def footnotes(summary: dict[str, Any]) -> list[str]:
 def tables(summary: dict[str, Any]) -> list[Table]:
     """Tables of what was found; those without rows are left out."""
     of = f"({summary['part']})"
-    contacts = ("joint", "free flight", "impact", "contact", "impacts", "grazing", "landed too deep", "deepest landing")
+    contacts = (
+        "joint",
+        "free flight",
+        "impact",
+        "contact",
+        "impacts",
+        "grazing",
+        "landed too deep",
+        "deepest landing",
+    )
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
     worn = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
     found = (
@@ -55,17 +71,28 @@ def tables(summary: dict[str, Any]) -> list[Table]:
 
 
 def facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """What was run, and how far it can be trusted: names and sentences; a sentence without a name belongs to the name before."""
+    """What was run, and how far it can be trusted: names and sentences; a sentence without a name belongs to
+    the name before.
+    """
     return [
         ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in summary["model"]["bodies"].items())),
         ("Step", _step(summary)),
-        ("Run", f"{summary['status']}, {summary['run']['loop']} loop, {prefixed(summary['wall_s'], 's')}, {summary['ns_per_step']:.4g} ns a step"),
+        (
+            "Run",
+            (
+                f"{summary['status']}, {summary['run']['loop']} loop, {prefixed(summary['wall_s'], 's')},"
+                f" {summary['ns_per_step']:.4g} ns a step"
+            ),
+        ),
         *(("Turns", line) for line in turn_lines(summary)),
         *(("Trust" if k == 0 else "", line) for k, line in enumerate(lines(summary))),
         ("Energy", _energy(summary)),
         *(("Driver", line) for line in _torques(summary)),
         *_machine(summary),
-        *(("Laws" if k == 0 else "", line) for k, line in enumerate((*_law_lines(summary), *summary["remarks"]))),
+        *(
+            ("Laws" if k == 0 else "", line)
+            for k, line in enumerate((*_law_lines(summary), *summary["remarks"]))
+        ),
     ]
 
 
@@ -81,10 +108,14 @@ def _body(body: dict[str, Any]) -> str:
 def _step(summary: dict[str, Any]) -> str:
     run = summary["run"]
     size = f"{summary['steps']:,} steps of {prefixed(summary['step'], 's')}"
-    length = prefixed(run["time_s"], "s") + (f", {run['turns']:.4g} turns" if run["turns"] is not None else "")
+    length = prefixed(run["time_s"], "s") + (
+        f", {run['turns']:.4g} turns" if run["turns"] is not None else ""
+    )
     if run["automatic"]:
         return f"{size} ({length}), set by {run['set_by']}"
-    stable = f"; stable below {prefixed(run['stable_step'], 's')} ({run['set_by']})" if run["stable_step"] else ""
+    stable = (
+        f"; stable below {prefixed(run['stable_step'], 's')} ({run['set_by']})" if run["stable_step"] else ""
+    )
     return f"{size} ({length}), as asked for{stable}"
 
 
@@ -103,8 +134,14 @@ def _torques(summary: dict[str, Any]) -> Iterable[str]:
     for name, body in summary["model"]["bodies"].items():
         if body["torque.max"] is not None:
             ideal = body["ideal_torque.max"]
-            largest = amount(body["torque.max"], "N m", spread_of(summary, f"{name}.torque.max")) + _star(summary, f"{name}.torque.max")
-            yield f"{name}: largest torque {largest}" + (f", ideal {amount(ideal, 'N m')}" if ideal is not None else "") + f" ({summary['part']})"
+            largest = amount(body["torque.max"], "N m", spread_of(summary, f"{name}.torque.max")) + _star(
+                summary, f"{name}.torque.max"
+            )
+            yield (
+                f"{name}: largest torque {largest}"
+                + (f", ideal {amount(ideal, 'N m')}" if ideal is not None else "")
+                + f" ({summary['part']})"
+            )
 
 
 def _law_lines(summary: dict[str, Any]) -> Iterable[str]:
@@ -127,14 +164,36 @@ def _machine(summary: dict[str, Any]) -> Iterable[tuple[str, str]]:
         if f"{name}.torque.mean" in found:
             mean, ripple = found[f"{name}.torque.mean"], found.get(f"{name}.torque.ripple", 0.0)
             width = prefixed(ripple * abs(mean), "N m", spread_of(summary, f"{name}.torque.max"))
-            swing = f", ripple {100.0 * ripple:,.4g} %{mark(summary, f'{name}.torque.ripple')}" if ripple < MANY else f", swinging by {width}"
-            torque, power = measured(summary, f"{name}.torque.mean", "N m"), measured(summary, f"{name}.power.mean", "W")
-            yield "", f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power} ({summary['part']})"
+            swing = (
+                f", ripple {100.0 * ripple:,.4g} %{mark(summary, f'{name}.torque.ripple')}"
+                if ripple < MANY
+                else f", swinging by {width}"
+            )
+            torque, power = (
+                measured(summary, f"{name}.torque.mean", "N m"),
+                measured(summary, f"{name}.power.mean", "W"),
+            )
+            yield (
+                "",
+                (
+                    f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power}"
+                    f" ({summary['part']})"
+                ),
+            )
     if "mechanism.efficiency" in found:
         doubt = mark(summary, "mechanism.efficiency")
-        yield "", f"efficiency {100.0 * found['mechanism.efficiency']:.4g} %{doubt} (given off over given off and lost)"
+        yield (
+            "",
+            (
+                f"efficiency {100.0 * found['mechanism.efficiency']:.4g} %{doubt} (given off over given off"
+                " and lost)"
+            ),
+        )
     if found.get("ground.shaking_force.max"):
-        force, moment = measured(summary, "ground.shaking_force.max", "N"), measured(summary, "ground.shaking_moment.max", "N m")
+        force, moment = (
+            measured(summary, "ground.shaking_force.max", "N"),
+            measured(summary, "ground.shaking_moment.max", "N m"),
+        )
         yield "Ground", f"shaken by up to {force} and {moment} about its origin ({summary['part']})"
 
 
@@ -143,17 +202,34 @@ def _joint_table(summary: dict[str, Any], title: str) -> Table:
     compared = any(joint["ideal_force.max"] is not None for joint in joints.values())
     depths = any("penetration.max" in joint for joint in joints.values())
     moments = any(joint.get("moment.max") for joint in joints.values())
-    heads = [*_heads(summary, "reaction"), *(["ideal", "LIP(F)"] if compared else []), *(["moment"] if moments else [])]
+    heads = [
+        *_heads(summary, "reaction"),
+        *(["ideal", "LIP(F)"] if compared else []),
+        *(["moment"] if moments else []),
+    ]
     for name, joint in joints.items():
-        cells = _with_range(summary, f"{name}.force.max", _sound(joint["force.max"], joints), "N", _star(summary, f"{name}.force.max"))
+        cells = _with_range(
+            summary,
+            f"{name}.force.max",
+            _sound(joint["force.max"], joints),
+            "N",
+            _star(summary, f"{name}.force.max"),
+        )
         if compared:
-            cells += [amount(joint["ideal_force.max"], "N"), percent(summary["lip"].get(f"{name}.force"), spread_of(summary, f"{name}.force.lip"))]
+            cells += [
+                amount(joint["ideal_force.max"], "N"),
+                percent(summary["lip"].get(f"{name}.force"), spread_of(summary, f"{name}.force.lip")),
+            ]
         if moments:
             moment = f"{name}.moment.max"
-            cells.append(amount(joint.get("moment.max"), "N m", spread_of(summary, moment)) + _star(summary, moment))
+            cells.append(
+                amount(joint.get("moment.max"), "N m", spread_of(summary, moment)) + _star(summary, moment)
+            )
         if depths:
             spread = spread_of(summary, f"{name}.penetration.max")
-            cells.append(prefixed(joint["penetration.max"], "m", spread) if "penetration.max" in joint else "")
+            cells.append(
+                prefixed(joint["penetration.max"], "m", spread) if "penetration.max" in joint else ""
+            )
         rows.append((name, *cells))
     return Table.of(("joint", *heads, *(["penetration"] if depths else [])), rows, title)
 
@@ -164,10 +240,16 @@ def _star(summary: dict[str, Any], name: str) -> str:
 
 
 def _heads(summary: dict[str, Any], what: str) -> list[str]:
-    """A column, that of its range, which leads where the run is sensitive, and that of what varies from turn to turn."""
+    """A column, that of its range, which leads where the run is sensitive, and that of what varies from turn
+    to turn.
+    """
     heads = [what]
     if summary["trust"]:
-        heads = [f"range of {what}", "mean" if several(summary["turns"]) else "this run"] if summary["trust"]["sensitive"] else [what, "range"]
+        heads = (
+            [f"range of {what}", "mean" if several(summary["turns"]) else "this run"]
+            if summary["trust"]["sensitive"]
+            else [what, "range"]
+        )
     return heads + (["lowest to highest turn"] if _varies(summary) else [])
 
 
@@ -175,7 +257,11 @@ def _varies(summary: dict[str, Any]) -> bool:
     """Whether turns differ by enough to be shown."""
     if not several(summary["turns"]):
         return False
-    sizes = {name: one for name, one in summary["ranges"].items() if name.endswith((".force.max", ".angular_acceleration.max"))}
+    sizes = {
+        name: one
+        for name, one in summary["ranges"].items()
+        if name.endswith((".force.max", ".angular_acceleration.max"))
+    }
     return any(one["highest"] - one["lowest"] > SHOWN * one["highest"] for one in sizes.values())
 
 
@@ -192,9 +278,16 @@ def _with_range(summary: dict[str, Any], name: str, value: float, unit: str, mar
         else:
             own = summary["measures"][name]
             low, high = ((100.0 * (one[key] / own - 1.0) if own else 0.0) for key in ("low", "high"))
-            cells = [shown, f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "within 0.01 %"]
+            cells = [
+                shown,
+                f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "within 0.01 %",
+            ]
     if _varies(summary):
-        cells.append("" if one is None else f"{amount(one['lowest'], '', to).rstrip()} to {amount(one['highest'], unit, to)}")
+        cells.append(
+            ""
+            if one is None
+            else f"{amount(one['lowest'], '', to).rstrip()} to {amount(one['highest'], unit, to)}"
+        )
     return cells
 
 
@@ -213,11 +306,15 @@ def _contact_rows(summary: dict[str, Any]) -> Iterable[tuple[str, ...]]:
 
 
 def _loss_rows(summary: dict[str, Any]) -> Iterable[tuple[str, ...]]:
-    """Mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure times speed, joint by joint."""
+    """Mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure times speed,
+    joint by joint.
+    """
     for name in _joints_with(summary, ".friction_power.mean"):
         powers = (measured(summary, f"{name}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
         cells = [
-            shown(*_most(summary, name, kind, unit)) + mark(summary, *_names(summary, name, kind)) + " *" * (wide and name in summary["conformal"])
+            shown(*_most(summary, name, kind, unit))
+            + mark(summary, *_names(summary, name, kind))
+            + " *" * (wide and name in summary["conformal"])
             for kind, unit, shown, wide in LOSSES
         ]
         yield name, *powers, *cells
@@ -242,35 +339,54 @@ def _joints_with(summary: dict[str, Any], ending: str) -> list[str]:
 
 
 def _most(summary: dict[str, Any], joint: str, kind: str, unit: str) -> tuple[float, str, float]:
-    """The largest of a measure over the contacts of a joint, its unit and what is not known of it; a block in a guide has four contacts."""
-    known = [(summary["measures"][name], unit, spread_of(summary, name)) for name in _names(summary, joint, kind)]
+    """The largest of a measure over the contacts of a joint, its unit and what is not known of it; a block in
+    a guide has four contacts.
+    """
+    known = [
+        (summary["measures"][name], unit, spread_of(summary, name)) for name in _names(summary, joint, kind)
+    ]
     return max(known, default=(0.0, unit, 0.0))
 
 
 def _names(summary: dict[str, Any], joint: str, kind: str) -> list[str]:
     """A measure of the contacts of a joint."""
-    return [name for name in (f"{joint}.{kind}", *(f"{joint}.{number}.{kind}" for number in range(1, 5))) if name in summary["measures"]]
+    return [
+        name
+        for name in (f"{joint}.{kind}", *(f"{joint}.{number}.{kind}" for number in range(1, 5)))
+        if name in summary["measures"]
+    ]
 
 
 def _body_table(summary: dict[str, Any], title: str) -> Table:
     bodies = {name: body for name, body in summary["model"]["bodies"].items() if not body["driven"]}
     compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
-    largest, rows = max((body["angular_acceleration.max"] or 0.0 for body in bodies.values()), default=0.0), []
+    largest, rows = (
+        max((body["angular_acceleration.max"] or 0.0 for body in bodies.values()), default=0.0),
+        [],
+    )
     for name, body in bodies.items():
         if (body["angular_acceleration.max"] or 0.0) > NOISE * largest:  # what only slides has none
-            cells = _with_range(summary, f"{name}.angular_acceleration.max", body["angular_acceleration.max"], "rad/s²")
+            cells = _with_range(
+                summary, f"{name}.angular_acceleration.max", body["angular_acceleration.max"], "rad/s²"
+            )
             if compared:
                 ideal = amount(body["ideal_angular_acceleration.max"], "rad/s²")
                 spread = spread_of(summary, f"{name}.angular_acceleration.lip")
                 cells += [ideal, percent(summary["lip"].get(f"{name}.angular_acceleration"), spread)]
             rows.append((name, *cells))
-    return Table.of(("body", *_heads(summary, "acceleration"), *(["ideal", "LIP(a)"] if compared else [])), rows, title)
+    return Table.of(
+        ("body", *_heads(summary, "acceleration"), *(["ideal", "LIP(a)"] if compared else [])), rows, title
+    )
 
 
 def _mega(value: float, unit: str, spread: float = 0.0) -> str:
     """A pressure with its prefix."""
     factor, prefix = (1e9, "G") if value >= 1e9 else (1e6, "M")
-    shown = fixed(value / factor, decimals(value / factor, spread / factor)) if spread > 0.0 else f"{value / factor:.4g}"
+    shown = (
+        fixed(value / factor, decimals(value / factor, spread / factor))
+        if spread > 0.0
+        else f"{value / factor:.4g}"
+    )
     return f"{shown} {prefix}{unit}"
 
 

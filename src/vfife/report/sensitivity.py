@@ -1,4 +1,6 @@
-"""Answers on what numbers of a model do: sensitivities, laws compared, parameters identified from measured curves."""
+"""Answers on what numbers of a model do: sensitivities, laws compared, parameters identified from measured
+curves.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,10 @@ WIDE = 0.05  # share of the largest derivative of a measure: wider ranges get a 
 CORRELATED, MOST_PAIRS = 0.5, 6
 NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
-    "unknown": "? sign or order of magnitude not known: changes of 1 % differ with their direction or with the size of the step.",
+    "unknown": (
+        "? sign or order of magnitude not known: changes of 1 % differ with their direction or with the size"
+        " of the step."
+    ),
 }
 
 
@@ -33,23 +38,40 @@ def sensitivity(found: Sensitivity, top: int = 8) -> Document:
             continue
         effects = [one for one in found.effects(name) if max(abs(one.low), abs(one.high)) > SMALLEST][:top]
         kinds |= {one.kind for one in effects}
-        rows += [((name, f"{value:.5g}") if k == 0 else ("", "")) + (one.path, *effect_cells(one)) for k, one in enumerate(effects)]
+        rows += [
+            ((name, f"{value:.5g}") if k == 0 else ("", "")) + (one.path, *effect_cells(one))
+            for k, one in enumerate(effects)
+        ]
     table = Table(("measure", "value", "number", "per cent by 1 %", "from, to"), rows, numbers=(1, 3, 4))
-    texts = [f"Measures are of the {found.part}, in SI units.", *(NOTES[kind] for kind in ("change", "unknown") if kind in kinds)]
+    texts = [
+        f"Measures are of the {found.part}, in SI units.",
+        *(NOTES[kind] for kind in ("change", "unknown") if kind in kinds),
+    ]
     notes = (Caution(text, "note", aside=True) for text in _doubts(found))
     left_out = {"refused": found.refused, "rounding": sorted(found.rounding)}
     data = {"model": found.mechanism, "part": found.part, **left_out, "rows": found.rows()}
-    return Document([table, *sentences(texts), *notes], f"{found.mechanism}: what its measures depend on", data)
+    return Document(
+        [table, *sentences(texts), *notes], f"{found.mechanism}: what its measures depend on", data
+    )
 
 
 def _doubts(found: Sensitivity) -> list[str]:
     """What is not known, or was left out."""
     said = []
     if found.doubtful:
-        said.append(f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean nothing.")
+        said.append(
+            f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean"
+            " nothing."
+        )
     if found.rounding:
-        said.append(f"left out as rounding beside the largest of their unit: {', '.join(sorted(found.rounding))}.")
-    wide = {name: spread for name in found.measures if name not in found.doubtful and (spread := found.spread(name)) > WIDE}
+        said.append(
+            f"left out as rounding beside the largest of their unit: {', '.join(sorted(found.rounding))}."
+        )
+    wide = {
+        name: spread
+        for name in found.measures
+        if name not in found.doubtful and (spread := found.spread(name)) > WIDE
+    }
     if wide:
         most = max(wide, key=wide.__getitem__)
         what = f"ranges of derivatives are up to {100.0 * wide[most]:.0f} % of the largest wide ({most})"
@@ -59,7 +81,11 @@ def _doubts(found: Sensitivity) -> list[str]:
 
 def effect_cells(one: Effect) -> tuple[str, str]:
     """The value of an effect and its range, which is left out where it has the same digits."""
-    span = f"{one.low:.3g}, {one.high:.3g}" if one.high > one.low and len({f"{end:.3g}" for end in one[2:]}) > 1 else ""
+    span = (
+        f"{one.low:.3g}, {one.high:.3g}"
+        if one.high > one.low and len({f"{end:.3g}" for end in one[2:]}) > 1
+        else ""
+    )
     if one.kind == "unknown":
         return "?", span
     return f"{one.value:+.3g}{' *' if one.kind == 'change' else ''}", span
@@ -70,10 +96,29 @@ def comparison(found: Comparison, folder: str = "", files: Sequence[str] = ()) -
     rows = []
     for one in found.rows:
         lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
-        numbers = (f"{1e6 * one['penetration']:.4g}", f"{one['impacts']:,}", f"{100.0 * one['contact_share']:.3g}", f"{one['energy_lost']:.4g}")
-        rows.append((one["contact"], one["friction"], f"{one['force']:,.6g}", *lips, *numbers, f"{one['wall_s']:.2g}"))
-    heads = ("force, N", "LIP(F), %", "LIP(a), %", "deepest, µm", "impacts", "contact, %", "lost, J", "wall, s")
-    said = f"Force, LIP and depth are the largest ({_part(found)}), LIP against ideal joints; contact is the mean share of the time of the run."
+        numbers = (
+            f"{1e6 * one['penetration']:.4g}",
+            f"{one['impacts']:,}",
+            f"{100.0 * one['contact_share']:.3g}",
+            f"{one['energy_lost']:.4g}",
+        )
+        rows.append(
+            (one["contact"], one["friction"], f"{one['force']:,.6g}", *lips, *numbers, f"{one['wall_s']:.2g}")
+        )
+    heads = (
+        "force, N",
+        "LIP(F), %",
+        "LIP(a), %",
+        "deepest, µm",
+        "impacts",
+        "contact, %",
+        "lost, J",
+        "wall, s",
+    )
+    said = (
+        f"Force, LIP and depth are the largest ({_part(found)}), LIP against ideal joints; contact is the"
+        " mean share of the time of the run."
+    )
     parts: list[Part] = [
         Table(("contact", "friction", *heads), rows, numbers=range(2, 10), names=(0, 1)),
         Paragraph(said),
@@ -85,13 +130,22 @@ def comparison(found: Comparison, folder: str = "", files: Sequence[str] = ()) -
 
 def comparison_data(found: Comparison) -> dict[str, Any]:
     """A comparison as its file keeps it."""
-    return {"model": found.mechanism, "joints": list(found.joints), "planned": found.planned, "runs": found.rows}
+    return {
+        "model": found.mechanism,
+        "joints": list(found.joints),
+        "planned": found.planned,
+        "runs": found.rows,
+    }
 
 
 def _part(found: Comparison) -> str:
     """Which part of the runs their numbers are of."""
     parts = list(dict.fromkeys(one["part"] for one in found.rows))
-    return parts[0] if len(parts) == 1 else "; ".join(f"{one['contact']} with {one['friction']}: {one['part']}" for one in found.rows)
+    return (
+        parts[0]
+        if len(parts) == 1
+        else "; ".join(f"{one['contact']} with {one['friction']}: {one['part']}" for one in found.rows)
+    )
 
 
 def identification(found: Fit) -> Document:
@@ -101,11 +155,27 @@ def identification(found: Fit) -> Document:
         sure = math.isfinite(one.error)
         limits = f"{quantity(one.low, one.unit)} to {quantity(one.high, one.unit)}" if sure else "-"
         error = quantity(one.error, one.unit) if sure and one.known else "-"
-        bounds = " to ".join(quantity(end, one.unit) for end in one.bounds) + (", at one" if one.at_bound else "")
+        bounds = " to ".join(quantity(end, one.unit) for end in one.bounds) + (
+            ", at one" if one.at_bound else ""
+        )
         mark = "" if one.told or not sure else " ?"
-        rows.append((one.name, quantity(one.value, one.unit) + mark, error, limits if one.known else "not known", bounds))
+        rows.append(
+            (
+                one.name,
+                quantity(one.value, one.unit) + mark,
+                error,
+                limits if one.known else "not known",
+                bounds,
+            )
+        )
     curves = [
-        (c.channel, c.head, f"{100.0 * c.share:.3g} %", "" if c.factor == 1.0 else f"{c.factor:.4g}", f"{c.level:.4g}" if c.level else "")
+        (
+            c.channel,
+            c.head,
+            f"{100.0 * c.share:.3g} %",
+            "" if c.factor == 1.0 else f"{c.factor:.4g}",
+            f"{c.level:.4g}" if c.level else "",
+        )
         for c in found.curves
     ]
     confidence = f"{100.0 * found.confidence:g} % confidence"
@@ -122,6 +192,15 @@ def identification(found: Fit) -> Document:
 
 def _correlations(found: Fit) -> str:
     """The strongest correlations between parameters."""
-    pairs = [(found.correlation[i, j], a.name, b.name) for i, a in enumerate(found.values) for j, b in enumerate(found.values) if i < j]
-    strong = [f"{a} and {b} {value:+.2f}" for value, a, b in sorted(pairs, key=lambda one: -abs(one[0])) if abs(value) >= CORRELATED]
+    pairs = [
+        (found.correlation[i, j], a.name, b.name)
+        for i, a in enumerate(found.values)
+        for j, b in enumerate(found.values)
+        if i < j
+    ]
+    strong = [
+        f"{a} and {b} {value:+.2f}"
+        for value, a, b in sorted(pairs, key=lambda one: -abs(one[0]))
+        if abs(value) >= CORRELATED
+    ]
     return f"Correlated: {'; '.join(strong[:MOST_PAIRS])}." if strong else ""

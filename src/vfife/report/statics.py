@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from ..analysis.measures import equilibria as equilibria_of
-from ..analysis.meshes import EXACT
+from ..measures.catalogue import equilibria as equilibria_of
+from ..measures.meshes import EXACT
 from ..solvers.status import Status
 from .digits import bounds, plain
 from .document import Paragraph, Part, Table, sentences
@@ -15,11 +15,17 @@ from .trust import trusted, verdict
 if TYPE_CHECKING:
     from ..results.view import View
 
-UNITS = {"displacement.max": "m", "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m"}
+UNITS = {
+    "displacement.max": "m",
+    "force.max": "N",
+    "moment.max": "N m",
+    "torque.max": "N m",
+    "penetration.max": "m",
+}
 MESHED = "Ranges are the errors of the mesh, from the same analysis with other numbers of elements."
 UNESTIMATED = (
-    "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not come to its end, or it is long or was "
-    "told not to be repeated (companions = 1 has it repeated)."
+    "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not"
+    " come to its end, or it is long or was told not to be repeated (companions = 1 has it repeated)."
 )
 REDUNDANT = "Joints are redundant: rigid bodies leave open how these share the load."
 COLUMNS = 6  # joints whose reactions fit beside each other
@@ -62,8 +68,9 @@ def static_warnings(result: View) -> Iterable[str]:
         if jump > 20.0 * before and jump > 0.05 * max(moved):
             factor = record.assembly.mechanism.settings.load_factors[k]
             yield (
-                f"At load factor {factor:g} the displacement leaps by {jump:.4g} m, {jump / before:.3g} times the step before: a limit load was "
-                "passed and the structure snapped through. Put load factors closer together before it, or prescribe a travel to follow the way."
+                f"At load factor {factor:g} the displacement leaps by {jump:.4g} m, {jump / before:.3g} times"
+                " the step before: a limit load was passed and the structure snapped through. Put load"
+                " factors closer together before it, or prescribe a travel to follow the way."
             )
             break
 
@@ -72,14 +79,21 @@ def equilibria(summary: dict[str, Any]) -> list[Part]:
     """Equilibria with their reactions, and the largest values with their ranges."""
     run, factors = summary["run"], summary["run"]["factors"]
     what = (
-        f"Static analysis by dynamic relaxation: {run['reached']} of {run['load_factors']} load factors, {run['iterations']:,} iterations in "
-        f"{summary['wall_s']:.3g} s; {summary['status']}."
+        f"Static analysis by dynamic relaxation: {run['reached']} of {run['load_factors']} load factors,"
+        f" {run['iterations']:,} iterations in {summary['wall_s']:.3g} s; {summary['status']}."
     )
     joints = list(factors[0]["reactions"])[:COLUMNS] if factors else []
-    smallest = 1e-9 * max([0.0, *(abs(one["reactions"][name][axis]) for one in factors for name in joints for axis in AXES)])
+    smallest = 1e-9 * max(
+        [0.0, *(abs(one["reactions"][name][axis]) for one in factors for name in joints for axis in AXES)]
+    )
     stride, rows = -(-len(factors) // MOST), []
     for one in [*factors[:-1:stride], *factors[-1:]]:
-        numbers = (f"{one['load_factor']:g}", f"{one['iterations']:,}", f"{one['unbalanced']:.1e}", f"{one['displacement']:.6g}")
+        numbers = (
+            f"{one['load_factor']:g}",
+            f"{one['iterations']:,}",
+            f"{one['unbalanced']:.1e}",
+            f"{one['displacement']:.6g}",
+        )
         rows.append((*numbers, *(_pair(one["reactions"][name], smallest) for name in joints)))
     heads = ("load factor", "iterations", "unbalanced", "displacement, m", *(f"{name}, N" for name in joints))
     table = Table.of(heads, rows, "Equilibria, reactions on the journals", words=0)
@@ -93,7 +107,9 @@ def equilibria(summary: dict[str, Any]) -> list[Part]:
 
 def _pair(reaction: dict[str, float], smallest: float) -> str:
     """Both components of a reaction (N); 0 for what is only rounding."""
-    return "({})".format(", ".join(f"{reaction[axis]:.5g}" if abs(reaction[axis]) > smallest else "0" for axis in AXES))
+    return "({})".format(
+        ", ".join(f"{reaction[axis]:.5g}" if abs(reaction[axis]) > smallest else "0" for axis in AXES)
+    )
 
 
 def _largest(summary: dict[str, Any]) -> Table:
@@ -101,6 +117,8 @@ def _largest(summary: dict[str, Any]) -> Table:
     rows = []
     for name in summary["measures"]:
         if name not in EXACT:
-            unit = UNITS.get(name) or next((unit for kind, unit in UNITS.items() if name.endswith(f".{kind}")), "")
+            unit = UNITS.get(name) or next(
+                (unit for kind, unit in UNITS.items() if name.endswith(f".{kind}")), ""
+            )
             rows.append((name, f"{plain(summary, name)} {unit}".rstrip(), bounds(summary, name)))
     return Table.of(("measure", "value", "range"), rows, "Largest values of all load factors")

@@ -1,4 +1,6 @@
-"""Answers of studies: extremes of measures and where, members, quantiles of samples, sensitivity indices, results of searches."""
+"""Answers of studies: extremes of measures and where, members, quantiles of samples, sensitivity indices,
+results of searches.
+"""
 
 from __future__ import annotations
 
@@ -10,23 +12,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..job.amounts import counted
-from ..results.lock import holder
-from ..results.member_errors import NOT_ESTIMATED
+from ..store.lock import holder
+from ..store.member_errors import NOT_ESTIMATED
 from .digits import prefixed
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
-    from ..results.member_errors import MemberError
     from ..results.studied import Study
-    from ..results.studyfile import StudyCase
-    from ..study.allocation import Allocated
-    from ..study.searches import Allotment
-    from ..study.tolerance import Spread
+    from ..store.member_errors import MemberError
+    from ..store.studyfile import StudyCase
+    from ..studies.methods.allocation import Allocated
+    from ..studies.methods.searches import Allotment
+    from ..studies.methods.tolerance import Spread
 
 MOST_FAILED = 10  # failed members that are shown
 
 
-# ---------------------------------------------------------------------------------------------------- values in words
+# ---------------------------------------------------------------------------------------------------- values
+# in words
 
 
 def where(found: Study, member: StudyCase) -> str:
@@ -37,7 +40,11 @@ def where(found: Study, member: StudyCase) -> str:
 def placed(found: Study, at: dict[str, Any] | None) -> str:
     """Values of parameters in words."""
     units = {one.name: one.unit for one in found.parameters}
-    return "" if at is None else ", ".join(f"{name} {quantity(value, units[name])}" for name, value in at.items())
+    return (
+        ""
+        if at is None
+        else ", ".join(f"{name} {quantity(value, units[name])}" for name, value in at.items())
+    )
 
 
 def quantity(value: Any, unit: str) -> str:
@@ -46,7 +53,11 @@ def quantity(value: Any, unit: str) -> str:
         return value or "-"
     if unit in ("1", "%") or not value or not math.isfinite(value):
         return f"{value:.6g}" + (" %" if unit == "%" else "")
-    return prefixed(value, unit) if unit in ("m", "N", "Pa", "W", "J", "s") else f"{value:.5g} {unit.replace('^2', '²')}"
+    return (
+        prefixed(value, unit)
+        if unit in ("m", "N", "Pa", "W", "J", "s")
+        else f"{value:.5g} {unit.replace('^2', '²')}"
+    )
 
 
 def _values(values: list[Any], unit: str, kind: str, words: str) -> str:
@@ -65,7 +76,10 @@ def error_words(one: MemberError | None, unit: str) -> str:
     """The numerical error of a member in a line."""
     if one is None:
         return f"Numerical error of a member: {NOT_ESTIMATED}."
-    return f"Numerical error of a member: typically {quantity(one.typical, unit)}, at most {quantity(one.most, unit)} ({one.words})."
+    return (
+        f"Numerical error of a member: typically {quantity(one.typical, unit)}, at most"
+        f" {quantity(one.most, unit)} ({one.words})."
+    )
 
 
 def _errors(study: Study) -> dict[str, Any] | None:
@@ -73,15 +87,24 @@ def _errors(study: Study) -> dict[str, Any] | None:
     return {name: dataclasses.asdict(one) for name, one in study.errors.items()} or None
 
 
-# ------------------------------------------------------------------------------------------------------------ a study
+# ------------------------------------------------------------------------------------------------------------
+# a study
 
 
 def extremes(study: Study) -> dict[str, dict[str, Any]]:
     """Least, mean and largest value of each measure, and at which values of the parameters."""
     found = {}
     for name, unit in study.measures.items():
-        values = [(float(value), one) for value, one in zip(study.values(name), study.done, strict=True) if math.isfinite(value)]
-        least, largest = (min(values, key=lambda pair: pair[0]), max(values, key=lambda pair: pair[0])) if values else (None, None)
+        values = [
+            (float(value), one)
+            for value, one in zip(study.values(name), study.done, strict=True)
+            if math.isfinite(value)
+        ]
+        least, largest = (
+            (min(values, key=lambda pair: pair[0]), max(values, key=lambda pair: pair[0]))
+            if values
+            else (None, None)
+        )
         names = [one.name for one in study.parameters]
         found[name] = {
             "unit": unit,
@@ -98,7 +121,11 @@ def extremes(study: Study) -> dict[str, dict[str, Any]]:
 def parameter_table(study: Study, title: str = "") -> Table:
     """The parameters of a study, their values, and the numbers of the model that they change."""
     rows = [
-        (one.name, _values([study.at(member)[k] for member in study.members], one.unit, one.kind, one.words), ", ".join(one.paths))
+        (
+            one.name,
+            _values([study.at(member)[k] for member in study.members], one.unit, one.kind, one.words),
+            ", ".join(one.paths),
+        )
         for k, one in enumerate(study.parameters)
     ]
     return Table(("name" if title else "varied", "values", "numbers of the model"), rows, title)
@@ -109,7 +136,9 @@ def extreme_table(study: Study, title: str = "") -> Table:
     rows = []
     for name, one in extremes(study).items():
         least, mean, largest = (quantity(one[key], one["unit"]) for key in ("least", "mean", "largest"))
-        rows.append((name, least, placed(study, one["least_at"]), mean, largest, placed(study, one["largest_at"])))
+        rows.append(
+            (name, least, placed(study, one["least_at"]), mean, largest, placed(study, one["largest_at"]))
+        )
     return Table(("measure", "least", "at", "mean", "largest", "at"), rows, title, numbers=(1, 3, 4))
 
 
@@ -123,16 +152,24 @@ def error_table(study: Study) -> Part:
             rows.append((name, NOT_ESTIMATED, "", ""))
         else:
             rows.append((name, quantity(one.typical, unit), quantity(one.most, unit), one.words))
-    return Table(("numerical error of a member", "typically", "at most", "estimated from"), rows, numbers=(1, 2))
+    return Table(
+        ("numerical error of a member", "typically", "at most", "estimated from"), rows, numbers=(1, 2)
+    )
 
 
 def document(study: Study, members: bool = False) -> Document:
     """What a study came to so far; with ``members`` every member with its measures."""
     counts = ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count)
     at_work = None if study.path is None else holder(study.path.absolute().parent, f"{study.path.name}.lock")
-    said = ", ".join(filter(None, (counted(len(study.members), "member"), counts))) + (f"; {at_work} is at work" if at_work else "")
+    said = ", ".join(filter(None, (counted(len(study.members), "member"), counts))) + (
+        f"; {at_work} is at work" if at_work else ""
+    )
     wanted = study.asked["wanted"]
-    until = "" if wanted["settle"] is None else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
+    until = (
+        ""
+        if wanted["settle"] is None
+        else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
+    )
     over = "the last turn" if wanted["last"] == 1 else f"the last {wanted['last']} turns (means)"
     turns = f"{counted(wanted['turns'], 'turn')}{until}; measures are of {over}"
     parts: list[Part] = [Paragraph(said, lead=f"{study.model}: "), Paragraph(turns)]
@@ -140,7 +177,9 @@ def document(study: Study, members: bool = False) -> Document:
     if members:
         parts.append(member_table(study))
     for member, reason in study.failed[:MOST_FAILED]:
-        parts.append(Paragraph(f"{where(study, member)}: {reason}", lead=f"member {member.number}: ", lines="whole"))
+        parts.append(
+            Paragraph(f"{where(study, member)}: {reason}", lead=f"member {member.number}: ", lines="whole")
+        )
     if len(study.failed) > MOST_FAILED:
         parts.append(Paragraph(f"... and {len(study.failed) - MOST_FAILED:,} more; --json has all of them"))
     return Document(parts, data=_data(study) | ({"members": study.rows()} if members else {}))
@@ -150,7 +189,10 @@ def member_table(study: Study) -> Table:
     """Every member with its measures."""
     units = {**{one.name: one.unit for one in study.parameters}, **study.measures}
     names = [*(one.name for one in study.parameters), *study.measures]
-    rows = [(one["member"], *(quantity(one[name], units[name]) for name in names), one["status"]) for one in study.rows()]
+    rows = [
+        (one["member"], *(quantity(one[name], units[name]) for name in names), one["status"])
+        for one in study.rows()
+    ]
     return Table(("member", *names, "status"), rows, numbers=range(len(names) + 1))
 
 
@@ -163,39 +205,85 @@ def _data(study: Study) -> dict[str, Any]:
         "planned": len(study.members),
         "counts": study.counts,
         "wanted": study.asked["wanted"],
-        "parameters": [{"name": one.name, "paths": list(one.paths), "unit": one.unit, "kind": one.kind} for one in study.parameters],
+        "parameters": [
+            {"name": one.name, "paths": list(one.paths), "unit": one.unit, "kind": one.kind}
+            for one in study.parameters
+        ],
         "measures": extremes(study),
         "errors": _errors(study),
-        "failed": [{"member": one.number, "at": dict(one.numbers), "reason": reason} for one, reason in study.failed],
+        "failed": [
+            {"member": one.number, "at": dict(one.numbers), "reason": reason} for one, reason in study.failed
+        ],
     }
 
 
-# ------------------------------------------------------------------------------------------------- samples and indices
+# ------------------------------------------------------------------------------------------------- samples
+# and indices
 
 
 def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spread]) -> Document:
-    """What a sample says of all machines: quantiles of measures and shares that fail, with limits of ``confidence`` (1)."""
+    """What a sample says of all machines: quantiles of measures and shares that fail, with limits of
+    ``confidence`` (1).
+    """
     machines, rows = spreads[0].machines, list[tuple[str, ...]]()
     for one in spreads:
-        rows.append((one.measure, "mean", *(_known(value, one.unit) for value in (one.mean, one.average.low, one.average.high))))
-        rows.append(("", "standard deviation", quantity(one.deviation, one.unit), NOT_ESTIMATED, NOT_ESTIMATED))
+        rows.append(
+            (
+                one.measure,
+                "mean",
+                *(_known(value, one.unit) for value in (one.mean, one.average.low, one.average.high)),
+            )
+        )
+        rows.append(
+            ("", "standard deviation", quantity(one.deviation, one.unit), NOT_ESTIMATED, NOT_ESTIMATED)
+        )
         for share, at in one.quantiles.items():
-            rows.append(("", f"{100.0 * share:g} % are below", *(_known(value, one.unit) for value in (at.value, at.low, at.high))))
+            rows.append(
+                (
+                    "",
+                    f"{100.0 * share:g} % are below",
+                    *(_known(value, one.unit) for value in (at.value, at.low, at.high)),
+                )
+            )
         if one.bound is not None and one.failing is not None:
-            failing = (f"{100.0 * value:.3g} %" for value in (one.failing.value, one.failing.low, one.failing.high))
+            failing = (
+                f"{100.0 * value:.3g} %" for value in (one.failing.value, one.failing.low, one.failing.high)
+            )
             rows.append(("", f"fail: {one.bound.words(one.unit)}", *failing))
-    what = f"{counted(machines, 'machine')}; not below and not above what stands there with {100.0 * confidence:g} % confidence"
+    what = (
+        f"{counted(machines, 'machine')}; not below and not above what stands there with"
+        f" {100.0 * confidence:g} % confidence"
+    )
     parts: list[Part] = [
         Paragraph(f"{study.model}: {what}"),
         Table.of(("measure", "of all machines", "value", "not below", "not above"), rows, words=2),
-        *(Paragraph(f"{one.measure}: {error_words(one.numerical, one.unit)}", lines="whole") for one in spreads),
-        Paragraph("Limits hold the numerical error of members, too." if study.errors else "Limits are those of sampling alone."),
+        *(
+            Paragraph(f"{one.measure}: {error_words(one.numerical, one.unit)}", lines="whole")
+            for one in spreads
+        ),
+        Paragraph(
+            "Limits hold the numerical error of members, too."
+            if study.errors
+            else "Limits are those of sampling alone."
+        ),
     ]
     if (other := len(study.done) - machines) > 0:
-        left_out = f"{counted(other, 'member')} of the file left out: points, members of a search, or samples of former tolerances."
+        left_out = (
+            f"{counted(other, 'member')} of the file left out: points, members of a search, or samples of"
+            " former tolerances."
+        )
         parts.append(Caution(left_out, "note", aside=True))
     measures = {one.measure: _spread(one) for one in spreads}
-    return Document(parts, data={"study": study.name, "file": file, "confidence": confidence, "machines": machines, "measures": measures})
+    return Document(
+        parts,
+        data={
+            "study": study.name,
+            "file": file,
+            "confidence": confidence,
+            "machines": machines,
+            "measures": measures,
+        },
+    )
 
 
 def _known(value: float, unit: str) -> str:
@@ -214,7 +302,11 @@ def _spread(one: Spread) -> dict[str, Any]:
         "numerical": None if one.numerical is None else dataclasses.asdict(one.numerical),
         "deviation": one.deviation,
         "quantiles": {f"{share:g}": vars(at) for share, at in one.quantiles.items()},
-        "limit": None if bound is None else {name: value for name in ("low", "high") if math.isfinite(value := getattr(bound, name))},
+        "limit": (
+            None
+            if bound is None
+            else {name: value for name in ("low", "high") if math.isfinite(value := getattr(bound, name))}
+        ),
         "failing": None if one.failing is None else vars(one.failing),
     }
 
@@ -225,18 +317,33 @@ def indices(study: Study, file: str, found: Sequence[Any]) -> Document:
     for one in found:
         parts += [_index_table(one), Paragraph(_error_share(study, one), lines="whole")]
         if one.left_out:
-            parts.append(Paragraph(f"{one.left_out:,} groups of the design were left out, for a member of them has no value"))
+            parts.append(
+                Paragraph(
+                    f"{one.left_out:,} groups of the design were left out, for a member of them has no value"
+                )
+            )
     measures = {one.measure: [dataclasses.asdict(row) for row in one.rows] for one in found}
-    return Document(parts, data={"study": study.name, "file": file, "measures": measures, "errors": _errors(study)})
+    return Document(
+        parts, data={"study": study.name, "file": file, "measures": measures, "errors": _errors(study)}
+    )
 
 
 def _index_table(one: Any) -> Table:
     if hasattr(one.rows[0], "first"):
         indices = sorted(one.rows, key=lambda row: -row.total)
-        rows = [(row.parameter, *(f"{x:.3f}" for x in (row.first, row.first_margin, row.total, row.total_margin))) for row in indices]
+        rows = [
+            (row.parameter, *(f"{x:.3f}" for x in (row.first, row.first_margin, row.total, row.total_margin)))
+            for row in indices
+        ]
         return Table.of((one.measure, "alone", "±", "with others", "±"), rows)
     effects = sorted(one.rows, key=lambda row: -row.size)
-    rows = [(row.parameter, *(quantity(x, one.unit) for x in (row.size, row.size_margin, row.mean, row.deviation))) for row in effects]
+    rows = [
+        (
+            row.parameter,
+            *(quantity(x, one.unit) for x in (row.size, row.size_margin, row.mean, row.deviation)),
+        )
+        for row in effects
+    ]
     return Table.of((one.measure, "size of the effect", "±", "mean", "deviation"), rows)
 
 
@@ -247,29 +354,62 @@ def _error_share(study: Study, one: Any) -> str:
     variance = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0
     if error is None or variance == 0.0:
         return said
-    return f"{said} Its square is {100.0 * error.rms * error.rms / variance:.2g} % of the variance; margins are those of sampling alone."
+    return (
+        f"{said} Its square is {100.0 * error.rms * error.rms / variance:.2g} % of the variance; margins are"
+        " those of sampling alone."
+    )
 
 
-# ----------------------------------------------------------------------------------------------------------- searches
+# -----------------------------------------------------------------------------------------------------------
+# searches
 
 
-def optimum(search: Any, parameters: Sequence[Any], front: Sequence[Any], units: Mapping[str, str], counts: Mapping[str, Any]) -> Document:
-    """The best members of a search; ``counts``: file, members, feasible and refined ones, and why derivatives led no further."""
+def optimum(
+    search: Any,
+    parameters: Sequence[Any],
+    front: Sequence[Any],
+    units: Mapping[str, str],
+    counts: Mapping[str, Any],
+) -> Document:
+    """The best members of a search; ``counts``: file, members, feasible and refined ones, and why derivatives
+    led no further.
+    """
     names = [one.name for one in parameters]
     rows = [
         (*(quantity(one.parameters[axis.name], axis.unit) for axis in parameters),
          *(quantity((one.values or {}).get(name), unit) for name, unit in units.items()))
         for one in front
     ]  # fmt: skip
-    aims = [*search.minimised, *(f"{name} (large)" if len(search.aims) > 1 else name for name in search.maximised)]
-    what = ("the least of" if search.minimised else "the most of") if len(search.aims) == 1 else "the Pareto front of"
+    aims = [
+        *search.minimised,
+        *(f"{name} (large)" if len(search.aims) > 1 else name for name in search.maximised),
+    ]
+    what = (
+        ("the least of" if search.minimised else "the most of")
+        if len(search.aims) == 1
+        else "the Pareto front of"
+    )
     last = f", the last {counts['refined']:,} by derivatives" if counts["refined"] else ""
-    text = f"{counts['members']:,} members{last}, {counts['feasible']:,} within the limits; {what} {', '.join(aims)}:"
+    text = (
+        f"{counts['members']:,} members{last}, {counts['feasible']:,} within the limits; {what}"
+        f" {', '.join(aims)}:"
+    )
     parts: list[Part] = [Paragraph(text), Table.of((*names, *units), rows, words=0)] if front else []
     if counts["why"]:
         parts.append(Caution(f"derivatives lead no further: {counts['why']}.", "note", aside=True))
-    best = [{"member": one.number, "parameters": one.parameters, "measures": dict(one.values or {})} for one in front]
-    return Document(parts, data={**counts, "minimised": list(search.minimised), "maximised": list(search.maximised), "best": best})
+    best = [
+        {"member": one.number, "parameters": one.parameters, "measures": dict(one.values or {})}
+        for one in front
+    ]
+    return Document(
+        parts,
+        data={
+            **counts,
+            "minimised": list(search.minimised),
+            "maximised": list(search.maximised),
+            "best": best,
+        },
+    )
 
 
 def allocation(task: Allotment, found: Allocated, file: str, unit: str) -> Document:
@@ -294,10 +434,22 @@ def allocation(task: Allotment, found: Allocated, file: str, unit: str) -> Docum
     for one, option, own in zip(task.parameters, choice.options, task.fits, strict=True):
         if own:
             low, high = option.clearance.limits
-            rows.append((one.name, option.name, f"{option.cost:g}", f"{quantity(low, 'm')} to {quantity(high, 'm')}"))
+            rows.append(
+                (one.name, option.name, f"{option.cost:g}", f"{quantity(low, 'm')} to {quantity(high, 'm')}")
+            )
     quantile = (
-        f"{100.0 * asked.share:g} % quantile of {asked.measure}: {quantity(estimate.value, unit)}, limit {quantity(task.bound.high, unit)}; "
-        f"{found.failures} of {found.count:,} machines are beyond it ({100.0 * asked.confidence:g} % confidence)"
+        f"{100.0 * asked.share:g} % quantile of {asked.measure}: {quantity(estimate.value, unit)}, limit"
+        f" {quantity(task.bound.high, unit)}; {found.failures} of {found.count:,} machines are beyond it"
+        f" ({100.0 * asked.confidence:g} % confidence)"
     )
-    cheaper = f"cost {choice.cost:g}; {len(found.rejected):,} choices as cheap or cheaper do not keep the limit"
-    return Document([Table(("fit of", "fit", "cost", "clearance"), rows, numbers=(2,)), Paragraph(cheaper), Paragraph(quantile)], data=data)
+    cheaper = (
+        f"cost {choice.cost:g}; {len(found.rejected):,} choices as cheap or cheaper do not keep the limit"
+    )
+    return Document(
+        [
+            Table(("fit of", "fit", "cost", "clearance"), rows, numbers=(2,)),
+            Paragraph(cheaper),
+            Paragraph(quantile),
+        ],
+        data=data,
+    )

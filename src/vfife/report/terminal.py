@@ -20,11 +20,17 @@ STYLES = {
     "bad": "bold red",
 }  # fmt: skip
 
-LINES: dict[str, dict[str, Any]] = {"wrapped": {}, "whole": {"soft_wrap": True}, "cut": {"no_wrap": True, "overflow": "ellipsis"}}
+LINES: dict[str, dict[str, Any]] = {
+    "wrapped": {},
+    "whole": {"soft_wrap": True},
+    "cut": {"no_wrap": True, "overflow": "ellipsis"},
+}
 
 
 def write(document: Document, console: Console, errors: Callable[[], Console] | None = None) -> None:
-    """Print a document; ``errors`` gives the console of asides, which is the same one by default. Brackets in texts are no markup."""
+    """Print a document; ``errors`` gives the console of asides, which is the same one by default. Brackets in
+    texts are no markup.
+    """
     if document.title:
         console.print(Text(document.title, style="bold"))
     for part in document.parts:
@@ -59,7 +65,11 @@ def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:
 
 
 def _paragraph(part: Paragraph, console: Console) -> None:
-    text = Text.assemble((part.lead, STYLES[part.style or "strong"]), part.text) if part.lead else Text(part.text, style=STYLES[part.style])
+    text = (
+        Text.assemble((part.lead, STYLES[part.style or "strong"]), part.text)
+        if part.lead
+        else Text(part.text, style=STYLES[part.style])
+    )
     options = LINES[part.lines]
     console.print(Padding.indent(text, part.indent) if part.indent else text, **options)
 
@@ -67,7 +77,12 @@ def _paragraph(part: Paragraph, console: Console) -> None:
 def _grid(part: Table) -> Grid:
     grid = Grid(box=SIMPLE_HEAD, pad_edge=False)
     for k, heading in enumerate(part.headings):
-        grid.add_column(Text(heading), justify="right" if k in part.numbers else "left", overflow="fold", no_wrap=k in part.names)
+        grid.add_column(
+            Text(heading),
+            justify="right" if k in part.numbers else "left",
+            overflow="fold",
+            no_wrap=k in part.names,
+        )
     for row in part.rows:
         grid.add_row(*(Text(str(cell)) for cell in row))
     return grid

@@ -11,7 +11,7 @@ from .document import Document, Table, sentences
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
-    from ..study.tribology.wear_state import Worn
+    from ..tribology.wear_state import Worn
 
 MOST_HARMONICS = 32
 CLEAR = 0.8  # of the wear of the deepest places, the least growth of play that needs no remark
@@ -27,7 +27,10 @@ def document(found: Worn) -> Document:
         state = (f"{1e6 * found.play[-1, joint]:.4g} µm", f"{found.force[-1, joint]:.4g} N")
         rows.append((f"{surface.joint} {surface.side}", f"{surface.k:.3g}", *wear, *state))
     heads = ("surface", "k (1/Pa)", "deepest", "volume", "play", "largest force")
-    return Document([Table.of(heads, rows), *sentences(list(_remarks(found)))], f"{found.name}: {found.turns[-1]:,.0f} turns")
+    return Document(
+        [Table.of(heads, rows), *sentences(list(_remarks(found)))],
+        f"{found.name}: {found.turns[-1]:,.0f} turns",
+    )
 
 
 def _remarks(found: Worn) -> Iterator[str]:
@@ -35,23 +38,31 @@ def _remarks(found: Worn) -> Iterator[str]:
     asked, mechanism = found.asked, found.mechanism(0)
     frictions = ", ".join(f"{name} {mechanism.contacts[name].friction.name}" for name in found.joints)
     yield (
-        f"{found.simulated:,.0f} turns were simulated, {asked.settle} of {asked.settle + asked.block} dropped each time, {asked.steps:,} steps a "
-        f"turn; friction: {frictions}.{_half_step(found)}"
+        f"{found.simulated:,.0f} turns were simulated, {asked.settle} of {asked.settle + asked.block} dropped"
+        f" each time, {asked.steps:,} steps a turn; friction: {frictions}.{_half_step(found)}"
     )
     block = "what a block of one turn leaves of a rate open is not known."
     if asked.block > 1:
         block = f"the turns of a block leave {100.0 * found.spread.max():.2g} % of a rate open."
-    errors = f"the largest error {1e6 * found.errors.max():.2g} µm, all together {1e6 * found.errors.sum():.2g} µm"
+    errors = (
+        f"the largest error {1e6 * found.errors.max():.2g} µm, all together {1e6 * found.errors.sum():.2g} µm"
+    )
     yield f"{counted(len(found.turns) - 1, 'jump')}, {errors}; {block}"
     yield from _coefficients(mechanism, found)
     if asked.harmonics == 0:
         yield "Clearances do not follow what is worn, so depths go with the turns."
     if found.sharp.max() > 1.0:
-        yield "Profiles bend more sharply than the journal, which would rest on the edges of what it wore: depths are more than there would be."
+        yield (
+            "Profiles bend more sharply than the journal, which would rest on the edges of what it wore:"
+            " depths are more than there would be."
+        )
     if 0 < asked.harmonics < MOST_HARMONICS:
         yield from _smoothed(found)
     if found.ended:
-        yield f"Life: {found.ended['turns']:,.0f} turns, until joint {found.ended['joint']} reaches the limit of its {found.ended['by']}."
+        yield (
+            f"Life: {found.ended['turns']:,.0f} turns, until joint {found.ended['joint']} reaches the limit"
+            f" of its {found.ended['by']}."
+        )
     elif asked.clearance is not None or asked.force is not None:
         yield f"Life: more than {found.turns[-1]:,.0f} turns; no limit was reached{_outlook(found)}."
 
@@ -63,8 +74,9 @@ def _coefficients(mechanism: Mechanism, found: Worn) -> Iterator[str]:
         if isinstance(pair, str):
             number, source = PAIRS[pair]
             yield (
-                f"The coefficient of {one.joint} {one.side} is that of {pair}, dry, K = {number:g} ({source}): tests lie within a factor of "
-                f"{SCATTER:g}, {one.k / SCATTER:.2g} to {one.k * SCATTER:.2g} 1/Pa, with oil {OILED * one.k:.2g} and less; depths go with it."
+                f"The coefficient of {one.joint} {one.side} is that of {pair}, dry, K = {number:g}"
+                f" ({source}): tests lie within a factor of {SCATTER:g}, {one.k / SCATTER:.2g} to"
+                f" {one.k * SCATTER:.2g} 1/Pa, with oil {OILED * one.k:.2g} and less; depths go with it."
             )
 
 
@@ -73,31 +85,45 @@ def _half_step(found: Worn) -> str:
     if not found.beside:
         return " No companion with half the step was run: the wear is not complete."
     volume, place = (100.0 * share for share in found.beside)
-    return f" With half the step the last block wears {volume:.2g} % of volume more or less, {place:.2g} % of the deepest place."
+    return (
+        f" With half the step the last block wears {volume:.2g} % of volume more or less, {place:.2g} % of"
+        " the deepest place."
+    )
 
 
 def _smoothed(found: Worn) -> Iterator[str]:
-    """Joints whose play follows much less than their deepest places, since the harmonics of their profiles smooth them."""
+    """Joints whose play follows much less than their deepest places, since the harmonics of their profiles
+    smooth them.
+    """
     for k, joint in enumerate(found.joints):
         here = [place for place, one in enumerate(found.surfaces) if one.joint == joint]
         lost = float((found.depth[-1, here] - found.depth[0, here]).max(axis=1).sum())
         grown = float(found.play[-1, k] - found.play[0, k])
         if grown < CLEAR * lost:
             yield (
-                f"The play of {joint} grew by {1e6 * grown:.4g} µm where its deepest places lost {1e6 * lost:.4g} µm: "
-                f"{found.asked.harmonics} harmonics blur what is narrow; see how far more of them (--harmonics "
-                f"{min(2 * found.asked.harmonics, MOST_HARMONICS)}) change it."
+                f"The play of {joint} grew by {1e6 * grown:.4g} µm where its deepest places lost"
+                f" {1e6 * lost:.4g} µm: {found.asked.harmonics} harmonics blur what is narrow; see how far"
+                f" more of them (--harmonics {min(2 * found.asked.harmonics, MOST_HARMONICS)}) change it."
             )
 
 
 def _outlook(found: Worn) -> str:
-    """When the first joint would reach the limit of its play at the rate of the last jump; empty where it has no limit or does not grow."""
+    """When the first joint would reach the limit of its play at the rate of the last jump; empty where it has
+    no limit or does not grow.
+    """
     limit = found.asked.clearance
     if limit is None or len(found.turns) < 2:
         return ""
     rate = (found.play[-1] - found.play[-2]) / (found.turns[-1] - found.turns[-2])
-    left = [((limit - play) / slope, joint) for play, slope, joint in zip(found.play[-1], rate, found.joints, strict=True) if slope > 0.0]
+    left = [
+        ((limit - play) / slope, joint)
+        for play, slope, joint in zip(found.play[-1], rate, found.joints, strict=True)
+        if slope > 0.0
+    ]
     if not left:
         return ""
     turns, joint = min(left)
-    return f", and as fast as it wears now joint {joint} would come to {1e3 * limit:.4g} mm after some {found.turns[-1] + turns:.2g} turns"
+    return (
+        f", and as fast as it wears now joint {joint} would come to {1e3 * limit:.4g} mm after some"
+        f" {found.turns[-1] + turns:.2g} turns"
+    )

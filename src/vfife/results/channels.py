@@ -1,4 +1,6 @@
-"""The channels of a result: name, dimensions, unit, meaning and frame of every series, and how a record gives it."""
+"""The channels of a result: name, dimensions, unit, meaning and frame of every series, and how a record gives
+it.
+"""
 
 from __future__ import annotations
 
@@ -9,22 +11,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis import contacts, elastic, forces, guides, motion
-from ..analysis.contacts import contact_angle, lost, mean_power, sliding_speed
-from ..analysis.energy import Ledger
-from ..analysis.ground import ground_load
-from ..analysis.measures import displacement
-from ..analysis.wear import SIDES, coefficients, work
 from ..kernels.blocks import BY_NAME
+from ..measures import contacts, elastic, forces, guides, motion
+from ..measures.catalogue import displacement
+from ..measures.contacts import contact_angle, lost, mean_power, sliding_speed
+from ..measures.energy import Ledger
+from ..measures.ground import ground_load
+from ..measures.wear import SIDES, coefficients, work
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A series: ``values`` of shape (outputs,) or (outputs, entities), what it is counted over, unit and meaning.
+    """A series: ``values`` of shape (outputs,) or (outputs, entities), what it is counted over, unit and
+    meaning.
 
-    ``frame``: in which axes a place, a direction or a component is told (``FRAMES``); empty for what has none.
+    ``frame``: in which axes a place, a direction or a component is told (``FRAMES``); empty for what has
+    none.
     """
 
     values: NDArray[Any]
@@ -41,7 +45,9 @@ class Channel:
     @property
     def attributes(self) -> dict[str, str]:
         """Unit, meaning and frame, as a dataset has them."""
-        return {"units": self.unit, "long_name": self.meaning} | ({"frame": FRAMES[self.frame]} if self.frame else {})
+        return {"units": self.unit, "long_name": self.meaning} | (
+            {"frame": FRAMES[self.frame]} if self.frame else {}
+        )
 
 
 GLOBAL = "global axes"
@@ -57,8 +63,13 @@ FRAMES = {
 
 # Channel = block of the record, per entity: unit and meaning are those of the block.
 RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
-    "particle": tuple((f"particle_{axis}",) * 2 for axis in ("x", "y", "theta", "u", "v", "w", "ax", "ay", "aw")),
-    "body": (("body_angular_acceleration", "body_alpha"), ("body_angular_acceleration_max", "body_alpha_max")),
+    "particle": tuple(
+        (f"particle_{axis}",) * 2 for axis in ("x", "y", "theta", "u", "v", "w", "ax", "ay", "aw")
+    ),
+    "body": (
+        ("body_angular_acceleration", "body_alpha"),
+        ("body_angular_acceleration_max", "body_alpha_max"),
+    ),
     "clearance": (
         ("penetration", "contact_penetration"),
         ("penetration_max", "contact_penetration_max"),
@@ -67,13 +78,19 @@ RECORDED: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("impacts", "contact_onsets"),
         ("grazing", "contact_grazing"),
     ),
-    "element": tuple((f"element_{name}", f"frame_{name}") for name in ("axial_force", "moment_1", "moment_2")),
+    "element": tuple(
+        (f"element_{name}", f"frame_{name}") for name in ("axial_force", "moment_1", "moment_2")
+    ),
     "spring": (
         ("spring_force_x", "spring_fx"),
         ("spring_force_y", "spring_fy"),
         ("spring_moment", "spring_moment"),
     ),
-    "driver": (("driver_torque", "driven_torque"), ("driver_torque_max", "driven_torque_max"), ("driver_power", "driven_power")),
+    "driver": (
+        ("driver_torque", "driven_torque"),
+        ("driver_torque_max", "driven_torque_max"),
+        ("driver_power", "driven_power"),
+    ),
 }
 
 ENERGIES: Mapping[str, tuple[str, str]] = {
@@ -90,9 +107,10 @@ ENERGIES: Mapping[str, tuple[str, str]] = {
 }
 
 # Frame of recorded blocks that are components or angles.
-FRAME_OF = dict.fromkeys((*(f"particle_{axis}" for axis in ("x", "y", "theta", "ax", "ay", "aw")), "spring_fx", "spring_fy"), GLOBAL) | {
-    f"frame_{name}": "link" for name in ("axial_force", "moment_1", "moment_2")
-}
+FRAME_OF = dict.fromkeys(
+    (*(f"particle_{axis}" for axis in ("x", "y", "theta", "ax", "ay", "aw")), "spring_fx", "spring_fy"),
+    GLOBAL,
+) | {f"frame_{name}": "link" for name in ("axial_force", "moment_1", "moment_2")}
 
 # What means nothing in equilibrium.
 MOVING = frozenset(
@@ -141,20 +159,30 @@ def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
         return {name: one for name, one in found.items() if name not in MOVING} | _equilibria(record, ledger)
     for name, (term, meaning) in ENERGIES.items():
         found[name] = Channel(ledger.terms[term], None, "J", meaning)
-    found["energy_residual"] = Channel(ledger.residual, None, "J", "stored + lost - supplied - stored at the start")
+    found["energy_residual"] = Channel(
+        ledger.residual, None, "J", "stored + lost - supplied - stored at the start"
+    )
     return found
 
 
 def recorded(record: Record, entity: str, known: Container[str] = ()) -> dict[str, Channel]:
-    """The channels of a dimension that are blocks of the record as they stand, but for those that are ``known``."""
-    return {name: _recorded(record, entity, block) for name, block in RECORDED.get(entity, ()) if name not in known}
+    """The channels of a dimension that are blocks of the record as they stand, but for those that are
+    ``known``.
+    """
+    return {
+        name: _recorded(record, entity, block)
+        for name, block in RECORDED.get(entity, ())
+        if name not in known
+    }
 
 
 def _equilibria(record: Record, ledger: Ledger) -> dict[str, Channel]:
     """Displacement, stored energies, and how each equilibrium was reached."""
     stored = ("strain_energy", "contact_energy", "spring_energy")
     found = {name: Channel(ledger.terms[ENERGIES[name][0]], None, "J", ENERGIES[name][1]) for name in stored}
-    found["displacement"] = Channel(displacement(record), None, "m", "largest way of a particle from its start")
+    found["displacement"] = Channel(
+        displacement(record), None, "m", "largest way of a particle from its start"
+    )
     for name in ("iterations", "unbalanced"):
         found[name] = Channel(record.block(name)[:, 0], None, BY_NAME[name].unit, BY_NAME[name].meaning)
     return found
@@ -166,14 +194,20 @@ def _recorded(record: Record, entity: str, name: str) -> Channel:
         values = values[:, 1:]  # particle 0 is the ground
     elif entity == "body":
         values = values[:, [body.row for body in record.assembly.bodies.values()]]
-    return Channel(values, entity, block.unit, block.meaning.replace(" at step n", ""), FRAME_OF.get(name, ""))
+    return Channel(
+        values, entity, block.unit, block.meaning.replace(" at step n", ""), FRAME_OF.get(name, "")
+    )
 
 
 def _particles(record: Record) -> dict[str, Channel]:
     """Velocities at the time of the output; the record holds those half a step later."""
     return {
-        f"particle_{axis}": Channel(values[:, 1:], "particle", BY_NAME[f"particle_{axis}"].unit, meaning, GLOBAL)
-        for (axis, values), meaning in zip(motion.velocities(record).items(), 2 * ["velocity"] + ["angular velocity"], strict=True)
+        f"particle_{axis}": Channel(
+            values[:, 1:], "particle", BY_NAME[f"particle_{axis}"].unit, meaning, GLOBAL
+        )
+        for (axis, values), meaning in zip(
+            motion.velocities(record).items(), 2 * ["velocity"] + ["angular velocity"], strict=True
+        )
     }
 
 
@@ -191,11 +225,15 @@ def _bodies(record: Record) -> dict[str, Channel]:
 def _joints(record: Record) -> dict[str, Channel]:
     force = forces.joint_force(record)
     return {
-        "joint_force": Channel(hypot(force[..., 0], force[..., 1]), "joint", "N", "size of the joint's force"),
+        "joint_force": Channel(
+            hypot(force[..., 0], force[..., 1]), "joint", "N", "size of the joint's force"
+        ),
         "joint_force_x": Channel(force[..., 0], "joint", "N", "force on the journal", GLOBAL),
         "joint_force_y": Channel(force[..., 1], "joint", "N", "force on the journal", GLOBAL),
         "joint_moment": Channel(forces.joint_moment(record), "joint", "N m", "moment on the journal's body"),
-        "joint_force_max": Channel(forces.joint_force_max(record), "joint", "N", "largest joint force since the last output"),
+        "joint_force_max": Channel(
+            forces.joint_force_max(record), "joint", "N", "largest joint force since the last output"
+        ),
     }
 
 
@@ -203,8 +241,12 @@ def _clearances(record: Record) -> dict[str, Channel]:
     away = forces.eccentricity(record)
     said = "0 free flight, 1 a contact began since the last output, 2 continuous contact"
     return {
-        "eccentricity_x": Channel(away[..., 0], "clearance", "m", "journal centre seen from the bearing centre", GLOBAL),
-        "eccentricity_y": Channel(away[..., 1], "clearance", "m", "journal centre seen from the bearing centre", GLOBAL),
+        "eccentricity_x": Channel(
+            away[..., 0], "clearance", "m", "journal centre seen from the bearing centre", GLOBAL
+        ),
+        "eccentricity_y": Channel(
+            away[..., 1], "clearance", "m", "journal centre seen from the bearing centre", GLOBAL
+        ),
         "mode": Channel(forces.modes(record), "clearance", "1", said),
     } | wear_channels(record)
 
@@ -223,15 +265,40 @@ def wear_channels(record: Record) -> dict[str, Channel]:
     named = {
         "friction_energy": (lost(record, "friction"), "J", "energy lost in friction since the start"),
         "impact_energy": (lost(record, "impact"), "J", "energy lost in normal damping since the start"),
-        "friction_power": (mean_power(record, "friction"), "W", "power lost in friction, mean since the last output"),
-        "impact_power": (mean_power(record, "impact"), "W", "power lost in normal damping, mean since the last output"),
-        "sliding_velocity": (slide, "m/s", "velocity of the journal's surface on the bearing's, along the normal turned anticlockwise; 0 apart"),
+        "friction_power": (
+            mean_power(record, "friction"),
+            "W",
+            "power lost in friction, mean since the last output",
+        ),
+        "impact_power": (
+            mean_power(record, "impact"),
+            "W",
+            "power lost in normal damping, mean since the last output",
+        ),
+        "sliding_velocity": (
+            slide,
+            "m/s",
+            (
+                "velocity of the journal's surface on the bearing's, along the normal turned anticlockwise; 0"
+                " apart"
+            ),
+        ),
         "contact_pressure": (pressures[0], "Pa", "largest pressure of Hertz' line contact, 0 apart"),
         "contact_half_width": (pressures[1], "m", "half-width of Hertz' line contact"),
-        "bearing_pressure": (pressures[2], "Pa", "normal force over diameter and length of the journal; beside a round or a line over the contact"),
-        "pressure_velocity": (pressures[2] * np.abs(slide), "W/m^2", "p v: bearing pressure times size of the sliding velocity"),
+        "bearing_pressure": (
+            pressures[2],
+            "Pa",
+            "normal force over diameter and length of the journal; beside a round or a line over the contact",
+        ),
+        "pressure_velocity": (
+            pressures[2] * np.abs(slide),
+            "W/m^2",
+            "p v: bearing pressure times size of the sliding velocity",
+        ),
     }
-    found = {name: Channel(values, "clearance", unit, meaning) for name, (values, unit, meaning) in named.items()}
+    found = {
+        name: Channel(values, "clearance", unit, meaning) for name, (values, unit, meaning) in named.items()
+    }
     for side, name in (("bearing", "contact_angle"), ("journal", "journal_contact_angle")):
         said = f"angle of the place of contact, or of what is nearest to it, seen from the {side}'s pin"
         found[name] = Channel(contact_angle(record, side), "clearance", "rad", said, side)
@@ -243,17 +310,26 @@ def worn_channels(record: Record) -> dict[str, Channel]:
     wears, found = record.assembly.topology.wears, {}
     for k, side in enumerate(SIDES):
         volume = np.zeros((len(record.steps), len(record.assembly.contacts)))
-        volume[:, list(wears)] = work(record) * np.array([coefficients(record, contact)[k] for contact in wears])
-        found[f"{side}_wear"] = Channel(volume, "clearance", "m^3", f"volume that the {side} has lost since the start")
+        volume[:, list(wears)] = work(record) * np.array(
+            [coefficients(record, contact)[k] for contact in wears]
+        )
+        found[f"{side}_wear"] = Channel(
+            volume, "clearance", "m^3", f"volume that the {side} has lost since the start"
+        )
     return found
 
 
 def slider_channels(record: Record) -> dict[str, Channel]:
     """Position, velocity and acceleration of sliders along their guides."""
-    moved = [np.column_stack(one) for one in zip(*(guides.slider_motion(record, name) for name in guides.sliders(record)), strict=True)]
+    moved = [
+        np.column_stack(one)
+        for one in zip(*(guides.slider_motion(record, name) for name in guides.sliders(record)), strict=True)
+    ]
     said = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
     return {
-        f"slider_{name}": Channel(values, "slider", unit, f"{name} of the journal's pin along its guide", "guide")
+        f"slider_{name}": Channel(
+            values, "slider", unit, f"{name} of the journal's pin along its guide", "guide"
+        )
         for (name, unit), values in zip(said, moved, strict=True)
     }
 
@@ -265,7 +341,9 @@ def ground_channels(record: Record) -> dict[str, Channel]:
         "ground_shaking_force": Channel(hypot(load[:, 0], load[:, 1]), None, "N", f"size of the {said}"),
         "ground_shaking_force_x": Channel(load[:, 0], None, "N", said, GLOBAL),
         "ground_shaking_force_y": Channel(load[:, 1], None, "N", said, GLOBAL),
-        "ground_shaking_moment": Channel(load[:, 2], None, "N m", "moment of the mechanism on the ground about the ground's origin", GLOBAL),
+        "ground_shaking_moment": Channel(
+            load[:, 2], None, "N m", "moment of the mechanism on the ground about the ground's origin", GLOBAL
+        ),
     }
 
 
@@ -274,7 +352,9 @@ def stress_channels(record: Record) -> dict[str, Channel]:
     tension, compression = elastic.fibres(record)
     said = "stress in the outermost fibres, tension positive"
     return {
-        "element_stress": Channel(elastic.stress(record), "element", "Pa", "largest size of stress in the outermost fibres"),
+        "element_stress": Channel(
+            elastic.stress(record), "element", "Pa", "largest size of stress in the outermost fibres"
+        ),
         "element_stress_max": Channel(tension.max(axis=2), "element", "Pa", f"largest {said}", "link"),
         "element_stress_min": Channel(compression.min(axis=2), "element", "Pa", f"smallest {said}", "link"),
     }
@@ -282,22 +362,41 @@ def stress_channels(record: Record) -> dict[str, Channel]:
 
 def elastic_channels(record: Record) -> dict[str, Channel]:
     """Largest stresses of elastic bodies; how links bend and stretch, no number for frames."""
-    bodies, links = [name for name, where in record.assembly.bodies.items() if where.elements], elastic.elastic_links(record)
+    bodies, links = (
+        [name for name, where in record.assembly.bodies.items() if where.elements],
+        elastic.elastic_links(record),
+    )
     none = np.full(len(record.steps), np.nan)
     of = {
-        "deflection": (elastic.largest_off_the_chord, "largest deflection along the link from the line through its ends", "chord"),
-        "end_deflection": (elastic.off_the_start, "deflection of the end from the direction at the start", "start"),
+        "deflection": (
+            elastic.largest_off_the_chord,
+            "largest deflection along the link from the line through its ends",
+            "chord",
+        ),
+        "end_deflection": (
+            elastic.off_the_start,
+            "deflection of the end from the direction at the start",
+            "start",
+        ),
         "elongation": (elastic.elongation, "distance of the ends less that without forces", "link"),
     }
     found = {
-        f"elastic_{name}": Channel(np.column_stack([one(record, link) if link in links else none for link in bodies]), "elastic", "m", said, frame)
+        f"elastic_{name}": Channel(
+            np.column_stack([one(record, link) if link in links else none for link in bodies]),
+            "elastic",
+            "m",
+            said,
+            frame,
+        )
         for name, (one, said, frame) in of.items()
     }
     if elastic.known(record):
         every = [elastic.extremes(record, name) for name in bodies]
         for k, kind in enumerate(("tension", "compression")):
             values = np.column_stack([one[k] for one in every])
-            found[f"elastic_{kind}"] = Channel(values, "elastic", "Pa", f"largest {kind} in the outermost fibres of the body", "link")
+            found[f"elastic_{kind}"] = Channel(
+                values, "elastic", "Pa", f"largest {kind} in the outermost fibres of the body", "link"
+            )
     return found
 
 

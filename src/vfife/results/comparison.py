@@ -13,12 +13,14 @@ from .view import View
 
 @dataclass
 class Comparison(NotebookDocument):
-    """What the runs came to. ``rows`` holds one flat map a run, ``results`` the runs themselves, both in the order of the laws.
+    """What the runs came to. ``rows`` holds one flat map a run, ``results`` the runs themselves, both in the
+    order of the laws.
 
-    A row has ``contact`` and ``friction`` (names), ``status``, ``force`` (N, the largest of the joints whose laws were changed), ``lip_force``
-    and ``lip_acceleration`` (%, the largest; None without a reference), ``penetration`` (m), ``impacts``, ``contact_share`` (of the time, mean of
-    the joints), ``energy_lost`` (J, in damping and friction of the joints), ``energy_error``, ``wall_s``, ``part`` (of the run,
-    that largest values are of), and ``joints``: each joint's numbers.
+    A row has ``contact`` and ``friction`` (names), ``status``, ``force`` (N, the largest of the joints whose
+    laws were changed), ``lip_force`` and ``lip_acceleration`` (%, the largest; None without a reference),
+    ``penetration`` (m), ``impacts``, ``contact_share`` (of the time, mean of the joints), ``energy_lost`` (J,
+    in damping and friction of the joints), ``energy_error``, ``wall_s``, ``part`` (of the run, that largest
+    values are of), and ``joints``: each joint's numbers.
     """
 
     mechanism: str
@@ -29,13 +31,21 @@ class Comparison(NotebookDocument):
     planned: int = 0
 
     def __repr__(self) -> str:
-        return f"<Comparison of {len(self.rows)} runs of {self.mechanism!r}; see .rows, .results, .write_csv()>"
+        return (
+            f"<Comparison of {len(self.rows)} runs of {self.mechanism!r}; see .rows, .results, .write_csv()>"
+        )
 
     def flat(self) -> list[dict[str, Any]]:
         """A map for every run and joint, for tables."""
         whole = ("status", "part", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
         return [
-            {"contact": row["contact"], "friction": row["friction"], "joint": name, **numbers, **{key: row[key] for key in whole}}
+            {
+                "contact": row["contact"],
+                "friction": row["friction"],
+                "joint": name,
+                **numbers,
+                **{key: row[key] for key in whole},
+            }
             for row in self.rows
             for name, numbers in row["joints"].items()
         ]

@@ -11,19 +11,21 @@ from typing import Literal, NamedTuple
 from ..files import write_named
 from ..model.above import NotebookDocument
 
-# "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known. "unknown": neither is.
+# "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known.
+# "unknown": neither is.
 Kind = Literal["derivative", "change", "unknown"]
 
 
 @dataclass(frozen=True)
 class Derivative:
-    """By one number, ``path``, whose ``value`` the model has (SI): the derivatives of measures, in their unit over its own.
+    """By one number, ``path``, whose ``value`` the model has (SI): the derivatives of measures, in their unit
+    over its own.
 
-    Those of a mechanism with contact are means over displaced runs. ``ranges`` covers displaced runs, other step sizes and finite changes
-    of the number that agree with the derivative. ``changes`` are quotients in the same unit: the change of a
-    measure when the number is changed by 1 %, over that change; ``change_ranges`` covers both signs of the
-    change and the step sizes. ``kinds`` says which of the two holds (:data:`Kind`). ``runs`` is the number of
-    displaced runs.
+    Those of a mechanism with contact are means over displaced runs. ``ranges`` covers displaced runs, other
+    step sizes and finite changes of the number that agree with the derivative. ``changes`` are quotients in
+    the same unit: the change of a measure when the number is changed by 1 %, over that change;
+    ``change_ranges`` covers both signs of the change and the step sizes. ``kinds`` says which of the two
+    holds (:data:`Kind`). ``runs`` is the number of displaced runs.
     """
 
     path: str
@@ -42,11 +44,12 @@ class Derivative:
 
 
 class Effect(NamedTuple):
-    """Effect of a number on a measure: per cent of the measure for one per cent of the number, with its range.
+    """Effect of a number on a measure: per cent of the measure for one per cent of the number, with its
+    range.
 
     Of kind "derivative" the value is an elasticity, of kind "change" the change for one per cent. Of kind
-    "unknown" the value is the change that was computed, which is no result: its sign or its order of magnitude
-    is not known, or nothing was computed (NaN).
+    "unknown" the value is the change that was computed, which is no result: its sign or its order of
+    magnitude is not known, or nothing was computed (NaN).
     """
 
     path: str
@@ -60,9 +63,10 @@ class Effect(NamedTuple):
 class Sensitivity(NotebookDocument):
     """Derivatives of ``measures`` (SI) by numbers of a model.
 
-    ``refused`` are numbers without derivatives, and why; ``doubtful`` measures that the run's companions do not agree on: what they depend on the
-    steps decide, so that their derivatives mean nothing. ``rounding``: measures that are left out, being rounding beside the largest of their unit.
-    ``part``: of the run that the measures are of.
+    ``refused`` are numbers without derivatives, and why; ``doubtful`` measures that the run's companions do
+    not agree on: what they depend on the steps decide, so that their derivatives mean nothing. ``rounding``:
+    measures that are left out, being rounding beside the largest of their unit. ``part``: of the run that the
+    measures are of.
     """
 
     mechanism: str
@@ -82,7 +86,9 @@ class Sensitivity(NotebookDocument):
         return self._by(path).values[measure]
 
     def elasticity(self, measure: str, path: str) -> float:
-        """By how many per cent a measure changes with one per cent of a number: (p / m) dm/dp; infinite of a measure that is zero."""
+        """By how many per cent a measure changes with one per cent of a number: (p / m) dm/dp; infinite of a
+        measure that is zero.
+        """
         return self._elastic(self._by(path), measure)
 
     def ranked(self, measure: str) -> list[tuple[str, float]]:
@@ -101,12 +107,16 @@ class Sensitivity(NotebookDocument):
         return "derivative" if low * high >= 0.0 else "unknown"
 
     def change(self, measure: str, path: str) -> float:
-        """Return by how many per cent a measure changed with a finite change of one per cent. Raises KeyError where there was none."""
+        """Return by how many per cent a measure changed with a finite change of one per cent. Raises KeyError
+        where there was none.
+        """
         one = self._by(path)
         return self._relative(one, measure, one.changes[measure])
 
     def change_span(self, measure: str, path: str) -> tuple[float, float]:
-        """Return the range of :meth:`change` over both signs and over step sizes. Raises KeyError where there was none."""
+        """Return the range of :meth:`change` over both signs and over step sizes. Raises KeyError where there
+        was none.
+        """
         one = self._by(path)
         low, high = sorted(self._relative(one, measure, slope) for slope in one.change_ranges[measure])
         return low, high
@@ -126,20 +136,26 @@ class Sensitivity(NotebookDocument):
         return sorted(found, key=lambda one: -abs(one.value) if not math.isnan(one.value) else 0.0)
 
     def span(self, measure: str, path: str) -> tuple[float, float]:
-        """Return the range of an elasticity over displaced runs, step sizes and finite changes that agree with it."""
+        """Return the range of an elasticity over displaced runs, step sizes and finite changes that agree
+        with it.
+        """
         one = self._by(path)
         low, high = sorted(self._relative(one, measure, slope) for slope in one.ranges[measure])
         return low, high
 
     def spread(self, measure: str) -> float:
         """Return the widest range of a derivative of a measure that holds, as a share of the largest."""
-        effects = [one for one in self.effects(measure) if one.kind == "derivative" and math.isfinite(one.value)]
+        effects = [
+            one for one in self.effects(measure) if one.kind == "derivative" and math.isfinite(one.value)
+        ]
         largest = max((abs(one.value) for one in effects), default=0.0)
         widest = max((one.high - one.low for one in effects), default=0.0)
         return widest / largest if widest and largest else 0.0
 
     def known(self, measure: str, path: str) -> bool:
-        """Return whether the derivative holds: its sign is known, finite changes agree with it and companions with the measure."""
+        """Return whether the derivative holds: its sign is known, finite changes agree with it and companions
+        with the measure.
+        """
         return self.kind(measure, path) == "derivative"
 
     def _by(self, path: str) -> Derivative:
@@ -172,5 +188,15 @@ class Sensitivity(NotebookDocument):
 
     def write_csv(self, path: str | Path) -> None:
         """Write :meth:`rows` as a table of commas."""
-        former = ["measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless"]
+        former = [
+            "measure",
+            "value",
+            "number",
+            "model",
+            "derivative",
+            "elasticity",
+            "from",
+            "to",
+            "meaningless",
+        ]
         write_named(path, [*former, "kind", "change", "change_from", "change_to"], self.rows())

@@ -1,7 +1,9 @@
-"""A result or a study in the files of other programs: CSV, Parquet, MATLAB, NetCDF. Each is whole or not there.
+"""A result or a study in the files of other programs: CSV, Parquet, MATLAB, NetCDF. Each is whole or not
+there.
 
-HDF5 falls over where a write fails under it. So a NetCDF file is made in memory, and written by the system's own calls under another name; one that
-is too large for that is begun only where the disk has room for all of it.
+HDF5 falls over where a write fails under it. So a NetCDF file is made in memory, and written by the system's
+own calls under another name; one that is too large for that is begun only where the disk has room for all of
+it.
 """
 
 from __future__ import annotations
@@ -30,14 +32,19 @@ if TYPE_CHECKING:
 What = TypeVar("What")
 
 
-def write_as(what: What, path: Path, formats: Mapping[str, Callable[[What, Path], None]], refused: str) -> None:
-    """Writes in the format that the file's ending names. Raises VfifeError for another, which begins with what is ``refused``, and where there is
-    no folder; OSError.
+def write_as(
+    what: What, path: Path, formats: Mapping[str, Callable[[What, Path], None]], refused: str
+) -> None:
+    """Writes in the format that the file's ending names. Raises VfifeError for another, which begins with
+    what is ``refused``, and where there is no folder; OSError.
     """
     write = formats.get(path.suffix.lower())
     if write is None:
         *some, last = formats
-        raise VfifeError(f'{path}: {refused} written as "{path.suffix or path.name}"; endings that say a format are {", ".join(some)} and {last}')
+        raise VfifeError(
+            f'{path}: {refused} written as "{path.suffix or path.name}"; endings that say a format are'
+            f" {', '.join(some)} and {last}"
+        )
     if not path.absolute().parent.is_dir():
         raise VfifeError(f"{path}: there is no folder {path.absolute().parent}; make it first")
     write(what, path)
@@ -50,18 +57,28 @@ def arrow(path: Path, others: str) -> Any:
         import pyarrow.parquet
     except ImportError:
         raise VfifeError(
-            f'{path}: Parquet is written by pyarrow, which is not installed here: pip install "vfife[parquet]", or write {others}'
+            f"{path}: Parquet is written by pyarrow, which is not installed here: pip install"
+            f' "vfife[parquet]", or write {others}'
         ) from None
     return pyarrow
 
 
-def write_parquet(path: Path, pyarrow: Any, columns: Iterable[tuple[str, Any, Mapping[str, str]]], attributes: Mapping[str, object]) -> None:
-    """Writes arrays of ``pyarrow`` by their names, each with its metadata, and attributes of them all; whole or not there. Raises OSError."""
+def write_parquet(
+    path: Path,
+    pyarrow: Any,
+    columns: Iterable[tuple[str, Any, Mapping[str, str]]],
+    attributes: Mapping[str, object],
+) -> None:
+    """Writes arrays of ``pyarrow`` by their names, each with its metadata, and attributes of them all; whole
+    or not there. Raises OSError.
+    """
     named = list(columns)
     fields = [pyarrow.field(name, array.type, metadata=told) for name, array, told in named]
     schema = pyarrow.schema(fields, metadata={key: str(value) for key, value in attributes.items()})
     with replacement(path) as part:
-        pyarrow.parquet.write_table(pyarrow.Table.from_arrays([array for _, array, _ in named], schema=schema), part)
+        pyarrow.parquet.write_table(
+            pyarrow.Table.from_arrays([array for _, array, _ in named], schema=schema), part
+        )
 
 
 IN_MEMORY = 2**30  # bytes of numbers beyond which a file is not made in memory
@@ -69,13 +86,21 @@ ROOM = 1.1  # of the bytes of the numbers that a file may take
 
 
 def write_netcdf(data: xarray.Dataset, path: Path) -> None:
-    """Writes a dataset; a file that is there is replaced when the new one is whole. Raises OSError, after which nothing has changed."""
-    encoding: dict[str, dict[str, Any]] = {str(name): {"zlib": True, "complevel": 1, "shuffle": True} for name in data.data_vars}
+    """Writes a dataset; a file that is there is replaced when the new one is whole. Raises OSError, after
+    which nothing has changed.
+    """
+    encoding: dict[str, dict[str, Any]] = {
+        str(name): {"zlib": True, "complevel": 1, "shuffle": True} for name in data.data_vars
+    }
     with replacement(path) as temporary:
         if data.nbytes > IN_MEMORY:
             free = free_bytes(path)
             if free is not None and free < ROOM * data.nbytes:
-                raise OSError(errno.ENOSPC, f"{os.strerror(errno.ENOSPC)}: this takes up to {int(ROOM * data.nbytes):,} bytes", str(path))
+                raise OSError(
+                    errno.ENOSPC,
+                    f"{os.strerror(errno.ENOSPC)}: this takes up to {int(ROOM * data.nbytes):,} bytes",
+                    str(path),
+                )
             data.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
         else:
             made = _made(data, encoding)
@@ -102,7 +127,9 @@ LONGEST_FIELD = 63  # letters of a name in MATLAB
 
 
 def export_result(view: View, path: Path) -> None:
-    """Writes all channels with their units, in the format that the file's ending names. Raises VfifeError for another, OSError."""
+    """Writes all channels with their units, in the format that the file's ending names. Raises VfifeError for
+    another, OSError.
+    """
     write_as(view, path, RESULT_FORMATS, "no data are")
 
 
@@ -127,23 +154,43 @@ def _parquet(view: View, path: Path) -> None:
     """One column a series, with unit and meaning in its metadata; elements and particles as well."""
     pyarrow = arrow(path, ".csv, .nc or .mat")
     every = ((one, pyarrow.array(np.ascontiguousarray(one.values))) for one in columns(view, fine=True))
-    write_parquet(path, pyarrow, ((one.name, array, {"units": one.unit, "long_name": one.meaning}) for one, array in every), view.attributes)
+    write_parquet(
+        path,
+        pyarrow,
+        ((one.name, array, {"units": one.unit, "long_name": one.meaning}) for one, array in every),
+        view.attributes,
+    )
 
 
 def _matlab(view: View, path: Path) -> None:
-    """A struct with a field for each joint, body and spring, in it a column for each quantity; ``units`` has the same fields, with texts."""
+    """A struct with a field for each joint, body and spring, in it a column for each quantity; ``units`` has
+    the same fields, with texts.
+    """
     import scipy.io
 
     found: dict[str, Any] = {}
     units: dict[str, Any] = {}
     names = Names()
     for one in columns(view, fine=True):
-        where, said = (found, units) if not one.owner else (found.setdefault(names[one.owner], {}), units.setdefault(names[one.owner], {}))
+        where, said = (
+            (found, units)
+            if not one.owner
+            else (found.setdefault(names[one.owner], {}), units.setdefault(names[one.owner], {}))
+        )
         key = names[of_itself(one)]
         where[key], said[key] = np.asarray(one.values, dtype=float), one.unit
-    about = {names[key]: value if isinstance(value, float) else str(value) for key, value in view.attributes.items()}
+    about = {
+        names[key]: value if isinstance(value, float) else str(value)
+        for key, value in view.attributes.items()
+    }
     with replacement(path) as part, part.open("wb") as stream:
-        scipy.io.savemat(stream, {"result": found, "units": units, "about": about}, long_field_names=True, oned_as="column", do_compression=True)
+        scipy.io.savemat(
+            stream,
+            {"result": found, "units": units, "about": about},
+            long_field_names=True,
+            oned_as="column",
+            do_compression=True,
+        )
 
 
 def of_itself(one: Column) -> str:
@@ -193,15 +240,30 @@ def _study_parquet(study: Study, path: Path) -> None:
     """One column each, with its unit in its metadata."""
     pyarrow = arrow(path, ".csv or .nc")
     rows, known = study.rows(), units(study)
-    kinds: dict[str, Any] = {"member": pyarrow.int64(), "status": pyarrow.string(), "reason": pyarrow.string()}
-    kinds |= {name: pyarrow.int64() for name in ("turns", "settled")} | {name: pyarrow.float64() for name in (*study.measures, "step")}
+    kinds: dict[str, Any] = {
+        "member": pyarrow.int64(),
+        "status": pyarrow.string(),
+        "reason": pyarrow.string(),
+    }
+    kinds |= {name: pyarrow.int64() for name in ("turns", "settled")} | {
+        name: pyarrow.float64() for name in (*study.measures, "step")
+    }
     arrays = ((name, pyarrow.array([row[name] for row in rows], kinds.get(name))) for name in study.columns)
-    write_parquet(path, pyarrow, ((name, array, about(study, name, known)) for name, array in arrays), study.attributes)
+    write_parquet(
+        path, pyarrow, ((name, array, about(study, name, known)) for name, array in arrays), study.attributes
+    )
 
 
 def about(study: Study, name: str, known: dict[str, str]) -> dict[str, str]:
     """What the metadata of a column say: its unit, and of a measure the numerical error of a member."""
-    return {"units": known.get(name, "1"), **{key: str(value) for key, value in study.said_error(name).items()}}
+    return {
+        "units": known.get(name, "1"),
+        **{key: str(value) for key, value in study.said_error(name).items()},
+    }
 
 
-STUDY_FORMATS: dict[str, Callable[[Study, Path], None]] = {".csv": _study_csv, ".nc": _netcdf, ".parquet": _study_parquet}
+STUDY_FORMATS: dict[str, Callable[[Study, Path], None]] = {
+    ".csv": _study_csv,
+    ".nc": _netcdf,
+    ".parquet": _study_parquet,
+}

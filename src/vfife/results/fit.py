@@ -1,4 +1,6 @@
-"""A fit: values with their confidence, how they depend on each other, what the data cannot tell, curves beside measured ones; and its file."""
+"""A fit: values with their confidence, how they depend on each other, what the data cannot tell, curves
+beside measured ones; and its file.
+"""
 
 from __future__ import annotations
 
@@ -16,14 +18,16 @@ from ..errors import RunFileError
 from ..files import write_rows, write_text
 from ..model.above import NotebookDocument, upper
 from ..numerics.scalar import log
-from .schemas import FIT, Schema
-from .store import Store, warn_of_damage
+from ..store.schemas import FIT, Schema
+from ..store.store import Store, warn_of_damage
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-TELLS = 0.25  # of the way between its bounds: a confidence wider than that on either side, the data cannot tell
+TELLS = (
+    0.25  # of the way between its bounds: a confidence wider than that on either side, the data cannot tell
+)
 PART = 0.3  # of a direction's length from which a parameter is named in it
 UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "order": "1"}  # of places
 CLOSE = 0.01  # of a parameter's range, within which it lies on a bound
@@ -31,10 +35,12 @@ CLOSE = 0.01  # of a parameter's range, within which it lies on a bound
 
 @dataclass(frozen=True)
 class Value:
-    """A parameter that was looked for: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``, confidence from ``low`` to ``high``, bounds.
+    """A parameter that was looked for: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``,
+    confidence from ``low`` to ``high``, bounds.
 
-    ``former``: what it was in the model, None where it was not one number within the bounds. ``known``: False where curves at the best point are
-    those of its steps, or of one turn that does not repeat; low and high are then no more than the ends of all points that fit as well.
+    ``former``: what it was in the model, None where it was not one number within the bounds. ``known``: False
+    where curves at the best point are those of its steps, or of one turn that does not repeat; low and high
+    are then no more than the ends of all points that fit as well.
     """
 
     name: str
@@ -58,7 +64,9 @@ class Value:
 
     @property
     def told(self) -> bool:
-        """Whether the data tell it: its confidence is known, and narrow beside the range that it was looked for in."""
+        """Whether the data tell it: its confidence is known, and narrow beside the range that it was looked
+        for in.
+        """
         return self.known and self.share(self.high) - self.share(self.value) <= TELLS
 
     @property
@@ -69,7 +77,8 @@ class Value:
 
 @dataclass(frozen=True)
 class Laid:
-    """A measured curve and the model's at ``places`` (s, rad, m; of spectra Hz, or orders: cycles a turn), both in ``unit``; factor and level.
+    """A measured curve and the model's at ``places`` (s, rad, m; of spectra Hz, or orders: cycles a turn),
+    both in ``unit``; factor and level.
 
     ``over`` says what the places are: "time", "angle", "penetration", "frequency", "order".
     """
@@ -94,11 +103,13 @@ class Laid:
 
 @dataclass
 class Fit(NotebookDocument):
-    """``values`` and their ``correlation``; the ``offset`` (s or rad) of the first sample with its standard error; ``curves``.
+    """``values`` and their ``correlation``; the ``offset`` (s or rad) of the first sample with its standard
+    error; ``curves``.
 
-    ``directions`` are combinations of parameters in units of their ranges, the least determined first, with the standard deviation of each.
-    ``starts``: cost and values of each local search. ``derivatives`` says what they were taken by, ``autocorrelation`` of the residuals from one
-    sample to the next, by which errors are widened. ``status``: "complete", or "interrupted" with the best so far, without errors.
+    ``directions`` are combinations of parameters in units of their ranges, the least determined first, with
+    the standard deviation of each. ``starts``: cost and values of each local search. ``derivatives`` says
+    what they were taken by, ``autocorrelation`` of the residuals from one sample to the next, by which errors
+    are widened. ``status``: "complete", or "interrupted" with the best so far, without errors.
     """
 
     mechanism: str
@@ -122,15 +133,23 @@ class Fit(NotebookDocument):
     notes: list[str] = field(default_factory=list)
 
     def __repr__(self) -> str:
-        found = ", ".join(f"{one.name} = {one.value:.5g} {'' if one.unit == '1' else one.unit}".rstrip() for one in self.values)
-        return f"<Fit of {self.mechanism!r} to {self.data!r}: {found}; see .values, .undetermined, .plot(), .write_csv()>"
+        found = ", ".join(
+            f"{one.name} = {one.value:.5g} {'' if one.unit == '1' else one.unit}".rstrip()
+            for one in self.values
+        )
+        return (
+            f"<Fit of {self.mechanism!r} to {self.data!r}: {found}; see .values, .undetermined, .plot(),"
+            " .write_csv()>"
+        )
 
     def __getitem__(self, name: str) -> Value:
         """A parameter by its name or one of its paths. Raises KeyError."""
         for one in self.values:
             if name == one.name or name in one.paths:
                 return one
-        raise KeyError(f"{name!r} was not looked for; these were: {', '.join(one.name for one in self.values)}")
+        raise KeyError(
+            f"{name!r} was not looked for; these were: {', '.join(one.name for one in self.values)}"
+        )
 
     @property
     def set(self) -> list[tuple[str, float]]:
@@ -152,11 +171,18 @@ class Fit(NotebookDocument):
             order = [k for k in np.argsort(-np.abs(direction), kind="stable") if abs(direction[k]) >= PART]
             names = [self.values[k].name for k in order]
             if len(names) == 1:
-                found.append(f"{names[0]}: within its bounds it changes the curves by less than what they miss the data by")
+                found.append(
+                    f"{names[0]}: within its bounds it changes the curves by less than what they miss the"
+                    " data by"
+                )
                 continue
-            ways = [f"{self.values[k].name} {'up' if direction[k] * direction[order[0]] > 0.0 else 'down'}" for k in order]
+            ways = [
+                f"{self.values[k].name} {'up' if direction[k] * direction[order[0]] > 0.0 else 'down'}"
+                for k in order
+            ]
             found.append(
-                f"{', '.join(names[:-1])} and {names[-1]} one by one: {' with '.join(ways)} changes the curves by less than they miss the data"
+                f"{', '.join(names[:-1])} and {names[-1]} one by one: {' with '.join(ways)} changes the"
+                " curves by less than they miss the data"
             )
         return found
 
@@ -167,12 +193,21 @@ class Fit(NotebookDocument):
         if self.offset_error > 0.0 or self.offset != 0.0:
             factor, unit = (1e3, "ms") if self.over == "time" else (57.29577951308232, "deg")
             error = f" ± {factor * self.offset_error:.2g}" if np.isfinite(self.offset_error) else ""
-            found.append(f"The first sample lies {factor * self.offset:.5g}{error} {unit} into a turn or after its time in the file.")
+            found.append(
+                f"The first sample lies {factor * self.offset:.5g}{error} {unit} into a turn or after its"
+                " time in the file."
+            )
         near = [cost for cost, _ in self.starts if cost <= 1.1 * self.starts[0][0]]
         if self.starts and self.evaluations:
-            found.append(f"{len(near)} of {len(self.starts)} searches came to this point, by {self.derivatives}; {self.evaluations} runs.")
+            found.append(
+                f"{len(near)} of {len(self.starts)} searches came to this point, by {self.derivatives};"
+                f" {self.evaluations} runs."
+            )
         if self.autocorrelation > 0.1:
-            found.append(f"Residuals follow one another (correlation {self.autocorrelation:.2f}): more than noise is left, and errors are widened.")
+            found.append(
+                f"Residuals follow one another (correlation {self.autocorrelation:.2f}): more than noise is"
+                " left, and errors are widened."
+            )
         bound = [one.name for one in self.values if one.at_bound]
         if bound:
             found.append(f"At a bound, so perhaps beyond it: {', '.join(bound)}.")
@@ -192,12 +227,27 @@ class Fit(NotebookDocument):
         }  # fmt: skip
 
     def write_csv(self, path: str | Path) -> None:
-        """The curves: place (of a spectrum frequency or order), and of each measured and model's values. Raises OSError."""
+        """The curves: place (of a spectrum frequency or order), and of each measured and model's values.
+        Raises OSError.
+        """
         rows: list[Any] = []
         for one in self.curves[:1]:
             place = f"{one.over} [{UNITS[one.over]}]"
-            rows.append([place, *(f"{c.channel} {what} [{c.unit}]" for c in self.curves for what in ("measured", "model"))])
-            rows += zip(one.places.tolist(), *(v.tolist() for c in self.curves for v in (c.measured, c.model)), strict=True)
+            rows.append(
+                [
+                    place,
+                    *(
+                        f"{c.channel} {what} [{c.unit}]"
+                        for c in self.curves
+                        for what in ("measured", "model")
+                    ),
+                ]
+            )
+            rows += zip(
+                one.places.tolist(),
+                *(v.tolist() for c in self.curves for v in (c.measured, c.model)),
+                strict=True,
+            )
         write_rows(path, rows)
 
     def write_json(self, path: str | Path) -> None:
@@ -218,13 +268,15 @@ def vars_of(one: Value) -> Mapping[str, Any]:
     }  # fmt: skip
 
 
-Evaluation = tuple[str, dict[str, Any], Array | None]  # key of what was evaluated, what is known of it, numbers
+Evaluation = tuple[
+    str, dict[str, Any], Array | None
+]  # key of what was evaluated, what is known of it, numbers
 CURVES = ("places", "measured", "model")
 
 
 class FitFile(Store):
-    """A fit file. Points are known by the hash of what was evaluated, so a fit that goes on, one with further points and one that was not
-    interrupted are the same.
+    """A fit file. Points are known by the hash of what was evaluated, so a fit that goes on, one with further
+    points and one that was not interrupted are the same.
     """
 
     schema: ClassVar[Schema] = FIT
@@ -270,7 +322,10 @@ def whole(said: Mapping[str, Any], numbers: Array) -> Fit:
     """A fit from its parts; ``numbers`` has the columns of ``CURVES`` for each curve."""
     columns = iter(numbers.T)
     parts: dict[str, Any] = {
-        "values": [Value(**{**one, "paths": tuple(one["paths"]), "bounds": tuple(one["bounds"])}) for one in said["values"]],
+        "values": [
+            Value(**{**one, "paths": tuple(one["paths"]), "bounds": tuple(one["bounds"])})
+            for one in said["values"]
+        ],
         "curves": [Laid(**one, **{part: next(columns) for part in CURVES}) for one in said["curves"]],
         "correlation": np.array(said["correlation"]),
         "directions": [(size, np.array(way)) for size, way in said["directions"]],
@@ -280,13 +335,20 @@ def whole(said: Mapping[str, Any], numbers: Array) -> Fit:
 
 
 def load_fit(path: str | Path) -> Fit:
-    """The fit in a fit file. Raises RunFileError for any other file, and for a fit that was interrupted before its end."""
+    """The fit in a fit file. Raises RunFileError for any other file, and for a fit that was interrupted
+    before its end.
+    """
     with FitFile.open(path) as file:
         found = file.fit()
         if found is None:
             kept = f"{len(file.keys('looks')):,} points are kept in it"
             if file.damage:
                 raise RunFileError(file.damaged("; ".join(file.damage)))
-            raise RunFileError(f"{file.path}: this fit has not come to its end, and {kept}; give the command that began it again")
-    warn_of_damage(Path(path), "fit", file.damage, "Give the command that made it again: it computes what is gone.")
+            raise RunFileError(
+                f"{file.path}: this fit has not come to its end, and {kept}; give the command that began it"
+                " again"
+            )
+    warn_of_damage(
+        Path(path), "fit", file.damage, "Give the command that made it again: it computes what is gone."
+    )
     return found

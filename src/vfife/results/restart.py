@@ -1,4 +1,6 @@
-"""Starts of runs from others: where a former run ended, with its whole state, or by bodies; or from positions and velocities by name."""
+"""Starts of runs from others: where a former run ended, with its whole state, or by bodies; or from positions
+and velocities by name.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,6 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis.motion import body_motion, body_velocity
 from ..assembly.assembled import Assembly
 from ..assembly.timestep import MOST_STEPS
 from ..errors import ResumeError
@@ -19,6 +20,7 @@ from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE
 from ..kinematics.initial import Given, Motion, ideal_motion
 from ..kinematics.pins import centred, first_guess
+from ..measures.motion import body_motion, body_velocity
 from ..model.mechanism import Mechanism
 from ..numerics.scalar import sincos
 from ..solvers.record import Record
@@ -32,28 +34,40 @@ STARTS_ANEW = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_
 def refuse_ended(record: Record, until: float | None, where: str) -> None:
     """Raises ResumeError for a run that cannot go on, with what can be done instead."""
     if any(what.startswith("output") for what in record.lost):
-        raise ResumeError(f"{where}: this run file is damaged ({', '.join(record.lost)}), and would go on with a gap; run the model again")
+        raise ResumeError(
+            f"{where}: this run file is damaged ({', '.join(record.lost)}), and would go on with a gap; run"
+            " the model again"
+        )
     if record.status in (Status.DIVERGED, Status.NOT_CONVERGED, Status.ENERGY):
         raise ResumeError(
-            f"{where}: this run ended for good ({record.status}), and would do so again; change the model or its step, and start a new run"
+            f"{where}: this run ended for good ({record.status}), and would do so again; change the model or"
+            " its step, and start a new run"
         )
     if record.status == Status.COMPLETE and until is None:
-        raise ResumeError(f"{where}: this run is complete; say how far it is to go on (--until), or start a new one from its end (--start-from)")
+        raise ResumeError(
+            f"{where}: this run is complete; say how far it is to go on (--until), or start a new one from"
+            " its end (--start-from)"
+        )
 
 
 def refuse_stateless(record: Record, name: str, alike: bool) -> None:
-    """Raises ResumeError where a new run cannot start from the end of a former one: outputs at its end are lost, or the two are cut ``alike`` and
-    the state with the forces in elements and contacts is missing, without which it would be another motion.
+    """Raises ResumeError where a new run cannot start from the end of a former one: outputs at its end are
+    lost, or the two are cut ``alike`` and the state with the forces in elements and contacts is missing,
+    without which it would be another motion.
     """
     if record.final is not None:
         return
     last, topology = int(record.steps[-1]), record.assembly.topology
     if record.reached > last and (gone := [what for what in record.lost if what.startswith("output")]):
-        raise ResumeError(f"the run of {name!r} is damaged ({', '.join(gone)}): where it ended is not known; run the model again")
+        raise ResumeError(
+            f"the run of {name!r} is damaged ({', '.join(gone)}): where it ended is not known; run the model"
+            " again"
+        )
     if alike and (topology.contact_bearing or topology.frame_nodes):
         raise ResumeError(
-            f"the run of {name!r} ({record.status}) has no whole state at its last output; without the forces in its contacts and elastic links "
-            "a new run would begin another motion; bring it to its end first (vfife resume), or start from another run"
+            f"the run of {name!r} ({record.status}) has no whole state at its last output; without the forces"
+            " in its contacts and elastic links a new run would begin another motion; bring it to its end"
+            " first (vfife resume), or start from another run"
         )
 
 
@@ -61,16 +75,28 @@ def extended(record: Record, until: float, where: str) -> Assembly:
     """The assembly of a run that is to last until a time (s), with the step and the outputs that it has."""
     assembly, choice = record.assembly, record.assembly.choice
     if record.static:
-        raise ResumeError(f"{where}: a static analysis has load factors and no time; set load_factors in a new run")
+        raise ResumeError(
+            f"{where}: a static analysis has load factors and no time; set load_factors in a new run"
+        )
     each = choice.step * choice.outputs_every
     outputs, done = math.ceil(until / each * (1.0 - 1e-9)), len(record.steps) - 1
     if outputs < max(done, 1):
-        raise ResumeError(f"{where}: this run is at {done * each:.6g} s already; --until has to be later than that, and was {until:.6g} s")
+        raise ResumeError(
+            f"{where}: this run is at {done * each:.6g} s already; --until has to be later than that, and was"
+            f" {until:.6g} s"
+        )
     if not outputs * choice.outputs_every <= MOST_STEPS:
-        raise ResumeError(f"{where}: until {until:.6g} s it takes {until / choice.step:.1e} steps, and no run does more than {MOST_STEPS:.0e}")
+        raise ResumeError(
+            f"{where}: until {until:.6g} s it takes {until / choice.step:.1e} steps, and no run does more"
+            f" than {MOST_STEPS:.0e}"
+        )
     mechanism = assembly.mechanism
-    mechanism = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, turns=None, duration=until, settle=None))
-    return dataclasses.replace(assembly, mechanism=mechanism, choice=dataclasses.replace(choice, outputs=outputs))
+    mechanism = dataclasses.replace(
+        mechanism, settings=dataclasses.replace(mechanism.settings, turns=None, duration=until, settle=None)
+    )
+    return dataclasses.replace(
+        assembly, mechanism=mechanism, choice=dataclasses.replace(choice, outputs=outputs)
+    )
 
 
 def restart_record(source: View | Mapping[str, Any], time: float | None) -> Record | None:
@@ -81,7 +107,9 @@ def restart_record(source: View | Mapping[str, Any], time: float | None) -> Reco
 
 
 def same_layout(assembly: Assembly, record: Record) -> bool:
-    """Whether particles, elements, joints and springs of both are the same in number and kind, so that one's state is the other's."""
+    """Whether particles, elements, joints and springs of both are the same in number and kind, so that one's
+    state is the other's.
+    """
     one, other = assembly.topology, record.assembly.topology
     same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing", "joint_journal",
             "joint_place", "joint_turn", "path_pieces", "spring_first", "spring_second", "spring_kind", "driven", "path_unit")  # fmt: skip
@@ -90,22 +118,28 @@ def same_layout(assembly: Assembly, record: Record) -> bool:
 
 
 def step_of(record: Record, assembly: Assembly) -> float | None:
-    """The step (s) of a former run of the same cut, which one that goes on from it keeps; None where it takes its own.
+    """The step (s) of a former run of the same cut, which one that goes on from it keeps; None where it takes
+    its own.
 
-    A mechanism of which something is another one now keeps a step that is finer than its own, not a coarser one.
+    A mechanism of which something is another one now keeps a step that is finer than its own, not a coarser
+    one.
     """
     if record.static or not assembly.choice.automatic or not same_layout(assembly, record):
         return None
     one, other, step = assembly.mechanism, record.assembly.mechanism, record.assembly.choice.step
-    same = all(getattr(one, name) == getattr(other, name) for name in ("bodies", "joints", "gears", "springs", "drivers", "loads", "gravity"))
+    same = all(
+        getattr(one, name) == getattr(other, name)
+        for name in ("bodies", "joints", "gears", "springs", "drivers", "loads", "gravity")
+    )
     return step if step <= (assembly.choice.stable if same else assembly.choice.step) else None
 
 
 def restarted(assembly: Assembly, record: Record) -> Assembly:
-    """The assembly with the last state of a run of the same cut: positions, velocities, element and contact forces; works and counts begin anew.
+    """The assembly with the last state of a run of the same cut: positions, velocities, element and contact
+    forces; works and counts begin anew.
 
-    Steps begin at zero; prescribed angles and travels go on from where they are, by the clock of the mechanism. Velocities, kept at
-    half steps, are taken at the step.
+    Steps begin at zero; prescribed angles and travels go on from where they are, by the clock of the
+    mechanism. Velocities, kept at half steps, are taken at the step.
     """
     state, now, before = assembly.state.copy(), assembly.layout, record.assembly.layout
     old = record.assembly.state if record.final is None else record.final
@@ -118,14 +152,18 @@ def restarted(assembly: Assembly, record: Record) -> Assembly:
     at_rest = record.assembly.mechanism.settings.analysis == "static"
     for rate, second in (("u", "ax"), ("v", "ay"), ("w", "aw")):
         half, a = (old[before[f"particle_{name}"][free]] for name in (rate, second))
-        state[now[f"particle_{rate}"][free]] = 0.0 if at_rest else (half - 0.5 * dt * a) / (1.0 - 0.5 * damping * dt)
+        state[now[f"particle_{rate}"][free]] = (
+            0.0 if at_rest else (half - 0.5 * dt * a) / (1.0 - 0.5 * damping * dt)
+        )
     tables = assembly.tables.copy()
     _drivers(assembly, state, tables)
     return dataclasses.replace(assembly, state=state, tables=tables)
 
 
 def _drivers(assembly: Assembly, state: Array, tables: Array) -> None:
-    """What is prescribed goes on from the state: start angles of constant speeds, constants of functions, offsets of travels."""
+    """What is prescribed goes on from the state: start angles of constant speeds, constants of functions,
+    offsets of travels.
+    """
     t, layout = assembly.topology, assembly.layout
     for k, (body, function) in enumerate(zip(t.driven, t.driven_function, strict=True)):
         angle = float(state[layout.row("particle_theta", body)])
@@ -160,28 +198,35 @@ def _travelled(assembly: Assembly, state: Array, k: int, turn: int) -> float:
         return sides[1][2] - sides[0][2]
     dx, dy = (float(state[layout.row(f"joint_direction_{axis}", k)]) for axis in "xy")
     s, c = sincos(sides[0][2])
-    return float((c * dx - s * dy) * (sides[1][0] - sides[0][0]) + (s * dx + c * dy) * (sides[1][1] - sides[0][1]))
+    return float(
+        (c * dx - s * dy) * (sides[1][0] - sides[0][0]) + (s * dx + c * dy) * (sides[1][1] - sides[0][1])
+    )
 
 
 States: TypeAlias = Mapping[str, Sequence[float] | tuple[Sequence[float], Sequence[float]]]
 
 
 def start_from(source: View | States, mechanism: Mechanism, time: float | None = None) -> Motion:
-    """The motion that starts where a former run was at ``time`` (s; its last output unless given), or from states by name.
+    """The motion that starts where a former run was at ``time`` (s; its last output unless given), or from
+    states by name.
 
-    A mapping has, for each body, (x, y, angle) of its frame's origin (m, m, rad), or that and its velocity (m/s, m/s, rad/s); bodies that it
-    leaves out stand as the model has them. Positions are closed from there on the nearest branch; velocities are the nearest (in kinetic
-    energy) that joints and drivers allow. Joints with play between bodies that are given stay as they are. Driven angles and travels go on
-    from here, by the clock on which the former run was; free lengths and angles of torques count from where the model has its bodies. Raises
-    ValueError where names, numbers or the time do not fit, AssemblyError where the joints cannot close.
+    A mapping has, for each body, (x, y, angle) of its frame's origin (m, m, rad), or that and its velocity
+    (m/s, m/s, rad/s); bodies that it leaves out stand as the model has them. Positions are closed from there
+    on the nearest branch; velocities are the nearest (in kinetic energy) that joints and drivers allow.
+    Joints with play between bodies that are given stay as they are. Driven angles and travels go on from
+    here, by the clock on which the former run was; free lengths and angles of torques count from where the
+    model has its bodies. Raises ValueError where names, numbers or the time do not fit, AssemblyError where
+    the joints cannot close.
     """
     return ideal_motion(on_clock(mechanism, source, time), given=initial_state(source, mechanism, time))
 
 
 def on_clock(mechanism: Mechanism, source: View | States, time: float | None = None) -> Mechanism:
-    """The mechanism with its clock where that of a former run stands at ``time`` (s; its last output unless given).
+    """The mechanism with its clock where that of a former run stands at ``time`` (s; its last output unless
+    given).
 
-    One that says itself where it stands (``start.time``) is left as it is. States by name and load factors have no clock: there it begins at 0.
+    One that says itself where it stands (``start.time``) is left as it is. States by name and load factors
+    have no clock: there it begins at 0.
     """
     if isinstance(source, Mapping) or source.record.static or mechanism.start.time is not None:
         return mechanism
@@ -192,13 +237,23 @@ def on_clock(mechanism: Mechanism, source: View | States, time: float | None = N
 
 def initial_state(source: View | States, mechanism: Mechanism, time: float | None = None) -> Given:
     """Positions and velocities of the centres of mass that a run or a mapping gives."""
-    said, states = ("the start", source) if isinstance(source, Mapping) else (f"the run of {source.name!r}", _states(source, time))
+    said, states = (
+        ("the start", source)
+        if isinstance(source, Mapping)
+        else (f"the run of {source.name!r}", _states(source, time))
+    )
     if time is not None and isinstance(source, Mapping):
-        raise ValueError(f"the start is given by name and has no times, so it cannot be taken at {time:g} s; leave the time out")
+        raise ValueError(
+            f"the start is given by name and has no times, so it cannot be taken at {time:g} s; leave the"
+            " time out"
+        )
     names = ("ground", *mechanism.bodies)
     unknown = [name for name in states if name not in mechanism.bodies]
     if unknown or not states:
-        raise ValueError(f"{said} has the bodies {', '.join(states) or 'none'}; {mechanism.name!r} has {', '.join(mechanism.bodies)}")
+        raise ValueError(
+            f"{said} has the bodies {', '.join(states) or 'none'}; {mechanism.name!r} has"
+            f" {', '.join(mechanism.bodies)}"
+        )
     position, velocity = first_guess(mechanism), np.zeros((len(names), 3))
     for name, state in states.items():
         row = names.index(name)
@@ -213,7 +268,10 @@ def _two(name: str, state: Any) -> tuple[Array, Array]:
     except (TypeError, ValueError):
         numbers = np.full(1, np.nan)
     if numbers.shape not in ((3,), (2, 3)) or not np.isfinite(numbers).all():
-        raise ValueError(f"start of {name!r} must be (x, y, angle), or that and its velocity, in m, rad and s; not {state!r}")
+        raise ValueError(
+            f"start of {name!r} must be (x, y, angle), or that and its velocity, in m, rad and s; not"
+            f" {state!r}"
+        )
     return (numbers, np.zeros(3)) if numbers.ndim == 1 else (numbers[0], numbers[1])
 
 
@@ -222,7 +280,10 @@ def _states(result: View, time: float | None) -> dict[str, tuple[Array, Array]]:
     times = result.time
     span = 0.5 * (times[-1] - times[0]) / max(len(times) - 1, 1)
     if time is not None and not times[0] - span <= time <= times[-1] + span:
-        raise ValueError(f"the run of {result.name!r} lasts from {times[0]:g} to {times[-1]:g} s; there is no state at {time:g} s")
+        raise ValueError(
+            f"the run of {result.name!r} lasts from {times[0]:g} to {times[-1]:g} s; there is no state at"
+            f" {time:g} s"
+        )
     k = len(times) - 1 if time is None else int(np.argmin(np.abs(times - time)))
     moved, speeds = body_motion(result.record), body_velocity(result.record)
     found = {}

@@ -1,6 +1,8 @@
-"""Series of a result by the names that measures have: ``C.force`` of ``C.force.max``, ``crank.torque`` of ``crank.torque.max``.
+"""Series of a result by the names that measures have: ``C.force`` of ``C.force.max``, ``crank.torque`` of
+``crank.torque.max``.
 
-:class:`Series` is the one way from a name to numbers. Datasets of a joint or body, tables, exports, spectra and reductions are made of its columns.
+:class:`Series` is the one way from a name to numbers. Datasets of a joint or body, tables, exports, spectra
+and reductions are made of its columns.
 """
 
 from __future__ import annotations
@@ -24,15 +26,22 @@ if TYPE_CHECKING:
     from .view import View
 
 Array = NDArray[np.float64]
-PREFIXES = {entity: f"{entity}_" for entity in ("joint", "body", "driver", "element", "particle", "spring", "slider", "elastic")}
-DIMENSIONS = {"joint": ("joint", "clearance", "slider"), "body": ("body", "driver", "link"), "spring": ("spring",)}  # that name one of a kind
+PREFIXES = {
+    entity: f"{entity}_"
+    for entity in ("joint", "body", "driver", "element", "particle", "spring", "slider", "elastic")
+}
+DIMENSIONS = {
+    "joint": ("joint", "clearance", "slider"),
+    "body": ("body", "driver", "link"),
+    "spring": ("spring",),
+}  # that name one of a kind
 FINE = ("element", "particle")  # of which a body may have thousands
 
 
 @dataclass(frozen=True)
 class Column:
-    """One series of a result: ``owner`` is the joint, body, spring ... that has it, empty for the whole mechanism; ``index`` its place along the
-    dimension of the channel, which ``variable`` names.
+    """One series of a result: ``owner`` is the joint, body, spring ... that has it, empty for the whole
+    mechanism; ``index`` its place along the dimension of the channel, which ``variable`` names.
     """
 
     variable: str
@@ -52,7 +61,9 @@ class Column:
 
     @property
     def quantity(self) -> str:
-        """The same in tables, where elements and particles, which may be called as their body is, keep the dimension."""
+        """The same in tables, where elements and particles, which may be called as their body is, keep the
+        dimension.
+        """
         return self.variable if self.entity in FINE else self.short
 
     @property
@@ -82,9 +93,11 @@ class Column:
 
 
 class Series(Mapping[str, "xarray.DataArray"]):
-    """The series of a result: ``<joint, body ...>.<quantity>``, or the quantity alone where it is one of the whole mechanism.
+    """The series of a result: ``<joint, body ...>.<quantity>``, or the quantity alone where it is one of the
+    whole mechanism.
 
-    ``result.series["C.force"]`` is ``result.data["joint_force"].sel(joint="C")``; the measure of its largest value is ``C.force.max``.
+    ``result.series["C.force"]`` is ``result.data["joint_force"].sel(joint="C")``; the measure of its largest
+    value is ``C.force.max``.
     """
 
     def __init__(self, view: View) -> None:
@@ -95,13 +108,18 @@ class Series(Mapping[str, "xarray.DataArray"]):
             if channel.entity is None:
                 self.every.append(Column(variable, "", None, channel))
             else:
-                self.every += [Column(variable, owner, k, channel) for k, owner in enumerate(names[channel.entity])]
+                self.every += [
+                    Column(variable, owner, k, channel) for k, owner in enumerate(names[channel.entity])
+                ]
         for one in self.every:
             self._columns.setdefault(f"{one.owner}.{one.short}" if one.owner else one.name, one)
 
     def __getitem__(self, name: str) -> xarray.DataArray:
         if name not in self._columns:
-            raise KeyError(f"there is no series {name!r}. {suggestion(str(name), self._columns, 'Their names are those of result.series')}")
+            raise KeyError(
+                f"there is no series {name!r}."
+                f" {suggestion(str(name), self._columns, 'Their names are those of result.series')}"
+            )
         one = self._columns[name]
         found = self._view.data[one.variable]
         return found if one.entity is None else found.sel({one.entity: one.owner})
@@ -130,7 +148,8 @@ def is_part(one: str, name: str) -> bool:
     return one.startswith(f"{name}.") and one[len(name) + 1 :].isdigit()
 
 
-# --------------------------------------------------------------------------------------------------------- tables of series
+# ---------------------------------------------------------------------------------------------------------
+# tables of series
 
 
 def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
@@ -143,31 +162,55 @@ def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
     for variable, values in data.data_vars.items():
         for entity in [one for one in values.dims if one in dimensions or (kind == "body" and one in FINE)]:
             names = [str(one) for one in data[entity].values]
-            exact, parts = entity not in FINE and name in names, [one for one in names if one == name or is_part(one, name)]
+            exact, parts = (
+                entity not in FINE and name in names,
+                [one for one in names if one == name or is_part(one, name)],
+            )
             if exact or parts:
-                quantity = str(variable) if entity in FINE else str(variable).removeprefix(PREFIXES.get(str(entity), ""))
+                quantity = (
+                    str(variable)
+                    if entity in FINE
+                    else str(variable).removeprefix(PREFIXES.get(str(entity), ""))
+                )
                 found.setdefault(quantity, values.sel({entity: name if exact else parts}, drop=exact))
     if not found:
-        known = [one for entity, names in entities(view.record).items() if entity in dimensions for one in names]
-        raise VfifeError(f"there is no {kind} {shown(name)} in this result: {suggestion(str(name), known, f'name a {kind}')}")
+        known = [
+            one for entity, names in entities(view.record).items() if entity in dimensions for one in names
+        ]
+        raise VfifeError(
+            f"there is no {kind} {shown(name)} in this result:"
+            f" {suggestion(str(name), known, f'name a {kind}')}"
+        )
     made: xarray.Dataset = type(data)(found, attrs={**data.attrs, kind: name})
     return made
 
 
 def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list[Column]:
-    """The series of a result, or of the joints, bodies and springs that are named; ``fine``: elements and particles as well.
+    """The series of a result, or of the joints, bodies and springs that are named; ``fine``: elements and
+    particles as well.
 
-    Time (or the load factor) and the crank's angle come first, those of the whole mechanism last. Raises VfifeError for a name that nothing has.
+    Time (or the load factor) and the crank's angle come first, those of the whole mechanism last. Raises
+    VfifeError for a name that nothing has.
     """
-    known = dict.fromkeys(one for entity, every in entities(view.record).items() if entity not in FINE for one in every)
+    known = dict.fromkeys(
+        one for entity, every in entities(view.record).items() if entity not in FINE for one in every
+    )
     for name in names:
         if not isinstance(name, str):
             raise VfifeError(
-                f'{shown(name)} is {kind_of(name)}, no name of a joint, body or spring; write them one by one, as in to_dataframe("C", "crank")'
+                f"{shown(name)} is {kind_of(name)}, no name of a joint, body or spring; write them one by"
+                ' one, as in to_dataframe("C", "crank")'
             )
         if name not in known and not any(is_part(one, name) for one in known):
-            raise VfifeError(f"there is no joint, body or spring {shown(name)} in this result: {suggestion(str(name), known, 'name one')}")
-    time = Channel(view.time, None, "1", "load factor") if view.record.static else Channel(view.time, None, "s", "time")
+            raise VfifeError(
+                f"there is no joint, body or spring {shown(name)} in this result:"
+                f" {suggestion(str(name), known, 'name one')}"
+            )
+    time = (
+        Channel(view.time, None, "1", "load factor")
+        if view.record.static
+        else Channel(view.time, None, "s", "time")
+    )
     first = [Column("load_factor" if view.record.static else "time", "", None, time)]
     if view.crank_angle is not None:
         said = f"angle of {view.crank}, not reduced to one turn"

@@ -1,6 +1,8 @@
-"""Spectra, spectrograms and envelopes of series, with the window, overlap and resolution that they have, and as tables.
+"""Spectra, spectrograms and envelopes of series, with the window, overlap and resolution that they have, and
+as tables.
 
-Samples of a run are its outputs: what is faster than half their rate is folded back into what is seen, so let impacts have several outputs each.
+Samples of a run are its outputs: what is faster than half their rate is folded back into what is seen, so let
+impacts have several outputs each.
 """
 
 from __future__ import annotations
@@ -13,9 +15,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..analysis.spectral import SHORTEST, analytic, averaged, frequencies_of, resolution_of, samples, short_time
 from ..errors import VfifeError, suggestion
 from ..files import write_rows
+from ..measures.spectral import (
+    SHORTEST,
+    analytic,
+    averaged,
+    frequencies_of,
+    resolution_of,
+    samples,
+    short_time,
+)
 from ..solvers.repeating import outputs_of_a_turn
 
 if TYPE_CHECKING:
@@ -27,7 +37,8 @@ PARTS = 16  # of a series: the length of a spectrogram's windows, unless said
 
 @dataclass(frozen=True, kw_only=True)
 class Transformed:
-    """What is known of all of them: ``name`` and ``unit`` of the series, ``spacing`` (s) of its samples, ``turn`` (s) of a crank that turns evenly.
+    """What is known of all of them: ``name`` and ``unit`` of the series, ``spacing`` (s) of its samples,
+    ``turn`` (s) of a crank that turns evenly.
 
     Windows are ``length`` samples long and overlap by ``overlap`` (1); ``frequencies`` (Hz), shape (places,).
     """
@@ -60,14 +71,19 @@ class Transformed:
         long = f"{seconds / self.turn:.4g} turns" if self.turn else f"{1e3 * seconds:.4g} ms"
         wide = f"{self.resolution * self.turn:.3g} orders or " if self.turn else ""
         name = self.window if self.window in ("flat-top", "rectangular") else self.window.capitalize()
-        return f"{name} windows of {long}, overlapping by {100.0 * self.overlap:.3g} %; resolution {wide}{self.resolution:.4g} Hz"
+        return (
+            f"{name} windows of {long}, overlapping by {100.0 * self.overlap:.3g} %; resolution"
+            f" {wide}{self.resolution:.4g} Hz"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spectrum(Transformed):
-    """``amplitudes`` of waves over ``frequencies``, in the unit of the series, the root of the mean square over ``windows``; shape (places,).
+    """``amplitudes`` of waves over ``frequencies``, in the unit of the series, the root of the mean square
+    over ``windows``; shape (places,).
 
-    ``density``: power spectral density (unit^2/Hz), whose sum times the distance of frequencies is the mean square of the series (Parseval).
+    ``density``: power spectral density (unit^2/Hz), whose sum times the distance of frequencies is the mean
+    square of the series (Parseval).
     """
 
     amplitudes: Array
@@ -75,30 +91,41 @@ class Spectrum(Transformed):
     windows: int
 
     def write_csv(self, path: str | Path) -> None:
-        """Writes a row for each frequency: frequency, order where a crank turns evenly, amplitude, density. Raises OSError."""
+        """Writes a row for each frequency: frequency, order where a crank turns evenly, amplitude, density.
+        Raises OSError.
+        """
         orders = [] if self.turn is None else [("order [1]", self.orders)]
-        last = (titled(self.name, self.unit), self.amplitudes), (f"density [({self.unit or '1'})^2/Hz]", self.density)
+        last = (
+            (titled(self.name, self.unit), self.amplitudes),
+            (f"density [({self.unit or '1'})^2/Hz]", self.density),
+        )
         table(path, [("frequency [Hz]", self.frequencies), *orders, *last])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spectrogram(Transformed):
-    """``amplitudes`` of waves over ``frequencies`` around ``times`` (s), the middles of the windows; shape (times, frequencies)."""
+    """``amplitudes`` of waves over ``frequencies`` around ``times`` (s), the middles of the windows; shape
+    (times, frequencies).
+    """
 
     times: Array
     amplitudes: Array
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for each time, a column for each frequency. Raises OSError."""
-        columns = [(f"{frequency:.9g} Hz", self.amplitudes[:, k]) for k, frequency in enumerate(self.frequencies)]
+        columns = [
+            (f"{frequency:.9g} Hz", self.amplitudes[:, k]) for k, frequency in enumerate(self.frequencies)
+        ]
         table(path, [("time [s]", self.times), *columns])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Envelope:
-    """Size ``values`` of what vibrates within ``band`` (Hz), and what vibrates, ``filtered``, at ``times`` (s); all shape (samples,).
+    """Size ``values`` of what vibrates within ``band`` (Hz), and what vibrates, ``filtered``, at ``times``
+    (s); all shape (samples,).
 
-    The mean is taken off first. ``spectrum``: that of the envelope, which shows how often what vibrates is struck.
+    The mean is taken off first. ``spectrum``: that of the envelope, which shows how often what vibrates is
+    struck.
     """
 
     name: str
@@ -117,17 +144,25 @@ class Envelope:
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for each time: time, what vibrates, its envelope. Raises OSError."""
-        table(path, [("time [s]", self.times), (titled(self.name, self.unit), self.filtered), (titled("envelope", self.unit), self.values)])
+        table(
+            path,
+            [
+                ("time [s]", self.times),
+                (titled(self.name, self.unit), self.filtered),
+                (titled("envelope", self.unit), self.values),
+            ],
+        )
 
 
 def spectrum(
     values: ArrayLike, spacing: float, *, window: str = "hann", length: int | None = None, overlap: float = 0.5, turn: float | None = None,
     name: str = "", unit: str = "",
 ) -> Spectrum:  # fmt: skip
-    """Amplitudes of a series of samples ``spacing`` (s) apart, averaged over windows of ``length`` samples (Welch 1967), all of them unless said.
+    """Amplitudes of a series of samples ``spacing`` (s) apart, averaged over windows of ``length`` samples
+    (Welch 1967), all of them unless said.
 
-    ``window``: "hann", "hamming", "blackman", "flat-top" (true heights) or "rectangular" (of whole periods). ``turn`` (s) is that of a crank, for
-    orders. Raises VfifeError for what cannot be.
+    ``window``: "hann", "hamming", "blackman", "flat-top" (true heights) or "rectangular" (of whole periods).
+    ``turn`` (s) is that of a crank, for orders. Raises VfifeError for what cannot be.
     """
     given, length, hop = samples(np.asarray(values, dtype=float), spacing, length, overlap, np.size(values))
     starts = np.arange(0, len(given) - length + 1, hop, dtype=np.int64)
@@ -142,12 +177,15 @@ def spectrogram(
     values: ArrayLike, spacing: float, *, window: str = "hann", length: int | None = None, overlap: float = 0.75, turn: float | None = None,
     start: float = 0.0, name: str = "", unit: str = "",
 ) -> Spectrogram:  # fmt: skip
-    """Short-time Fourier transform: amplitudes in windows of ``length`` samples, a sixteenth of all unless said.
+    """Short-time Fourier transform: amplitudes in windows of ``length`` samples, a sixteenth of all unless
+    said.
 
-    ``start`` (s) is the time of the first sample. Whatever repeats within a window is told apart in frequency, what takes longer in time.
-    Raises VfifeError for what cannot be.
+    ``start`` (s) is the time of the first sample. Whatever repeats within a window is told apart in
+    frequency, what takes longer in time. Raises VfifeError for what cannot be.
     """
-    given, length, hop = samples(np.asarray(values, dtype=float), spacing, length, overlap, max(SHORTEST, np.size(values) // PARTS))
+    given, length, hop = samples(
+        np.asarray(values, dtype=float), spacing, length, overlap, max(SHORTEST, np.size(values) // PARTS)
+    )
     starts = np.arange(0, len(given) - length + 1, hop, dtype=np.int64)
     return Spectrogram(
         name=name, unit=unit, spacing=spacing, turn=turn, window=window, length=length, overlap=overlap,
@@ -160,16 +198,26 @@ def envelope(
     values: ArrayLike, spacing: float, *, band: tuple[float, float] | None = None, turn: float | None = None, start: float = 0.0,
     name: str = "", unit: str = "",
 ) -> Envelope:  # fmt: skip
-    """Envelope by Hilbert's transform: the size of the analytic signal, within a ``band`` of frequencies (Hz) if that is said.
+    """Envelope by Hilbert's transform: the size of the analytic signal, within a ``band`` of frequencies (Hz)
+    if that is said.
 
-    The series is taken to repeat itself after its end; where it does not, the first and the last few waves are wrong. Raises VfifeError.
+    The series is taken to repeat itself after its end; where it does not, the first and the last few waves
+    are wrong. Raises VfifeError.
     """
     given, length, _ = samples(np.asarray(values, dtype=float), spacing, None, 0.0, np.size(values))
     signal = analytic(given, spacing, band)
     size = np.abs(signal)
     of = spectrum(size, spacing, turn=turn, name=f"envelope of {name}".strip(), unit=unit)
     times = np.asarray(start + np.arange(length) * spacing, dtype=float)
-    return Envelope(name=name, unit=unit, band=band, times=times, values=size, filtered=np.asarray(signal.real), spectrum=of)
+    return Envelope(
+        name=name,
+        unit=unit,
+        band=band,
+        times=times,
+        values=size,
+        filtered=np.asarray(signal.real),
+        spectrum=of,
+    )
 
 
 @dataclass(frozen=True)
@@ -184,23 +232,39 @@ class Sampled:
 
 
 def sampled(view: View, name: str) -> Sampled:
-    """A series of a run by its name. Raises VfifeError for a name that none has, for statics, and where outputs are missing."""
+    """A series of a run by its name. Raises VfifeError for a name that none has, for statics, and where
+    outputs are missing.
+    """
     record = view.record
     if record.static:
         raise VfifeError("a static analysis has no motion, and so no spectrum")
     if name not in view.series:
-        raise VfifeError(f"there is no series {name!r}: {suggestion(name, list(view.series), 'their names are those of result.series')}")
+        raise VfifeError(
+            f"there is no series {name!r}:"
+            f" {suggestion(name, list(view.series), 'their names are those of result.series')}"
+        )
     steps = np.diff(record.steps[1:])
     if len(steps) < SHORTEST or (steps != steps[0]).any():
-        raise VfifeError(f"a spectrum takes {SHORTEST + 1} outputs at even times; this run has {len(record.steps)}, or some are lost")
+        raise VfifeError(
+            f"a spectrum takes {SHORTEST + 1} outputs at even times; this run has {len(record.steps)}, or"
+            " some are lost"
+        )
     column = view.series.column(name)
     choice = record.assembly.choice
     turn = choice.turn if outputs_of_a_turn(record.assembly) is not None else None
-    return Sampled(np.asarray(column.values[1:], dtype=float), float(steps[0]) * choice.step, float(view.time[1]), turn, column.unit)
+    return Sampled(
+        np.asarray(column.values[1:], dtype=float),
+        float(steps[0]) * choice.step,
+        float(view.time[1]),
+        turn,
+        column.unit,
+    )
 
 
 def length_of(one: Sampled, seconds: float | None, turns: float | None) -> int | None:
-    """Samples of a window that is so long. Raises VfifeError where both are said, and for turns where nothing turns evenly."""
+    """Samples of a window that is so long. Raises VfifeError where both are said, and for turns where nothing
+    turns evenly.
+    """
     if seconds is not None and turns is not None:
         raise VfifeError("a window has a length in seconds or in turns, not both")
     if turns is not None:
@@ -218,5 +282,9 @@ def titled(name: str, unit: str) -> str:
 
 
 def table(path: str | Path, columns: list[tuple[str, Array]]) -> None:
-    """Writes columns as CSV, numbers to the last bit; a file that is there gives way when the new one is whole. Raises OSError."""
-    write_rows(path, [[name for name, _ in columns], *zip(*(values.tolist() for _, values in columns), strict=True)])
+    """Writes columns as CSV, numbers to the last bit; a file that is there gives way when the new one is
+    whole. Raises OSError.
+    """
+    write_rows(
+        path, [[name for name, _ in columns], *zip(*(values.tolist() for _, values in columns), strict=True)]
+    )

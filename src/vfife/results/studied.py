@@ -1,4 +1,6 @@
-"""A study as its readers see it: parameters, members, what they came to, and all of it as one labelled dataset."""
+"""A study as its readers see it: parameters, members, what they came to, and all of it as one labelled
+dataset.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +18,9 @@ from numpy.typing import NDArray
 from ..errors import VfifeError, shown, suggestion
 from ..model.above import NotebookDocument, upper
 from ..solvers.status import Status
-from .member_errors import NOT_ESTIMATED, MemberError, member_errors
-from .store import warn_of_damage
-from .studyfile import WHAT, StudyCase, StudyFile
+from ..store.member_errors import NOT_ESTIMATED, MemberError, member_errors
+from ..store.store import warn_of_damage
+from ..store.studyfile import WHAT, StudyCase, StudyFile
 
 if TYPE_CHECKING:
     import pandas
@@ -42,7 +44,9 @@ SAMPLE, MEMBER = "sample", "member"  # dimensions of what lies on no grid
 
 
 def unit_of(measure: str) -> str:
-    """The unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of several places of a joint."""
+    """The unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of several
+    places of a joint.
+    """
     ending = measure.partition(".")[2]
     return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
 
@@ -64,10 +68,11 @@ class Varied:
 
 
 class Study(NotebookDocument):
-    """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads xarray.
+    """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads
+    xarray.
 
-    ``meta`` says what is asked, ``members`` are all that are planned, ``outcomes`` those that ended, by their places; ``repeats`` are outcomes of
-    a sample of them with another step.
+    ``meta`` says what is asked, ``members`` are all that are planned, ``outcomes`` those that ended, by their
+    places; ``repeats`` are outcomes of a sample of them with another step.
     """
 
     def __init__(
@@ -80,9 +85,17 @@ class Study(NotebookDocument):
     ) -> None:
         self.path, self.meta, self.members = path, dict(meta), tuple(members)
         own = (one for one in members if one.number in outcomes)
-        self.outcomes = {one.number: outcomes[one.number] for one in own if outcomes[one.number].get("hash", one.hash) == one.hash}
+        self.outcomes = {
+            one.number: outcomes[one.number]
+            for one in own
+            if outcomes[one.number].get("hash", one.hash) == one.hash
+        }
         known = {} if repeats is None else repeats
-        self.repeats = {one.number: known[one.number] for one in members if known.get(one.number, {}).get("hash") == one.hash}
+        self.repeats = {
+            one.number: known[one.number]
+            for one in members
+            if known.get(one.number, {}).get("hash") == one.hash
+        }
         self.lost = 0
         self.damage: tuple[str, ...] = ()
 
@@ -102,7 +115,10 @@ class Study(NotebookDocument):
         return found
 
     def __repr__(self) -> str:
-        return f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.members)} members; see .data, .parameters, .measures, .plot()>"
+        return (
+            f"<Study of {self.model!r}: {len(self.outcomes)} of {len(self.members)} members; see .data,"
+            " .parameters, .measures, .plot()>"
+        )
 
     @property
     def asked(self) -> dict[str, Any]:
@@ -154,33 +170,49 @@ class Study(NotebookDocument):
     @property
     def failed(self) -> list[tuple[StudyCase, str]]:
         """Members that gave no measures, or not all of them, each with its reason."""
-        return [(one, str(self.outcomes[one.number]["reason"])) for one in self.done if self.outcomes[one.number]["reason"]]
+        return [
+            (one, str(self.outcomes[one.number]["reason"]))
+            for one in self.done
+            if self.outcomes[one.number]["reason"]
+        ]
 
-    # -------------------------------------------------------------------------------------------------------- numbers
+    # --------------------------------------------------------------------------------------------------------
+    # numbers
 
     def at(self, member: StudyCase) -> tuple[float | str, ...]:
         """Values of the parameters of a member, SI units."""
         return tuple(member.numbers[one.paths[0]] for one in self.parameters)
 
     def points(self) -> NDArray[np.float64]:
-        """Values of the parameters of the members that ended, shape (members, parameters), SI units; of words the place in their list."""
+        """Values of the parameters of the members that ended, shape (members, parameters), SI units; of words
+        the place in their list.
+        """
         columns = []
         for k in range(len(self.parameters)):
             column = [self.at(one)[k] for one in self.done]
-            words = {word: float(n) for n, word in enumerate(dict.fromkeys(value for value in column if isinstance(value, str)))}
+            words = {
+                word: float(n)
+                for n, word in enumerate(dict.fromkeys(value for value in column if isinstance(value, str)))
+            }
             columns.append([words[value] if isinstance(value, str) else value for value in column])
         return np.array(columns, dtype=float).reshape(len(self.parameters), len(self.done)).T
 
     def values(self, measure: str) -> NDArray[np.float64]:
-        """A measure of the members that ended, shape (members,), NaN of those that have none. Raises VfifeError for a name that was not wanted."""
+        """A measure of the members that ended, shape (members,), NaN of those that have none. Raises
+        VfifeError for a name that was not wanted.
+        """
         if measure not in self.measures:
             remedy = suggestion(measure, self.measures, "name one that was wanted")
             raise VfifeError(f"{self.path or 'this study'}: it has no measure {shown(measure)}: {remedy}")
-        return np.array([self.outcomes[one.number]["measures"].get(measure, math.nan) for one in self.done], dtype=float)
+        return np.array(
+            [self.outcomes[one.number]["measures"].get(measure, math.nan) for one in self.done], dtype=float
+        )
 
     @cached_property
     def errors(self) -> dict[str, MemberError]:
-        """Numerical error of a member by measure, from a sample that was repeated with another step; empty where it is not estimated."""
+        """Numerical error of a member by measure, from a sample that was repeated with another step; empty
+        where it is not estimated.
+        """
         return member_errors(self.members, self.outcomes, self.repeats, list(self.measures), self.meta)
 
     def parameter(self, name: str) -> Varied:
@@ -195,12 +227,14 @@ class Study(NotebookDocument):
 
     @cached_property
     def axes(self) -> dict[str, list[Any]]:
-        """Dimensions of the dataset and what lies along them: the parameters themselves where members fill a grid, with ``sample`` for those of
-        which samples were taken; else ``member`` alone.
+        """Dimensions of the dataset and what lies along them: the parameters themselves where members fill a
+        grid, with ``sample`` for those of which samples were taken; else ``member`` alone.
         """
         own = [self.at(one) for one in self.members]
         lines = [k for k, one in enumerate(self.parameters) if one.gridded]
-        found: dict[str, list[Any]] = {self.parameters[k].name: in_order(values[k] for values in own) for k in lines}
+        found: dict[str, list[Any]] = {
+            self.parameters[k].name: in_order(values[k] for values in own) for k in lines
+        }
         samples = list(dict.fromkeys(self._sample(values) for values in own))
         if len(lines) < len(self.parameters):
             found[SAMPLE] = samples
@@ -215,13 +249,17 @@ class Study(NotebookDocument):
         values = self.at(member)
         if MEMBER in self.axes:
             return (self._places[MEMBER][values],)
-        own = {one.name: value for one, value in zip(self.parameters, values, strict=True)} | {SAMPLE: self._sample(values)}
+        own = {one.name: value for one, value in zip(self.parameters, values, strict=True)} | {
+            SAMPLE: self._sample(values)
+        }
         return tuple(self._places[name][own[name]] for name in self.axes)
 
     @cached_property
     def _along(self) -> tuple[NDArray[np.intp], ...]:
         """Where the members that ended lie along each axis."""
-        at = np.array([self.place(one) for one in self.done], dtype=np.intp).reshape(len(self.done), len(self.axes))
+        at = np.array([self.place(one) for one in self.done], dtype=np.intp).reshape(
+            len(self.done), len(self.axes)
+        )
         return tuple(at.T)
 
     @cached_property
@@ -238,7 +276,9 @@ class Study(NotebookDocument):
 
     @cached_property
     def data(self) -> xarray.Dataset:
-        """Measures over what is varied, with units, and of each member its status, turns and step. Members that are left, or gave none, are NaN."""
+        """Measures over what is varied, with units, and of each member its status, turns and step. Members
+        that are left, or gave none, are NaN.
+        """
         import xarray
 
         dims = tuple(self.axes)
@@ -246,7 +286,10 @@ class Study(NotebookDocument):
         status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
         status[self._along] = [str(self.outcomes[one.number]["status"]) for one in self.done]
         units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
-        found: dict[str, Any] = {name: (dims, values, {"units": units[name], **self.said_error(name)}) for name, values in arrays.items()}
+        found: dict[str, Any] = {
+            name: (dims, values, {"units": units[name], **self.said_error(name)})
+            for name, values in arrays.items()
+        }
         found["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})
         return xarray.Dataset(found, self._coordinates(), self.attributes)
 
@@ -256,7 +299,11 @@ class Study(NotebookDocument):
             return {}
         if (one := self.errors.get(measure)) is None:
             return {"numerical_error": NOT_ESTIMATED}
-        return {"numerical_error": one.words, "numerical_error_typical": one.typical, "numerical_error_largest": one.most}
+        return {
+            "numerical_error": one.words,
+            "numerical_error_typical": one.typical,
+            "numerical_error_largest": one.most,
+        }
 
     def _coordinates(self) -> dict[str, Any]:
         found: dict[str, Any] = {}
@@ -286,11 +333,16 @@ class Study(NotebookDocument):
         return ("member", *(one.name for one in self.parameters), *self.measures, *OUTCOME)
 
     def rows(self) -> list[dict[str, Any]]:
-        """A flat map for every member, for tables: parameters, measures, status, turns, settled, step, reason."""
+        """A flat map for every member, for tables: parameters, measures, status, turns, settled, step,
+        reason.
+        """
         found = []
         for one in self.members:
             outcome = self.outcomes.get(one.number)
-            row: dict[str, Any] = {"member": one.number, **dict(zip((two.name for two in self.parameters), self.at(one), strict=True))}
+            row: dict[str, Any] = {
+                "member": one.number,
+                **dict(zip((two.name for two in self.parameters), self.at(one), strict=True)),
+            }
             measures = {} if outcome is None else outcome["measures"]
             row |= {name: measures.get(name) for name in self.measures}
             row |= {name: None if outcome is None else outcome[name] for name in OUTCOME}
@@ -299,7 +351,8 @@ class Study(NotebookDocument):
         return found
 
     def plot(self, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]:
-        """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; those of ``names`` and ``measures`` where some are named.
+        """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; those of ``names`` and
+        ``measures`` where some are named.
 
         Raises VfifeError for a name that nothing has.
         """
@@ -307,7 +360,9 @@ class Study(NotebookDocument):
         return found
 
     def export(self, path: str | Path) -> None:
-        """Writes a row a member as CSV or Parquet, the dataset as NetCDF, as the file's ending says. Raises VfifeError for another, OSError."""
+        """Writes a row a member as CSV or Parquet, the dataset as NetCDF, as the file's ending says. Raises
+        VfifeError for another, OSError.
+        """
         from .export import export_study
 
         export_study(self, Path(path))
@@ -317,8 +372,12 @@ class Study(NotebookDocument):
         import xarray
 
         rows = self.rows()
-        columns = {name: ("member", np.array([row[name] for row in rows])) for name in rows[0] if name != "member"}
-        found: pandas.DataFrame = xarray.Dataset(columns, {"member": [row["member"] for row in rows]}).to_dataframe()
+        columns = {
+            name: ("member", np.array([row[name] for row in rows])) for name in rows[0] if name != "member"
+        }
+        found: pandas.DataFrame = xarray.Dataset(
+            columns, {"member": [row["member"] for row in rows]}
+        ).to_dataframe()
         return found
 
 

@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..analysis import Ledger, Measures, last_turn, ledger, ranged
-from ..analysis.contacts import Around, Impacts, around, impacts
-from ..analysis.elastic import along
-from ..analysis.guides import PointMotion, point_motion
-from ..analysis.motion import times
-from ..analysis.ranges import counted
-from ..analysis.turns import Turns, part_of
 from ..assembly.assembled import Assembly
 from ..errors import VfifeError
+from ..measures import Ledger, Measures, last_turn, ledger, ranged
+from ..measures.contacts import Around, Impacts, around, impacts
+from ..measures.elastic import along
+from ..measures.guides import PointMotion, point_motion
+from ..measures.motion import times
+from ..measures.ranges import counted
+from ..measures.turns import Turns, part_of
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
 from ..solvers.repeating import LONGEST, outputs_of_a_turn
+from ..store.provenance import sources, versions
 from .channels import Channel, channels, entities
-from .provenance import sources, versions
 from .series import REDUCED, REDUCTION, Series, dataset_of, frame, joined
 from .spectra import Envelope, Spectrogram, Spectrum, envelope, length_of, sampled, spectrogram, spectrum
 
@@ -48,7 +48,10 @@ class View:
         length = f"{done * choice.step:.4g} s"
         if self.record.static:
             length = f"{done} load factors up to {self.time[-1]:.4g}"
-            return f"<Result of {self.name!r}: static, {self.record.status}, {length}; see .data, .measures, .summary, .plot()>"
+            return (
+                f"<Result of {self.name!r}: static, {self.record.status}, {length}; see .data, .measures,"
+                " .summary, .plot()>"
+            )
         if choice.turn is not None:
             length = f"{done * choice.step / choice.turn:.4g} turns"
         return (
@@ -56,7 +59,8 @@ class View:
             f"{len(self.record.steps)} outputs; see .data, .measures, .summary, .plot()>"
         )
 
-    # -------------------------------------------------------------------------------------------------------- numbers
+    # --------------------------------------------------------------------------------------------------------
+    # numbers
 
     @property
     def name(self) -> str:
@@ -93,10 +97,11 @@ class View:
 
     @cached_property
     def measures(self) -> Measures:
-        """Flat map of the numbers a run is judged by; see :func:`vfife.analysis.measures.measures`.
+        """Flat map of the numbers a run is judged by; see :func:`vfife.measures.catalogue.measures`.
 
-        Of which turns they are says :attr:`motion`. Each is a number with ``low`` and ``high``, its range over run and companions, and ``lowest``
-        and ``highest``, those of its turns: :class:`~vfife.analysis.measured.Measured`.
+        Of which turns they are says :attr:`motion`. Each is a number with ``low`` and ``high``, its range
+        over run and companions, and ``lowest`` and ``highest``, those of its turns:
+        :class:`~vfife.measures.measured.Measured`.
         """
         return ranged(self.record, None if self.reference is None else self.reference.measures)
 
@@ -108,7 +113,8 @@ class View:
         return channels(self.record, self.ledger)
 
     def point(self, name: str) -> PointMotion:
-        """Position, velocity and acceleration of a pin ``body.pin`` at the outputs, global axes; ``.along(direction)`` of a direction of space.
+        """Position, velocity and acceleration of a pin ``body.pin`` at the outputs, global axes;
+        ``.along(direction)`` of a direction of space.
 
         Raises ValueError with the names there are.
         """
@@ -116,28 +122,41 @@ class View:
 
     @cached_property
     def impacts(self) -> Impacts:
-        """The contacts that began, one by one as far as the outputs tell them apart: see :func:`vfife.analysis.contacts.impacts`."""
+        """The contacts that began, one by one as far as the outputs tell them apart: see
+        :func:`vfife.measures.contacts.impacts`.
+        """
         return impacts(self.record)
 
     def around(self, side: str = "bearing", bins: int = 72, last_turn: bool = False) -> Around:
-        """Time in contact, impulse and friction over the angle of each bearing, or "journal", in the frame of its body, in all or of the last turn:
-        see :func:`vfife.analysis.contacts.around`.
+        """Time in contact, impulse and friction over the angle of each bearing, or "journal", in the frame of
+        its body, in all or of the last turn: see :func:`vfife.measures.contacts.around`.
         """
         return around(self.record, side, bins, self.last_turn if last_turn else None)
 
     @cached_property
     def data(self) -> xarray.Dataset:
-        """All channels over time and the names of joints, bodies, elements and particles, with units and long names."""
+        """All channels over time and the names of joints, bodies, elements and particles, with units and long
+        names.
+        """
         import xarray
 
-        told = {"units": "1", "long_name": "load factor"} if self.record.static else {"units": "s", "long_name": "time"}
+        told = (
+            {"units": "1", "long_name": "load factor"}
+            if self.record.static
+            else {"units": "s", "long_name": "time"}
+        )
         coords: dict[str, Any] = {"time": ("time", self.time, told)}
         coords |= {entity: (entity, np.array(names)) for entity, names in entities(self.record).items()}
         if self.crank_angle is not None:
             said = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
             coords["crank_angle"] = ("time", self.crank_angle, said)
         if "element" in coords:
-            said = {"units": "m", "long_name": "middle of the element along its link from the start, or along its member of a frame"}
+            said = {
+                "units": "m",
+                "long_name": (
+                    "middle of the element along its link from the start, or along its member of a frame"
+                ),
+            }
             coords["element_position"] = ("element", along(self.record).mean(axis=1), said)
         variables = {name: (one.dims, one.values, one.attributes) for name, one in self.channels.items()}
         data = xarray.Dataset(variables, coords, self.attributes)
@@ -150,63 +169,110 @@ class View:
 
     @cached_property
     def turns(self) -> xarray.Dataset:
-        """The latest turns laid over each other, over ``turn`` and ``crank_angle``: see :func:`vfife.results.view.latest_turns`."""
+        """The latest turns laid over each other, over ``turn`` and ``crank_angle``: see
+        :func:`vfife.results.view.latest_turns`.
+        """
         return latest_turns(self)
 
     @cached_property
     def motion(self) -> Turns | None:
-        """Whether the turns of the run repeat, from which one on, with which period, and which of them its measures are of; None without turns."""
+        """Whether the turns of the run repeat, from which one on, with which period, and which of them its
+        measures are of; None without turns.
+        """
         return counted(self.record)
 
     @cached_property
     def series(self) -> Series:
-        """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which ``C.force.max`` is a measure."""
+        """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which
+        ``C.force.max`` is a measure.
+        """
         return Series(self)
 
     def spectrum(
-        self, name: str, *, window: str = "hann", seconds: float | None = None, turns: float | None = None, overlap: float = 0.5
+        self,
+        name: str,
+        *,
+        window: str = "hann",
+        seconds: float | None = None,
+        turns: float | None = None,
+        overlap: float = 0.5,
     ) -> Spectrum:
         """Amplitudes over frequency and order of a series, ``C.force``: see :func:`vfife.spectrum`.
 
-        Windows are so many ``seconds`` or ``turns`` long, or as the run. Raises VfifeError for what cannot be.
+        Windows are so many ``seconds`` or ``turns`` long, or as the run. Raises VfifeError for what cannot
+        be.
         """
         one = sampled(self, name)
         given = {"turn": one.turn, "name": name, "unit": one.unit}
-        return spectrum(one.values, one.spacing, window=window, length=length_of(one, seconds, turns), overlap=overlap, **given)  # type: ignore[arg-type]
+        return spectrum(
+            one.values,
+            one.spacing,
+            window=window,
+            length=length_of(one, seconds, turns),
+            overlap=overlap,
+            **given,  # type: ignore[arg-type]
+        )
 
     def spectrogram(
-        self, name: str, *, window: str = "hann", seconds: float | None = None, turns: float | None = None, overlap: float = 0.75
+        self,
+        name: str,
+        *,
+        window: str = "hann",
+        seconds: float | None = None,
+        turns: float | None = None,
+        overlap: float = 0.75,
     ) -> Spectrogram:
-        """Amplitudes over time and frequency, or order, of a series, ``C.force``: see :func:`vfife.spectrogram`.
+        """Amplitudes over time and frequency, or order, of a series, ``C.force``: see
+        :func:`vfife.spectrogram`.
 
-        Windows are so many ``seconds`` or ``turns`` long, or a sixteenth of the run. Raises VfifeError for what cannot be.
+        Windows are so many ``seconds`` or ``turns`` long, or a sixteenth of the run. Raises VfifeError for
+        what cannot be.
         """
         one = sampled(self, name)
         given = {"turn": one.turn, "name": name, "unit": one.unit, "start": one.start}
-        return spectrogram(one.values, one.spacing, window=window, length=length_of(one, seconds, turns), overlap=overlap, **given)  # type: ignore[arg-type]
+        return spectrogram(
+            one.values,
+            one.spacing,
+            window=window,
+            length=length_of(one, seconds, turns),
+            overlap=overlap,
+            **given,  # type: ignore[arg-type]
+        )
 
     def envelope(self, name: str, *, band: tuple[float, float] | None = None) -> Envelope:
-        """Size of what vibrates in a series, within a ``band`` of frequencies (Hz), and its spectrum: see :func:`vfife.envelope`."""
+        """Size of what vibrates in a series, within a ``band`` of frequencies (Hz), and its spectrum: see
+        :func:`vfife.envelope`.
+        """
         one = sampled(self, name)
-        return envelope(one.values, one.spacing, band=band, turn=one.turn, start=one.start, name=name, unit=one.unit)
+        return envelope(
+            one.values, one.spacing, band=band, turn=one.turn, start=one.start, name=name, unit=one.unit
+        )
 
     def joint(self, name: str) -> xarray.Dataset:
-        """All about one joint over time, by quantity: ``result.joint("C").force``. Raises VfifeError for a name that no joint has."""
+        """All about one joint over time, by quantity: ``result.joint("C").force``. Raises VfifeError for a
+        name that no joint has.
+        """
         return dataset_of(self, name, "joint")
 
     def body(self, name: str) -> xarray.Dataset:
-        """All about one body over time, by quantity, its elements and particles with it. Raises VfifeError for a name that no body has."""
+        """All about one body over time, by quantity, its elements and particles with it. Raises VfifeError
+        for a name that no body has.
+        """
         return dataset_of(self, name, "body")
 
     def spring(self, name: str) -> xarray.Dataset:
-        """All about one spring, stop or bushing over time, by quantity. Raises VfifeError for a name that none has."""
+        """All about one spring, stop or bushing over time, by quantity. Raises VfifeError for a name that
+        none has.
+        """
         return dataset_of(self, name, "spring")
 
     def to_dataframe(self, *names: str, units: bool = True, fine: bool = False) -> pandas.DataFrame:
-        """One table for pandas: a row an output, the time as its index, a column a series, ``C.force [N]``; without ``units``, ``C.force``.
+        """One table for pandas: a row an output, the time as its index, a column a series, ``C.force [N]``;
+        without ``units``, ``C.force``.
 
-        ``names``: joints, bodies and springs; all of them unless some are named. ``fine``: elements and particles too. Units and meanings by column
-        are in ``attrs``. Raises VfifeError for a name that nothing has.
+        ``names``: joints, bodies and springs; all of them unless some are named. ``fine``: elements and
+        particles too. Units and meanings by column are in ``attrs``. Raises VfifeError for a name that
+        nothing has.
         """
         return frame(self, names, units, fine)
 
@@ -239,23 +305,27 @@ def standing(assembly: Assembly) -> View:
 
 
 def latest_turns(view: View) -> xarray.Dataset:
-    """The channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of a turn, ...): the turns that its measures are of, and the
-    last eight at least, as far as there are so many.
+    """The channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of a turn, ...): the
+    turns that its measures are of, and the last eight at least, as far as there are so many.
 
-    A turn is counted from 1 and ends where the next one begins; its angle (degrees) is that from the last whole turn of the crank before its begin.
-    Raises VfifeError where there is no whole turn of a crank at constant speed, or the step does not divide it.
+    A turn is counted from 1 and ends where the next one begins; its angle (degrees) is that from the last
+    whole turn of the crank before its begin. Raises VfifeError where there is no whole turn of a crank at
+    constant speed, or the step does not divide it.
     """
     said, outputs, angle = view.motion, outputs_of_a_turn(view.record.assembly), view.crank_angle
     if said is None or outputs is None or angle is None:
         raise VfifeError(
-            f"{view.name}: there are no turns to lay over each other: that takes a crank at constant speed, a run of a turn at the least, and a "
-            'step that divides a turn ("auto" does); result.data has all of the run over time'
+            f"{view.name}: there are no turns to lay over each other: that takes a crank at constant speed, a"
+            ' run of a turn at the least, and a step that divides a turn ("auto" does); result.data has all'
+            " of the run over time"
         )
     first = min(said.first, max(1, said.count - LONGEST + 1))
     numbers = np.arange(first, said.count + 1)
     window = slice((first - 1) * outputs + 1, said.count * outputs + 1)
     begin = angle[(said.count - 1) * outputs]
-    over = angle[(said.count - 1) * outputs + 1 : said.count * outputs + 1] - 360.0 * np.floor(begin / 360.0 + 1e-6)
+    over = angle[(said.count - 1) * outputs + 1 : said.count * outputs + 1] - 360.0 * np.floor(
+        begin / 360.0 + 1e-6
+    )
     data = view.data.isel(time=window).drop_vars(("time", "crank_angle"), errors="ignore")
     time = view.time[window].reshape(len(numbers), outputs)
     shaped = {name: one for name, one in data.variables.items() if "time" in one.dims}
@@ -278,10 +348,11 @@ class Reductions:
         self.asked = {name: (found[1], found[2]) for name in names if (found := REDUCTION.fullmatch(name))}
 
     def over(self, turns: Sequence[Record]) -> dict[str, float]:
-        """Each over all the turns together, records of which the next begins with the last output of the one before.
+        """Each over all the turns together, records of which the next begins with the last output of the one
+        before.
 
-        Of a record that is longer than a turn its last turn counts. What happens between two outputs is not seen. A channel that a mechanism
-        does not have is left out, and so is what is not finite.
+        Of a record that is longer than a turn its last turn counts. What happens between two outputs is not
+        seen. A channel that a mechanism does not have is left out, and so is what is not finite.
         """
         parts = [View(one) for one in turns]
         own = [turn_of(one) for one in turns]
@@ -289,7 +360,10 @@ class Reductions:
         found: dict[str, float] = {}
         for name, (how, channel) in self.asked.items():
             if channel in parts[0].series and len(time) > 1:
-                values = [np.asarray(one.series.column(channel).values[at:], dtype=float) for one, at in zip(parts, own, strict=True)]
+                values = [
+                    np.asarray(one.series.column(channel).values[at:], dtype=float)
+                    for one, at in zip(parts, own, strict=True)
+                ]
                 found[name] = REDUCED[how](time, joined(values))
         return {name: value for name, value in found.items() if math.isfinite(value)}
 

@@ -1,1 +1,3 @@
-"""What advances an assembled mechanism: transient runs chunk by chunk, equilibria, ensembles; the record they leave."""
+"""What advances an assembled mechanism: transient runs chunk by chunk, equilibria, ensembles; the record they
+leave.
+"""

@@ -1,4 +1,6 @@
-"""Arguments of a run, read by the fields of the settings of a model file: one validation for Python, files and the command line."""
+"""Arguments of a run, read by the fields of the settings of a model file: one validation for Python, files
+and the command line.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from ..errors import ModelError, kind_of, shown, suggestion
-from ..fields import Measure, Reading, Value, Whole, described_fields, value_of
 from ..model.mechanism import Mechanism, Settings
+from ..schema import Measure, Reading, Value, Whole, described_fields, value_of
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
 MOST = 10**12  # of anything that is counted; more is a slip of units
@@ -26,7 +28,9 @@ SHARED: dict[str, Value] = {
 
 @dataclass(frozen=True)
 class RunArguments:
-    """What is given for a run beside its mechanism, checked; None leaves it to the mechanism's settings. Times are in s."""
+    """What is given for a run beside its mechanism, checked; None leaves it to the mechanism's settings.
+    Times are in s.
+    """
 
     turns: float | None = None
     duration: float | None = None
@@ -39,14 +43,18 @@ class RunArguments:
 
     def in_settings(self, mechanism: Mechanism) -> Mechanism:
         """The mechanism with these values in its settings."""
-        values: dict[str, Any] = {name: value for name in SHARED if (value := getattr(self, name)) is not None}
+        values: dict[str, Any] = {
+            name: value for name in SHARED if (value := getattr(self, name)) is not None
+        }
         if {"turns", "duration"} & values.keys():
             values = {"turns": None, "duration": None} | values
         return dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **values))
 
 
 class Arguments(Reading):
-    """Reads the arguments of a function one by one and keeps what is wrong with them; :meth:`check` raises it."""
+    """Reads the arguments of a function one by one and keeps what is wrong with them; :meth:`check` raises
+    it.
+    """
 
     def __init__(self, function: str) -> None:
         super().__init__(written=True)
@@ -68,21 +76,35 @@ class Arguments(Reading):
     def mechanism(self, value: Any, name: str = "mechanism") -> None:
         """A mechanism."""
         if not isinstance(value, Mechanism):
-            remedy = "read it with load_model first" if isinstance(value, str) or hasattr(value, "__fspath__") else "make one, or read a model file"
+            remedy = (
+                "read it with load_model first"
+                if isinstance(value, str) or hasattr(value, "__fspath__")
+                else "make one, or read a model file"
+            )
             self.fault(name, f"this is {kind_of(value)}", value, "a Mechanism", remedy)
 
     def mechanisms(self, values: Any) -> list[Mechanism]:
         """A sequence of mechanisms."""
         if not isinstance(values, Sequence):
-            self.fault("mechanisms", f"this is {kind_of(values)}", values, "a list of Mechanisms", "put it in square brackets")
+            self.fault(
+                "mechanisms",
+                f"this is {kind_of(values)}",
+                values,
+                "a list of Mechanisms",
+                "put it in square brackets",
+            )
             return []
         for k, value in enumerate(values):
             self.mechanism(value, f"mechanisms[{k}]")
         return list(values)
 
     def quantity(self, name: str, value: Any, unit: str, *, zero: bool = False) -> float | None:
-        """A quantity above zero (or zero, where that is allowed): a number in SI units, or a text with a unit; None stays None."""
-        found: float | None = self.read(name, Measure(unit, low=0.0) if zero else Measure(unit, above=0.0), value)
+        """A quantity above zero (or zero, where that is allowed): a number in SI units, or a text with a
+        unit; None stays None.
+        """
+        found: float | None = self.read(
+            name, Measure(unit, low=0.0) if zero else Measure(unit, above=0.0), value
+        )
         return found
 
     def step(self, value: Any) -> float | str | None:
@@ -113,13 +135,21 @@ class Arguments(Reading):
         for one in known:
             if isinstance(value, str) and value == one:
                 return one
-        self.fault("loop", "there is no such loop", value, "", suggestion(str(value), known, "name another one"))
+        self.fault(
+            "loop", "there is no such loop", value, "", suggestion(str(value), known, "name another one")
+        )
         return "auto"
 
     def device(self, value: Any) -> None:
         """What steps members beside the processor, or None."""
         if value not in (None, "cuda"):
-            self.fault("device", "there is no such device", value, '"cuda", or None for the processor', "give one of these")
+            self.fault(
+                "device",
+                "there is no such device",
+                value,
+                '"cuda", or None for the processor',
+                "give one of these",
+            )
 
     def kind(self, name: str, value: Any, kinds: tuple[type, ...], limit: str) -> None:
         """A value of one of some classes."""
@@ -129,15 +159,30 @@ class Arguments(Reading):
     def callable(self, name: str, value: Any) -> None:
         """Something to be called, or None."""
         if value is not None and not callable(value):
-            self.fault(name, f"this is {kind_of(value)}", value, "a function", "give the function itself, or leave it out")
+            self.fault(
+                name,
+                f"this is {kind_of(value)}",
+                value,
+                "a function",
+                "give the function itself, or leave it out",
+            )
 
     def each(self, name: str, values: Any, count: int) -> list[float]:
         """One positive time (s) for all of ``count`` members, or a sequence of one for each."""
         single = isinstance(values, int | float | str) or not isinstance(values, Sequence | np.ndarray)
         given = [values] * count if single else list(values)
         if len(given) != count:
-            self.fault(name, f"{len(given)} values for {count} mechanisms", values, "", "give one for all, or one for each")
-        found = [self.quantity(name if single else f"{name}[{k}]", value, "s") for k, value in enumerate(given[: 1 if single else None])]
+            self.fault(
+                name,
+                f"{len(given)} values for {count} mechanisms",
+                values,
+                "",
+                "give one for all, or one for each",
+            )
+        found = [
+            self.quantity(name if single else f"{name}[{k}]", value, "s")
+            for k, value in enumerate(given[: 1 if single else None])
+        ]
         if None in given:
             self.fault(name, "no step is given", values, "a time above 0 s", 'for example "1 us"')
         return [value or math.nan for value in (found * count if single else found)]
@@ -145,4 +190,8 @@ class Arguments(Reading):
 
 def _plain(value: Any) -> Any:
     """A number of NumPy as one of Python."""
-    return value.item() if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0) else value
+    return (
+        value.item()
+        if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0)
+        else value
+    )

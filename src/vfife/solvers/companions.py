@@ -1,4 +1,6 @@
-"""Companion runs: the same run at other step sizes in the lanes beside it, how they meet at every output, and what they leave."""
+"""Companion runs: the same run at other step sizes in the lanes beside it, how they meet at every output, and
+what they leave.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,8 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, StepChoice, bounds, limited_rows, watched
 from ..assembly.timestep import SAFETY
-from ..codegen.loops import NEVER
-from ..codegen.runner import LOOK, Runner, Stream
+from ..compiler.runtime.loops import NEVER
+from ..compiler.runtime.runner import LOOK, Runner, Stream
 from .record import places
 from .repeating import outputs_of_a_turn
 
@@ -24,7 +26,7 @@ Counts = NDArray[np.int64]
 
 
 class Stepper(Protocol):
-    """One or more lanes, as :class:`~vfife.codegen.runner.Runner` has them."""
+    """One or more lanes, as :class:`~vfife.compiler.runtime.runner.Runner` has them."""
 
     done: int
     broken: Array
@@ -34,7 +36,9 @@ class Stepper(Protocol):
         """Present states, shape (rows, lanes); what is written into it is gone on with."""
 
     def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
-        """``outputs`` times ``count`` steps of the run; the rows recorded after each, shape (outputs, kept, lanes)."""
+        """``outputs`` times ``count`` steps of the run; the rows recorded after each, shape (outputs, kept,
+        lanes).
+        """
 
 
 def step_sizes(assembly: Assembly, counts: Counts) -> Array:
@@ -55,13 +59,24 @@ class SynchronisedLanes:
 
     def __init__(self, assembly: Assembly, counts: Counts, kept: Integers, room: int) -> None:
         self.counts, self.kept, self.room, self.done = counts, kept, room, 0
-        self.layout, self.tables, self.parts = assembly.layout, assembly.tables, assembly.mechanism.settings.parts
+        self.layout, self.tables, self.parts = (
+            assembly.layout,
+            assembly.tables,
+            assembly.mechanism.settings.parts,
+        )
         self.topology, self.bounds = assembly.topology, np.stack(bounds(assembly))
-        self.limited, self.extremes = limited_rows(assembly), np.array(assembly.layout.of("extreme"), dtype=np.intp)
+        self.limited, self.extremes = (
+            limited_rows(assembly),
+            np.array(assembly.layout.of("extreme"), dtype=np.intp),
+        )
         self.columns = places(kept, self.extremes)
         self.lanes = 1 << (len(counts) - 1).bit_length()  # a vector holds 1, 2, 4 or 8 numbers
         self.states = initial_states(assembly, counts)
-        self.broken = np.zeros(1)  # steps of the run after which its numbers were seen to have left all bounds; companions may leave them
+        self.broken = np.zeros(
+            1
+            # steps of the run after which its numbers were seen to have left all bounds; companions may leave
+            # them
+        )
         self.stream: Stream | None = None
 
     def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
@@ -87,7 +102,9 @@ class SynchronisedLanes:
     def _begin(self) -> Array:
         """The first output: the start, as the first step of a run has it."""
         tables = np.repeat(self.tables[None, :], self.lanes, axis=0)
-        runner = Runner(self.topology, self._filled(self.states), tables, "generated", self.kept, parts=self.parts)
+        runner = Runner(
+            self.topology, self._filled(self.states), tables, "generated", self.kept, parts=self.parts
+        )
         rows = runner.advance(1, 1)[:, :, : len(self.counts)]
         self.states[:], self.done = runner.states[:, : len(self.counts)], 1
         return rows
@@ -105,11 +122,21 @@ class SynchronisedLanes:
         stream.due[:own] = stream.done + self.counts
         waiting = set(range(own))
         while waiting:
-            stream.advance(int(max(stream.due[lane] + (outputs - 1 - stream.at[lane]) * stream.every[lane] for lane in waiting)) - stream.done)
+            stream.advance(
+                int(
+                    max(
+                        stream.due[lane] + (outputs - 1 - stream.at[lane]) * stream.every[lane]
+                        for lane in waiting
+                    )
+                )
+                - stream.done
+            )
             self._watch(stream, waiting)
             self._set_aside(stream, {lane for lane in waiting if stream.at[lane] >= outputs}, waiting)
         rows = np.ascontiguousarray(stream.out[:own, :outputs].transpose(1, 2, 0)) + 0.0
-        self.states[self.extremes] = rows[-1][self.columns]  # a stream clears them when it hands them out; a run does so in its next step
+        self.states[self.extremes] = rows[-1][
+            self.columns
+        ]  # a stream clears them when it hands them out; a run does so in its next step
         return rows
 
     def _piece(self, made: Counts, missing: Counts) -> None:
@@ -129,27 +156,42 @@ class SynchronisedLanes:
         if stream is None:
             parts, tables = self.parts, len(self.tables)
             stream = self.stream = Stream(
-                self.topology, self.lanes, "generated", self.kept, self.room, self.kept, self.limited, tables, parts, look=LOOK
+                self.topology,
+                self.lanes,
+                "generated",
+                self.kept,
+                self.room,
+                self.kept,
+                self.limited,
+                tables,
+                parts,
+                look=LOOK,
             )
             stream.T.reshape(self.lanes, -1)[:] = self.tables
             stream.limits.reshape(-1, 2, self.lanes)[:] = self.bounds.T[:, :, None]
         stream.states[:] = self._filled(self.states)
         stream.done = 1 + int(made[0])  # counted as the run's own steps are
         ahead = 1 + made - stream.done  # a lane's step n + shift is its own, counted from its start
-        stream.states[self.layout["shift"]] = ahead[[lane if lane < len(made) else 0 for lane in range(self.lanes)]]
+        stream.states[self.layout["shift"]] = ahead[
+            [lane if lane < len(made) else 0 for lane in range(self.lanes)]
+        ]
         stream.due[:], stream.broken[:] = NEVER, -1.0
         if self.broken[0] == 0.0:
             stream.broken[0] = 0.0
         return stream
 
     def _watch(self, stream: Stream, waiting: set[int]) -> None:
-        """Notes after how many of its steps the run has broken; its companions go on up to the end of the call."""
+        """Notes after how many of its steps the run has broken; its companions go on up to the end of the
+        call.
+        """
         if 0 in waiting and stream.broken[0] > 0.0:
             self.broken[0] = stream.broken[0]
             self._set_aside(stream, {0}, waiting)
 
     def _set_aside(self, stream: Stream, some: set[int], waiting: set[int]) -> None:
-        """Keeps the states of lanes that have come to the end of a call, and lets their places repeat another lane."""
+        """Keeps the states of lanes that have come to the end of a call, and lets their places repeat another
+        lane.
+        """
         for lane in some & waiting:
             self.states[:, lane] = stream.state(lane)
             self.states[self.layout["shift"], lane] = 0.0
@@ -197,7 +239,9 @@ class SeparateLanes:
 
 @dataclass
 class TurnRows:
-    """Gathers outputs, so many in a turn, into rows of whole turns, shape (rows, lanes) each; ``extreme`` says which rows are extremes."""
+    """Gathers outputs, so many in a turn, into rows of whole turns, shape (rows, lanes) each; ``extreme``
+    says which rows are extremes.
+    """
 
     outputs: int
     extreme: NDArray[np.bool_]
@@ -206,7 +250,9 @@ class TurnRows:
     largest: Array | None = None
 
     def take(self, rows: Array) -> int:
-        """Outputs after that of step 0, shape (outputs, rows, lanes), in pieces of any size; how many turns they end."""
+        """Outputs after that of step 0, shape (outputs, rows, lanes), in pieces of any size; how many turns
+        they end.
+        """
         before = len(self.turns)
         while len(rows):
             part, rows = rows[: self.outputs - self.inside], rows[self.outputs - self.inside :]
@@ -229,14 +275,21 @@ class TurnRows:
         self.largest = np.array(remembered[1], dtype=float) if self.inside else None
 
     def array(self, lanes: int, last: int | None = None) -> Array:
-        """The turns, shape (turns, rows, lanes); up to the one that ends with the output ``last``, where it is given."""
+        """The turns, shape (turns, rows, lanes); up to the one that ends with the output ``last``, where it
+        is given.
+        """
         some = self.turns if last is None else self.turns[: last // self.outputs]
         return np.array(some).reshape(len(some), len(self.extreme), lanes)
 
 
-DEFAULT = 3  # companions of a run with contact on every machine: with the run itself they fill a vector of four numbers
-SMALLEST_RATIO, LARGEST_RATIO = 1.4, 2.0  # between the steps of companions and that of the run; others are spread evenly between them
-SENSITIVE = 0.01  # range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
+# companions of a run with contact on every machine: with the run itself they fill a vector of four numbers
+DEFAULT = 3
+SMALLEST_RATIO, LARGEST_RATIO = (
+    1.4,
+    2.0,
+)  # between the steps of companions and that of the run; others are spread evenly between them
+# range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
+SENSITIVE = 0.01
 SAMPLED = (
     "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_fastest",
     "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work", "contact_friction_power", "wear_work",
@@ -248,7 +301,9 @@ DRIVING = ("driven_work", "driven_power", "particle_theta")  # what means of pow
 
 @dataclass(frozen=True)
 class Parting:
-    """Where the companions part: the time (s) and the joint whose force first differs by more than SENSITIVE of its largest so far."""
+    """Where the companions part: the time (s) and the joint whose force first differs by more than SENSITIVE
+    of its largest so far.
+    """
 
     time: float
     joint: str
@@ -256,11 +311,13 @@ class Parting:
 
 @dataclass
 class Companions:
-    """What companions leave: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last turn and the output before it.
+    """What companions leave: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last
+    turn and the output before it.
 
-    ``turns`` has one row for each whole turn, shape (turns, kept, companions): the largest of extremes, the last of all else; without any where
-    turns cannot be told. ``counts`` are the steps that each makes between two outputs; those of a version that displaced its companions have the
-    step of the run. ``lost`` are those whose numbers are no longer finite. ``earlier`` are ranges, low and high by measure, of a try with twice
+    ``turns`` has one row for each whole turn, shape (turns, kept, companions): the largest of extremes, the
+    last of all else; without any where turns cannot be told. ``counts`` are the steps that each makes between
+    two outputs; those of a version that displaced its companions have the step of the run. ``lost`` are those
+    whose numbers are no longer finite. ``earlier`` are ranges, low and high by measure, of a try with twice
     the step that was given up.
     """
 
@@ -276,11 +333,16 @@ class Companions:
     @property
     def told(self) -> dict[str, Any]:
         """What is known beside the rows, for JSON."""
-        return {"parting": None if self.parting is None else [self.parting.time, self.parting.joint], "lost": list(self.lost)}
+        return {
+            "parting": None if self.parting is None else [self.parting.time, self.parting.joint],
+            "lost": list(self.lost),
+        }
 
 
 def number(assembly: Assembly, loop: str, wanted: int | str) -> int:
-    """Companions of a run: as many as are wanted; "auto" is three in straight-line code wherever there is contact, on every machine."""
+    """Companions of a run: as many as are wanted; "auto" is three in straight-line code wherever there is
+    contact, on every machine.
+    """
     if assembly.mechanism.settings.analysis == "static" or not assembly.contacts:
         return 0
     if wanted == "auto":
@@ -291,17 +353,25 @@ def number(assembly: Assembly, loop: str, wanted: int | str) -> int:
 def step_counts(choice: StepChoice, companions: int) -> Counts:
     """Steps between two outputs of companions, the smallest step first.
 
-    They are spread from 1.4 to 2 times the step of the run; a single one has twice the step. None has a step larger than the stable one allows, and
-    no two have the same. Where an interval has too few steps for that, or the run's step is near the stable one, companions take smaller steps
-    than the run instead, by the same ratios.
+    They are spread from 1.4 to 2 times the step of the run; a single one has twice the step. None has a step
+    larger than the stable one allows, and no two have the same. Where an interval has too few steps for that,
+    or the run's step is near the stable one, companions take smaller steps than the run instead, by the same
+    ratios.
     """
     every = choice.outputs_every
     largest = SAFETY * choice.stable
-    least = max(-(-every // 2), math.ceil(every * choice.step / largest * (1.0 - 1e-12)) if math.isfinite(largest) else 1)
+    least = max(
+        -(-every // 2),
+        math.ceil(every * choice.step / largest * (1.0 - 1e-12)) if math.isfinite(largest) else 1,
+    )
     found: list[int] = []
     for ratio in np.linspace(LARGEST_RATIO, SMALLEST_RATIO, companions).tolist():
         near = min(max(round(every / ratio), least), every - 1)
-        coarser = [n for n in range(max(least, near - companions), min(every, near + companions + 1)) if n not in found]
+        coarser = [
+            n
+            for n in range(max(least, near - companions), min(every, near + companions + 1))
+            if n not in found
+        ]
         if coarser:
             found.append(min(coarser, key=lambda n: abs(n - every / ratio)))
             continue
@@ -322,13 +392,15 @@ def measured_rows(assembly: Assembly) -> NDArray[np.uint32]:
 def companion_rows(assembly: Assembly) -> NDArray[np.uint32]:
     """Rows of S that are kept of companions."""
     driving = [row for name in DRIVING for row in assembly.layout.rows_of(name).tolist()]
-    return np.unique(np.concatenate([measured_rows(assembly), np.array(driving, dtype=np.uint32)])).astype(np.uint32)
+    return np.unique(np.concatenate([measured_rows(assembly), np.array(driving, dtype=np.uint32)])).astype(
+        np.uint32
+    )
 
 
 @dataclass(frozen=True)
 class Beside:
-    """What belongs to the last of some outputs: rows of the companions, what is told of them, and the oldest step that is still needed; rows of
-    whole turns that end with them.
+    """What belongs to the last of some outputs: rows of the companions, what is told of them, and the oldest
+    step that is still needed; rows of whole turns that end with them.
     """
 
     rows: Array
@@ -360,7 +432,9 @@ class Gathering:
         """Outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
         count = len(self.counts)
         part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
-        self.lost |= set(np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist())  # what is not finite stays so
+        self.lost |= set(
+            np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist()
+        )  # what is not finite stays so
         if self.parting is None:
             self.parting = self.watch.look(steps, rows[..., : count + 1])
         self.parts.append((steps, part))
@@ -373,22 +447,36 @@ class Gathering:
         ended = self.turnly.take(part[1:] if len(steps) and steps[0] == 0 else part)
         first = len(self.turnly.turns) - ended
         turns = np.array(self.turnly.turns[first:]).reshape(ended, len(self.kept), count)
-        return Beside(part, told, oldest, turns, first + 1, self.turnly.outputs * self.assembly.choice.outputs_every)
+        return Beside(
+            part, told, oldest, turns, first + 1, self.turnly.outputs * self.assembly.choice.outputs_every
+        )
 
     @property
     def remembered(self) -> dict[str, Any]:
         """What a checkpoint keeps of this, beside the rows that a file has."""
         watch = self.watch
-        told = Companions(self.counts, self.kept, watch.steps, np.zeros(0), self.parting, tuple(sorted(self.lost))).told
+        told = Companions(
+            self.counts, self.kept, watch.steps, np.zeros(0), self.parting, tuple(sorted(self.lost))
+        ).told
         told |= {"turn": None if self.turnly is None else self.turnly.remembered}
         if watch.forces is None or watch.largest is None:
             return {**told, "watch": None}
         return {**told, "watch": [watch.steps.tolist(), watch.forces.tolist(), watch.largest.tolist()]}
 
-    def restore(self, remembered: Mapping[str, Any], kept: tuple[dict[str, Any], NDArray[np.int64], Array] | None, turns: Array) -> None:
-        """Takes up what a checkpoint remembers, and rows that a file has, shapes (outputs, kept times companions) and (turns, the same)."""
+    def restore(
+        self,
+        remembered: Mapping[str, Any],
+        kept: tuple[dict[str, Any], NDArray[np.int64], Array] | None,
+        turns: Array,
+    ) -> None:
+        """Takes up what a checkpoint remembers, and rows that a file has, shapes (outputs, kept times
+        companions) and (turns, the same).
+        """
         parting = remembered["parting"]
-        self.parting, self.lost = None if parting is None else Parting(float(parting[0]), str(parting[1])), set(remembered["lost"])
+        self.parting, self.lost = (
+            None if parting is None else Parting(float(parting[0]), str(parting[1])),
+            set(remembered["lost"]),
+        )
         if remembered["watch"] is not None and remembered["watch"][0]:
             steps, forces, largest = remembered["watch"]
             count = len(self.counts) + 1
@@ -402,7 +490,9 @@ class Gathering:
             if remembered.get("turn") is None:  # of a version that kept none
                 self.turnly = None
             else:
-                self.turnly.restore(remembered["turn"], list(turns.reshape(len(turns), len(self.kept), len(self.counts))))
+                self.turnly.restore(
+                    remembered["turn"], list(turns.reshape(len(turns), len(self.kept), len(self.counts)))
+                )
 
     def oldest(self, last: int) -> int:
         """The output before the turn that ends with a step."""
@@ -413,15 +503,17 @@ class Gathering:
         steps = np.concatenate([steps for steps, _ in self.parts])
         rows = np.concatenate([rows for _, rows in self.parts])
         window = (steps >= self.oldest(last)) & (steps <= last)
-        found = Companions(self.counts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost)))
+        found = Companions(
+            self.counts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost))
+        )
         if self.turnly is not None:
             found.turns = self.turnly.array(len(self.counts), last // self.assembly.choice.outputs_every)
         return found
 
 
 class Watch:
-    """Finds where lanes part: forces of contacts differ by more than SENSITIVE of the largest so far, and not only because a peak fell into the
-    output interval beside.
+    """Finds where lanes part: forces of contacts differ by more than SENSITIVE of the largest so far, and not
+    only because a peak fell into the output interval beside.
     """
 
     def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32]) -> None:
@@ -432,12 +524,16 @@ class Watch:
         self.largest: Array | None = None
 
     def look(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
-        """The first parting in these outputs, shape (outputs, recorded, lanes); the last output waits for the next ones."""
+        """The first parting in these outputs, shape (outputs, recorded, lanes); the last output waits for the
+        next ones.
+        """
         with np.errstate(invalid="ignore"):
             return self._look(steps, rows)
 
     def _look(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
-        force = np.ascontiguousarray(np.sqrt(rows.take(self.columns, axis=1)).transpose(2, 0, 1))  # lanes, outputs, contacts
+        force = np.ascontiguousarray(
+            np.sqrt(rows.take(self.columns, axis=1)).transpose(2, 0, 1)
+        )  # lanes, outputs, contacts
         if self.forces is None or self.largest is None:
             self.forces, self.largest = force[:, :0], np.zeros(force.shape[2])
         steps, force = np.concatenate([self.steps, steps]), np.concatenate([self.forces, force], axis=1)
@@ -447,12 +543,16 @@ class Watch:
         largest = np.maximum(np.maximum.accumulate(np.fmax.reduce(force, axis=0), axis=0), self.largest)
         near = np.maximum(np.maximum(force[:, :-2], force[:, 1:-1]), force[:, 2:])
         present = force[:, 1:-1]
-        over = (present[1:] - near[0] > SENSITIVE * largest[2:]).any(axis=0) | (present[0] - near[1:] > SENSITIVE * largest[2:]).any(axis=0)
+        over = (present[1:] - near[0] > SENSITIVE * largest[2:]).any(axis=0) | (
+            present[0] - near[1:] > SENSITIVE * largest[2:]
+        ).any(axis=0)
         self.steps, self.forces, self.largest = steps[-2:], force[:, -2:], largest[-1]
         if not over.any():
             return None
         output, contact = np.argwhere(over)[0]
-        return Parting(float(steps[output + 1] * self.assembly.choice.step), self.assembly.contact_joints[contact])
+        return Parting(
+            float(steps[output + 1] * self.assembly.choice.step), self.assembly.contact_joints[contact]
+        )
 
 
 def turn_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> TurnRows | None:

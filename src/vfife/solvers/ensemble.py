@@ -1,7 +1,10 @@
-"""Many simulations at once in lanes on all cores: ensembles of mechanisms, each until its turns repeat, and variants of one model.
+"""Many simulations at once in lanes on all cores: ensembles of mechanisms, each until its turns repeat, and
+variants of one model.
 
-Mechanisms of one topology share lanes; each lane has its own parameters and its own step. Memory does not grow with the length of the runs. What a
-member gives depends neither on those beside it nor on the loop, to the bit."""
+Mechanisms of one topology share lanes; each lane has its own parameters and its own step. Memory does not
+grow with the length of the runs. What a member gives depends neither on those beside it nor on the loop, to
+the bit.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +20,12 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..assembly.timestep import SAFETY, coarse
-from ..codegen.cuda import card
+from ..compiler.runtime.cuda import card
 from ..errors import VfifeError
 from ..kernels.topology import Topology
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
-from ..model.validate import validate
+from ..model.validation import validate
 from .arguments import Arguments, Loop
 from .record import Columns, Record
 from .repeating import compared_rows, distance, whole_outputs
@@ -36,11 +39,11 @@ Array = NDArray[np.float64]
 class Member:
     """What one simulation of an ensemble leaves.
 
-    ``turns``: a record with one row a turn (and the start), the state at its end and the extremes over all of it. ``last``: the last turn,
-    output by output, with the output before it, so that maxima over it are those of the turn; of a member that diverged no number from there on
-    (NaN). ``distances``: of each turn from the one
-    before, as :func:`distance` has it (1, infinite for the first). ``settled``: the first turn whose distance is within the tolerance, counted
-    from 1, or None. ``status``: "complete" or "diverged".
+    ``turns``: a record with one row a turn (and the start), the state at its end and the extremes over all of
+    it. ``last``: the last turn, output by output, with the output before it, so that maxima over it are those
+    of the turn; of a member that diverged no number from there on (NaN). ``distances``: of each turn from the
+    one before, as :func:`distance` has it (1, infinite for the first). ``settled``: the first turn whose
+    distance is within the tolerance, counted from 1, or None. ``status``: "complete" or "diverged".
     """
 
     turns: Record
@@ -68,14 +71,16 @@ def ensemble(
     device: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Member]:
-    """Simulates driven mechanisms, each until its turns repeat within ``tolerance`` or for ``turns`` turns (all of them without a tolerance).
+    """Simulates driven mechanisms, each until its turns repeat within ``tolerance`` or for ``turns`` turns
+    (all of them without a tolerance).
 
-    ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank holds a whole number of steps for each
-    of ``outputs``. ``lanes``: simulations side by side in a vector register, as many as this machine's hold if not given. ``workers``: threads,
-    as many as there are cores if not given. ``device``: "cuda" steps them on an NVIDIA card, thousands side by side; we have not tried it on one.
-    ``progress`` is told how many members of how many are done. Raises ModelError with all faults of the arguments or of a mechanism, VfifeError
-    for one without a driver, DeviceError for a card that cannot be used, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it
-    within a second.
+    ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank
+    holds a whole number of steps for each of ``outputs``. ``lanes``: simulations side by side in a vector
+    register, as many as this machine's hold if not given. ``workers``: threads, as many as there are cores if
+    not given. ``device``: "cuda" steps them on an NVIDIA card, thousands side by side; we have not tried it
+    on one. ``progress`` is told how many members of how many are done. Raises ModelError with all faults of
+    the arguments or of a mechanism, VfifeError for one without a driver, DeviceError for a card that cannot
+    be used, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a second.
     """
     given = Arguments("ensemble")
     mechanisms = given.mechanisms(mechanisms)
@@ -91,15 +96,30 @@ def ensemble(
         card()  # what is missing is told before anything is assembled
     for mechanism in mechanisms:
         validate(mechanism)
-    assemblies = [placed(mechanism, size, turns, outputs) for mechanism, size in zip(mechanisms, steps, strict=True)]
-    return advance(assemblies, tolerance=tolerance, loop=loop, lanes=lanes, workers=workers, device=device, progress=progress)
+    assemblies = [
+        placed(mechanism, size, turns, outputs) for mechanism, size in zip(mechanisms, steps, strict=True)
+    ]
+    return advance(
+        assemblies,
+        tolerance=tolerance,
+        loop=loop,
+        lanes=lanes,
+        workers=workers,
+        device=device,
+        progress=progress,
+    )
 
 
 def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assembly:
-    """The mechanism assembled for ``turns`` turns, its step (s) the largest that divides an output interval and is no larger than ``step``."""
+    """The mechanism assembled for ``turns`` turns, its step (s) the largest that divides an output interval
+    and is no larger than ``step``.
+    """
     turn = turn_of(mechanism)
     if turn is None:
-        raise VfifeError(f"{mechanism.name}: an ensemble counts turns of a crank, and no driver turns one; drive a body, or use simulate")
+        raise VfifeError(
+            f"{mechanism.name}: an ensemble counts turns of a crank, and no driver turns one; drive a body,"
+            " or use simulate"
+        )
     every = max(1, int(np.ceil(turn / (outputs * step) * (1.0 - 1e-9))))
     return assemble(mechanism, turn / (outputs * every), turns=turns, outputs=outputs, force_step=True)
 
@@ -135,7 +155,9 @@ class _Member(Lane):
         self.distances: list[float] = []
         self.rows = np.zeros((0, len(self.handed)))
         layout = assembly.layout
-        self.extreme, self.repeated = (np.isin(self.handed, rows) for rows in (layout.of("extreme"), compared_rows(layout)))
+        self.extreme, self.repeated = (
+            np.isin(self.handed, rows) for rows in (layout.of("extreme"), compared_rows(layout))
+        )
 
     @property
     def ended(self) -> bool:
@@ -170,7 +192,10 @@ class _Member(Lane):
     def member(self) -> Member:
         """Return what it leaves."""
         end, step = len(self.distances) * self.per, self.every
-        ends, last = np.arange(0, end + 1, self.per, dtype=np.int64), np.arange(end - self.per, end + 1, dtype=np.int64)
+        ends, last = (
+            np.arange(0, end + 1, self.per, dtype=np.int64),
+            np.arange(end - self.per, end + 1, dtype=np.int64),
+        )
         turns = Record(self.assembly, ends * step, np.array(self.summaries), self.handed, status=self.status)
         return Member(
             turns,
@@ -215,9 +240,13 @@ class StepSize:
         choice, state = assembly.choice, assembly.state.copy()
         step = choice.step * (choice.steps / self.steps)
         same = assembly.topology is self.base or assembly.topology == self.base
-        topology = self.topology if same else dataclasses.replace(assembly.topology, coarse=self.topology.coarse)
+        topology = (
+            self.topology if same else dataclasses.replace(assembly.topology, coarse=self.topology.coarse)
+        )
         state[assembly.layout.row("step")] = step
-        found = copy(assembly)  # a batch assembly makes its bodies when they are needed, which ``replace`` would do at once
+        found = copy(
+            assembly
+        )  # a batch assembly makes its bodies when they are needed, which ``replace`` would do at once
         changed = dataclasses.replace(choice, step=step, outputs_every=self.every, outputs=self.outputs)
         for name, value in (("state", state), ("choice", changed), ("topology", topology)):
             object.__setattr__(found, name, value)
@@ -257,12 +286,18 @@ def _step_size(assembly: Assembly, multiple: float) -> StepSize:
     step = choice.step * (choice.steps / (every * outputs))
     topology = assembly.topology
     if assembly.ideals:
-        corrections = coarse(assembly.mechanism, dataclasses.replace(choice, step=step), assembly.layout, assembly.state)
-        topology = topology if corrections == topology.coarse else dataclasses.replace(topology, coarse=corrections)
+        corrections = coarse(
+            assembly.mechanism, dataclasses.replace(choice, step=step), assembly.layout, assembly.state
+        )
+        topology = (
+            topology if corrections == topology.coarse else dataclasses.replace(topology, coarse=corrections)
+        )
     return StepSize(every, outputs, assembly.topology, topology)
 
 
-def measures_of(variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]], *, whole: bool = False) -> list[Mapping[str, float] | None]:
+def measures_of(
+    variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]], *, whole: bool = False
+) -> list[Mapping[str, float] | None]:
     """Return the measures of each variant; None for one whose numbers left all bounds.
 
     A variant is an assembly, the rows of its state that its measures need, and the function that takes
@@ -293,7 +328,15 @@ class _Variant(Lane):
 
     values: Mapping[str, float] | None = None
 
-    def __init__(self, number: int, assembly: Assembly, handed: NDArray[np.uint32], look: Look, columns: dict[int, Columns], whole: bool) -> None:
+    def __init__(
+        self,
+        number: int,
+        assembly: Assembly,
+        handed: NDArray[np.uint32],
+        look: Look,
+        columns: dict[int, Columns],
+        whole: bool,
+    ) -> None:
         super().__init__(number, assembly, handed)
         self.look, self.columns, self.first = look, columns, 0  # the number of the first output that is kept
         merged = merged_outputs(assembly) if whole else 1

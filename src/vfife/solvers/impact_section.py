@@ -1,4 +1,6 @@
-"""Sections of one long motion: once a turn, and at impacts (where on its bearing, how fast and at which crank angle each contact begins)."""
+"""Sections of one long motion: once a turn, and at impacts (where on its bearing, how fast and at which crank
+angle each contact begins).
+"""
 
 from __future__ import annotations
 
@@ -27,11 +29,13 @@ AT_ONCE = 20_000  # steps that are recorded one by one before they are looked th
 
 
 class ImpactSection(NamedTuple):
-    """Rows of S that tell onsets of some contacts, and what they tell: one row for each contact that began, in the order of ``COLUMNS``.
+    """Rows of S that tell onsets of some contacts, and what they tell: one row for each contact that began,
+    in the order of ``COLUMNS``.
 
-    ``contact``: which of those that are looked at; ``time`` (s) of the onset, interpolated inside its step; ``crank``: the angle (rad) of the
-    driven body then; ``place``: the angle (rad) round the bearing, in its frame, at which the journal is, NaN on a line or in a slot; ``speed``
-    (m/s): that of approach, as the step located it; ``count``: contacts of the same joint that began in this step, whose mean speed is told.
+    ``contact``: which of those that are looked at; ``time`` (s) of the onset, interpolated inside its step;
+    ``crank``: the angle (rad) of the driven body then; ``place``: the angle (rad) round the bearing, in its
+    frame, at which the journal is, NaN on a line or in a slot; ``speed`` (m/s): that of approach, as the step
+    located it; ``count``: contacts of the same joint that began in this step, whose mean speed is told.
     """
 
     assembly: Assembly
@@ -42,7 +46,13 @@ class ImpactSection(NamedTuple):
     def of(cls, assembly: Assembly, contacts: Sequence[int]) -> ImpactSection:
         """Of such contacts."""
         layout, topology = assembly.layout, assembly.topology
-        rows = [layout.row("particle_theta", topology.driven[0]) if topology.driven else layout.row("particle_theta", 0)]
+        rows = [
+            (
+                layout.row("particle_theta", topology.driven[0])
+                if topology.driven
+                else layout.row("particle_theta", 0)
+            )
+        ]
         for k in contacts:
             bodies = topology.contact_bearing[k], topology.contact_journal[k]
             rows += [layout.row(block, k) for block in PER_CONTACT]
@@ -50,7 +60,9 @@ class ImpactSection(NamedTuple):
         return cls(assembly, contacts, np.array(rows, dtype=np.uint32))
 
     def over(self, state: Array, done: int, steps: int, look: Callable[[], None] | None = None) -> Array:
-        """The onsets in so many steps after the first ``done``, from a state, shape (rows,): shape (onsets, columns)."""
+        """The onsets in so many steps after the first ``done``, from a state, shape (rows,): shape (onsets,
+        columns).
+        """
         runner = TurnRunner([self.assembly], kept=self.rows, look=look)
         runner.restore(state, done)
         before, found = state[self.rows][None, :], [np.zeros((0, len(COLUMNS)))]
@@ -92,8 +104,10 @@ class ImpactSection(NamedTuple):
 
 @dataclass(frozen=True)
 class Piece:
-    """Some turns: ``rows`` recorded once in each that is looked at, shape (turns, kept), the ``growth`` of a small difference in it, its logarithm,
-    shape (turns,), what was ``struck`` (:class:`ImpactSection`), and the ``state`` to go on from, shape (rows,) or (2 rows,)."""
+    """Some turns: ``rows`` recorded once in each that is looked at, shape (turns, kept), the ``growth`` of a
+    small difference in it, its logarithm, shape (turns,), what was ``struck`` (:class:`ImpactSection`), and
+    the ``state`` to go on from, shape (rows,) or (2 rows,).
+    """
 
     number: int
     rows: Array
@@ -103,13 +117,22 @@ class Piece:
 
 
 class Sectioning:
-    """A motion of so many ``turns``, the first of them ``dropped``, looked at at a ``phase`` (1) of the turn, and at impacts of some ``contacts``.
+    """A motion of so many ``turns``, the first of them ``dropped``, looked at at a ``phase`` (1) of the turn,
+    and at impacts of some ``contacts``.
 
-    The run makes a turn before these, and the way to the phase. ``near``: neighbours whose difference is the small one. It is cut in pieces, after
-    each of which it can be taken up again.
+    The run makes a turn before these, and the way to the phase. ``near``: neighbours whose difference is the
+    small one. It is cut in pieces, after each of which it can be taken up again.
     """
 
-    def __init__(self, assembly: Assembly, near: Neighbours, phase: float, turns: int, dropped: int, contacts: Sequence[int] = ()) -> None:
+    def __init__(
+        self,
+        assembly: Assembly,
+        near: Neighbours,
+        phase: float,
+        turns: int,
+        dropped: int,
+        contacts: Sequence[int] = (),
+    ) -> None:
         self.assembly, self.dropped, self.before = assembly, dropped, max(0, dropped - ALIGNED)
         spans = ((0, self.before), (self.before, dropped), (dropped, turns))
         self.cuts = [(k, min(k + TURNS, last)) for first, last in spans for k in range(first, last, TURNS)]
@@ -118,7 +141,9 @@ class Sectioning:
         self.strikes = ImpactSection.of(assembly, contacts) if contacts else None
 
     def pieces(self, resume: tuple[int, Array] | None = None) -> Iterator[Piece]:
-        """The pieces, from that after ``resume`` on, the number and state of one before. A second thread looks for impacts."""
+        """The pieces, from that after ``resume`` on, the number and state of one before. A second thread
+        looks for impacts.
+        """
         motion = self.motion
         with Workers(1) as workers:
             motion.pace.look = self.difference.pace.look = workers.halt.look
@@ -131,7 +156,9 @@ class Sectioning:
                 job, done = None, motion.begins + first * motion.turn
                 if self.strikes is not None and first >= self.dropped:
                     own = state[: self.assembly.layout.rows].copy()
-                    job = workers.submit(self.strikes.over, own, done, (last - first) * motion.turn, workers.look)
+                    job = workers.submit(
+                        self.strikes.over, own, done, (last - first) * motion.turn, workers.look
+                    )
                 rows, growth, state = self._turns(first, last, state, done)
                 if waiting is not None:
                     yield _piece(*waiting)

@@ -1,4 +1,6 @@
-"""Interruption of long runs: calls of the loop that last a quarter of a second, and signals that wait for the end of one."""
+"""Interruption of long runs: calls of the loop that last a quarter of a second, and signals that wait for the
+end of one.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +22,11 @@ ASKING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP")
 
 
 class Interrupts:
-    """While it is entered, handlers of :data:`ASKING` that are functions are called by :meth:`look` and at the end instead of anywhere.
+    """While it is entered, handlers of :data:`ASKING` that are functions are called by :meth:`look` and at
+    the end instead of anywhere.
 
-    A second signal is handled where it comes. In a thread that is not the main one, which hears no signals, it does nothing.
+    A second signal is handled where it comes. In a thread that is not the main one, which hears no signals,
+    it does nothing.
     """
 
     def __init__(self) -> None:
@@ -49,7 +53,9 @@ class Interrupts:
         if number is not None:
             self.former[number](number, None)
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         for number, handler in self.former.items():
             signal.signal(number, handler)
         if kind is None:
@@ -61,10 +67,16 @@ Result = TypeVar("Result")
 
 
 class Workers:
-    """Threads, one a core unless given, that end within a call of the loop when whoever waits for them is interrupted."""
+    """Threads, one a core unless given, that end within a call of the loop when whoever waits for them is
+    interrupted.
+    """
 
     def __init__(self, count: int | None = None) -> None:
-        self.halt, self.stop, self.count = Interrupts(), threading.Event(), max(1, count or os.cpu_count() or 1)
+        self.halt, self.stop, self.count = (
+            Interrupts(),
+            threading.Event(),
+            max(1, count or os.cpu_count() or 1),
+        )
 
     def __enter__(self) -> Workers:
         self.halt.__enter__()
@@ -76,7 +88,9 @@ class Workers:
         return self.pool.submit(work, *arguments)
 
     def results(self, jobs: Iterable[Future[Result]]) -> Iterator[Result]:
-        """Yield results as they come, or raise what the first job that fails raises. Signals are heard meanwhile."""
+        """Yield results as they come, or raise what the first job that fails raises. Signals are heard
+        meanwhile.
+        """
         waiting = set(jobs)
         while waiting:
             done, waiting = wait(waiting, PATIENCE, FIRST_COMPLETED)
@@ -88,7 +102,9 @@ class Workers:
         if self.stop.is_set():
             raise KeyboardInterrupt
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.stop.set()
         self.pool.shutdown(wait=True, cancel_futures=True)
         self.halt.__exit__(kind, error, trace)
@@ -101,13 +117,17 @@ GROWTH = 4  # from one call to the next, at the most
 
 
 class ChunkSize:
-    """Learns how long steps last, from so many in the ``first`` call; ``look`` is called after each call of the loop."""
+    """Learns how long steps last, from so many in the ``first`` call; ``look`` is called after each call of
+    the loop.
+    """
 
     def __init__(self, look: Callable[[], None] | None = None, first: int = FIRST) -> None:
         self.look, self.room, self.seconds = look, first, 0.0
 
-    def call(self, runner: Stepper, count: int, outputs: int = 1, *, anew: bool = True, record: bool = True) -> NDArray[np.float64]:
-        """One call of the loop, timed; see :meth:`~vfife.codegen.runner.Runner.advance`."""
+    def call(
+        self, runner: Stepper, count: int, outputs: int = 1, *, anew: bool = True, record: bool = True
+    ) -> NDArray[np.float64]:
+        """One call of the loop, timed; see :meth:`~vfife.compiler.runtime.runner.Runner.advance`."""
         began = time.perf_counter()
         rows = runner.advance(count, outputs, anew=anew, record=record)
         spent = time.perf_counter() - began

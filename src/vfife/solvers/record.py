@@ -22,8 +22,9 @@ Rows: TypeAlias = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What a run goes on from, to the bit: S after ``step`` in the order of :func:`lasting_rows`, shape (rows,) or (rows, lanes), and ``more``
-    that the solver remembers beside it, for JSON. ``chunks`` and ``outputs`` are those that a file had then.
+    """What a run goes on from, to the bit: S after ``step`` in the order of :func:`lasting_rows`, shape
+    (rows,) or (rows, lanes), and ``more`` that the solver remembers beside it, for JSON. ``chunks`` and
+    ``outputs`` are those that a file had then.
     """
 
     step: int
@@ -43,8 +44,16 @@ class Writer(Protocol):
     def later(self) -> Callable[[], Rows]:
         """What reads the rows of the outputs when they are asked for."""
 
-    def append(self, steps: NDArray[np.int64], rows: Rows, beside: Beside | None = None, checkpoint: Checkpoint | None = None) -> None:
-        """Keeps outputs, with what companions leave beside the last of them and the state at their end; those from step 0 on begin anew."""
+    def append(
+        self,
+        steps: NDArray[np.int64],
+        rows: Rows,
+        beside: Beside | None = None,
+        checkpoint: Checkpoint | None = None,
+    ) -> None:
+        """Keeps outputs, with what companions leave beside the last of them and the state at their end; those
+        from step 0 on begin anew.
+        """
 
     def companions(self) -> tuple[dict[str, Any], NDArray[np.int64], Rows] | None:
         """What is told of the companions, their steps and rows, as far as they are still needed."""
@@ -67,10 +76,12 @@ class Burst:
 
 @dataclass
 class Estimate:
-    """Errors by measure, in its unit: of the step of a smooth run, from the same at a half and a quarter of it; of the mesh of a static analysis,
-    from that with other numbers of elements. Measures without an entry were not estimated.
+    """Errors by measure, in its unit: of the step of a smooth run, from the same at a half and a quarter of
+    it; of the mesh of a static analysis, from that with other numbers of elements. Measures without an entry
+    were not estimated.
 
-    ``order`` is that of the step. ``converges``: whether the runs at smaller steps come together where measures are taken.
+    ``order`` is that of the step. ``converges``: whether the runs at smaller steps come together where
+    measures are taken.
     """
 
     order: float | None
@@ -102,16 +113,19 @@ class Columns:
 
 @dataclass
 class Record:
-    """What a run leaves: ``rows[k]`` holds the rows ``kept`` of S after step ``steps[k]``; time is steps * step.
+    """What a run leaves: ``rows[k]`` holds the rows ``kept`` of S after step ``steps[k]``; time is steps *
+    step.
 
-    A static analysis leaves its equilibria: step k is that under load factor k, counted from 1; 0 is the start, without loads.
+    A static analysis leaves its equilibria: step k is that under load factor k, counted from 1; 0 is the
+    start, without loads.
 
-    Extremes in row k are those of the steps after output k - 1 up to output k. The first output is step 0. ``final`` is all of S after the last
-    output, where it is known.
+    Extremes in row k are those of the steps after output k - 1 up to output k. The first output is step 0.
+    ``final`` is all of S after the last output, where it is known.
 
-    ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked for: a run that writes a file
-    keeps no rows in memory. ``companions`` ran beside it, or None; ``estimate`` is that of a smooth run, where it was made.
-    ``lost`` names what was damaged in the file that it was read from; ``reached`` is the last step made, ``burst`` where the run diverged.
+    ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked
+    for: a run that writes a file keeps no rows in memory. ``companions`` ran beside it, or None; ``estimate``
+    is that of a smooth run, where it was made. ``lost`` names what was damaged in the file that it was read
+    from; ``reached`` is the last step made, ``burst`` where the run diverged.
     """
 
     assembly: Assembly
@@ -128,17 +142,25 @@ class Record:
     lost: tuple[str, ...] = ()
     reached: int = 0
     burst: Burst | None = None
-    columns: Columns | None = field(default=None, repr=False, compare=False)  # where blocks stand, which records of one layout may share
+    columns: Columns | None = field(
+        default=None, repr=False, compare=False
+    )  # where blocks stand, which records of one layout may share
 
     @property
     def _columns(self) -> Columns:
-        if self.columns is None or self.columns.kept is not self.kept or self.columns.layout is not self.assembly.layout:
+        if (
+            self.columns is None
+            or self.columns.kept is not self.kept
+            or self.columns.layout is not self.assembly.layout
+        ):
             self.columns = Columns(self.assembly.layout, self.kept)
         return self.columns
 
     @property
     def rows(self) -> Rows:
-        """Recorded rows, shape (outputs, kept). Raises RunFileError where a file that has them is gone or damaged."""
+        """Recorded rows, shape (outputs, kept). Raises RunFileError where a file that has them is gone or
+        damaged.
+        """
         if not isinstance(self.source, np.ndarray):
             self.source = self.source()
         return self.source
@@ -162,8 +184,14 @@ class Record:
 
 
 def lasting_blocks(layout: Layout) -> list[tuple[str, NDArray[np.intp]]]:
-    """Blocks of S that mean something between two steps, by name, and their rows; those that a mechanism has none of are left out."""
-    return [(block.name, layout.rows_of(block.name)) for block in BLOCKS if block.role != "scratch" and len(layout.records[block.entity])]
+    """Blocks of S that mean something between two steps, by name, and their rows; those that a mechanism has
+    none of are left out.
+    """
+    return [
+        (block.name, layout.rows_of(block.name))
+        for block in BLOCKS
+        if block.role != "scratch" and len(layout.records[block.entity])
+    ]
 
 
 def lasting_rows(layout: Layout) -> NDArray[np.intp]:

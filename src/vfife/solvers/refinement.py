@@ -1,4 +1,6 @@
-"""Errors of step and mesh: a smooth run repeated with half and a quarter of its step, a static analysis with other numbers of elements."""
+"""Errors of step and mesh: a smooth run repeated with half and a quarter of its step, a static analysis with
+other numbers of elements.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +14,8 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..codegen.runner import Runner
-from ..codegen.straight_line import about
+from ..compiler.runtime.runner import Runner
+from ..compiler.trace.straight_line import about
 from ..errors import VfifeError
 from ..model.bodies import MOST_ELEMENTS, Body, Frame, Link
 from ..model.mechanism import Mechanism
@@ -25,16 +27,26 @@ from .status import Progress, Status
 
 Array = NDArray[np.float64]
 
-MOST_LINES = 5e9  # lines times steps of a run that is repeated by default: half a second, three with both repetitions
+MOST_LINES = (
+    5e9  # lines times steps of a run that is repeated by default: half a second, three with both repetitions
+)
 FINER = (2, 4)  # steps of the repetitions in one step of the run
 CHUNK = 64  # outputs between two looks
-SAMPLED = ("particle_x", "particle_y", "particle_theta", "particle_ax", "particle_ay", "particle_aw")  # what is of the time t_n
+SAMPLED = (
+    "particle_x",
+    "particle_y",
+    "particle_theta",
+    "particle_ax",
+    "particle_ay",
+    "particle_aw",
+)  # what is of the time t_n
 EXACT = 1e-13  # what rounding leaves of positions, relative
 EPS = float(np.finfo(float).eps)
 OVER_NOISE = 30.0
 TINY = 1e-100
 PARTS = 8  # of the run, in each of which the differences are compared
-DECISIVE = 1e-3  # of the size of the motion: smaller differences between h and h/2 decide nothing, whatever their order
+# of the size of the motion: smaller differences between h and h/2 decide nothing, whatever their order
+DECISIVE = 1e-3
 FALLING = 0.5  # a difference that falls by less from one halving to the next falls more slowly than the step
 APART = 0.1  # of the size of the motion: runs at h/2 and h/4 that differ by more do not show the same motion
 
@@ -87,7 +99,10 @@ def refine(record: Record, first: int = 0) -> Refined:
             for window, rows in zip(windows, both, strict=True):
                 window.append(rows[wanted])
             compared.take(done, *both)
-    half, quarter = (_record(record, one, parts, kept, np.concatenate(window)) for one, parts, window in zip(finer, FINER, windows, strict=True))
+    half, quarter = (
+        _record(record, one, parts, kept, np.concatenate(window))
+        for one, parts, window in zip(finer, FINER, windows, strict=True)
+    )
     since = (len(record.steps) - len(half.steps)) * PARTS // len(record.steps)
     return Refined(half, quarter, compared.ratio(), compared.converges(since))
 
@@ -115,7 +130,12 @@ def divided(assembly: Assembly, parts: int) -> Assembly:
 def started(assembly: Assembly, kept: NDArray[np.uint32]) -> Runner:
     """What steps it."""
     return Runner(
-        assembly.topology, assembly.state[:, None].copy(), assembly.tables[None, :], "generated", kept, parts=assembly.mechanism.settings.parts
+        assembly.topology,
+        assembly.state[:, None].copy(),
+        assembly.tables[None, :],
+        "generated",
+        kept,
+        parts=assembly.mechanism.settings.parts,
     )
 
 
@@ -132,7 +152,11 @@ class Differences:
 
     def take(self, done: int, half: Array, quarter: Array) -> None:
         """Outputs after the first ``done``, shape (outputs, kept) each."""
-        fine, finest, own = half[:, self.columns], quarter[:, self.columns], self.own[done + 1 : done + 1 + len(half)]
+        fine, finest, own = (
+            half[:, self.columns],
+            quarter[:, self.columns],
+            self.own[done + 1 : done + 1 + len(half)],
+        )
         part = (done + 1 + np.arange(len(half))) * PARTS // len(self.own)
         with np.errstate(over="ignore", invalid="ignore"):
             for k in np.unique(part):
@@ -148,10 +172,18 @@ class Differences:
         largest = np.abs(self.own).reshape(len(self.own), len(SAMPLED), -1).max(axis=(0, 2), initial=0.0)
         size, turn, push = max(*largest[:2], TINY), max(largest[2], 1.0), max(*largest[3:5], TINY)
         spin = max(largest[5], push / size)
-        rounding = EPS * FINER[-1] * FINER[-1] / (self.step * self.step)  # of a second difference of numbers near one
+        rounding = (
+            EPS * FINER[-1] * FINER[-1] / (self.step * self.step)
+        )  # of a second difference of numbers near one
         scale = np.array([size, size, turn, push, push, spin])
-        noise = np.array([EXACT, EXACT, EXACT, rounding * size / push, rounding * size / push, rounding * turn / spin])
-        found = self.squares.reshape(PARTS, 2, len(SAMPLED), -1).sum(axis=3) / (scale * scale) / np.maximum(self.counts, 1.0)[:, None, None]
+        noise = np.array(
+            [EXACT, EXACT, EXACT, rounding * size / push, rounding * size / push, rounding * turn / spin]
+        )
+        found = (
+            self.squares.reshape(PARTS, 2, len(SAMPLED), -1).sum(axis=3)
+            / (scale * scale)
+            / np.maximum(self.counts, 1.0)[:, None, None]
+        )
         return found[:, 0], found[:, 1], noise
 
     def ratio(self) -> float | None:
@@ -179,9 +211,14 @@ class Differences:
 
 HALF, TWICE, FOUR_TIMES = 0.5, 2.0, 4.0  # of the elements of a model
 WORDS = {HALF: "half", TWICE: "twice", FOUR_TIMES: "four times"}
-STATIC_ITERATIONS = 1000.0, 40.0  # of an equilibrium: at least, and for each element along a body, squared, and each body
+STATIC_ITERATIONS = (
+    1000.0,
+    40.0,
+)  # of an equilibrium: at least, and for each element along a body, squared, and each body
 OVERHEAD = 10.0  # elements that take the time of all else in an iteration
-MOST_WORK = 5e7  # iterations times elements of an analysis that is repeated by default: two or three seconds, ten with the repetition
+# iterations times elements of an analysis that is repeated by default: two or three seconds, ten with the
+# repetition
+MOST_WORK = 5e7
 
 
 def refinable(mechanism: Mechanism) -> bool:
@@ -189,7 +226,9 @@ def refinable(mechanism: Mechanism) -> bool:
     definition.
     """
     elastic = [body for body in mechanism.bodies.values() if counts(body)]
-    return bool(elastic) and all(body.model != "two-particle" and TWICE * sum(counts(body)) <= MOST_ELEMENTS for body in elastic)
+    return bool(elastic) and all(
+        body.model != "two-particle" and TWICE * sum(counts(body)) <= MOST_ELEMENTS for body in elastic
+    )
 
 
 def meshed(mechanism: Mechanism, share: float) -> Mechanism | None:
@@ -202,7 +241,9 @@ def meshed(mechanism: Mechanism, share: float) -> Mechanism | None:
             return None
         bodies[name] = body
         if isinstance(body, Frame):
-            members = tuple(dataclasses.replace(member, elements=int(share * member.elements)) for member in body.members)
+            members = tuple(
+                dataclasses.replace(member, elements=int(share * member.elements)) for member in body.members
+            )
             bodies[name] = dataclasses.replace(body, members=members)
         elif isinstance(body, Link) and body.element_count:
             bodies[name] = dataclasses.replace(body, elements=int(share * body.elements))
@@ -228,7 +269,10 @@ def iterations(assembly: Assembly) -> float:
 
 def worth_other_meshes(assembly: Assembly) -> bool:
     """Whether an analysis is short enough to be repeated by default."""
-    return assembly.choice.outputs * iterations(assembly) * (len(assembly.topology.frame_nodes) + OVERHEAD) <= MOST_WORK
+    return (
+        assembly.choice.outputs * iterations(assembly) * (len(assembly.topology.frame_nodes) + OVERHEAD)
+        <= MOST_WORK
+    )
 
 
 def other_meshes(record: Record, progress: Callable[[Progress], None] | None = None) -> dict[float, Record]:
@@ -244,7 +288,9 @@ def other_meshes(record: Record, progress: Callable[[Progress], None] | None = N
     return found if HALF in found or TWICE not in found else found | _on_mesh(record, FOUR_TIMES, progress)
 
 
-def _on_mesh(record: Record, share: float, progress: Callable[[Progress], None] | None) -> dict[float, Record]:
+def _on_mesh(
+    record: Record, share: float, progress: Callable[[Progress], None] | None
+) -> dict[float, Record]:
     """The same on one of them; nothing where there is no such mesh."""
     mechanism = meshed(record.assembly.mechanism, share) if record.status == Status.COMPLETE else None
     if mechanism is None:

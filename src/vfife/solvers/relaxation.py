@@ -1,4 +1,6 @@
-"""Equilibria by dynamic relaxation: fictitious masses, what a load factor acts on, and the iterations themselves."""
+"""Equilibria by dynamic relaxation: fictitious masses, what a load factor acts on, and the iterations
+themselves.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..assembly.stability import element_stiffness, held
-from ..codegen.runner import Runner
+from ..compiler.runtime.runner import Runner
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE, SPEED, TIME
 from ..kinematics.forces import Datum, actions
@@ -28,18 +30,24 @@ SWAY = 0.8  # share of the bending frequency that goes to translations, the rest
 
 
 def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> tuple[Array, Array]:
-    """Mass (N s^2/m, the iteration being the second) and inertia that each particle needs for iterations to be stable, shape (particles,).
+    """Mass (N s^2/m, the iteration being the second) and inertia that each particle needs for iterations to
+    be stable, shape (particles,).
 
-    ``state``: S at present, for lengths and axial forces of elements; ``pressed`` (N): what each contact has carried of late, ``force`` at least.
+    ``state``: S at present, for lengths and axial forces of elements; ``pressed`` (N): what each contact has
+    carried of late, ``force`` at least.
     """
     mass, inertia = _elements(assembly, state)
-    load = held(assembly.layout, state, assembly.topology, _contacts(assembly, np.maximum(2.0 * pressed, force)))
+    load = held(
+        assembly.layout, state, assembly.topology, _contacts(assembly, np.maximum(2.0 * pressed, force))
+    )
     # springs, axes of bushings and contacts are on four motions, torsional springs on two
     return (mass + 4.0 * load.straight) / OMEGA, (inertia + 4.0 * load.levers + 2.0 * load.about) / OMEGA
 
 
 def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
-    """Axial stiffness on two motions; bending on two across and two turns, or one where an end is released; N/l across."""
+    """Axial stiffness on two motions; bending on two across and two turns, or one where an end is released;
+    N/l across.
+    """
     mass, inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
     if not assembly.topology.frame_nodes:
         return mass, inertia
@@ -57,7 +65,9 @@ def _contacts(assembly: Assembly, force: Array) -> list[float]:
     found = []
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
-        found.append(tangent(law, assembly.contact_slots(index), float(force[index]))[1] if force[index] > 0.0 else 0.0)
+        found.append(
+            tangent(law, assembly.contact_slots(index), float(force[index]))[1] if force[index] > 0.0 else 0.0
+        )
     return found
 
 
@@ -70,11 +80,16 @@ class Floors:
         for body in assembly.bodies.values():
             if body.elements:
                 continue
-            reach = max([0.0, *(hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())])
-            self.gyration[body.particles[0]] = max(body.inertia / body.mass if body.mass > 0.0 else 0.0, reach * reach)
+            reach = max(
+                [0.0, *(hypot(x - body.reference[0], y - body.reference[1]) for x, y in body.pins.values())]
+            )
+            self.gyration[body.particles[0]] = max(
+                body.inertia / body.mass if body.mass > 0.0 else 0.0, reach * reach
+            )
 
     def __call__(self, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
-        """Masses and inertias with ``least`` (N/m) for what has no stiffness of its own, which loads alone would hold: a pendulum, a cable.
+        """Masses and inertias with ``least`` (N/m) for what has no stiffness of its own, which loads alone
+        would hold: a pendulum, a cable.
 
         Inertias of rigid bodies are at least the mass times the square of their radius of gyration.
         """
@@ -87,7 +102,9 @@ class Floors:
 
 
 def extent(assembly: Assembly, state: Array) -> float:
-    """Diagonal of the box around the particles and the points of the ground, and no less than the largest body or bearing (m)."""
+    """Diagonal of the box around the particles and the points of the ground, and no less than the largest
+    body or bearing (m).
+    """
     points = np.array(list(assembly.mechanism.points.values())).reshape(-1, 2)
     places = [state[assembly.layout[f"particle_{axis}"]] for axis in "xy"]
     columns = [np.concatenate([place[1:], points[:, axis]]) for axis, place in enumerate(places)]
@@ -98,7 +115,9 @@ def extent(assembly: Assembly, state: Array) -> float:
 
 
 class Loading:
-    """What the load factor acts on: tables of functions, weights and drivers of an assembly, written into a relaxation's S and T."""
+    """What the load factor acts on: tables of functions, weights and drivers of an assembly, written into a
+    relaxation's S and T.
+    """
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly, self.layout, t = assembly, assembly.layout, assembly.topology
@@ -120,10 +139,14 @@ class Loading:
     def force(self, factors: Sequence[float], size: float) -> float:
         """Sum of all loads at the largest factor (N), moments as forces on a lever of ``size`` (m)."""
         state, t = self.assembly.state, self.assembly.topology
-        total = sum(float(np.abs(state[self.layout[f"particle_load_{axis}"]]).sum()) for axis in "xy") * max(abs(f) for f in factors)
+        total = sum(float(np.abs(state[self.layout[f"particle_load_{axis}"]]).sum()) for axis in "xy") * max(
+            abs(f) for f in factors
+        )
         for k, function in enumerate(t.load_function):
             fx, fy, moment = (float(state[self.layout.row(f"load_{axis}", k)]) for axis in ("fx", "fy", "m"))
-            total += (float(hypot(fx, fy)) + abs(moment) / size) * max(abs(self.value(function, f)) for f in factors)
+            total += (float(hypot(fx, fy)) + abs(moment) / size) * max(
+                abs(self.value(function, f)) for f in factors
+            )
         return total
 
     def motion(self, old: float, new: float) -> tuple[float, float]:
@@ -132,13 +155,23 @@ class Loading:
         turns = [abs(float(speed[k]) * (new - old)) for k in self.speeds]
         moved = {f: abs(self.value(f, new) - self.value(f, old)) for f in self.motions}
         turns += [size for f, size in moved.items() if f in self.turns]
-        return max(turns, default=0.0), max((size for f, size in moved.items() if f not in self.turns), default=0.0)
+        return max(turns, default=0.0), max(
+            (size for f, size in moved.items() if f not in self.turns), default=0.0
+        )
 
     def go(self, relaxation: Relaxation, old: float, new: float, count: int) -> None:
-        """Writes what leads from one factor to another in ``count`` iterations, motions evenly; at once where ``count`` is 0."""
+        """Writes what leads from one factor to another in ``count`` iterations, motions evenly; at once where
+        ``count`` is 0.
+        """
         start, state = self.assembly.state, relaxation.state
         now = float(relaxation.runner.done)
-        for name in ("particle_load_x", "particle_load_y", "particle_load_m", "driven_weight_x", "driven_weight_y"):
+        for name in (
+            "particle_load_x",
+            "particle_load_y",
+            "particle_load_m",
+            "driven_weight_x",
+            "driven_weight_y",
+        ):
             state[self.layout[name]] = new * start[self.layout[name]]
         for k in self.speeds:
             angle, speed = (float(start[self.layout.row(f"driven_{name}", k)]) for name in ("angle", "speed"))
@@ -148,7 +181,9 @@ class Loading:
         for function in range(len(self.arguments)):
             self._table(relaxation, function, old, new, count, now)
 
-    def _table(self, relaxation: Relaxation, function: int, old: float, new: float, count: int, now: float) -> None:
+    def _table(
+        self, relaxation: Relaxation, function: int, old: float, new: float, count: int, now: float
+    ) -> None:
         tables, t = relaxation.runner.functions, self.assembly.topology
         at, argument = t.function_start[function], self.arguments[function][0]
         if argument in (TIME, SPEED):
@@ -175,13 +210,22 @@ FORCES = (
     "particle_load_x", "particle_load_y", "frame_axial_force", "joint_fx", "joint_fy", "contact_normal_force",
     "spring_fx", "spring_fy", "driven_fx", "driven_fy",
 )  # fmt: skip
-MOMENTS = ("frame_moment_1", "frame_moment_2", "joint_moment", "spring_moment", "driven_torque", "particle_load_m")
+MOMENTS = (
+    "frame_moment_1",
+    "frame_moment_2",
+    "joint_moment",
+    "spring_moment",
+    "driven_torque",
+    "particle_load_m",
+)
 HEAVIER, MOST_HEAVIER = 1.5, 16.0  # factors by which masses grow where a stiffness has outgrown them
 
 
 @dataclass
 class Balance:
-    """Unbalanced force and moment, the largest force and moment there are, and the size (m) by which the two are compared."""
+    """Unbalanced force and moment, the largest force and moment there are, and the size (m) by which the two
+    are compared.
+    """
 
     force: float
     moment: float
@@ -191,7 +235,9 @@ class Balance:
 
     @property
     def ratio(self) -> float:
-        """The larger of unbalanced force over largest force and the same for moments; 0 where there are no forces."""
+        """The larger of unbalanced force over largest force and the same for moments; 0 where there are no
+        forces.
+        """
         force = max(self.largest_force, self.largest_moment / self.size)
         moment = max(self.largest_moment, self.largest_force * self.size)
         return max(self.force / force if force > 0.0 else 0.0, self.moment / moment if moment > 0.0 else 0.0)
@@ -204,11 +250,18 @@ class Relaxation:
         self.assembly, self.layout, self.force = assembly, assembly.layout, force
         state = assembly.state[:, None].copy()
         self.size = extent(assembly, assembly.state)
-        moving = {"x": "particle_inverse_mass", "y": "particle_inverse_mass", "theta": "particle_inverse_inertia"}
+        moving = {
+            "x": "particle_inverse_mass",
+            "y": "particle_inverse_mass",
+            "theta": "particle_inverse_inertia",
+        }
         free = {axis: np.flatnonzero(state[self.layout[name], 0] > 0.0) for axis, name in moving.items()}
         rates = {"x": ("u", "ax"), "y": ("v", "ay"), "theta": ("w", "aw")}
         self.places = np.concatenate([self.layout[f"particle_{axis}"][free[axis]] for axis in moving])
-        self.speeds, self.pushes = (np.concatenate([self.layout[f"particle_{rates[axis][k]}"][free[axis]] for axis in moving]) for k in (0, 1))
+        self.speeds, self.pushes = (
+            np.concatenate([self.layout[f"particle_{rates[axis][k]}"][free[axis]] for axis in moving])
+            for k in (0, 1)
+        )
         self.inverse = np.concatenate([self.layout[name][free[axis]] for axis, name in moving.items()])
         self.turning = np.concatenate([np.full(len(free[axis]), axis == "theta") for axis in moving])
         for block in ("u", "v", "w"):
@@ -216,13 +269,19 @@ class Relaxation:
         state[self.layout["step"]] = 1.0
         state[self.layout["damping"]] = 0.0
         state[self.layout["contact_floor"]] = 1e30  # contacts press by their elastic part alone
-        watched = np.concatenate([self.places, self.speeds, self.pushes, self.layout["contact_force_squared_max"]]).astype(np.uint32)
-        self.forces, self.moments = (np.concatenate([self.layout[name] for name in some]) for some in (FORCES, MOMENTS))
+        watched = np.concatenate(
+            [self.places, self.speeds, self.pushes, self.layout["contact_force_squared_max"]]
+        ).astype(np.uint32)
+        self.forces, self.moments = (
+            np.concatenate([self.layout[name] for name in some]) for some in (FORCES, MOMENTS)
+        )
         self.ends = self.layout["frame_moment_1"], self.layout["frame_moment_2"]
         self.floors = Floors(assembly)
         self.longest = FEW if assembly.contacts else LONGEST
         self.pressed = np.zeros(len(assembly.contacts))
-        self.runner = Runner(assembly.topology, state, assembly.tables[None, :].copy(), loop, watched, parts=1)
+        self.runner = Runner(
+            assembly.topology, state, assembly.tables[None, :].copy(), loop, watched, parts=1
+        )
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
         self.pace = ChunkSize()
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
@@ -235,7 +294,9 @@ class Relaxation:
         return self.runner.states[:, 0]
 
     def reweigh(self) -> bool:
-        """Gives particles that are too light for their stiffness more mass. True where any was so light that iterations were unstable."""
+        """Gives particles that are too light for their stiffness more mass. True where any was so light that
+        iterations were unstable.
+        """
         wanted = demands(self.assembly, self.state, self.force, self.pressed)
         needed = self.floors(*wanted, LOADED * self.force / self.size)
         unstable, first = False, not self.mass.any()
@@ -251,11 +312,15 @@ class Relaxation:
 
     @property
     def whole(self) -> bool:
-        """Whether all numbers are finite: what is loose goes far away, but what is held and flat comes apart at once."""
+        """Whether all numbers are finite: what is loose goes far away, but what is held and flat comes apart
+        at once.
+        """
         return bool(np.isfinite(self.state[self.places]).all())
 
     def go_back(self, before: Array) -> None:
-        """Goes back to a state at rest, with masses so much larger that a flat structure is moved by less than its rise in one iteration."""
+        """Goes back to a state at rest, with masses so much larger that a flat structure is moved by less
+        than its rise in one iteration.
+        """
         self.state[:] = before
         self.rest()
         for name in ("mass", "inertia"):
@@ -290,9 +355,11 @@ class Relaxation:
         self.iterations += count
 
     def relax(self) -> Array:
-        """A chunk of iterations with looks between; damping follows the slowest motion. Returned: unbalanced forces, shape (looks, coordinates).
+        """A chunk of iterations with looks between; damping follows the slowest motion. Returned: unbalanced
+        forces, shape (looks, coordinates).
 
-        Where a contact turned out stiffer than its bodies' masses allow, the chunk is undone and made again, from rest, with larger ones.
+        Where a contact turned out stiffer than its bodies' masses allow, the chunk is undone and made again,
+        from rest, with larger ones.
         """
         while True:
             before = self.state.copy()
@@ -300,7 +367,9 @@ class Relaxation:
             self.iterations += LOOKS * self.between
             seen = rows[:, : 3 * len(self.places)].reshape(LOOKS, 3, -1)
             with np.errstate(invalid="ignore"):
-                self.pressed = np.nan_to_num(np.sqrt(rows[:, 3 * len(self.places) :].max(axis=0)), nan=1e300, posinf=1e300)
+                self.pressed = np.nan_to_num(
+                    np.sqrt(rows[:, 3 * len(self.places) :].max(axis=0)), nan=1e300, posinf=1e300
+                )
             if not self.reweigh():
                 break
             inverse = [self.layout["particle_inverse_mass"], self.layout["particle_inverse_inertia"]]
@@ -346,7 +415,9 @@ class Relaxation:
         size = np.where(np.abs(pushes) > noise, np.abs(pushes), 0.0)
         forces, moments = self.largest()
         turning, straight = size[self.turning], size[~self.turning]
-        return Balance(float(straight.max(initial=0.0)), float(turning.max(initial=0.0)), forces, moments, self.size)
+        return Balance(
+            float(straight.max(initial=0.0)), float(turning.max(initial=0.0)), forces, moments, self.size
+        )
 
     def largest(self) -> tuple[float, float]:
         """Largest force (N) and moment (N m) among loads, elements, joints, contacts and springs."""
@@ -356,7 +427,12 @@ class Relaxation:
             return float(np.fmax.reduce(np.abs(state[rows]), initial=0.0))
 
         value = np.abs(state[layout["function_value"]])[list(self.assembly.topology.load_function)]
-        loads = [float((value * np.abs(state[layout[f"load_{axis}"]])).max(initial=0.0)) for axis in ("fx", "fy", "m")]
+        loads = [
+            float((value * np.abs(state[layout[f"load_{axis}"]])).max(initial=0.0))
+            for axis in ("fx", "fy", "m")
+        ]
         first, second = self.ends
         shear = (state[first] + state[second]) / state[layout["reference_length"]]
-        return max(top(self.forces), *loads[:2], float(np.abs(shear).max(initial=0.0))), max(top(self.moments), loads[2])
+        return max(top(self.forces), *loads[:2], float(np.abs(shear).max(initial=0.0))), max(
+            top(self.moments), loads[2]
+        )

@@ -1,4 +1,6 @@
-"""Turns of a crank at constant speed, and whether they repeat: what two turns are compared by, and a watch that ends a run which has settled."""
+"""Turns of a crank at constant speed, and whether they repeat: what two turns are compared by, and a watch
+that ends a run which has settled.
+"""
 
 from __future__ import annotations
 
@@ -26,14 +28,18 @@ LEAST = 0.1  # of the largest of its kind: what is smaller is compared with that
 ROUNDING = 16.0 * 2.2e-16  # of an angle (rad), which shows in its second difference
 NOISE = 1e-9  # of the largest load
 OVER_NOISE = 1e3  # times which a quantity has to be, or it is compared with that
-GLANCES = 24  # outputs of a turn by which it is told that it does not repeat another one; that it does, by all
+GLANCES = (
+    24  # outputs of a turn by which it is told that it does not repeat another one; that it does, by all
+)
 SURE = 1.0 + 1e-9  # times which a difference has to be, beyond all rounding
 
 
 def distance(before: Array, after: Array, least: Array | None = None) -> float:
-    """How far two turns lie apart: the largest difference at an output over the largest absolute value of a quantity, of all the worst.
+    """How far two turns lie apart: the largest difference at an output over the largest absolute value of a
+    quantity, of all the worst.
 
-    Shapes (outputs, quantities). A quantity that is zero in both turns does not count; one smaller than its ``least`` is compared with that.
+    Shapes (outputs, quantities). A quantity that is zero in both turns does not count; one smaller than its
+    ``least`` is compared with that.
     """
     size = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
     size = size if least is None else np.maximum(size, least)
@@ -47,7 +53,9 @@ def compared_rows(layout: Layout) -> list[int]:
 
 
 def outputs_of_a_turn(assembly: Assembly) -> int | None:
-    """Outputs in a turn of a crank at constant speed; None where nothing turns so, or where a turn holds no whole number of them."""
+    """Outputs in a turn of a crank at constant speed; None where nothing turns so, or where a turn holds no
+    whole number of them.
+    """
     moving = [driver for driver in assembly.mechanism.drivers.values() if driver.moves]
     return None if any(driver.steady_speed is None for driver in moving) else whole_outputs(assembly.choice)
 
@@ -62,7 +70,9 @@ def whole_outputs(choice: StepChoice) -> int | None:
 
 
 class Comparison:
-    """Compares turns of a run by the rows that it kept: what is small beside others of its kind, or noise, counts for little."""
+    """Compares turns of a run by the rows that it kept: what is small beside others of its kind, or noise,
+    counts for little.
+    """
 
     def __init__(self, assembly: Assembly, kept: NDArray[np.uint32]) -> None:
         self.layout, self.step = assembly.layout, assembly.choice.step
@@ -75,12 +85,20 @@ class Comparison:
         """Places among the columns of quantities of one kind."""
         kinds = {"squares": SQUARES, "moments": MOMENTS, "accelerations": ACCELERATIONS}
         kinds |= {name: (name,) for name in ("contact_normal_force", "contact_penetration_max")}
-        wanted = {kind: {int(row) for name in names for row in self.layout.rows_of(name)} for kind, names in kinds.items()}
-        return {kind: np.array([k for k, row in enumerate(self.rows) if row in rows], dtype=np.intp) for kind, rows in wanted.items()}
+        wanted = {
+            kind: {int(row) for name in names for row in self.layout.rows_of(name)}
+            for kind, names in kinds.items()
+        }
+        return {
+            kind: np.array([k for k, row in enumerate(self.rows) if row in rows], dtype=np.intp)
+            for kind, rows in wanted.items()
+        }
 
     def distance(self, before: Array, after: Array) -> float:
         """:func:`distance` of two turns, shapes (outputs, columns)."""
-        return distance(before, after, self.least(np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))))
+        return distance(
+            before, after, self.least(np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0)))
+        )
 
     def least(self, size: Array) -> Array:
         """What each quantity is compared with at least, from the largest absolute values of all."""
@@ -99,9 +117,11 @@ class Comparison:
 
 
 class Settling:
-    """Takes the outputs of a run and knows, at the end of each turn, whether turns repeat within a ``tolerance``: then the run has settled.
+    """Takes the outputs of a run and knows, at the end of each turn, whether turns repeat within a
+    ``tolerance``: then the run has settled.
 
-    They repeat with a period of p turns when as many in a row, and two at the least, have each been within the tolerance of the turn p before it.
+    They repeat with a period of p turns when as many in a row, and two at the least, have each been within
+    the tolerance of the turn p before it.
     """
 
     def __init__(self, assembly: Assembly, kept: NDArray[np.uint32], tolerance: float) -> None:
@@ -143,13 +163,17 @@ class Settling:
         self.sizes.append(size)
 
     def _apart(self, turn: Array, size: Array) -> NDArray[np.bool_]:
-        """Which of the turns before lie further apart than the tolerance already at some outputs, over the most that they may be compared with."""
+        """Which of the turns before lie further apart than the tolerance already at some outputs, over the
+        most that they may be compared with.
+        """
         if not self.turns:
             return np.zeros(0, dtype=bool)
         most = np.max([size, *self.sizes], axis=0)
         limit = self.tolerance * SURE * np.maximum(most, self.comparison.least(most))
         some = slice(None, None, max(1, len(turn) // GLANCES))
-        return np.asarray((np.abs(np.stack([before[some] for before in self.turns]) - turn[some]) > limit).any(axis=(1, 2)))
+        return np.asarray(
+            (np.abs(np.stack([before[some] for before in self.turns]) - turn[some]) > limit).any(axis=(1, 2))
+        )
 
     def restore(self, rows: Array) -> None:
         """All outputs so far, that of step 0 with them: of those the latest turns decide."""
@@ -162,16 +186,21 @@ class Settling:
             first += self.outputs
 
 
-def repeated_since(turns: Sequence[Array], comparison: Comparison, tolerance: float) -> tuple[int, int] | None:
-    """The period (turns) with which the turns of a run repeat, the shortest there is, and the first turn, counted from 1, from which on each
-    is within ``tolerance`` of the one a period before; None where they do not.
+def repeated_since(
+    turns: Sequence[Array], comparison: Comparison, tolerance: float
+) -> tuple[int, int] | None:
+    """The period (turns) with which the turns of a run repeat, the shortest there is, and the first turn,
+    counted from 1, from which on each is within ``tolerance`` of the one a period before; None where they do
+    not.
 
     As many turns as a period has are asked for. ``turns`` have the shape (outputs, columns).
     """
     count = len(turns)
     for period in range(1, min(LONGEST, count // 2) + 1):
         first = count
-        while first > period and comparison.distance(turns[first - 1 - period], turns[first - 1]) <= tolerance:
+        while (
+            first > period and comparison.distance(turns[first - 1 - period], turns[first - 1]) <= tolerance
+        ):
             first -= 1
         if count - first >= period:
             return period, first + 1

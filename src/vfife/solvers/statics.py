@@ -1,9 +1,11 @@
 """Equilibrium under load factors, by dynamic relaxation.
 
-A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it; loads and torques over time, and
-prescribed angles, travels and paths, are taken at time = factor. Torques over an angle are multiplied by it too, those over a speed have their
-value at rest. The way from one factor to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are
-followed and not leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as small as the settings want.
+A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it;
+loads and torques over time, and prescribed angles, travels and paths, are taken at time = factor. Torques
+over an angle are multiplied by it too, those over a speed have their value at rest. The way from one factor
+to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are
+followed and not leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as
+small as the settings want.
 """
 
 from __future__ import annotations
@@ -49,12 +51,14 @@ def equilibrium(
     file: Writer | None = None,
     resume: Checkpoint | None = None,
 ) -> Record:
-    """Equilibria under the load factors of the settings: output 0 is the start under factor 0, output k that under factor k.
+    """Equilibria under the load factors of the settings: output 0 is the start under factor 0, output k that
+    under factor k.
 
-    Iterations end where the unbalanced force is at most ``residual`` of the largest force (moments likewise) and the kinetic energy at most
-    ``kinetic_energy`` of the largest met. Where that takes more than ``iterations`` the status is "not converged", where the mechanism runs
-    away "diverged", after Ctrl-C "interrupted"; the message says where, and the equilibria found are kept. From a checkpoint of its ``file``,
-    ``resume``, the rest is found as it would have been, to the bit.
+    Iterations end where the unbalanced force is at most ``residual`` of the largest force (moments likewise)
+    and the kinetic energy at most ``kinetic_energy`` of the largest met. Where that takes more than
+    ``iterations`` the status is "not converged", where the mechanism runs away "diverged", after Ctrl-C
+    "interrupted"; the message says where, and the equilibria found are kept. From a checkpoint of its
+    ``file``, ``resume``, the rest is found as it would have been, to the bit.
     """
     settings = assembly.mechanism.settings
     kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
@@ -86,8 +90,16 @@ def equilibrium(
                 stage.tell(everything=True)
                 rows.append(_at_rest(assembly, relaxation, stage)[kept])
                 if file is not None:
-                    more = {"wall": earlier + time.perf_counter() - began, "relaxation": relaxation.remembered}
-                    file.append(np.array([k], dtype=np.int64), rows[-1][None, :], None, Checkpoint(k, relaxation.state[lasting], more))
+                    more = {
+                        "wall": earlier + time.perf_counter() - began,
+                        "relaxation": relaxation.remembered,
+                    }
+                    file.append(
+                        np.array([k], dtype=np.int64),
+                        rows[-1][None, :],
+                        None,
+                        Checkpoint(k, relaxation.state[lasting], more),
+                    )
                 old = factor
     except KeyboardInterrupt:
         record.status, record.message = Status.INTERRUPTED, f"Stopped at load factor {factors[len(rows)]:g}."
@@ -102,7 +114,9 @@ def equilibrium(
 
 
 def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:
-    """S of an equilibrium: one more iteration for the extremes, then no velocities, and the contacts' own floor of impact speeds."""
+    """S of an equilibrium: one more iteration for the extremes, then no velocities, and the contacts' own
+    floor of impact speeds.
+    """
     relaxation.advance(1)
     state, layout = relaxation.state.copy(), assembly.layout
     for name in STATE_OF_REST:
@@ -165,13 +179,17 @@ class Stage:
         state, layout = self.relaxation.state, self.loading.layout
         shortest = float(state[layout["reference_length"]].min(initial=0.01 * self.relaxation.size))
         turn, travel = self.loading.motion(self.old, self.new)
-        return max(FEWEST, int(np.ceil(turn / TURN / PARTS)), int(np.ceil(travel / (TRAVEL * shortest) / PARTS)))
+        return max(
+            FEWEST, int(np.ceil(turn / TURN / PARTS)), int(np.ceil(travel / (TRAVEL * shortest) / PARTS))
+        )
 
     def _look(self, pushes: Array, settings: Settings) -> tuple[Status, str] | None:
         relaxation = self.relaxation
         self.ratio = relaxation.balance(pushes[-1]).ratio
         self.tell()
-        moved = np.abs(relaxation.state[relaxation.places] - self.start) / np.where(relaxation.turning, 2.0 * np.pi, relaxation.size)
+        moved = np.abs(relaxation.state[relaxation.places] - self.start) / np.where(
+            relaxation.turning, 2.0 * np.pi, relaxation.size
+        )
         if not np.isfinite(moved).all() or moved.max(initial=0.0) > AWAY:
             return Status.DIVERGED, self._runaway()
         if self.done > settings.iterations:
@@ -192,29 +210,41 @@ class Stage:
         if not self.relaxation.whole:
             return self._apart()
         free = max(0, assembly.mobility.after_drives - len(constraint_drivers(assembly.mechanism)))
-        loose = f"It has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies could hold. " if free else ""
+        loose = (
+            f"It has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies"
+            " could hold. "
+            if free
+            else ""
+        )
         return (
-            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or turns: nothing holds it against the "
-            f"loads. {loose}Add a joint, a spring or a driver, or check the supports (vfife check)."
+            f"At load factor {self.new:g} the mechanism runs away by more than {AWAY:g} times its size, or"
+            f" turns: nothing holds it against the loads. {loose}Add a joint, a spring or a driver, or check"
+            " the supports (vfife check)."
         )
 
     def _in_line(self) -> bool:
-        """Whether what gives way at the start, to the first order only, is loaded: it came to rest where rounding has let it go."""
+        """Whether what gives way at the start, to the first order only, is loaded: it came to rest where
+        rounding has let it go.
+        """
         relaxation, mobility = self.relaxation, self.loading.assembly.mobility
-        return bool(mobility and mobility.blocked and relaxation.largest()[0] > BEYOND_LOADS * relaxation.force)
+        return bool(
+            mobility and mobility.blocked and relaxation.largest()[0] > BEYOND_LOADS * relaxation.force
+        )
 
     def _apart(self) -> str:
         return (
-            f"At load factor {self.new:g} joints come apart: links lie in line, or as good as that, where nothing holds them across but "
-            "forces beyond all bounds along them. Give them more rise, or let them stretch (elastic links)."
+            f"At load factor {self.new:g} joints come apart: links lie in line, or as good as that, where"
+            " nothing holds them across but forces beyond all bounds along them. Give them more rise, or let"
+            " them stretch (elastic links)."
         )
 
     def _unfinished(self, settings: Settings) -> str:
         return (
-            f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the unbalanced force is {self.ratio:.2e} of "
-            f"the largest force, {settings.residual:.2e} is asked for, and the kinetic energy is {self.relaxation.still:.1e} of the largest met. "
-            "Allow more iterations or a larger residual, put load factors closer together, or, where the load has passed a limit, prescribe the "
-            "travel of a pin instead of the load."
+            f"No equilibrium at load factor {self.new:g} within {settings.iterations:,} iterations: the"
+            f" unbalanced force is {self.ratio:.2e} of the largest force, {settings.residual:.2e} is asked"
+            f" for, and the kinetic energy is {self.relaxation.still:.1e} of the largest met. Allow more"
+            " iterations or a larger residual, put load factors closer together, or, where the load has"
+            " passed a limit, prescribe the travel of a pin instead of the load."
         )
 
 

@@ -7,7 +7,9 @@ from enum import StrEnum
 
 
 class Status(StrEnum):
-    """How a run ended, or where it stands. Each is also its text, in files and in comparisons: ``Status.COMPLETE == "complete"``."""
+    """How a run ended, or where it stands. Each is also its text, in files and in comparisons:
+    ``Status.COMPLETE == "complete"``.
+    """
 
     COMPLETE = "complete"  # it came to its end
     INTERRUPTED = "interrupted"  # Ctrl-C; what was computed before is kept

@@ -1,7 +1,9 @@
-"""Members stepped in lanes on all cores: whoever ends makes room for the next at once, and none knows what runs beside it.
+"""Members stepped in lanes on all cores: whoever ends makes room for the next at once, and none knows what
+runs beside it.
 
-Each thread has lanes of one topology. Members of other step sizes, and other numbers of steps a turn, share them: each has its own outputs and
-its own end. The machine code runs without Python's lock; in Python a member is looked at once for so many of its outputs, and when it ends.
+Each thread has lanes of one topology. Members of other step sizes, and other numbers of steps a turn, share
+them: each has its own outputs and its own end. The machine code runs without Python's lock; in Python a
+member is looked at once for so many of its outputs, and when it ends.
 """
 
 from __future__ import annotations
@@ -20,15 +22,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, Bounds, bounds, limited_rows
-from ..codegen.cuda import MEMBERS, DeviceStream
-from ..codegen.native import stream_lanes
-from ..codegen.runner import Starter, Stream
+from ..compiler.runtime.cuda import MEMBERS, DeviceStream
+from ..compiler.runtime.native import stream_lanes
+from ..compiler.runtime.runner import Starter, Stream
 from .record import Record, recorded_rows
 from .transient import choose_loop
 
 Array = NDArray[np.float64]
 
-SECONDS, FIRST, GROWTH = 0.25, 1000, 4  # of a call between two looks at the clock; steps of the first; from one to the next, at the most
+SECONDS, FIRST, GROWTH = (
+    0.25,
+    1000,
+    4,
+)  # of a call between two looks at the clock; steps of the first; from one to the next, at the most
 PATIENCE = 0.2  # s between two looks at signals
 AHEAD = 64  # members that wait while the next are made, where there are several threads
 
@@ -42,10 +48,12 @@ class Ending(Protocol):
 
 
 class Lane:
-    """A simulation in a lane, stepped by :func:`stepped`: every ``every`` steps it hands out the rows ``handed`` of its state.
+    """A simulation in a lane, stepped by :func:`stepped`: every ``every`` steps it hands out the rows
+    ``handed`` of its state.
 
-    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``ended``. It is ``doubtful`` where numbers left all bounds.
-    ``per`` is the number of outputs of a turn, or of all where there is no turn; ``done`` counts outputs after that of step 0.
+    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``ended``. It is ``doubtful``
+    where numbers left all bounds. ``per`` is the number of outputs of a turn, or of all where there is no
+    turn; ``done`` counts outputs after that of step 0.
     """
 
     def __init__(
@@ -86,7 +94,9 @@ class Lane:
         self.parts.append(state[None, self.handed])
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Take outputs, shape (outputs, handed), fewer where it broke after step ``broken`` (-1: it did not), and its present state, (rows,)."""
+        """Take outputs, shape (outputs, handed), fewer where it broke after step ``broken`` (-1: it did not),
+        and its present state, (rows,).
+        """
         self.doubtful = broken >= 0 or bool(self.bounds.unsound(rows).any())
         self.parts.append(rows)
         self.done += len(rows)
@@ -107,7 +117,9 @@ Found: TypeAlias = "queue.SimpleQueue[Ending | BaseException | None]"
 
 
 class Kinds:
-    """What members have in common that share lanes; long descriptions that were met before are known by the objects that they are."""
+    """What members have in common that share lanes; long descriptions that were met before are known by the
+    objects that they are.
+    """
 
     def __init__(self) -> None:
         self.met: dict[tuple[int, int, str], tuple[Any, Any, int]] = {}
@@ -119,24 +131,36 @@ class Kinds:
         assembly, handed = member.assembly, member.handed
         key = id(assembly.topology), id(handed), member.loop
         if key not in self.met:
-            number = self.numbers.setdefault((assembly.topology, handed.tobytes(), member.loop), len(self.numbers))
+            number = self.numbers.setdefault(
+                (assembly.topology, handed.tobytes(), member.loop), len(self.numbers)
+            )
             if number not in self.loops:
                 self.loops[number] = choose_loop(assembly, member.loop)  # type: ignore[arg-type]
             self.met[key] = assembly.topology, handed, number  # kept, so that nothing else comes to lie there
         number = self.met[key][2]
-        return number, self.loops[number], len(assembly.tables), assembly.mechanism.settings.parts, member.outputs
+        return (
+            number,
+            self.loops[number],
+            len(assembly.tables),
+            assembly.mechanism.settings.parts,
+            member.outputs,
+        )
 
 
 @dataclass
 class Waiting:
-    """Members that wait for a lane, by their kinds; they are made when they are asked for, ``ahead`` of them before, by one thread at a time."""
+    """Members that wait for a lane, by their kinds; they are made when they are asked for, ``ahead`` of them
+    before, by one thread at a time.
+    """
 
     source: Iterator[Lane | Ending]
     found: Found
     share: int  # that one thread takes at first, so that few members are shared fairly
     ahead: int = 0
     lock: threading.Lock = field(default_factory=threading.Lock)  # of what waits
-    making: threading.Lock = field(default_factory=threading.Lock)  # of the source: who makes members holds up nobody for whom some wait
+    making: threading.Lock = field(
+        default_factory=threading.Lock
+    )  # of the source: who makes members holds up nobody for whom some wait
     queues: dict[Kind, deque[Lane]] = field(default_factory=dict)
     kinds: Kinds = field(default_factory=Kinds)
 
@@ -150,7 +174,9 @@ class Waiting:
         return found
 
     def prepare(self, count: int) -> None:
-        """Makes so many members before they are asked for, where fewer than ``ahead`` wait and no other thread makes some."""
+        """Makes so many members before they are asked for, where fewer than ``ahead`` wait and no other
+        thread makes some.
+        """
         if self.ahead and self.making.acquire(blocking=False):
             try:
                 while count and sum(map(len, self.queues.values())) < self.ahead and self._make():
@@ -186,11 +212,13 @@ def stepped(
     members: Iterable[Client], count: int, *, alike: int | None = None, lanes: int | None = None, workers: int | None = None,
     stop: threading.Event | None = None, device: str | None = None, tick: Callable[[], None] | None = None,
 ) -> Iterator[Client]:  # fmt: skip
-    """Step lanes, ``count`` of them or so, and yield each when it has ended, what had ended before as it is; with ``stop`` set, no more.
+    """Step lanes, ``count`` of them or so, and yield each when it has ended, what had ended before as it is;
+    with ``stop`` set, no more.
 
-    ``lanes``: side by side in one vector register, :func:`~vfife.codegen.native.stream_lanes` if not given, or as many as there are members that
-    may share one, which are ``alike``, all of them if not given; ``workers``: threads, one a core if not given.
-    ``device``: "cuda" has a card step them, by one thread, as many side by side as it can. ``tick`` is called now and then while nothing ends.
+    ``lanes``: side by side in one vector register, :func:`~vfife.compiler.runtime.native.stream_lanes` if not
+    given, or as many as there are members that may share one, which are ``alike``, all of them if not given;
+    ``workers``: threads, one a core if not given. ``device``: "cuda" has a card step them, by one thread, as
+    many side by side as it can. ``tick`` is called now and then while nothing ends.
     """
     if device == "cuda":
         lanes, workers = min(lanes or MEMBERS, count), 1
@@ -199,7 +227,13 @@ def stepped(
     workers = max(1, min(workers or os.cpu_count() or 1, count))
     share = max(1, -(-(alike or count) // workers))
     waiting = Waiting(iter(members), found, share, AHEAD if workers > 1 else 0)
-    arguments = waiting, found, lanes, lambda: ended.is_set() or stop.is_set(), DeviceStream if device == "cuda" else Stream
+    arguments = (
+        waiting,
+        found,
+        lanes,
+        lambda: ended.is_set() or stop.is_set(),
+        DeviceStream if device == "cuda" else Stream,
+    )
     threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
     for thread in threads:
         thread.start()
@@ -223,7 +257,13 @@ def stepped(
             thread.join()
 
 
-def _work(waiting: Waiting, found: Found, lanes: int | None, halted: Callable[[], bool], streaming: type[Stream | DeviceStream]) -> None:
+def _work(
+    waiting: Waiting,
+    found: Found,
+    lanes: int | None,
+    halted: Callable[[], bool],
+    streaming: type[Stream | DeviceStream],
+) -> None:
     """One thread: lanes of one kind after the other, until no member is left."""
     try:
         while not halted() and (first := waiting.next(None)) is not None:
@@ -237,7 +277,13 @@ class Lanes:
     """The lanes of a thread, and who is in them."""
 
     def __init__(
-        self, shared: Kind, first: Lane, waiting: Waiting, found: Found, lanes: int | None, streaming: type[Stream | DeviceStream]
+        self,
+        shared: Kind,
+        first: Lane,
+        waiting: Waiting,
+        found: Found,
+        lanes: int | None,
+        streaming: type[Stream | DeviceStream],
     ) -> None:
         _, loop, tables, parts, outputs = shared
         topology = first.assembly.topology
@@ -275,7 +321,10 @@ class Lanes:
                 assembly = member.assembly
                 simulation = self.starter.begun(assembly.state, assembly.tables, np.stack(bounds(assembly)))
                 member.start(simulation.state + 0.0)
-                self.members[lane], self.begins[lane] = member, self.stream.put(lane, simulation, member.every, member.outputs)
+                self.members[lane], self.begins[lane] = (
+                    member,
+                    self.stream.put(lane, simulation, member.every, member.outputs),
+                )
         self.next.clear()
         for lane in set(range(self.lanes)) - set(self.members):
             self.stream.repeat(lane, next(iter(self.members)))

@@ -1,4 +1,6 @@
-"""Steps an assembled mechanism from its start, or from a checkpoint, to its end: progress, signals, run file, a stop where numbers blow up."""
+"""Steps an assembled mechanism from its start, or from a checkpoint, to its end: progress, signals, run file,
+a stop where numbers blow up.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, Bounds, watched
-from ..codegen.runner import Runner
-from ..codegen.straight_line import about
+from ..compiler.runtime.runner import Runner
+from ..compiler.trace.straight_line import about
 from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
@@ -21,24 +23,34 @@ from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recor
 from .repeating import Settling
 from .status import Progress, Status
 
-CHUNK_BYTES = 2**22  # of rows between two looks, so that memory does not grow with a run that is written to a file
+CHUNK_BYTES = (
+    2**22
+)  # of rows between two looks, so that memory does not grow with a run that is written to a file
 CHECKPOINT_SECONDS = 60.0  # between two checkpoints, at the most, however far apart outputs are
 CHECKPOINT_SHARE = 20.0  # times as long as writing one takes: no sooner comes the next
 JUDGE_SECONDS, JUDGED = 5.0, 200  # between two looks at the energy of a run, and outputs in one
 SHORT = 50_000  # numbers of a state with all lanes that a generated step takes some 50 microseconds for
-LONGEST_STRAIGHT_LINE = 25_000  # lines of a step that is still written out: some 380 elements, five seconds of compilation
+LONGEST_STRAIGHT_LINE = (
+    25_000  # lines of a step that is still written out: some 380 elements, five seconds of compilation
+)
 
 
 Judge: TypeAlias = Callable[[NDArray[np.int64], Rows], bool]
 
 
 def choose_loop(assembly: Assembly, loop: Loop) -> str:
-    """The loop of a run: straight-line code for all but large frames, path units of several steps and statics."""
+    """The loop of a run: straight-line code for all but large frames, path units of several steps and
+    statics.
+    """
     if assembly.mechanism.settings.analysis == "static":
         return "interpreted" if loop == "interpreted" else "data-driven"
     if loop != "auto":
         return loop
-    return "generated" if assembly.topology.path_unit == 1 and about(assembly.topology) <= LONGEST_STRAIGHT_LINE else "data-driven"
+    return (
+        "generated"
+        if assembly.topology.path_unit == 1 and about(assembly.topology) <= LONGEST_STRAIGHT_LINE
+        else "data-driven"
+    )
 
 
 def run(
@@ -53,9 +65,10 @@ def run(
 ) -> Record:
     """Steps a mechanism from its start to the end of its choice of steps, with so many companions beside it.
 
-    Ctrl-C (and whatever signal raises KeyboardInterrupt) ends it within a quarter of a second with status "interrupted" and a checkpoint, numbers
-    beyond all bounds with "diverged"; what was computed before is kept. Whatever runs beside it, and wherever it was interrupted and went on
-    from a checkpoint of its ``file``, ``resume``, the run has the same bits. ``judge`` looks at steps and rows of outputs every few
+    Ctrl-C (and whatever signal raises KeyboardInterrupt) ends it within a quarter of a second with status
+    "interrupted" and a checkpoint, numbers beyond all bounds with "diverged"; what was computed before is
+    kept. Whatever runs beside it, and wherever it was interrupted and went on from a checkpoint of its
+    ``file``, ``resume``, the run has the same bits. ``judge`` looks at steps and rows of outputs every few
     seconds, those of output 0 before them, and ends the run with status "energy" by saying True.
     """
     refuse_recorded([*assembly.topology.contact_laws, *assembly.topology.friction_laws])
@@ -75,7 +88,15 @@ def run(
 class Stepping:
     """A run under way: its lanes, what is kept of them, and where it stands."""
 
-    def __init__(self, assembly: Assembly, loop: str, companions: int, file: Writer | None, halt: Interrupts, judge: Judge | None) -> None:
+    def __init__(
+        self,
+        assembly: Assembly,
+        loop: str,
+        companions: int,
+        file: Writer | None,
+        halt: Interrupts,
+        judge: Judge | None,
+    ) -> None:
         self.assembly, self.loop, self.file, self.halt, self.judge = assembly, loop, file, halt, judge
         self.kept, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
         self.own = companions + 1
@@ -125,7 +146,10 @@ class Stepping:
     def _restore(self, resume: Checkpoint) -> None:
         values = resume.values.reshape(len(self.lasting), -1)
         if values.shape[1] != self.own:
-            raise VfifeError(f"the checkpoint has {values.shape[1]} lanes and the run {self.own}; start a new run --start-from it")
+            raise VfifeError(
+                f"the checkpoint has {values.shape[1]} lanes and the run {self.own}; start a new run"
+                " --start-from it"
+            )
         self.runner.states[self.lasting] = values
         self.runner.done, self.done, self.kept_at = resume.step + 1, resume.step, resume.step
         self.earlier = float(resume.more.get("wall", 0.0))
@@ -170,11 +194,17 @@ class Stepping:
         """Some outputs, or a piece of the way to the next; False where numbers left all bounds."""
         choice = self.assembly.choice
         inside = self.done % choice.outputs_every
-        some = min(self.pace.room // choice.outputs_every, choice.outputs - self.done // choice.outputs_every, self.most)
+        some = min(
+            self.pace.room // choice.outputs_every,
+            choice.outputs - self.done // choice.outputs_every,
+            self.most,
+        )
         if self.settling is not None and self.settling.room:
             some = min(some, self.settling.room)  # a turn is looked at when it ends
         if inside == 0 and some > 0:
-            return self._keep(self.done + choice.outputs_every, self.pace.call(self.runner, choice.outputs_every, some))
+            return self._keep(
+                self.done + choice.outputs_every, self.pace.call(self.runner, choice.outputs_every, some)
+            )
         piece = min(max(self.pace.room, 1), choice.outputs_every - inside)
         ends = inside + piece == choice.outputs_every
         every = self.pace.call(self.runner, piece, anew=inside == 0, record=ends)
@@ -188,11 +218,15 @@ class Stepping:
         return True
 
     def _keep(self, first: int, every: Rows) -> bool:
-        """Keeps the sound ones of some outputs, from that of step ``first`` on, with a checkpoint where all are."""
+        """Keeps the sound ones of some outputs, from that of step ``first`` on, with a checkpoint where all
+        are.
+        """
         rows = np.array(every[:, :, 0], order="C")  # a copy: what companions leave is not kept with it
         broken = self.bounds.unsound(rows).any(axis=1)
         if self.runner.broken[0] > 0.0:
-            broken |= first + np.arange(len(rows)) * self.assembly.choice.outputs_every >= self.runner.broken[0] - 1
+            broken |= (
+                first + np.arange(len(rows)) * self.assembly.choice.outputs_every >= self.runner.broken[0] - 1
+            )
         sound = int(np.argmax(broken)) if broken.any() and first > 0 else len(rows)
         steps = first + np.arange(sound, dtype=np.int64) * self.assembly.choice.outputs_every
         beside = self.gathering.take(steps, every[:sound]) if self.gathering is not None and sound else None
@@ -204,9 +238,14 @@ class Stepping:
         if self.file is None:
             self.parts.append(rows[:sound])
         else:
-            due = time.monotonic() - self.last >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.cost) or self.ended
+            due = (
+                time.monotonic() - self.last >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.cost)
+                or self.ended
+            )
             began = time.monotonic()
-            self.file.append(steps, rows[:sound], beside, self._checkpoint() if due and sound == len(rows) else None)
+            self.file.append(
+                steps, rows[:sound], beside, self._checkpoint() if due and sound == len(rows) else None
+            )
             if due and sound == len(rows):
                 self._kept(began)
         return sound == len(rows)
@@ -215,16 +254,24 @@ class Stepping:
         """Has outputs judged, together with output 0, from which energies count."""
         if self.first is None and len(steps) and steps[0] == 0:
             self.first = rows[:1]
-        if self.judge is None or self.first is None or len(steps) < 2 or time.monotonic() - self.judged < JUDGE_SECONDS:
+        if (
+            self.judge is None
+            or self.first is None
+            or len(steps) < 2
+            or time.monotonic() - self.judged < JUDGE_SECONDS
+        ):
             return
         some = slice(-JUDGED, None)
         self.open = self.judge(np.concatenate([[0], steps[some]]), np.concatenate([self.first, rows[some]]))
         self.judged = time.monotonic()
 
-    # ------------------------------------------------------------------------------------------------------ checkpoints
+    # ------------------------------------------------------------------------------------------------------
+    # checkpoints
 
     def _checkpoint(self) -> Checkpoint:
-        more = {"wall": self.wall} | ({} if self.gathering is None else {"companions": self.gathering.remembered})
+        more = {"wall": self.wall} | (
+            {} if self.gathering is None else {"companions": self.gathering.remembered}
+        )
         return Checkpoint(self.done, self.runner.states[self.lasting], more)
 
     def checkpoint(self) -> None:
@@ -239,26 +286,36 @@ class Stepping:
         self.cost = self.last - began
 
     def leave(self) -> None:
-        """A checkpoint before a run is left; one that a second signal broke off in the middle of a chunk has its last one."""
+        """A checkpoint before a run is left; one that a second signal broke off in the middle of a chunk has
+        its last one.
+        """
         if self.whole:
             self.checkpoint()
 
     # -------------------------------------------------------------------------------------------------------------- end
 
     def _replayed(self, done: int) -> Burst | None:
-        """Where the first number left all bounds: the last call again from the state before it, looked at after every step."""
+        """Where the first number left all bounds: the last call again from the state before it, looked at
+        after every step.
+        """
         runner, count = self._alone(), self.runner.done - done
         runner.states[:, 0], runner.done, runner.look = self.before, done, 1
         runner.advance(count, 1, anew=False, record=False)
         if runner.broken[0] == 0.0:
             return None
         row = runner.states[self.kept, 0]
-        return Burst(int(runner.broken[0]) - 1, self.kept[self.bounds.unsound(row[None, :])[0]], bool(np.isfinite(row).all()))
+        return Burst(
+            int(runner.broken[0]) - 1,
+            self.kept[self.bounds.unsound(row[None, :])[0]],
+            bool(np.isfinite(row).all()),
+        )
 
     def record(self, status: Status) -> Record:
         """What the run leaves."""
         final = self.runner.states[:, 0] + 0.0 if status == Status.COMPLETE else None
-        if self.file is not None:  # an interrupt may have come after a chunk was written, and before it was counted
+        if (
+            self.file is not None
+        ):  # an interrupt may have come after a chunk was written, and before it was counted
             steps, source = self.file.steps, self.file.later()
             record = Record(self.assembly, steps, source, self.kept, self.wall, self.loop, status, final)
         else:

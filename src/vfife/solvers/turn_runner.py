@@ -1,6 +1,8 @@
-"""Motions turn by turn, looked at once in each: values swept up and down, motions from starts of their own, blocks of turns that wear a joint.
+"""Motions turn by turn, looked at once in each: values swept up and down, motions from starts of their own,
+blocks of turns that wear a joint.
 
-All of them step lanes of one topology by a :class:`TurnRunner`, with a small difference beside each motion from a turn on.
+All of them step lanes of one topology by a :class:`TurnRunner`, with a small difference beside each motion
+from a turn on.
 """
 
 from __future__ import annotations
@@ -14,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly, Bounds
-from ..codegen.runner import Runner
-from ..codegen.tables import tables
+from ..compiler.runtime.runner import Runner
+from ..compiler.trace.tables import tables
 from ..errors import VfifeError
 from ..kernels.data_driven import change_step
 from .interrupts import ChunkSize, Interrupts, Workers
@@ -30,20 +32,31 @@ LANES = 4  # starts side by side, on every machine
 
 
 class TurnRunner:
-    """Motions in lanes, each from the start of its assembly: a step, a turn, the way to the ``phase`` (1) of a turn, and from there turn by turn.
+    """Motions in lanes, each from the start of its assembly: a step, a turn, the way to the ``phase`` (1) of
+    a turn, and from there turn by turn.
 
-    The assemblies have one topology and as many steps in a turn. ``kept`` are the rows that are recorded; ``look`` is called a few times a second.
+    The assemblies have one topology and as many steps in a turn. ``kept`` are the rows that are recorded;
+    ``look`` is called a few times a second.
     """
 
     def __init__(
-        self, assemblies: Sequence[Assembly], phase: float = 0.0, kept: NDArray[np.uint32] | None = None, look: Callable[[], None] | None = None
+        self,
+        assemblies: Sequence[Assembly],
+        phase: float = 0.0,
+        kept: NDArray[np.uint32] | None = None,
+        look: Callable[[], None] | None = None,
     ) -> None:
         self.assemblies, first = assemblies, assemblies[0]
         self.turn, self.pace = steps_of_turn(first), ChunkSize(look)
         self.begins = 1 + self.turn + round(phase * self.turn) % self.turn
-        states, functions = np.stack([one.state for one in assemblies], axis=1), np.stack([one.tables for one in assemblies])
+        states, functions = (
+            np.stack([one.state for one in assemblies], axis=1),
+            np.stack([one.tables for one in assemblies]),
+        )
         self.kept = recorded_rows(first) if kept is None else kept
-        self.runner = Runner(first.topology, states, functions, "generated", self.kept, parts=first.mechanism.settings.parts)
+        self.runner = Runner(
+            first.topology, states, functions, "generated", self.kept, parts=first.mechanism.settings.parts
+        )
 
     @property
     def states(self) -> Array:
@@ -74,7 +87,9 @@ class TurnRunner:
         self.steps(turns * self.turn)
 
     def rows(self, turns: int, outputs: int = 1) -> Array:
-        """Make so many turns; the rows after each of so many ``outputs`` in each, shape (turns * outputs, kept, lanes)."""
+        """Make so many turns; the rows after each of so many ``outputs`` in each, shape (turns * outputs,
+        kept, lanes).
+        """
         return self.record(self.turn // outputs, turns * outputs)
 
     def record(self, every: int, count: int) -> Array:
@@ -82,8 +97,9 @@ class TurnRunner:
         return self.pace.advance(self.runner, every, count)
 
     def growing(self, turns: int, dropped: int, near: Sequence[Neighbours]) -> tuple[Array, Array]:
-        """Make so many turns; of those after the first ``dropped`` the rows, shape (turns, kept, lanes), and the logarithm of the growth of a small
-        difference, shape (turns, lanes). It begins as that of the neighbours ``near``, no sooner than it has to.
+        """Make so many turns; of those after the first ``dropped`` the rows, shape (turns, kept, lanes), and
+        the logarithm of the growth of a small difference, shape (turns, lanes). It begins as that of the
+        neighbours ``near``, no sooner than it has to.
         """
         before = max(0, dropped - ALIGNED)
         self.skip(before)
@@ -94,10 +110,11 @@ class TurnRunner:
 
 
 def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
-    """A state after so many steps, shape (rows,), as ``assembly`` has it, which differs in its step and in other numbers: state and steps done.
+    """A state after so many steps, shape (rows,), as ``assembly`` has it, which differs in its step and in
+    other numbers: state and steps done.
 
-    Positions, velocities, forces and what contacts remember stay; half-step velocities become those of the new step, by the text of the step.
-    The clock stays where it is.
+    Positions, velocities, forces and what contacts remember stay; half-step velocities become those of the
+    new step, by the text of the step. The clock stays where it is.
     """
     integers, layout, room = tables(assembly.topology)
     found = np.zeros(room)
@@ -119,8 +136,10 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
 
 @dataclass(frozen=True)
 class Leg:
-    """What the chains leave at one value: ``rows`` recorded once a turn, shape (turns, kept, chains), ``growth`` of a small difference in each of
-    them, its logarithm, shape (turns, chains), the ``state`` to go on from, shape (rows, chains), and what was looked at ``beside`` it."""
+    """What the chains leave at one value: ``rows`` recorded once a turn, shape (turns, kept, chains),
+    ``growth`` of a small difference in each of them, its logarithm, shape (turns, chains), the ``state`` to
+    go on from, shape (rows, chains), and what was looked at ``beside`` it.
+    """
 
     number: int
     rows: Array
@@ -130,7 +149,9 @@ class Leg:
 
 
 class Begun(NamedTuple):
-    """A value whose motion is under way: the states ``first``, and after the turns at which its difference begins, ``here``; steps made by then."""
+    """A value whose motion is under way: the states ``first``, and after the turns at which its difference
+    begins, ``here``; steps made by then.
+    """
 
     number: int
     first: Array
@@ -144,35 +165,54 @@ Waiting: TypeAlias = "tuple[list[Begun], list[Array], Future[list[Found]]]"
 
 
 class Sweep:
-    """Chains of assemblies that differ in one number, ``up`` and ``down`` it, in lanes: the number moves on while the motion goes on.
+    """Chains of assemblies that differ in one number, ``up`` and ``down`` it, in lanes: the number moves on
+    while the motion goes on.
 
-    ``phase`` (1) is the part of a turn at which it is looked at. ``near``: neighbours of the first of each chain, whose difference is the small
-    one. Derivatives are carried along from ``ALIGNED`` turns before those that are looked at, no sooner, for they cost twice as much as the motion,
-    and at :data:`TOGETHER` values side by side. The last bits of a difference know of its neighbours in lanes, so these are the same ones always:
-    what is gone on with begins where such values begin (:meth:`whole`).
+    ``phase`` (1) is the part of a turn at which it is looked at. ``near``: neighbours of the first of each
+    chain, whose difference is the small one. Derivatives are carried along from ``ALIGNED`` turns before
+    those that are looked at, no sooner, for they cost twice as much as the motion, and at :data:`TOGETHER`
+    values side by side. The last bits of a difference know of its neighbours in lanes, so these are the same
+    ones always: what is gone on with begins where such values begin (:meth:`whole`).
 
-    ``beside``: called in a thread of its own with the number of a value, the state before it, shape (rows, chains), the steps made by then, and
-    what is to be called now and then.
+    ``beside``: called in a thread of its own with the number of a value, the state before it, shape (rows,
+    chains), the steps made by then, and what is to be called now and then.
     """
 
-    def __init__(self, chains: Sequence[Sequence[Assembly]], near: Sequence[Neighbours], phase: float = 0.0, beside: Beside | None = None) -> None:
+    def __init__(
+        self,
+        chains: Sequence[Sequence[Assembly]],
+        near: Sequence[Neighbours],
+        phase: float = 0.0,
+        beside: Beside | None = None,
+    ) -> None:
         self.chains, first, self.beside = chains, chains[0][0], beside
-        self.given, self.shift = np.array(first.layout.of("parameter"), dtype=np.intp), first.layout.row("shift")
+        self.given, self.shift = (
+            np.array(first.layout.of("parameter"), dtype=np.intp),
+            first.layout.row("shift"),
+        )
         self.motion = TurnRunner([chain[0] for chain in chains], phase)
         self.difference = LyapunovRunner([chain[0] for chain in chains] * TOGETHER, [*near] * TOGETHER)
         self.kept, self.states = self.motion.kept, self.motion.states
 
     @staticmethod
     def whole(known: int) -> int:
-        """Of so many legs that are known, those after which it can be gone on with; the others are made again."""
+        """Of so many legs that are known, those after which it can be gone on with; the others are made
+        again.
+        """
         return known - known % TOGETHER
 
     def legs(self, turns: int, dropped: int, resume: tuple[int, Array] | None = None) -> Iterator[Leg]:
-        """At each value so many ``turns``, the first of them ``dropped``; from the leg after ``resume``, the number and state of one before.
+        """At each value so many ``turns``, the first of them ``dropped``; from the leg after ``resume``, the
+        number and state of one before.
 
-        A second thread carries derivatives through the turns that are looked at, while the motion goes on to the next values.
+        A second thread carries derivatives through the turns that are looked at, while the motion goes on to
+        the next values.
         """
-        first, before, last = 0 if resume is None else resume[0] + 1, max(0, dropped - ALIGNED), len(self.chains[0])
+        first, before, last = (
+            0 if resume is None else resume[0] + 1,
+            max(0, dropped - ALIGNED),
+            len(self.chains[0]),
+        )
         with Workers(1) as workers:
             self.motion.pace.look, self.difference.pace.look = workers.halt.look, workers.look
             if resume is None:
@@ -210,9 +250,11 @@ class Sweep:
             self.states[self.given, k], functions[k] = chain[number].state[self.given], chain[number].tables
 
     def _with_derivatives(self, begun: Sequence[Begun], turns: int, look: Callable[[], None]) -> list[Found]:
-        """Turns with a difference that is one of the number at first and, after a turn, of the motion alone: rows and growth of each value.
+        """Turns with a difference that is one of the number at first and, after a turn, of the motion alone:
+        rows and growth of each value.
 
-        Clocks of later values are ahead of the first one's, by whole steps; lanes that are left over repeat the last value.
+        Clocks of later values are ahead of the first one's, by whole steps; lanes that are left over repeat
+        the last value.
         """
         lanes, chains = [*begun, *[begun[-1]] * (TOGETHER - len(begun))], len(self.chains)
         here = [chain[one.number] for one in lanes for chain in self.chains]
@@ -229,21 +271,30 @@ class Sweep:
         return found
 
 
-def _legs(begun: Sequence[Begun], states: Sequence[Array], job: Future[list[Found]], dropped: int) -> Iterator[Leg]:
+def _legs(
+    begun: Sequence[Begun], states: Sequence[Array], job: Future[list[Found]], dropped: int
+) -> Iterator[Leg]:
     for one, state, (rows, growth, beside) in zip(begun, states, job.result(), strict=True):
         yield Leg(one.number, rows[dropped:], growth[dropped:], state, beside)
 
 
 def carried_on(first: Assembly, other: Assembly, tolerance: float = 1e-9) -> Callable[[], str] | None:
-    """None where the motion of one model can go on in another: the same bodies at the same places; else what says why not."""
+    """None where the motion of one model can go on in another: the same bodies at the same places; else what
+    says why not.
+    """
     if (why := side_by_side(first, other)) is not None:
         return why
     if first.ideals:
-        places = [first.layout.rows_of(f"joint_{side}_{axis}") for side in ("bearing", "journal") for axis in "xy"]
+        places = [
+            first.layout.rows_of(f"joint_{side}_{axis}") for side in ("bearing", "journal") for axis in "xy"
+        ]
         rows = np.concatenate(places)
         size = max(float(np.abs(first.state[rows]).max(initial=0.0)), 1e-300)
         if float(np.abs(first.state[rows] - other.state[rows]).max(initial=0.0)) > tolerance * size:
-            return lambda: "pins of ideal joints are elsewhere in their bodies, so that the position of one is none of the other"
+            return lambda: (
+                "pins of ideal joints are elsewhere in their bodies, so that the position of one is none of"
+                " the other"
+            )
     return None
 
 
@@ -261,7 +312,9 @@ def side_by_side(first: Assembly, other: Assembly) -> Callable[[], str] | None:
 
 @dataclass(frozen=True)
 class Start:
-    """A member: its ``number``, what assembles it when its turn has come, and the ``ahead`` (1) of a turn after which it is at the phase of all."""
+    """A member: its ``number``, what assembles it when its turn has come, and the ``ahead`` (1) of a turn
+    after which it is at the phase of all.
+    """
 
     number: int
     make: Callable[[], Assembly]
@@ -270,8 +323,10 @@ class Start:
 
 @dataclass(frozen=True)
 class Orbit:
-    """A member's ``rows``, recorded once in each turn that is looked at, shape (turns, kept), and the ``growth`` of a small difference in each, its
-    logarithm, shape (turns,), empty where none was watched; or ``why`` there is none."""
+    """A member's ``rows``, recorded once in each turn that is looked at, shape (turns, kept), and the
+    ``growth`` of a small difference in each, its logarithm, shape (turns,), empty where none was watched; or
+    ``why`` there is none.
+    """
 
     number: int
     assembly: Assembly | None
@@ -281,21 +336,29 @@ class Orbit:
 
 
 class Orbits:
-    """Members of one topology and so many ``steps`` in a turn, each through ``turns``, the first of them ``dropped``, after a turn and the way to
-    the phase. ``near``: neighbours whose difference is watched in all of them; None: none is.
+    """Members of one topology and so many ``steps`` in a turn, each through ``turns``, the first of them
+    ``dropped``, after a turn and the way to the phase. ``near``: neighbours whose difference is watched in
+    all of them; None: none is.
 
-    A motion knows nothing of those beside it. The last bits of a difference do, for where a lane takes a step in parts, its terms are summed in
-    another order in all of them: so members go side by side with the same ones always.
+    A motion knows nothing of those beside it. The last bits of a difference do, for where a lane takes a step
+    in parts, its terms are summed in another order in all of them: so members go side by side with the same
+    ones always.
     """
 
     def __init__(self, steps: int, turns: int, dropped: int, near: Neighbours | None = None) -> None:
         self.steps, self.turns, self.dropped, self.near = steps, turns, dropped, near
 
-    def each(self, starts: Sequence[Start], known: Collection[int] = (), workers: int | None = None) -> Iterator[Orbit]:
-        """The members that are not ``known``, as they end; ``starts`` are those of all. Ctrl-C ends it within a second."""
+    def each(
+        self, starts: Sequence[Start], known: Collection[int] = (), workers: int | None = None
+    ) -> Iterator[Orbit]:
+        """The members that are not ``known``, as they end; ``starts`` are those of all. Ctrl-C ends it within
+        a second.
+        """
         blocks = [block for block in self.blocks(starts) if not all(one.number in known for one in block)]
         with Workers(workers) as threads:
-            for found in threads.results([threads.submit(self.block, block, threads.look) for block in blocks]):
+            for found in threads.results(
+                [threads.submit(self.block, block, threads.look) for block in blocks]
+            ):
                 yield from (orbit for orbit in found if orbit.number not in known)
 
     def blocks(self, starts: Sequence[Start]) -> list[list[Start]]:
@@ -321,7 +384,9 @@ class Orbits:
             every = [one for _, one in alike]
             runner = TurnRunner(every + every[-1:] * (LANES - len(every)), starts[0].ahead, look=look)
             rows, growth = self.through(runner)
-            found += [Orbit(number, one, rows[:, :, k], growth[:, k]) for k, (number, one) in enumerate(alike)]
+            found += [
+                Orbit(number, one, rows[:, :, k], growth[:, k]) for k, (number, one) in enumerate(alike)
+            ]
         return found
 
     def through(self, runner: TurnRunner) -> tuple[Array, Array]:
@@ -337,7 +402,9 @@ class Orbits:
 
 
 class WearRunner(TurnRunner):
-    """A mechanism, of which so many ``outputs`` a turn are recorded, while its worn profiles change between blocks of turns."""
+    """A mechanism, of which so many ``outputs`` a turn are recorded, while its worn profiles change between
+    blocks of turns.
+    """
 
     def __init__(self, assembly: Assembly, outputs: int, halt: Interrupts) -> None:
         super().__init__([assembly], look=halt.look)
@@ -360,7 +427,8 @@ class WearRunner(TurnRunner):
             self.states[rows, 0] = depths
 
     def block(self, dropped: int, counted: int) -> Record:
-        """So many turns that nobody looks at, and then a record of so many, which begins with the output before them.
+        """So many turns that nobody looks at, and then a record of so many, which begins with the output
+        before them.
 
         Raises VfifeError where numbers leave all bounds.
         """
@@ -369,7 +437,10 @@ class WearRunner(TurnRunner):
         first = self.done - 1 + self.turn * dropped
         rows = np.concatenate([self.rows(dropped)[-1:], self.rows(counted, self.outputs)])[:, :, 0]
         if self.bounds.unsound(rows).any():
-            told = f"numbers left all bounds within {self.turns:.0f} turns that were simulated; give a smaller step, or check the model"
+            told = (
+                f"numbers left all bounds within {self.turns:.0f} turns that were simulated; give a smaller"
+                " step, or check the model"
+            )
             raise VfifeError(f"{self.assembly.mechanism.name}: {told}")
         steps = first + self.turn // self.outputs * np.arange(len(rows), dtype=np.int64)
         return Record(self.assembly, steps, rows, self.kept)

@@ -1,4 +1,6 @@
-"""What the paper could not show: how its results move with the step, the links, friction, the contact law and the start."""
+"""What the paper could not show: how its results move with the step, the links, friction, the contact law and
+the start.
+"""
 
 from __future__ import annotations
 
@@ -26,21 +28,33 @@ ANGLES = 12  # of the crank at the start
 DAMPED = "lankarani-nikravesh"  # the paper's damping, Eq. 26
 MOST_NAMED = 8  # variants in a sentence
 KEYS = [(c, FASTEST) for c in CLEARANCES] + [(CLEARANCE, speed) for speed in SPEEDS[:-1]]
-SOFT_STEP = {"frames of 4": 5e-7, "frames of 8": 2.5e-7}  # s, of links whose elements ask for less than the contacts
+SOFT_STEP = {
+    "frames of 4": 5e-7,
+    "frames of 8": 2.5e-7,
+}  # s, of links whose elements ask for less than the contacts
 CONCLUSIONS = ("contact kept", "LIPs rise with c", "LIPs fall with speed", "maxima rise with speed")
 
 
 def damped_laws(p: Parameters) -> dict[str, ContactLaw]:
-    """Every contact law of the package with a restitution, at that of the set; with the paper's damping where a law has a choice of it."""
+    """Every contact law of the package with a restitution, at that of the set; with the paper's damping where
+    a law has a choice of it.
+    """
     found: dict[str, ContactLaw] = {}
     laws: list[tuple[str, Any]] = sorted(ContactLaw.registry.items())
     for name, kind in laws:
         fields = {f.name: f for f in dataclasses.fields(kind)}
         if "restitution" not in fields or not kind.__module__.startswith("vfife."):
             continue
-        if any(f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING for f in fields.values() if f.name != "restitution"):
+        if any(
+            f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING
+            for f in fields.values()
+            if f.name != "restitution"
+        ):
             continue  # it wants a number that no paper gives
-        found[name] = kind(restitution=p.contact.restitution, **({"damping": DAMPED} if "damping" in fields else {}))  # type: ignore[attr-defined]
+        found[name] = kind(
+            restitution=p.contact.restitution,  # type: ignore[attr-defined]
+            **({"damping": DAMPED} if "damping" in fields else {}),
+        )
     return found
 
 
@@ -65,7 +79,10 @@ def groups(p: Parameters) -> dict[str, dict[str, Parameters]]:
         },
         "contact law": {name: dataclasses.replace(p, contact=law) for name, law in damped_laws(p).items()},
         "damping": {name: dataclasses.replace(p, contact=law) for name, law in dampings(p).items()},
-        "branch": {"joint 2 below": dataclasses.replace(p, below=True), "joint 2 above": dataclasses.replace(p, below=False)},
+        "branch": {
+            "joint 2 below": dataclasses.replace(p, below=True),
+            "joint 2 above": dataclasses.replace(p, below=False),
+        },
     }
 
 
@@ -77,22 +94,35 @@ def beyond(context: Context) -> Item:
     angles = run_angles(context)
     charts = [group_chart(name, runs) for name, runs in found.items()] + [angle_chart(angles)]
     tables = [group_table(name, runs) for name, runs in found.items()] + [step_table(steps)]
-    data = {name: {label: [one.lips for one in runs] for label, runs in members.items()} for name, members in found.items()}
+    data = {
+        name: {label: [one.lips for one in runs] for label, runs in members.items()}
+        for name, members in found.items()
+    }
     text = [
-        "One thing is changed at a time in the set that fits Table 3. A conclusion survives a change if it still holds at all clearances and "
-        "speeds. The contact laws are those that take a restitution coefficient, with the paper's damping where they have a choice.",
-        "The start decides part of the settled motion: the damping of a contact that never ends is scaled by the speed of its onset (Eq. 26), so "
-        "the way into contact is remembered for ever, and another start angle of the crank gives other local influence parameters.",
+        (
+            "One thing is changed at a time in the set that fits Table 3. A conclusion survives a change if"
+            " it still holds at all clearances and speeds. The contact laws are those that take a restitution"
+            " coefficient, with the paper's damping where they have a choice."
+        ),
+        (
+            "The start decides part of the settled motion: the damping of a contact that never ends is scaled"
+            " by the speed of its onset (Eq. 26), so the way into contact is remembered for ever, and another"
+            " start angle of the crank gives other local influence parameters."
+        ),
     ]
     return Item("beyond", "Beyond the paper: what its results depend on", text, described(p), charts, tables,
                 [*survival(found), *step_verdicts(steps), angle_verdict(angles)], data | {"start": angles_data(angles)})  # fmt: skip
 
 
-def run_groups(context: Context, sets: Mapping[str, Mapping[str, Parameters]]) -> dict[str, dict[str, list[Influence]]]:
+def run_groups(
+    context: Context, sets: Mapping[str, Mapping[str, Parameters]]
+) -> dict[str, dict[str, list[Influence]]]:
     """Every set at the clearances and speeds of Sect. 5."""
     labels = [(group, label, p) for group, members in sets.items() for label, p in members.items()]
     cases = [Case(p, c, speed, SOFT_STEP.get(p.link, STEP)) for _, _, p in labels for c, speed in KEYS]
-    done = context.influences("beyond: links, friction, contact laws, branch", cases, turns=MOST_TURNS, outputs=180)
+    done = context.influences(
+        "beyond: links, friction, contact laws, branch", cases, turns=MOST_TURNS, outputs=180
+    )
     found: dict[str, dict[str, list[Influence]]] = {}
     for k, (group, label, _) in enumerate(labels):
         found.setdefault(group, {})[label] = done[k * len(KEYS) : (k + 1) * len(KEYS)]
@@ -105,17 +135,28 @@ def conclusions(runs: Sequence[Influence]) -> list[bool]:
     up = np.diff([one.lips for one in sizes], axis=0)
     down = np.diff([one.lips for one in speeds], axis=0)
     largest = np.diff([(one.force, one.acceleration) for one in speeds], axis=0)
-    return [all(one.contact_kept for one in runs), bool((up > 0).all()), bool((down < 0).all()), bool((largest > 0).all())]
+    return [
+        all(one.contact_kept for one in runs),
+        bool((up > 0).all()),
+        bool((down < 0).all()),
+        bool((largest > 0).all()),
+    ]
 
 
 def survival(found: Mapping[str, Mapping[str, Sequence[Influence]]]) -> list[Verdict]:
     """How many variants each conclusion survives."""
-    every = {f"{group}: {label}": conclusions(runs) for group, members in found.items() for label, runs in members.items()}
+    every = {
+        f"{group}: {label}": conclusions(runs)
+        for group, members in found.items()
+        for label, runs in members.items()
+    }
     verdicts = []
     for k, words in enumerate(CONCLUSIONS):
         lost = [label for label, held in every.items() if not held[k]]
         numbers = f"{len(every) - len(lost)} of {len(every)} variants"
-        numbers += f"; not {'; '.join(lost)}" if 0 < len(lost) <= MOST_NAMED else "; see the tables" if lost else ""
+        numbers += (
+            f"; not {'; '.join(lost)}" if 0 < len(lost) <= MOST_NAMED else "; see the tables" if lost else ""
+        )
         verdicts.append(Verdict(f"Survives every change: {words}", not lost, numbers))
     return verdicts
 
@@ -130,7 +171,12 @@ def group_table(name: str, members: Mapping[str, Sequence[Influence]]) -> Table:
         rows.append([label, *(_triple([one.lips[j] for one in chosen]) for chosen in (runs[:3], speeds) for j in (0, 1)), f"{settled}/{len(runs)}",
                      *("yes" if h else "no" for h in held)])  # fmt: skip
     headings = [name, "LIP(F) at c", "LIP(a) at c", "LIP(F) at n", "LIP(a) at n", "settled", *CONCLUSIONS]
-    return Table(headings, rows, f"{name.capitalize()}: at c = 0.1, 0.2, 0.5 mm (50π rad/s), and at n = 10π, 20π, 50π rad/s (0.2 mm); per cent")
+    return Table(
+        headings,
+        rows,
+        f"{name.capitalize()}: at c = 0.1, 0.2, 0.5 mm (50π rad/s), and at n = 10π, 20π, 50π rad/s (0.2 mm);"
+        " per cent",
+    )
 
 
 def _triple(values: Sequence[float]) -> str:
@@ -149,11 +195,21 @@ def group_chart(name: str, members: Mapping[str, Sequence[Influence]]) -> Chart:
         panels.append(Panel(f"{kind}, 50π rad/s", "clearance (mm)", f"{kind} (%)", lines))
     for j, kind in enumerate(("LIP(F)", "LIP(a)")):
         lines = [
-            Line([speed / math.pi for speed in SPEEDS], [_bounded(one.lips[j]) for one in [*runs[3:], runs[1]]], label, str(k))
+            Line(
+                [speed / math.pi for speed in SPEEDS],
+                [_bounded(one.lips[j]) for one in [*runs[3:], runs[1]]],
+                label,
+                str(k),
+            )
             for k, (label, runs) in enumerate(members.items())
         ]
         panels.append(Panel(f"{kind}, c = 0.2 mm", "crank speed (π rad/s)", f"{kind} (%)", lines))
-    return Chart(f"beyond-{name.replace(' ', '-')}", f"{name.capitalize()}: local influence parameters over clearance and crank speed", panels, 2)
+    return Chart(
+        f"beyond-{name.replace(' ', '-')}",
+        f"{name.capitalize()}: local influence parameters over clearance and crank speed",
+        panels,
+        2,
+    )
 
 
 def _bounded(value: float) -> float:
@@ -170,8 +226,13 @@ def run_steps(context: Context) -> dict[float, list[Influence]]:
 
 def step_table(steps: Mapping[float, Sequence[Influence]]) -> Table:
     """LIPs of the best set over the step."""
-    rows = [[f"{1e6 * step:g}", *(_triple([one.lips[j] for one in runs]) for j in (0, 1))] for step, runs in steps.items()]
-    caption = "Step: the best set at c = 0.1, 0.2, 0.5 mm with 50π rad/s, then 0.2 mm with 10π rad/s; per cent"
+    rows = [
+        [f"{1e6 * step:g}", *(_triple([one.lips[j] for one in runs]) for j in (0, 1))]
+        for step, runs in steps.items()
+    ]
+    caption = (
+        "Step: the best set at c = 0.1, 0.2, 0.5 mm with 50π rad/s, then 0.2 mm with 10π rad/s; per cent"
+    )
     return Table(["step (µs)", "LIP(F)", "LIP(a)"], rows, caption)
 
 
@@ -179,7 +240,9 @@ def step_verdicts(steps: Mapping[float, Sequence[Influence]]) -> list[Verdict]:
     """Whether the numbers are those of the equations, not of the step."""
     lips = np.array([[one.lips for one in runs] for runs in steps.values()])
     apart = np.abs(lips[1:] - lips[-1]).max(axis=(1, 2))
-    numbers = ", ".join(f"{1e6 * step:g} µs: {value:.2f}" for step, value in zip(list(steps)[1:], apart, strict=True))
+    numbers = ", ".join(
+        f"{1e6 * step:g} µs: {value:.2f}" for step, value in zip(list(steps)[1:], apart, strict=True)
+    )
     words = f"From 1 µs on the step moves no number by more than {GOAL / 2:g} points"
     return [Verdict(words, bool(apart.max() <= GOAL / 2), f"largest change from the last, {numbers}")]
 
@@ -199,7 +262,13 @@ def angle_chart(angles: Mapping[float, Sequence[Influence]]) -> Chart:
     panels = []
     for j, kind in enumerate(("LIP(F)", "LIP(a)")):
         lines = [
-            Line(degrees, [_bounded(runs[k].lips[j]) for runs in angles.values()], f"c = {1e3 * c:g} mm", str(k)) for k, c in enumerate(CLEARANCES)
+            Line(
+                degrees,
+                [_bounded(runs[k].lips[j]) for runs in angles.values()],
+                f"c = {1e3 * c:g} mm",
+                str(k),
+            )
+            for k, c in enumerate(CLEARANCES)
         ]
         panels.append(Panel(kind, "crank angle at the start (degrees)", f"{kind} (%)", lines))
     return Chart("beyond-start", "The settled turn after starts at other crank angles, 50π rad/s", panels, 2)
@@ -207,14 +276,20 @@ def angle_chart(angles: Mapping[float, Sequence[Influence]]) -> Chart:
 
 def angles_data(angles: Mapping[float, Sequence[Influence]]) -> list[dict[str, Any]]:
     """The same as numbers."""
-    return [{"start_degrees": math.degrees(angle), "lips": [one.lips for one in runs]} for angle, runs in angles.items()]
+    return [
+        {"start_degrees": math.degrees(angle), "lips": [one.lips for one in runs]}
+        for angle, runs in angles.items()
+    ]
 
 
 def angle_verdict(angles: Mapping[float, Sequence[Influence]]) -> Verdict:
     """Whether the settled motion forgets its start."""
     lips = np.array([[one.lips for one in runs] for runs in angles.values()])
     spread = lips.max(axis=0) - lips.min(axis=0)
-    numbers = "; ".join(f"c = {1e3 * c:g} mm: LIP(F) {spread[k, 0]:.1f}, LIP(a) {spread[k, 1]:.1f}" for k, c in enumerate(CLEARANCES))
+    numbers = "; ".join(
+        f"c = {1e3 * c:g} mm: LIP(F) {spread[k, 0]:.1f}, LIP(a) {spread[k, 1]:.1f}"
+        for k, c in enumerate(CLEARANCES)
+    )
     return Verdict(
         "The settled turn does not depend on the start angle (within a point)",
         bool(spread.max() <= 1.0),

@@ -11,7 +11,19 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.ticker import MaxNLocator
 
-from vfife.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, STYLE, VERMILION, one_legend, panels
+from vfife.plots.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    STYLE,
+    VERMILION,
+    one_legend,
+    panels,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,7 +89,13 @@ def _look(style: str) -> dict[str, Any]:
         return LOOKS[style]
     colours = matplotlib.colormaps["tab20"].colors  # type: ignore[attr-defined]
     number = int(style)
-    return {"color": colours[(2 * number) % 20 + (2 * number) // 20 % 2], "lw": 1.3, "marker": "o", "ms": 3.0, "zorder": 4}
+    return {
+        "color": colours[(2 * number) % 20 + (2 * number) // 20 % 2],
+        "lw": 1.3,
+        "marker": "o",
+        "ms": 3.0,
+        "zorder": 4,
+    }
 
 
 @rc_context(STYLE)

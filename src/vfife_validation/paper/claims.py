@@ -17,7 +17,19 @@ from .context import described, settling
 from .impact import fig9, fig10
 from .influence import BODY, Influence
 from .one_joint import fig12, fig13
-from .three_joints import falling, fig15, fig16, fig17, fig18, fig19, fig20, rising, size_title, speed_title, table3
+from .three_joints import (
+    falling,
+    fig15,
+    fig16,
+    fig17,
+    fig18,
+    fig19,
+    fig20,
+    rising,
+    size_title,
+    speed_title,
+    table3,
+)
 
 if TYPE_CHECKING:
     from .context import Context
@@ -36,11 +48,26 @@ def claims(context: Context) -> Item:
     rows = [[verdict.word, where, verdict.statement, verdict.numbers] for where, verdict in found]
     held = sum(verdict.holds is True for _, verdict in found)
     table = Table(["", "where", "claim, in our words", "numbers"], rows, f"{held} of {len(found)} hold")
-    data = {"claims": [{"holds": v.holds, "where": where, "claim": v.statement, "numbers": v.numbers} for where, v in found]}
+    data = {
+        "claims": [
+            {"holds": v.holds, "where": where, "claim": v.statement, "numbers": v.numbers}
+            for where, v in found
+        ]
+    }
     text = [
-        "Claims about one loose joint depend on parameters that are chosen, not known; those about three, on the set that was fitted to Table 3."
+        "Claims about one loose joint depend on parameters that are chosen, not known; those about three, on"
+        " the set that was fitted to Table 3."
     ]
-    return Item("claims", "Claims of the text", text, described(context.parameters), [decline(context)], [table], [], data)
+    return Item(
+        "claims",
+        "Claims of the text",
+        text,
+        described(context.parameters),
+        [decline(context)],
+        [table],
+        [],
+        data,
+    )
 
 
 def run_up(context: Context) -> list[Verdict]:
@@ -65,12 +92,16 @@ def run_up(context: Context) -> list[Verdict]:
 def first_turns(context: Context, one: Influence) -> Record:
     """The run from its start, all outputs of the first turns."""
     mechanism, step = one.member.assembly.mechanism, one.case.step
-    record: Record = context.once(f"start {one.case}", lambda: run(placed(mechanism, step, FIRST_TURNS, OUTPUTS)))
+    record: Record = context.once(
+        f"start {one.case}", lambda: run(placed(mechanism, step, FIRST_TURNS, OUTPUTS))
+    )
     return record
 
 
 def astray(one: Influence, record: Record) -> list[float]:
-    """Largest difference of the follower's acceleration from the settled turn at the same crank angle, over the ideal maximum, turn by turn."""
+    """Largest difference of the follower's acceleration from the settled turn at the same crank angle, over
+    the ideal maximum, turn by turn.
+    """
     row = one.member.assembly.bodies[BODY].row
     settled = one.member.last.block("body_alpha")[1:, row]
     turns = record.block("body_alpha")[1:, row].reshape(FIRST_TURNS, OUTPUTS)
@@ -84,5 +115,12 @@ def decline(context: Context) -> Chart:
         record = first_turns(context, one)
         turns = record.steps / record.steps[-1] * FIRST_TURNS
         values = record.block("body_alpha")[:, record.assembly.bodies[BODY].row]
-        panels.append(Panel(size_title(one), "turns of the crank", "acceleration of follower (10³ rad/s²)", [Line(turns, 1e-3 * values)]))
+        panels.append(
+            Panel(
+                size_title(one),
+                "turns of the crank",
+                "acceleration of follower (10³ rad/s²)",
+                [Line(turns, 1e-3 * values)],
+            )
+        )
     return Chart("settling", "From the start to the settled turn, 50π rad/s", panels, 3)

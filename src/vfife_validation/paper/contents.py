@@ -9,12 +9,16 @@ from typing import Any, Literal
 from vfife.report.document import Table
 
 Origin = Literal["stated", "inferred", "chosen"]
-Style = str  # "main", "second" ... "fifth", "ideal", "paper", "circle", "faint", or a number: that of a colour in a long row
+# "main", "second" ... "fifth", "ideal", "paper", "circle", "faint", or a number: that of a colour in a long
+# row
+Style = str
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of an item: its value in words, and whether the paper states it, it is inferred from Table 3, or chosen here."""
+    """A parameter of an item: its value in words, and whether the paper states it, it is inferred from Table
+    3, or chosen here.
+    """
 
     name: str
     value: str
@@ -24,7 +28,9 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of a picture, or marks where ``dots`` is set; ``style`` says its part in it. Axes may be numpy arrays."""
+    """A line of a picture, or marks where ``dots`` is set; ``style`` says its part in it. Axes may be numpy
+    arrays.
+    """
 
     x: Any
     y: Any
@@ -67,7 +73,9 @@ class Chart:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A statement of the paper in our words, whether it holds here (None: cannot be told), and the numbers it is judged by."""
+    """A statement of the paper in our words, whether it holds here (None: cannot be told), and the numbers it
+    is judged by.
+    """
 
     statement: str
     holds: bool | None

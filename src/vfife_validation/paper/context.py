@@ -20,13 +20,17 @@ from .search import from_numbers
 
 def fitted() -> dict[str, Any]:
     """The stored outcome of the search for the lost parameters, with its provenance."""
-    found: dict[str, Any] = json.loads(resources.files(__package__).joinpath("fitted.json").read_text(encoding="utf-8"))
+    found: dict[str, Any] = json.loads(
+        resources.files(__package__).joinpath("fitted.json").read_text(encoding="utf-8")
+    )
     return found
 
 
 @dataclass
 class Context:
-    """Runs and parameters by need; ``tell`` is told what is being computed, ``progress`` how much of it is done."""
+    """Runs and parameters by need; ``tell`` is told what is being computed, ``progress`` how much of it is
+    done.
+    """
 
     tell: Callable[[str], None] = lambda text: None
     progress: Callable[[int, int], None] | None = None
@@ -55,7 +59,9 @@ class Context:
     def three(self) -> dict[tuple[float, float], Influence]:
         """Three loose joints: by clearance (m) and crank speed (rad/s), the runs of Sect. 5."""
         keys = [(c, FASTEST) for c in CLEARANCES] + [(CLEARANCE, speed) for speed in SPEEDS[:-1]]
-        found = self.influences("three clearance joints, Sect. 5", [Case(self.parameters, c, speed) for c, speed in keys])
+        found = self.influences(
+            "three clearance joints, Sect. 5", [Case(self.parameters, c, speed) for c, speed in keys]
+        )
         return dict(zip(keys, found, strict=True))
 
     @property
@@ -75,24 +81,46 @@ def described(p: Parameters) -> list[Parameter]:
     start = f"crank at {math.degrees(p.crank_angle):.0f}°, ideal velocities, journals centred"
     restitution = p.contact.restitution  # type: ignore[attr-defined]
     moment = (
-        "at the particles alone" if p.friction_moment == "off" else f"with moments ({p.friction_moment}), R_B = {1e3 * p.bearing_radius:.3g} mm"
+        "at the particles alone"
+        if p.friction_moment == "off"
+        else f"with moments ({p.friction_moment}), R_B = {1e3 * p.bearing_radius:.3g} mm"
     )
     return [
-        Parameter("lengths and masses", "ground 0.150, crank 0.400, coupler 0.260, follower 0.460 m; 3.120, 2.028, 3.588 kg", "stated", "Table 1"),
+        Parameter(
+            "lengths and masses",
+            "ground 0.150, crank 0.400, coupler 0.260, follower 0.460 m; 3.120, 2.028, 3.588 kg",
+            "stated",
+            "Table 1",
+        ),
         Parameter("friction coefficient c_f", f"{p.friction:g}", "stated", "Sect. 5"),
-        Parameter("contact law", {"pereira": "enhanced (Pereira), Eq. 26-28"}.get(p.contact.name, p.contact.name), "stated", "Sect. 3.2"),
+        Parameter(
+            "contact law",
+            {"pereira": "enhanced (Pereira), Eq. 26-28"}.get(p.contact.name, p.contact.name),
+            "stated",
+            "Sect. 3.2",
+        ),
         Parameter("E, ν", "207 GPa, 0.3", "inferred", "Sect. 4.1 prints 2.07 GPa; see Fig. 8"),
         Parameter("axial length L", f"{1e3 * p.axial_length:.4g} mm", "inferred", low),
         Parameter("restitution c_e", f"{restitution:.4g}", "inferred", low),
         Parameter("friction speeds v0, v1", f"{p.v0:.4g}, {p.v1:.4g} m/s", "inferred", low),
-        Parameter("links", LINK_WORDS[p.link], "inferred", "fit to Table 3; the paper calls its bodies rigid"),
+        Parameter(
+            "links", LINK_WORDS[p.link], "inferred", "fit to Table 3; the paper calls its bodies rigid"
+        ),
         Parameter("where friction acts", moment, "inferred", "Eq. 23-25 have no moment; fit to Table 3"),
         Parameter(
-            "branch", "joint 2 below the line from joint 1 to the ground pivot" if p.below else "joint 2 above", "inferred", "Fig. 11 is lost"
+            "branch",
+            "joint 2 below the line from joint 1 to the ground pivot" if p.below else "joint 2 above",
+            "inferred",
+            "Fig. 11 is lost",
         ),
         Parameter("start", start, "inferred", "Fig. 11 is lost; angle from the fit"),
         Parameter("step", f"{1e6 * STEP:g} µs", "chosen", "see `beyond`"),
-        Parameter("settled", f"turns within {TOLERANCE:g} of each other, {MOST_TURNS} turns at the most", "chosen", ""),
+        Parameter(
+            "settled",
+            f"turns within {TOLERANCE:g} of each other, {MOST_TURNS} turns at the most",
+            "chosen",
+            "",
+        ),
     ]
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vfife.analysis import forces, motion
+from vfife.measures import forces, motion
 from vfife.solvers.ensemble import Member
 from vfife.solvers.record import Record
 
@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 
 
 def crank_angle(record: Record) -> tuple[Array, NDArray[np.intp]]:
-    """Crank angle within a turn (degrees), -180 to 180, and the order of the outputs that it puts them in; the first output is left out.
+    """Crank angle within a turn (degrees), -180 to 180, and the order of the outputs that it puts them in;
+    the first output is left out.
 
     The largest accelerations and forces come near 0, so the turn is not cut there.
     """
@@ -44,7 +45,10 @@ def acceleration(member: Member, body: str = BODY) -> tuple[Array, Array]:
 def velocity(member: Member, body: str = BODY) -> tuple[Array, Array]:
     """Crank angle (degrees) and angular velocity (rad/s) of a body."""
     angle, order = crank_angle(member.last)
-    return angle, motion.body_motion(member.last)["angular_velocity"][order, list(member.assembly.bodies).index(body)]
+    return (
+        angle,
+        motion.body_motion(member.last)["angular_velocity"][order, list(member.assembly.bodies).index(body)],
+    )
 
 
 def penetration(member: Member, joint: str = JOINT) -> tuple[Array, Array]:
@@ -54,7 +58,9 @@ def penetration(member: Member, joint: str = JOINT) -> tuple[Array, Array]:
 
 
 def ripples(values: Array, floor: float = 0.01) -> int:
-    """How often a curve of one turn turns round by more than ``floor`` of its largest absolute value: peaks and troughs together."""
+    """How often a curve of one turn turns round by more than ``floor`` of its largest absolute value: peaks
+    and troughs together.
+    """
     limit = floor * float(np.abs(values).max())
     count, direction, extreme = 0, 0.0, float(values[0])
     for value in values[1:]:
@@ -70,19 +76,28 @@ def ripples(values: Array, floor: float = 0.01) -> int:
 
 
 def path_panel(member: Member, joint: str, title: str) -> Panel:
-    """The journal's path seen from its bearing over the last turn, inside and beyond the circle of the clearance (mm)."""
+    """The journal's path seen from its bearing over the last turn, inside and beyond the circle of the
+    clearance (mm).
+    """
     record = member.last
     k = record.assembly.contacts.index(joint)
     clearance = record.assembly.mechanism.clearances[joint].clearance
     x, y = 1e3 * forces.eccentricity(record)[:, k].T
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    circle = Line(1e3 * clearance * np.cos(turn), 1e3 * clearance * np.sin(turn), "circle of radius c", "circle")
+    circle = Line(
+        1e3 * clearance * np.cos(turn), 1e3 * clearance * np.sin(turn), "circle of radius c", "circle"
+    )
     return Panel(title, "x (mm)", "y (mm)", [circle, Line(x, y, "journal centre, one turn")], equal=True)
 
 
-def beside_ideal(curve: tuple[Array, Array], reference: tuple[Array, Array], factor: float, title: str, quantity: str) -> Panel:
+def beside_ideal(
+    curve: tuple[Array, Array], reference: tuple[Array, Array], factor: float, title: str, quantity: str
+) -> Panel:
     """A curve with clearance over the ideal one."""
-    lines = [Line(reference[0], factor * reference[1], "ideal joints", "ideal"), Line(curve[0], factor * curve[1], "with clearance", "main")]
+    lines = [
+        Line(reference[0], factor * reference[1], "ideal joints", "ideal"),
+        Line(curve[0], factor * curve[1], "with clearance", "main"),
+    ]
     return Panel(title, "crank angle (degrees)", quantity, lines)
 
 

@@ -30,22 +30,36 @@ STATED = (
     Parameter("radii R_B, R_J", "10 mm, 9.5 mm", "stated", "Sect. 4.1"),
     Parameter("speed of the journal", "1 m/s, no gravity", "stated", "Sect. 4.1"),
     Parameter("stiffness K (Lankarani-Nikravesh)", "6.6e10 N/m^1.5", "stated", "Sect. 4.1"),
-    Parameter("E, ν", "207 GPa, 0.3", "inferred", "2.07 GPa is printed; K as printed follows from 207 GPa only"),
+    Parameter(
+        "E, ν", "207 GPa, 0.3", "inferred", "2.07 GPa is printed; K as printed follows from 207 GPa only"
+    ),
     Parameter("mass of the journal", "1 kg", "chosen", "not in the text"),
 )
 
 
 @cache
 def impact(law: ContactLaw, length: float, duration: float) -> tuple[Array, Array, Array, Array]:
-    """Time (s), penetration (m), normal force (N) and velocity (m/s) of the journal, from its start at the bearing's centre."""
+    """Time (s), penetration (m), normal force (N) and velocity (m/s) of the journal, from its start at the
+    bearing's centre.
+    """
     from vfife.assembly.assemble import assemble
     from vfife.solvers.transient import run
 
     record = run(
-        assemble(journal(law, axial_length=length, mass=MASS, speed=SPEED), STEP, duration=duration, outputs=round(duration / (10 * STEP)))
+        assemble(
+            journal(law, axial_length=length, mass=MASS, speed=SPEED),
+            STEP,
+            duration=duration,
+            outputs=round(duration / (10 * STEP)),
+        )
     )
     time = np.asarray(record.steps * record.assembly.choice.step, dtype=float)
-    return time, record.block("contact_penetration")[:, 0], record.block("contact_normal_force")[:, 0], record.block("particle_u")[:, 1]
+    return (
+        time,
+        record.block("contact_penetration")[:, 0],
+        record.block("contact_normal_force")[:, 0],
+        record.block("particle_u")[:, 1],
+    )
 
 
 def first_impact(law: ContactLaw, length: float) -> dict[str, Array]:
@@ -90,17 +104,37 @@ def fig8(context: Context) -> Item:
     )  # fmt: skip
     verdicts = [
         Verdict(
-            "The loops grow wider as the restitution falls: more energy is lost", losses == sorted(losses), f"losses {_series(losses, 1.0, 4)} J"
+            "The loops grow wider as the restitution falls: more energy is lost",
+            losses == sorted(losses),
+            f"losses {_series(losses, 1.0, 4)} J",
         ),
-        Verdict("Rebound speeds are those of the closed form of the law", max(rebounds) < 1e-3, f"largest difference {max(rebounds):.1e} m/s"),
-        Verdict("Less restitution means a shallower impact", depths == sorted(depths, reverse=True), f"depths {_series(depths, 1e6, 2)} µm"),
+        Verdict(
+            "Rebound speeds are those of the closed form of the law",
+            max(rebounds) < 1e-3,
+            f"largest difference {max(rebounds):.1e} m/s",
+        ),
+        Verdict(
+            "Less restitution means a shallower impact",
+            depths == sorted(depths, reverse=True),
+            f"depths {_series(depths, 1e6, 2)} µm",
+        ),
     ]
     text = [
-        "The restitution coefficients of the paper's curves are not in its text; these five are chosen. The law delivers more restitution than its "
-        "coefficient says (0.9132 for 0.9, 0.7252 for 0.5), as its authors derived it for coefficients near 1."
+        "The restitution coefficients of the paper's curves are not in its text; these five are chosen. The"
+        " law delivers more restitution than its coefficient says (0.9132 for 0.9, 0.7252 for 0.5), as its"
+        " authors derived it for coefficients near 1."
     ]
     chosen = Parameter("restitution coefficients", "1, 0.9, 0.7, 0.5, 0.3", "chosen", "not in the text")
-    return Item("fig8", "Fig. 8: contact force and hysteresis", text, (*STATED, chosen), [chart], [table], verdicts, {"impacts": data})
+    return Item(
+        "fig8",
+        "Fig. 8: contact force and hysteresis",
+        text,
+        (*STATED, chosen),
+        [chart],
+        [table],
+        verdicts,
+        {"impacts": data},
+    )
 
 
 def fig9(context: Context) -> Item:
@@ -113,36 +147,60 @@ def fig9(context: Context) -> Item:
     styles: dict[float, Style] = {LENGTH: "main", inferred: "third"}
     for length, style in styles.items():
         hit = first_impact(Pereira(restitution=restitution), length)
-        lines.append(Line(1e6 * hit["depth"], 1e-3 * hit["force"], f"enhanced, L = {1e3 * length:.3g} mm", style))
+        lines.append(
+            Line(1e6 * hit["depth"], 1e-3 * hit["force"], f"enhanced, L = {1e3 * length:.3g} mm", style)
+        )
         depths[length] = float(hit["depth"].max())
     deepest, same = float(sphere["depth"].max()), _same_depth(float(sphere["depth"].max()), restitution)
     numbers = (
-        f"{1e6 * deepest:.1f} µm; enhanced {1e6 * depths[LENGTH]:.1f} µm (L = 20 mm), {1e6 * depths[inferred]:.1f} µm (L = {1e3 * inferred:.3g} mm)"
+        f"{1e6 * deepest:.1f} µm; enhanced {1e6 * depths[LENGTH]:.1f} µm (L = 20 mm),"
+        f" {1e6 * depths[inferred]:.1f} µm (L = {1e3 * inferred:.3g} mm)"
     )
     verdicts = [
-        Verdict("The enhanced law penetrates less, L = 20 mm", depths[LENGTH] < deepest, f"Lankarani–Nikravesh {numbers}"),
+        Verdict(
+            "The enhanced law penetrates less, L = 20 mm",
+            depths[LENGTH] < deepest,
+            f"Lankarani–Nikravesh {numbers}",
+        ),
         Verdict(
             f"The same with the length inferred from Table 3, {1e3 * inferred:.3g} mm",
             depths[inferred] < deepest,
             f"equal at L = {1e3 * same:.3g} mm",
         ),
     ]
-    chart = Chart("fig9", "Contact force over penetration in the first impact", [Panel("", "penetration (µm)", "contact force (kN)", lines)], 1)
+    chart = Chart(
+        "fig9",
+        "Contact force over penetration in the first impact",
+        [Panel("", "penetration (µm)", "contact force (kN)", lines)],
+        1,
+    )
     given = [
         *STATED,
         Parameter("restitution coefficient", "0.9", "chosen", "not in the text"),
-        Parameter("axial length L", "20 mm, a bearing as long as it is wide", "chosen", "the paper's is in the lost Table 2"),
+        Parameter(
+            "axial length L",
+            "20 mm, a bearing as long as it is wide",
+            "chosen",
+            "the paper's is in the lost Table 2",
+        ),
         Parameter("axial length L, second curve", f"{1e3 * inferred:.3g} mm", "inferred", "fit to Table 3"),
     ]
     text = [
-        "The enhanced law's stiffness is proportional to the axial length, which Lankarani-Nikravesh does not know: which of the two penetrates "
-        f"less is a matter of that length. They are equally deep at L = {1e3 * same:.3g} mm."
+        "The enhanced law's stiffness is proportional to the axial length, which Lankarani-Nikravesh does"
+        " not know: which of the two penetrates less is a matter of that length. They are equally deep at L"
+        f" = {1e3 * same:.3g} mm."
     ]
     data = {
-        "depths": {"lankarani-nikravesh": deepest, "enhanced, 20 mm": depths[LENGTH], "enhanced, inferred": depths[inferred]},
+        "depths": {
+            "lankarani-nikravesh": deepest,
+            "enhanced, 20 mm": depths[LENGTH],
+            "enhanced, inferred": depths[inferred],
+        },
         "equal_length": same,
     }
-    return Item("fig9", "Fig. 9: enhanced law and Lankarani-Nikravesh", text, given, [chart], [], verdicts, data)
+    return Item(
+        "fig9", "Fig. 9: enhanced law and Lankarani-Nikravesh", text, given, [chart], [], verdicts, data
+    )
 
 
 def _same_depth(depth: float, restitution: float) -> float:
@@ -150,7 +208,11 @@ def _same_depth(depth: float, restitution: float) -> float:
     low, high = 1e-3, 5e-2
     for _ in range(12):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if float(first_impact(Pereira(restitution=restitution), middle)["depth"].max()) > depth else (low, middle)
+        low, high = (
+            (middle, high)
+            if float(first_impact(Pereira(restitution=restitution), middle)["depth"].max()) > depth
+            else (low, middle)
+        )
     return math.sqrt(low * high)
 
 
@@ -172,13 +234,28 @@ def fig10(context: Context) -> Item:
     )
     falls = all(b < a for a, b in zip(peaks, peaks[1:], strict=False))
     verdicts = [
-        Verdict("The journal goes through free flight, impact and continuous contact", len(peaks) >= 2, f"{len(peaks)} contacts in 3 ms"),
-        Verdict("The second peak is lower than the first", len(peaks) >= 2 and falls, f"peaks {_series(peaks, 1e-3, 2)} kN"),
+        Verdict(
+            "The journal goes through free flight, impact and continuous contact",
+            len(peaks) >= 2,
+            f"{len(peaks)} contacts in 3 ms",
+        ),
+        Verdict(
+            "The second peak is lower than the first",
+            len(peaks) >= 2 and falls,
+            f"peaks {_series(peaks, 1e-3, 2)} kN",
+        ),
     ]
     given = [*STATED, Parameter("restitution coefficient", "0.9", "chosen", "not in the text")]
     chart = Chart("fig10", "Contact force over time; shaded: continuous contact", [panel], 1)
     return Item(
-        "fig10", "Fig. 10: contact force and the modes of motion", [], given, [chart], [], verdicts, {"peaks": peaks, "begins": begins.tolist()}
+        "fig10",
+        "Fig. 10: contact force and the modes of motion",
+        [],
+        given,
+        [chart],
+        [],
+        verdicts,
+        {"peaks": peaks, "begins": begins.tolist()},
     )
 
 

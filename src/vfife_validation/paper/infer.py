@@ -1,4 +1,6 @@
-"""The lost Table 2: which parameters give Table 3 back, the whole set of them, and what they leave open in the lost Table 4."""
+"""The lost Table 2: which parameters give Table 3 back, the whole set of them, and what they leave open in
+the lost Table 4.
+"""
 
 from __future__ import annotations
 
@@ -25,15 +27,23 @@ if TYPE_CHECKING:
 KEPT = 24  # sets that fit, as many as are stored of each structure
 CANDIDATES = 24  # best points of each structure that are run again with other steps
 STEPS = (1.25e-6, 1e-6, 5e-7, 2.5e-7)  # s
-SHOWN = (("axial_length", 1e3, "axial length (mm)"), ("restitution", 1.0, "restitution c_e (1)"), ("v0", 1.0, "v0 (m/s)"), ("v1", 1.0, "v1 (m/s)"))
+SHOWN = (
+    ("axial_length", 1e3, "axial length (mm)"),
+    ("restitution", 1.0, "restitution c_e (1)"),
+    ("v0", 1.0, "v0 (m/s)"),
+    ("v1", 1.0, "v1 (m/s)"),
+)
 
 
-def outcome(searches: Sequence[Search], seed: int, budget: float, seconds: float | None = None) -> dict[str, Any]:
-    """What a search found, as plain numbers: the best set at the worst of several steps, those that fit, the best of each structure.
+def outcome(
+    searches: Sequence[Search], seed: int, budget: float, seconds: float | None = None
+) -> dict[str, Any]:
+    """What a search found, as plain numbers: the best set at the worst of several steps, those that fit, the
+    best of each structure.
 
     What was found with stiff bars is kept as its limit, rigid bars, if it fits there, too.
     """
-    from vfife.results.provenance import versions
+    from vfife.store.provenance import versions
 
     structures, finalists = [], []
     fits: list[dict[str, Any]] = []
@@ -67,7 +77,9 @@ def outcome(searches: Sequence[Search], seed: int, budget: float, seconds: float
 
 
 def limit(p: Parameters) -> Parameters:
-    """Rigid bars instead of stiff ones, which ring after the start, so that a step moves what they do at low speeds."""
+    """Rigid bars instead of stiff ones, which ring after the start, so that a step moves what they do at low
+    speeds.
+    """
     return dataclasses.replace(p, link="rigid bars") if p.link == "stiff bars" else p
 
 
@@ -85,10 +97,21 @@ def fitting(points: Sequence[Parameters]) -> list[dict[str, Any]]:
 
 
 def far_apart(points: Sequence[Parameters], count: int) -> list[int]:
-    """The first point and those that lie farthest from all chosen before: the extent of a set, where a search has left it in clusters."""
+    """The first point and those that lie farthest from all chosen before: the extent of a set, where a search
+    has left it in clusters.
+    """
     if not points:
         return []
-    rows = [[math.log(p.axial_length), p.contact.restitution, 0.5 * math.log(p.v0), 0.5 * math.log(p.v1), p.crank_angle] for p in points]  # type: ignore[attr-defined]
+    rows = [
+        [
+            math.log(p.axial_length),
+            p.contact.restitution,  # type: ignore[attr-defined]
+            0.5 * math.log(p.v0),
+            0.5 * math.log(p.v1),
+            p.crank_angle,
+        ]
+        for p in points
+    ]
     at = np.array(rows)
     chosen = [0]
     near = np.linalg.norm(at - at[0], axis=1)
@@ -111,17 +134,38 @@ def infer(context: Context) -> Item:
     again, sound = table_3([context.parameters])
     now = float(misfit(again, sound)[0])
     text = [
-        "Table 2, with the parameters of contact and friction, is lost; Table 3 has six numbers that follow from it. The search moves axial "
-        "length, restitution, the two friction speeds and, by structure, start angle and bearing radius within wide limits, and judges a set by "
-        "its worst deviation from the six. A set that loses contact or does not settle is out.",
-        f"{fit['provenance']['command']}: {fit['provenance']['points']} sets tried, {fit['provenance']['fits']} within {GOAL:g} points.",
-        "Stiff bars, with which the search runs, ring after the start; what it finds with them is kept as its limit, rigid bars, where those fit, "
-        "too. On bars a friction moment turns the pin's particle alone, on rigid bars the link: sets with moments rarely survive that.",
-        "Six numbers do not determine the unknowns: every set in the pictures gives Table 3. None of them is known to be the paper's.",
+        (
+            "Table 2, with the parameters of contact and friction, is lost; Table 3 has six numbers that"
+            " follow from it. The search moves axial length, restitution, the two friction speeds and, by"
+            " structure, start angle and bearing radius within wide limits, and judges a set by its worst"
+            " deviation from the six. A set that loses contact or does not settle is out."
+        ),
+        (
+            f"{fit['provenance']['command']}: {fit['provenance']['points']} sets tried,"
+            f" {fit['provenance']['fits']} within {GOAL:g} points."
+        ),
+        (
+            "Stiff bars, with which the search runs, ring after the start; what it finds with them is kept as"
+            " its limit, rigid bars, where those fit, too. On bars a friction moment turns the pin's particle"
+            " alone, on rigid bars the link: sets with moments rarely survive that."
+        ),
+        (
+            "Six numbers do not determine the unknowns: every set in the pictures gives Table 3. None of them"
+            " is known to be the paper's."
+        ),
     ]
     charts, tables = [numbers_chart(fit), sets_chart(fit)], [structures_table(fit), ranges_table(fit)]
     data = {key: fit[key] for key in ("provenance", "best", "structures")} | {"best_again": again[0].tolist()}
-    return Item("infer", "The lost Table 2, inferred from Table 3", text, described(context.parameters), charts, tables, verdicts(fit, now), data)
+    return Item(
+        "infer",
+        "The lost Table 2, inferred from Table 3",
+        text,
+        described(context.parameters),
+        charts,
+        tables,
+        verdicts(fit, now),
+        data,
+    )
 
 
 def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
@@ -138,11 +182,19 @@ def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
     if rods:
         found.append(
             Verdict(
-                "Rigid uniform rods can give them, too", least <= GOAL, f"best of {sum(s['points'] for s in rods)} sets is {least:.1f} points off"
+                "Rigid uniform rods can give them, too",
+                least <= GOAL,
+                f"best of {sum(s['points'] for s in rods)} sets is {least:.1f} points off",
             )
         )
     if math.isfinite(above):
-        found.append(Verdict("Joint 2 above the line of the pivots can give them, too", above <= GOAL, f"best set is {above:.1f} points off"))
+        found.append(
+            Verdict(
+                "Joint 2 above the line of the pivots can give them, too",
+                above <= GOAL,
+                f"best set is {above:.1f} points off",
+            )
+        )
     return found
 
 
@@ -153,8 +205,14 @@ def numbers_chart(fit: dict[str, Any]) -> Chart:
     sizes = np.array([0.1, 0.2, 0.5])
     for j, kind in enumerate(("LIP(F)", "LIP(a)")):
         columns = slice(3 * j, 3 * j + 3)
-        lines = [Line(sizes, row[columns], "sets that fit" if k == 0 else "", "faint") for k, row in enumerate(every)]
-        lines += [Line(sizes, fit["best"]["table_3"][columns], "best set", "main"), Line(sizes, TABLE_3[j], "paper", "paper")]
+        lines = [
+            Line(sizes, row[columns], "sets that fit" if k == 0 else "", "faint")
+            for k, row in enumerate(every)
+        ]
+        lines += [
+            Line(sizes, fit["best"]["table_3"][columns], "best set", "main"),
+            Line(sizes, TABLE_3[j], "paper", "paper"),
+        ]
         panels.append(Panel(kind, "clearance (mm)", f"{kind} (%)", lines))
     return Chart("fit", "Table 3: the paper, the best set, and every stored set within the goal", panels, 2)
 
@@ -184,11 +242,27 @@ def structure_of(p: dict[str, Any]) -> str:
 def structures_table(fit: dict[str, Any]) -> Table:
     """The best of each structure."""
     rows = [
-        [s["structure"], str(s["points"]), str(s["within_goal"]), f"{s['misfit']:.2f}", ", ".join(f"{v:.1f}" for v in s["table_3"])]
+        [
+            s["structure"],
+            str(s["points"]),
+            str(s["within_goal"]),
+            f"{s['misfit']:.2f}",
+            ", ".join(f"{v:.1f}" for v in s["table_3"]),
+        ]
         for s in sorted(fit["structures"], key=lambda s: float(s["misfit"]))
     ]
     caption = f"Structures: the paper has {', '.join(f'{v:g}' for v in TARGET)}"
-    return Table(["structure", "sets tried", f"within {GOAL:g}", "best misfit (points)", "LIP(F), LIP(a) at 0.1, 0.2, 0.5 mm"], rows, caption)
+    return Table(
+        [
+            "structure",
+            "sets tried",
+            f"within {GOAL:g}",
+            "best misfit (points)",
+            "LIP(F), LIP(a) at 0.1, 0.2, 0.5 mm",
+        ],
+        rows,
+        caption,
+    )
 
 
 def ranges_table(fit: dict[str, Any]) -> Table:

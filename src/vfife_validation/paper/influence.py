@@ -1,4 +1,6 @@
-"""Local influence parameters of the four-bar over its settled turn (Eq. 38-39), for many clearances, speeds and parameters at once."""
+"""Local influence parameters of the four-bar over its settled turn (Eq. 38-39), for many clearances, speeds
+and parameters at once.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from vfife.analysis.measures import lip
+from vfife.measures.catalogue import lip
 from vfife.solvers.ensemble import Member, advance, ensemble, placed
 
 from .mechanisms import FASTEST, Parameters, four_bar
@@ -34,7 +36,9 @@ class Case:
 
 @dataclass(frozen=True)
 class Influence:
-    """What a settled turn gives: maxima of the force of joint 2 (N) and of the follower's acceleration (rad/s^2), those of the ideal mechanism."""
+    """What a settled turn gives: maxima of the force of joint 2 (N) and of the follower's acceleration
+    (rad/s^2), those of the ideal mechanism.
+    """
 
     case: Case
     member: Member
@@ -50,17 +54,25 @@ class Influence:
 
     @property
     def contact_kept(self) -> bool:
-        """Whether no joint lost contact in the last turn: every one in contact at its outputs, and no contact began."""
+        """Whether no joint lost contact in the last turn: every one in contact at its outputs, and no contact
+        began.
+        """
         last = self.member.last
         onsets = last.block("contact_onsets")
         return bool((onsets[-1] == onsets[0]).all() and (last.block("contact_penetration") > 0.0).all())
 
 
 def influences(
-    cases: Sequence[Case], *, outputs: int = 720, turns: int = MOST_TURNS, progress: Callable[[int, int], None] | None = None
+    cases: Sequence[Case],
+    *,
+    outputs: int = 720,
+    turns: int = MOST_TURNS,
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[Influence]:
     """Runs every case until its turns repeat, or for ``turns`` turns."""
-    assemblies = [placed(four_bar(c.parameters, c.clearance, c.speed, c.loose), c.step, turns, outputs) for c in cases]
+    assemblies = [
+        placed(four_bar(c.parameters, c.clearance, c.speed, c.loose), c.step, turns, outputs) for c in cases
+    ]
     members = advance(assemblies, tolerance=TOLERANCE, progress=progress)
     return [measured(case, member) for case, member in zip(cases, members, strict=True)]
 

@@ -15,7 +15,24 @@ from .three_joints import fig15, fig16, fig17, fig18, fig19, fig20, table3, tabl
 
 ITEMS: dict[str, Callable[[Context], Item]] = {
     made.__name__: made
-    for made in (fig8, fig9, fig10, fig12, fig13, fig15, fig16, fig17, table3, fig18, fig19, fig20, table4, claims, infer, beyond)
+    for made in (
+        fig8,
+        fig9,
+        fig10,
+        fig12,
+        fig13,
+        fig15,
+        fig16,
+        fig17,
+        table3,
+        fig18,
+        fig19,
+        fig20,
+        table4,
+        claims,
+        infer,
+        beyond,
+    )
 }
 
 

@@ -1,4 +1,6 @@
-"""The paper's mechanisms: a journal in a fixed bearing (Sect. 4.1) and the four-bar of Table 1 with one or three loose joints."""
+"""The paper's mechanisms: a journal in a fixed bearing (Sect. 4.1) and the four-bar of Table 1 with one or
+three loose joints.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +23,20 @@ CLEARANCES = (0.1e-3, 0.2e-3, 0.5e-3)  # m, Sect. 5.1
 SPEEDS = (10.0 * math.pi, 20.0 * math.pi, 50.0 * math.pi)  # rad/s, Sect. 5.2
 FASTEST = SPEEDS[-1]
 CLEARANCE = CLEARANCES[1]  # m, of Sect. 5.2
-SECTION = Section.square(1e-3)  # m^2: what 7.8 kg/m of Table 1 are in steel; the shape of the section is a choice
+SECTION = Section.square(
+    1e-3
+)  # m^2: what 7.8 kg/m of Table 1 are in steel; the shape of the section is a choice
 JOINTS = {"B": "joint 1", "C": "joint 2", "D": "joint 3"}  # the paper's names
 
 # Link models: what an elastic or two-particle link is made of beside its length and mass.
 LINKS: dict[str, dict[str, Any]] = {
-    "stiff bars": {"model": "two-particle", "section": SECTION, "strain": "current", "release": "both", "stiffness_factor": 1000.0},
+    "stiff bars": {
+        "model": "two-particle",
+        "section": SECTION,
+        "strain": "current",
+        "release": "both",
+        "stiffness_factor": 1000.0,
+    },
     "bars": {"model": "two-particle", "section": SECTION, "strain": "current", "release": "both"},
     "rigid bars": {"model": "two-particle", "section": SECTION, "strain": "current", "release": "both"},
     "uniform rods": {"model": "rigid"},
@@ -35,7 +45,10 @@ LINKS: dict[str, dict[str, Any]] = {
     "frames of 8": {"model": "elastic", "section": SECTION, "strain": "current", "elements": 8},
 }
 LINK_WORDS = {
-    "stiff bars": "two particles and one bar a link (Fig. 1, release at both nodes), EA = 2.07e11 N: a thousand times that of the steel section",
+    "stiff bars": (
+        "two particles and one bar a link (Fig. 1, release at both nodes), EA = 2.07e11 N: a thousand times"
+        " that of the steel section"
+    ),
     "bars": "two particles and one bar a link, EA = 2.07e8 N as of a steel section of 1e-3 m²",
     "rigid bars": "two particles a link, rigidly joined",
     "uniform rods": "rigid uniform rods",
@@ -47,10 +60,11 @@ LINK_WORDS = {
 
 @dataclass(frozen=True)
 class Parameters:
-    """What the lost Table 2 and Fig. 11 would have told: everything but lengths, masses, clearance, crank speed and the friction coefficient.
+    """What the lost Table 2 and Fig. 11 would have told: everything but lengths, masses, clearance, crank
+    speed and the friction coefficient.
 
-    ``below``: joint C starts, and stays, on the side of line B-D that lies below it at crank angle zero. ``crank_angle`` (rad) is that of the
-    start. SI units.
+    ``below``: joint C starts, and stays, on the side of line B-D that lies below it at crank angle zero.
+    ``crank_angle`` (rad) is that of the start. SI units.
     """
 
     contact: ContactLaw = field(default_factory=lambda: Pereira(restitution=0.5))
@@ -67,7 +81,9 @@ class Parameters:
     @property
     def friction_law(self) -> FrictionLaw:
         """The paper's modified Coulomb law."""
-        return Ambrosio(coefficient=self.friction, v0=self.v0, v1=self.v1) if self.friction else Frictionless()
+        return (
+            Ambrosio(coefficient=self.friction, v0=self.v0, v1=self.v1) if self.friction else Frictionless()
+        )
 
 
 def directions(crank_angle: float, below: bool) -> tuple[float, float]:
@@ -83,7 +99,8 @@ def directions(crank_angle: float, below: bool) -> tuple[float, float]:
 
 
 def four_bar(p: Parameters, clearance: float, speed: float = FASTEST, loose: str = "BCD") -> Mechanism:
-    """The four-bar of Table 1 with clearance (m) in the joints that ``loose`` names, its crank turning at ``speed`` (rad/s).
+    """The four-bar of Table 1 with clearance (m) in the joints that ``loose`` names, its crank turning at
+    ``speed`` (rad/s).
 
     Every step is taken as it is, as in the paper.
     """
@@ -97,7 +114,11 @@ def four_bar(p: Parameters, clearance: float, speed: float = FASTEST, loose: str
     if p.link == "rigid bars":
         m.bodies.update({name: rigidified(body) for name, body in m.bodies.items()})
     m.revolute("A", "ground.A", "crank.start")
-    for name, bearing, journal in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
+    for name, bearing, journal in (
+        ("B", "crank.end", "coupler.start"),
+        ("C", "coupler.end", "follower.end"),
+        ("D", "ground.D", "follower.start"),
+    ):
         m.revolute(name, bearing, journal)
     m.joints.update({name: joint for name, joint in loosened(p, m, clearance).items() if name in loose})
     m.drive("crank", speed=speed)
@@ -118,8 +139,12 @@ def loosened(p: Parameters, mechanism: Mechanism, clearance: float) -> dict[str,
     }  # fmt: skip
 
 
-def journal(contact: ContactLaw, *, axial_length: float = 0.02, mass: float = 1.0, speed: float = 1.0) -> Mechanism:
-    """A journal that leaves the centre of a fixed bearing at ``speed`` (m/s), the radii of Sect. 4.1, no gravity, no friction."""
+def journal(
+    contact: ContactLaw, *, axial_length: float = 0.02, mass: float = 1.0, speed: float = 1.0
+) -> Mechanism:
+    """A journal that leaves the centre of a fixed bearing at ``speed`` (m/s), the radii of Sect. 4.1, no
+    gravity, no friction.
+    """
     m = Mechanism("journal in a fixed bearing")
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=mass, velocity=(speed, 0.0, 0.0))

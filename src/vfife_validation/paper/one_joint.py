@@ -27,7 +27,9 @@ SPHERE = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS)
 def variants(context: Context) -> dict[str, Parameters]:
     """The runs: either law, with and without friction; the friction speeds are those inferred for Sect. 5."""
     p = context.parameters
-    base = Parameters(link=LINK, below=True, contact=SPHERE, friction=0.0, v0=p.v0, v1=p.v1, axial_length=20e-3)
+    base = Parameters(
+        link=LINK, below=True, contact=SPHERE, friction=0.0, v0=p.v0, v1=p.v1, axial_length=20e-3
+    )
     enhanced = dataclasses.replace(base, contact=Pereira(restitution=RESTITUTION))
     return {
         "Lankarani–Nikravesh": base,
@@ -41,7 +43,9 @@ def runs(context: Context) -> dict[str, Influence]:
     """One loose joint under either law."""
     found = variants(context)
     cases = [Case(p, GAP, FASTEST, 5e-7, "C") for p in found.values()]
-    done = context.once("one joint", lambda: context.influences("one clearance joint, Sect. 4.2", cases, turns=6))
+    done = context.once(
+        "one joint", lambda: context.influences("one clearance joint, Sect. 4.2", cases, turns=6)
+    )
     return dict(zip(found, done, strict=True))
 
 
@@ -52,7 +56,12 @@ def given(context: Context) -> list[Parameter]:
         Parameter("lengths and masses", "Table 1", "stated", "Table 1"),
         Parameter("links", LINK_WORDS[LINK], "stated", "Sect. 4.2: rigid bodies; uniform is chosen"),
         Parameter("clearance", "0.5 mm, R_B = 10 mm", "inferred", "radii of Sect. 4.1; Table 2 is lost"),
-        Parameter("stiffness K (Lankarani-Nikravesh)", "6.6e10 N/m^1.5", "inferred", "stated in Sect. 4.1 for the same radii"),
+        Parameter(
+            "stiffness K (Lankarani-Nikravesh)",
+            "6.6e10 N/m^1.5",
+            "inferred",
+            "stated in Sect. 4.1 for the same radii",
+        ),
         Parameter("crank speed", "50π rad/s", "chosen", "lost Table 2"),
         Parameter("restitution c_e", f"{RESTITUTION:g}", "chosen", "lost Table 2"),
         Parameter("axial length L (enhanced law)", "20 mm", "chosen", "lost Table 2"),
@@ -71,26 +80,56 @@ def fig12(context: Context) -> Item:
     one = runs(context)["Lankarani–Nikravesh"]
     reference = ideal(LINK, True, FASTEST)
     panels = [
-        curves.beside_ideal(curves.velocity(one.member), curves.velocity(reference), 1.0, "(a)", "angular velocity of follower (rad/s)"),
-        curves.beside_ideal(curves.acceleration(one.member), curves.acceleration(reference), 1e-3, "(b)", "acceleration of follower (10³ rad/s²)"),
+        curves.beside_ideal(
+            curves.velocity(one.member),
+            curves.velocity(reference),
+            1.0,
+            "(a)",
+            "angular velocity of follower (rad/s)",
+        ),
+        curves.beside_ideal(
+            curves.acceleration(one.member),
+            curves.acceleration(reference),
+            1e-3,
+            "(b)",
+            "acceleration of follower (10³ rad/s²)",
+        ),
     ]
     path = curves.path_panel(one.member, JOINT, "(c) joint 2")
     w, ideal_w = curves.velocity(one.member)[1], curves.velocity(reference)[1]
     apart = float(np.abs(w - ideal_w).max() / np.abs(ideal_w).max())
     verdicts = [
-        Verdict("The angular velocity stays close to the ideal one", apart < 0.05, f"largest difference {100 * apart:.2f} % of the largest"),
-        Verdict("The acceleration has peaks far above the ideal one", one.lips[1] > 10.0, f"LIP(a) {one.lips[1]:.1f} %"),
+        Verdict(
+            "The angular velocity stays close to the ideal one",
+            apart < 0.05,
+            f"largest difference {100 * apart:.2f} % of the largest",
+        ),
+        Verdict(
+            "The acceleration has peaks far above the ideal one",
+            one.lips[1] > 10.0,
+            f"LIP(a) {one.lips[1]:.1f} %",
+        ),
     ]
     text = [
-        f"Lankarani-Nikravesh without friction. {settling(one).capitalize()}. The paper compares with a published figure, of which nothing is in "
-        "its text but that they agree, so nothing more can be checked here."
+        f"Lankarani-Nikravesh without friction. {settling(one).capitalize()}. The paper compares with a"
+        " published figure, of which nothing is in its text but that they agree, so nothing more can be"
+        " checked here."
     ]
     charts = [
         Chart("fig12", "Follower with one loose joint over the last turn, and with ideal joints", panels, 2),
         Chart("fig12-path", "Journal centre in joint 2", [path], 1),
     ]
     data = {"lip_force": one.lips[0], "lip_acceleration": one.lips[1], "velocity_apart": apart}
-    return Item("fig12", "Fig. 12: follower and journal with one loose joint", text, given(context), charts, [], verdicts, data)
+    return Item(
+        "fig12",
+        "Fig. 12: follower and journal with one loose joint",
+        text,
+        given(context),
+        charts,
+        [],
+        verdicts,
+        data,
+    )
 
 
 def fig13(context: Context) -> Item:
@@ -101,7 +140,9 @@ def fig13(context: Context) -> Item:
         force.append(curves.over_angle(curves.force(found[name].member), 1e-3, name, style))
         angle, values = curves.penetration(found[name].member)
         depth.append(Line(angle, 1e6 * np.maximum(values, 0.0), name, style))
-    deepest = {name: float(one.member.turns.block("contact_penetration_max")[-1, 0]) for name, one in found.items()}
+    deepest = {
+        name: float(one.member.turns.block("contact_penetration_max")[-1, 0]) for name, one in found.items()
+    }
     counted = {name: penetrations(one) for name, one in found.items()}
     first, second = "Lankarani–Nikravesh", "enhanced with friction"
     pairs = [(first, "Lankarani–Nikravesh with friction"), ("enhanced without friction", second)]
@@ -120,10 +161,21 @@ def fig13(context: Context) -> Item:
     text = ["; ".join(f"{name}: {settling(one)}" for name, one in found.items()) + "."]
     data = {"deepest": deepest, "penetrations": counted}
     chart = Chart("fig13", "Contact force and penetration over the last turn", panels, 2)
-    return Item("fig13", "Fig. 13: enhanced law with friction and Lankarani-Nikravesh", text, given(context), [chart], [], verdicts, data)
+    return Item(
+        "fig13",
+        "Fig. 13: enhanced law with friction and Lankarani-Nikravesh",
+        text,
+        given(context),
+        [chart],
+        [],
+        verdicts,
+        data,
+    )
 
 
 def penetrations(one: Influence) -> int:
-    """Peaks of the penetration within the last turn: how often the journal is pressed in, with or without leaving the wall between."""
+    """Peaks of the penetration within the last turn: how often the journal is pressed in, with or without
+    leaving the wall between.
+    """
     depth = np.maximum(curves.penetration(one.member)[1], 0.0)
     return (curves.ripples(depth) + 1) // 2

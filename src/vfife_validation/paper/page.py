@@ -1,4 +1,6 @@
-"""One page for all items: self-contained HTML, pictures embedded, written anew after each item so that an interrupted run keeps what is done."""
+"""One page for all items: self-contained HTML, pictures embedded, written anew after each item so that an
+interrupted run keeps what is done.
+"""
 
 from __future__ import annotations
 
@@ -44,10 +46,12 @@ $body
 MARKED = ("true", "false", "open", "stated", "inferred", "chosen")
 TITLE = "The paper beside our numbers"
 INTRODUCTION = (
-    "Every figure and table of numbers in <em>Vector form intrinsic finite element method for planar multibody systems with multiple "
-    "clearance joints</em>, computed anew by vfife. The text that this is checked against has neither the paper's pictures nor its Tables 2 and 4: "
-    "what is compared is what it says. Parameters are <span class='stated'>stated</span> by the paper, <span class='inferred'>inferred</span> "
-    "from it, or <span class='chosen'>chosen</span> because nothing in it decides them."
+    "Every figure and table of numbers in <em>Vector form intrinsic finite element method for planar"
+    " multibody systems with multiple clearance joints</em>, computed anew by vfife. The text that this is"
+    " checked against has neither the paper's pictures nor its Tables 2 and 4: what is compared is what it"
+    " says. Parameters are <span class='stated'>stated</span> by the paper, <span"
+    " class='inferred'>inferred</span> from it, or <span class='chosen'>chosen</span> because nothing in it"
+    " decides them."
 )
 
 
@@ -55,7 +59,9 @@ def page(items: Sequence[Item], pictures: Callable[[Chart], str], footer: str = 
     """The page; ``pictures`` gives the source of an image for a chart."""
     links = "".join(f'<a href="#{item.name}">{escape(item.title.partition(":")[0])}</a>' for item in items)
     body = "\n".join(section(item, pictures) for item in items)
-    return PAGE.substitute(title=TITLE, introduction=INTRODUCTION, links=links, body=body, footer=escape(footer))
+    return PAGE.substitute(
+        title=TITLE, introduction=INTRODUCTION, links=links, body=body, footer=escape(footer)
+    )
 
 
 def section(item: Item, pictures: Callable[[Chart], str]) -> str:
@@ -67,8 +73,14 @@ def section(item: Item, pictures: Callable[[Chart], str]) -> str:
         parts.append(table(rows, headings=("holds", "claim", "numbers")))
     for chart in item.charts:
         alternative = f"{item.title}. {chart.caption}"
-        parts.append(f'<figure><img src="{pictures(chart)}" alt="{escape(alternative)}"><figcaption>{escape(chart.caption)}.</figcaption></figure>')
-    parts += [table([[marked(cell) for cell in row] for row in one.rows], one.title, one.headings) for one in item.tables]
+        parts.append(
+            f'<figure><img src="{pictures(chart)}"'
+            f' alt="{escape(alternative)}"><figcaption>{escape(chart.caption)}.</figcaption></figure>'
+        )
+    parts += [
+        table([[marked(cell) for cell in row] for row in one.rows], one.title, one.headings)
+        for one in item.tables
+    ]
     if item.parameters:
         origins = [(p.name, p.value, marked(p.origin), p.where) for p in item.parameters]
         parts.append(table(origins, "Parameters", ("parameter", "value", "origin", "where")))

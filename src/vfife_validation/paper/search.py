@@ -1,7 +1,9 @@
-"""The lost Table 2: a search for the parameters that give Table 3 back, by differential evolution over lanes of simulations.
+"""The lost Table 2: a search for the parameters that give Table 3 back, by differential evolution over lanes
+of simulations.
 
-Storn and Price, Journal of Global Optimization 11 (1997) 341-359; current-to-best, with crossover. A point is judged by its worst deviation
-from the six numbers of Table 3 in percentage points. Every point that was tried is kept, so that the answer is the set that fits.
+Storn and Price, Journal of Global Optimization 11 (1997) 341-359; current-to-best, with crossover. A point is
+judged by its worst deviation from the six numbers of Table 3 in percentage points. Every point that was tried
+is kept, so that the answer is the set that fits.
 """
 
 from __future__ import annotations
@@ -17,10 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vfife.analysis.measures import lip
 from vfife.assembly.assemble import reassembled
 from vfife.assembly.assembled import Assembly
 from vfife.laws import ContactLaw, Pereira
+from vfife.measures.catalogue import lip
 from vfife.solvers.ensemble import advance, placed
 
 from .influence import STEP, TOLERANCE, ideal_maxima, maxima
@@ -48,7 +50,9 @@ UNKNOWNS: tuple[tuple[str, str, float, float, bool], ...] = (
 
 @dataclass(frozen=True)
 class Structure:
-    """What is not a number: the links, whether friction turns the bodies, the branch, and whether the crank may start at any angle."""
+    """What is not a number: the links, whether friction turns the bodies, the branch, and whether the crank
+    may start at any angle.
+    """
 
     link: str
     moment: bool = False
@@ -86,7 +90,9 @@ STRUCTURES = (
 def parameters(structure: Structure, unit: Array) -> Parameters:
     """The parameters at a point of the unit cube, one coordinate for each unknown of the structure."""
     values: dict[str, float] = {}
-    for (name, _, low, high, logarithmic), u in zip([x for x in UNKNOWNS if x[0] in structure.unknowns], unit, strict=True):
+    for (name, _, low, high, logarithmic), u in zip(
+        [x for x in UNKNOWNS if x[0] in structure.unknowns], unit, strict=True
+    ):
         values[name] = float(low * (high / low) ** u) if logarithmic else float(low + (high - low) * u)
     angle = 2.0 * math.pi * math.floor(values.get("start", 0.0) * ANGLE_STEPS) / ANGLE_STEPS
     options: dict[str, Any] = {"bearing_radius": values["bearing_radius"]} if structure.moment else {}
@@ -98,11 +104,23 @@ def parameters(structure: Structure, unit: Array) -> Parameters:
 
 @lru_cache(maxsize=256)
 def _base(link: str, below: bool, moment: str, angle: float, step: float) -> Assembly:
-    return placed(four_bar(Parameters(link=link, below=below, friction_moment=moment, crank_angle=angle), CLEARANCES[0]), step, TURNS, 1)  # type: ignore[arg-type]
+    return placed(
+        four_bar(
+            Parameters(link=link, below=below, friction_moment=moment, crank_angle=angle),  # type: ignore[arg-type]
+            CLEARANCES[0],
+        ),
+        step,
+        TURNS,
+        1,
+    )
 
 
-def table_3(points: Sequence[Parameters], step: float = STEP, workers: int | None = None) -> tuple[Array, NDArray[np.bool_]]:
-    """LIP(F) and LIP(a) at the clearances of Table 3, shape (points, 6), and whether every run settled without losing contact."""
+def table_3(
+    points: Sequence[Parameters], step: float = STEP, workers: int | None = None
+) -> tuple[Array, NDArray[np.bool_]]:
+    """LIP(F) and LIP(a) at the clearances of Table 3, shape (points, 6), and whether every run settled
+    without losing contact.
+    """
     assemblies = []
     for p in points:
         base = _base(p.link, p.below, p.friction_moment, p.crank_angle, step)
@@ -137,7 +155,9 @@ class Search:
     generations: int = 0
 
     def begin(self) -> None:
-        """Points spread over the cube: a stratum of each unknown to each of them, three times as many as the population; the best stay."""
+        """Points spread over the cube: a stratum of each unknown to each of them, three times as many as the
+        population; the best stay.
+        """
         n, d = 3 * self.size, len(self.structure.unknowns)
         strata = np.array([self.generator.permutation(n) for _ in range(d)]).T
         points = (strata + self.generator.random((n, d))) / n
@@ -152,7 +172,12 @@ class Search:
         leaders = self.population[np.argsort(self.found)[g.integers(0, max(2, n // 5), n)]]
         a, b = self.population[g.integers(0, n, n)], self.population[g.integers(0, n, n)]
         scale = g.uniform(0.3, 0.9, (n, 1))
-        rivals = self.population + scale * (leaders - self.population) + scale * (a - b) + g.normal(0.0, 2e-3, (n, d))
+        rivals = (
+            self.population
+            + scale * (leaders - self.population)
+            + scale * (a - b)
+            + g.normal(0.0, 2e-3, (n, d))
+        )
         cross = g.random((n, d)) < 0.9
         rivals = np.where(cross, rivals, self.population)
         rivals = np.where((rivals < 0.0) | (rivals > 1.0), g.random((n, d)), rivals)
@@ -181,16 +206,26 @@ class Search:
 
     def everything(self) -> tuple[list[Parameters], Array, Array]:
         """All points that were tried with their six numbers and misfits, best first."""
-        points, numbers, found = np.concatenate(self.tried), np.concatenate(self.numbers), np.concatenate(self.misfits)
+        points, numbers, found = (
+            np.concatenate(self.tried),
+            np.concatenate(self.numbers),
+            np.concatenate(self.misfits),
+        )
         order = np.argsort(found, kind="stable")
         return [parameters(self.structure, points[k]) for k in order], numbers[order], found[order]
 
 
-def run(budget: float, seed: int, tell: Callable[[str], None], structures: Sequence[Structure] = STRUCTURES, patience: int = 12) -> list[Search]:
+def run(
+    budget: float,
+    seed: int,
+    tell: Callable[[str], None],
+    structures: Sequence[Structure] = STRUCTURES,
+    patience: int = 12,
+) -> list[Search]:
     """Searches all structures in turns within ``budget`` seconds; those that come near get more of it.
 
-    A structure that is far off (over three goals) and has not improved for ``patience`` generations is left; what remains goes to the others.
-    Ctrl-C ends the search early, with what it has.
+    A structure that is far off (over three goals) and has not improved for ``patience`` generations is left;
+    what remains goes to the others. Ctrl-C ends the search early, with what it has.
     """
     began, searches = time.monotonic(), list[Search]()
     try:
@@ -220,7 +255,10 @@ def _evolve(searches: Sequence[Search], end: float, tell: Callable[[str], None],
             for _ in range(3 if before < 3.0 * GOAL else 1):
                 search.generation()
             since[k] = 0 if search.best < before else since[k] + 1
-            tell(f"{search.structure.words}: generation {search.generations}, {search.count} points, best misfit {search.best:.2f} points")
+            tell(
+                f"{search.structure.words}: generation {search.generations}, {search.count} points, best"
+                f" misfit {search.best:.2f} points"
+            )
             if time.monotonic() > end:
                 return
 

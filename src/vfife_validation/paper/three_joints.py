@@ -20,7 +20,10 @@ from .search import GOAL, TABLE_3, from_numbers
 if TYPE_CHECKING:
     from .context import Context
 
-ABSCISSA = "The text does not say over what the paper draws its curves; here it is the crank angle within the settled turn."
+ABSCISSA = (
+    "The text does not say over what the paper draws its curves; here it is the crank angle within the"
+    " settled turn."
+)
 
 
 def size_title(one: Influence) -> str:
@@ -42,23 +45,50 @@ def fig18(context: Context) -> Item:
     """Journal paths at three crank speeds."""
     item = _paths("fig18", "Fig. 18: journal paths, c = 0.2 mm", context, context.speeds, speed_title)
     deepest = [float(np.max(one.member.turns.block("contact_penetration_max")[-1])) for one in context.speeds]
-    rise = Verdict("Penetration grows with crank speed", deepest == sorted(deepest), f"deepest {_list(deepest, 1e6, 1)} µm at 10π, 20π, 50π rad/s")
+    rise = Verdict(
+        "Penetration grows with crank speed",
+        deepest == sorted(deepest),
+        f"deepest {_list(deepest, 1e6, 1)} µm at 10π, 20π, 50π rad/s",
+    )
     item.verdicts = [*item.verdicts, rise]
     return item
 
 
 def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], label: Any) -> Item:
-    panels = [curves.path_panel(one.member, joint, f"{label(one)}, {JOINTS[joint]}") for one in runs for joint in JOINTS]
-    chart = Chart(name, "Journal centres seen from their bearing centres over the settled turn; rows: runs, columns: joints 1, 2, 3", panels, 3)
+    panels = [
+        curves.path_panel(one.member, joint, f"{label(one)}, {JOINTS[joint]}")
+        for one in runs
+        for joint in JOINTS
+    ]
+    chart = Chart(
+        name,
+        "Journal centres seen from their bearing centres over the settled turn; rows: runs, columns: joints"
+        " 1, 2, 3",
+        panels,
+        3,
+    )
     text = "; ".join(f"{label(one)}: {settling(one)}" for one in runs)
     verdicts = [kept(runs, label)]
-    data = {"runs": [{"clearance_mm": 1e3 * one.case.clearance, "speed": one.case.speed, "contact_kept": one.contact_kept} for one in runs]}
-    deepest = max(float(one.member.turns.block("contact_penetration_max")[-1].max()) / one.case.clearance for one in runs)
+    data = {
+        "runs": [
+            {
+                "clearance_mm": 1e3 * one.case.clearance,
+                "speed": one.case.speed,
+                "contact_kept": one.contact_kept,
+            }
+            for one in runs
+        ]
+    }
+    deepest = max(
+        float(one.member.turns.block("contact_penetration_max")[-1].max()) / one.case.clearance
+        for one in runs
+    )
     words = [f"The journal lies outside the circle where it presses into the bearing. {text}."]
     if deepest > 0.5:
         words.append(
-            f"The penetration reaches {deepest:.1f} times the clearance: with the inferred axial length the joints are far too soft for "
-            "these forces, and the contact law is used beyond what it was fitted to. Table 3 can be had in no other way that was found."
+            f"The penetration reaches {deepest:.1f} times the clearance: with the inferred axial length the"
+            " joints are far too soft for these forces, and the contact law is used beyond what it was"
+            " fitted to. Table 3 can be had in no other way that was found."
         )
     return Item(name, title, words, described(context.parameters),
                 [chart], [], verdicts, data)  # fmt: skip
@@ -69,10 +99,14 @@ def kept(runs: Sequence[Influence], label: Any) -> Verdict:
     least = [float(one.member.last.block("contact_penetration").min()) for one in runs]
     numbers = ", ".join(f"{label(one)}: {1e6 * value:.2f} µm" for one, value in zip(runs, least, strict=True))
     words = "All three joints stay in contact throughout the settled turn"
-    return Verdict(words, all(one.contact_kept for one in runs), f"least penetration of the three joints {numbers}")
+    return Verdict(
+        words, all(one.contact_kept for one in runs), f"least penetration of the three joints {numbers}"
+    )
 
 
-def _curves(name: str, title: str, context: Context, runs: Sequence[Influence], label: Any, what: str) -> Item:
+def _curves(
+    name: str, title: str, context: Context, runs: Sequence[Influence], label: Any, what: str
+) -> Item:
     p = context.parameters
     read, factor, quantity = {
         "force": (curves.force, 1e-3, "contact force of joint 2 (kN)"),
@@ -86,31 +120,70 @@ def _curves(name: str, title: str, context: Context, runs: Sequence[Influence], 
         panels.append(curves.beside_ideal(curve, reference, factor, label(one), quantity))
         counts.append(curves.ripples(curve[1]))
         calm.append(curves.ripples(reference[1]))
-    chart = Chart(name, f"{quantity[0].upper()}{quantity[1:].split(' (')[0]} over a settled turn, and with ideal joints", panels, 3)
-    numbers = ", ".join(f"{label(one)}: {n} turning points, ideal {m}" for one, n, m in zip(runs, counts, calm, strict=True))
-    rough = Verdict("The curve fluctuates although contact is kept", all(n > m for n, m in zip(counts, calm, strict=True)), numbers)
-    data = {"runs": [{"run": label(one), "turning_points": n, "ideal": m} for one, n, m in zip(runs, counts, calm, strict=True)]}
+    chart = Chart(
+        name,
+        f"{quantity[0].upper()}{quantity[1:].split(' (')[0]} over a settled turn, and with ideal joints",
+        panels,
+        3,
+    )
+    numbers = ", ".join(
+        f"{label(one)}: {n} turning points, ideal {m}" for one, n, m in zip(runs, counts, calm, strict=True)
+    )
+    rough = Verdict(
+        "The curve fluctuates although contact is kept",
+        all(n > m for n, m in zip(counts, calm, strict=True)),
+        numbers,
+    )
+    data = {
+        "runs": [
+            {"run": label(one), "turning_points": n, "ideal": m}
+            for one, n, m in zip(runs, counts, calm, strict=True)
+        ]
+    }
     return Item(name, title, [ABSCISSA], described(p), [chart], [], [rough], data)
 
 
 def fig16(context: Context) -> Item:
     """Force of joint 2 at three clearances."""
-    return _curves("fig16", "Fig. 16: contact force of joint 2, 50π rad/s", context, context.sizes, size_title, "force")
+    return _curves(
+        "fig16", "Fig. 16: contact force of joint 2, 50π rad/s", context, context.sizes, size_title, "force"
+    )
 
 
 def fig17(context: Context) -> Item:
     """Follower acceleration at three clearances."""
-    return _curves("fig17", "Fig. 17: acceleration of the follower, 50π rad/s", context, context.sizes, size_title, "acceleration")
+    return _curves(
+        "fig17",
+        "Fig. 17: acceleration of the follower, 50π rad/s",
+        context,
+        context.sizes,
+        size_title,
+        "acceleration",
+    )
 
 
 def fig19(context: Context) -> Item:
     """Force of joint 2 at three crank speeds."""
-    return _curves("fig19", "Fig. 19: contact force of joint 2, c = 0.2 mm", context, context.speeds, speed_title, "force")
+    return _curves(
+        "fig19",
+        "Fig. 19: contact force of joint 2, c = 0.2 mm",
+        context,
+        context.speeds,
+        speed_title,
+        "force",
+    )
 
 
 def fig20(context: Context) -> Item:
     """Follower acceleration at three crank speeds."""
-    return _curves("fig20", "Fig. 20: acceleration of the follower, c = 0.2 mm", context, context.speeds, speed_title, "acceleration")
+    return _curves(
+        "fig20",
+        "Fig. 20: acceleration of the follower, c = 0.2 mm",
+        context,
+        context.speeds,
+        speed_title,
+        "acceleration",
+    )
 
 
 def entries(runs: Sequence[Influence]) -> list[dict[str, float]]:
@@ -145,17 +218,37 @@ def table3(context: Context) -> Item:
             bool(apart.max() <= GOAL),
             f"largest deviation {apart.max():.2f}",
         ),
-        Verdict("LIP(F) rises with the clearance", bool((np.diff(lips[:, 0]) > 0).all()), _list(lips[:, 0], 1.0, 2)),
-        Verdict("LIP(a) rises with the clearance", bool((np.diff(lips[:, 1]) > 0).all()), _list(lips[:, 1], 1.0, 2)),
+        Verdict(
+            "LIP(F) rises with the clearance",
+            bool((np.diff(lips[:, 0]) > 0).all()),
+            _list(lips[:, 0], 1.0, 2),
+        ),
+        Verdict(
+            "LIP(a) rises with the clearance",
+            bool((np.diff(lips[:, 1]) > 0).all()),
+            _list(lips[:, 1], 1.0, 2),
+        ),
     ]
-    text = ["The parameters were fitted to these six numbers: that they agree shows that the model can give them, not that the set is the paper's."]
+    text = [
+        "The parameters were fitted to these six numbers: that they agree shows that the model can give them,"
+        " not that the set is the paper's."
+    ]
     return Item(
-        "table3", "Table 3: influence of the clearance", text, described(context.parameters), [], [table], verdicts, {"table3": entries(runs)}
+        "table3",
+        "Table 3: influence of the clearance",
+        text,
+        described(context.parameters),
+        [],
+        [table],
+        verdicts,
+        {"table3": entries(runs)},
     )
 
 
 def table4(context: Context) -> Item:
-    """LIP(F) and LIP(a) at three crank speeds; the paper's numbers are lost, so the spread over all sets that fit Table 3 stands beside ours."""
+    """LIP(F) and LIP(a) at three crank speeds; the paper's numbers are lost, so the spread over all sets that
+    fit Table 3 stands beside ours.
+    """
     runs = context.speeds
     spread = predicted(context)
     rows = [
@@ -168,7 +261,10 @@ def table4(context: Context) -> Item:
         ["crank (rad/s)", "LIP(F) (%)", "over all fits", "LIP(a) (%)", "over all fits", "force (N)", "acceleration (rad/s²)", "settled"], rows,
         f"Joint 2 at c = 0.2 mm; the paper's numbers are lost; ranges over the {count} stored sets that fit Table 3",
     )  # fmt: skip
-    data = {"table4": entries(runs), "spread": [[[float(np.min(s[:, j])), float(np.max(s[:, j]))] for j in (0, 1)] for s in spread]}
+    data = {
+        "table4": entries(runs),
+        "spread": [[[float(np.min(s[:, j])), float(np.max(s[:, j]))] for j in (0, 1)] for s in spread],
+    }
     return Item(
         "table4",
         "Table 4: influence of the crank speed",
@@ -189,9 +285,18 @@ def falling(runs: Sequence[Influence], spread: list[Any] | None = None) -> list[
         also = ""
         if spread is not None:
             series = np.stack([s[:, j] for s in spread])
-            also = f"; so in {int((np.diff(series, axis=0) < 0).all(axis=0).sum())} of {series.shape[1]} sets that fit Table 3"
+            also = (
+                f"; so in {int((np.diff(series, axis=0) < 0).all(axis=0).sum())} of {series.shape[1]} sets"
+                " that fit Table 3"
+            )
         down = all(b < a for a, b in zip(values, values[1:], strict=False))
-        found.append(Verdict(f"{name} falls as the crank turns faster", down, f"{_list(values, 1.0, 2)} % at 10π, 20π, 50π rad/s{also}"))
+        found.append(
+            Verdict(
+                f"{name} falls as the crank turns faster",
+                down,
+                f"{_list(values, 1.0, 2)} % at 10π, 20π, 50π rad/s{also}",
+            )
+        )
     return found
 
 
@@ -204,11 +309,17 @@ def rising(runs: Sequence[Influence]) -> Verdict:
 
 
 def predicted(context: Context) -> list[Any]:
-    """LIP(F) and LIP(a) at c = 0.2 mm of every stored fit, an array (fits, 2) for each crank speed of Sect. 5.2."""
+    """LIP(F) and LIP(a) at c = 0.2 mm of every stored fit, an array (fits, 2) for each crank speed of Sect.
+    5.2.
+    """
     fits = [from_numbers(entry["parameters"]) for entry in context.fit["fits"]]
     cases = [Case(p, CLEARANCE, speed) for speed in SPEEDS for p in fits]
-    found = context.once("fits", lambda: context.influences("Table 4 for every set that fits Table 3", cases, outputs=1))
-    return [np.array([one.lips for one in found[k * len(fits) : (k + 1) * len(fits)]]) for k in range(len(SPEEDS))]
+    found = context.once(
+        "fits", lambda: context.influences("Table 4 for every set that fits Table 3", cases, outputs=1)
+    )
+    return [
+        np.array([one.lips for one in found[k * len(fits) : (k + 1) * len(fits)]]) for k in range(len(SPEEDS))
+    ]
 
 
 def _range(values: Any) -> str:

@@ -19,8 +19,8 @@ from .seen import Seen, frequency, run
 
 EULER = "Euler-Bernoulli beam, closed form"
 SPIN_UP = (
-    "Simo, Vu-Quoc: On the dynamics of flexible beams under large overall motions - the plane case. J. Appl. Mech. 53 (1986) 849-863; "
-    "steady stretch ρAω²L³/3EA in closed form"
+    "Simo, Vu-Quoc: On the dynamics of flexible beams under large overall motions - the plane case. J. Appl."
+    " Mech. 53 (1986) 849-863; steady stretch ρAω²L³/3EA in closed form"
 )
 STEEL = Material("steel", 2.1e11, 0.3, 7800.0)
 BAR = Section.square(1e-4)  # 10 mm x 10 mm
@@ -29,18 +29,36 @@ FREE_ROOTS = (4.7300407449, 7.8532046241)  # cos x cosh x = 1
 
 
 def pulse(end: float) -> dict[str, Any]:
-    """Factors sin² over the time from 0 to ``end``, and none from there on; knots close enough that the spline between them does not ring."""
+    """Factors sin² over the time from 0 to ``end``, and none from there on; knots close enough that the
+    spline between them does not ring.
+    """
     share = [k / 100.0 for k in range(141)]
     factors = [math.sin(math.pi * x) ** 2 if x < 1.0 else 0.0 for x in share]
-    return {"times": (*(end * x for x in share), 2.0 * end, 1e3), "factors": (*factors, 0.0, 0.0), "interpolation": "spline"}
+    return {
+        "times": (*(end * x for x in share), 2.0 * end, 1e3),
+        "factors": (*factors, 0.0, 0.0),
+        "interpolation": "spline",
+    }
 
 
-def bar(elements: int, stiffness: float = 1.0, clamped: bool = False, path_unit: int = 1, via: bool = False) -> Mechanism:
-    """1 m of square steel, 10 mm thick: free, or clamped at its start, with a short push across and along its end."""
+def bar(
+    elements: int, stiffness: float = 1.0, clamped: bool = False, path_unit: int = 1, via: bool = False
+) -> Mechanism:
+    """1 m of square steel, 10 mm thick: free, or clamped at its start, with a short push across and along its
+    end.
+    """
     m = Mechanism("bar")
     m.point("O", 0.0, 0.0)
     material = dataclasses.replace(STEEL, youngs_modulus=STEEL.youngs_modulus * stiffness)
-    m.link("bar", length=1.0, model="elastic", elements=elements, section=BAR, material=material, via=((0.5, 0.0),) if via else ())
+    m.link(
+        "bar",
+        length=1.0,
+        model="elastic",
+        elements=elements,
+        section=BAR,
+        material=material,
+        via=((0.5, 0.0),) if via else (),
+    )
     if clamped:
         m.weld("O", "ground.O", "bar.start")
     for name, force, end in (("across", (0.0, 2.0), 1e-3), ("along", (2000.0, 0.0), 1e-5)):
@@ -50,7 +68,9 @@ def bar(elements: int, stiffness: float = 1.0, clamped: bool = False, path_unit:
 
 
 def bending(seen: Seen) -> np.ndarray:
-    """Movement of the end across the chord of the rigid bar that the start and the rotation of the middle show."""
+    """Movement of the end across the chord of the rigid bar that the start and the rotation of the middle
+    show.
+    """
     nodes = seen.record.assembly.bodies["bar"].particles
     y = seen.record.block("particle_y")
     return np.asarray(y[:, nodes[0]] + y[:, nodes[-1]] - 2.0 * y[:, nodes[len(nodes) // 2]])
@@ -64,7 +84,11 @@ def cantilever_frequency(elements: int, mode: int = 0, **options: float) -> floa
 
 def euler(root: float) -> float:
     """Bending frequency (Hz) of the bar."""
-    return root**2 / (2.0 * math.pi) * math.sqrt(STEEL.youngs_modulus * BAR.second_moment / (STEEL.density * BAR.area))
+    return (
+        root**2
+        / (2.0 * math.pi)
+        * math.sqrt(STEEL.youngs_modulus * BAR.second_moment / (STEEL.density * BAR.area))
+    )
 
 
 @verified("Vibration of a cantilever", EULER, nudges={"stiffness": 1.03}, quick=False)
@@ -72,7 +96,13 @@ def cantilever_vibration(nudge: Nudge) -> Rows:
     """First and second bending frequency with 20 elements; the first again with path units of 20 steps."""
     seen = run(bar(20, nudge("stiffness"), clamped=True), duration=2.5, outputs=5000)
     for mode, root in enumerate(ROOTS, start=1):
-        yield Row(f"bending frequency {mode}", "Hz", euler(root), frequency(seen.time, seen.pin("bar", "end")[:, 1], euler(root)), 1e-2)
+        yield Row(
+            f"bending frequency {mode}",
+            "Hz",
+            euler(root),
+            frequency(seen.time, seen.pin("bar", "end")[:, 1], euler(root)),
+            1e-2,
+        )
     again = cantilever_frequency(20, stiffness=nudge("stiffness"), path_unit=20)
     yield Row("bending frequency 1, path units of 20 steps", "Hz", euler(ROOTS[0]), again, 1e-2)
 
@@ -85,14 +115,31 @@ def free_bar_vibration(nudge: Nudge) -> Rows:
     stretch = short.pin("bar", "end")[:, 0] - short.body("bar", "x")
     wave = math.sqrt(STEEL.youngs_modulus / STEEL.density)
     for mode in (1, 2):
-        yield Row(f"axial frequency {mode}", "Hz", 0.5 * mode * wave, frequency(short.time, stretch, 0.5 * mode * wave), 1e-2)
+        yield Row(
+            f"axial frequency {mode}",
+            "Hz",
+            0.5 * mode * wave,
+            frequency(short.time, stretch, 0.5 * mode * wave),
+            1e-2,
+        )
     m = bar(40, nudge("stiffness"))
     del m.loads["along"]
     seen = run(m, duration=0.5, outputs=5000)
-    yield Row("bending frequency 1", "Hz", euler(FREE_ROOTS[0]), frequency(seen.time, bending(seen), euler(FREE_ROOTS[0])), 5e-3)
+    yield Row(
+        "bending frequency 1",
+        "Hz",
+        euler(FREE_ROOTS[0]),
+        frequency(seen.time, bending(seen), euler(FREE_ROOTS[0])),
+        5e-3,
+    )
 
 
-@verified("Convergence of a frequency in elements", "order 2 of lumped masses; " + EULER, nudges={"coarse": 9.0}, quick=False)
+@verified(
+    "Convergence of a frequency in elements",
+    "order 2 of lumped masses; " + EULER,
+    nudges={"coarse": 9.0},
+    quick=False,
+)
 def convergence_in_elements(nudge: Nudge) -> Rows:
     """Order from the errors of the first bending frequency of a cantilever with 8 and 16 elements."""
     exact = euler(ROOTS[0])
@@ -120,7 +167,9 @@ def spin_up(nudge: Nudge) -> Rows:
         raise ValueError("the section does not give the bending stiffness of the source")
     times = np.concatenate([np.linspace(0.0, 15.0, 301), np.linspace(15.05, 31.0, 320)])
     angles = np.where(
-        times < 15.0, 0.4 * (0.5 * times**2 + (7.5 / math.pi) ** 2 * (np.cos(2.0 * math.pi * times / 15.0) - 1.0)), 6.0 * times - 45.0
+        times < 15.0,
+        0.4 * (0.5 * times**2 + (7.5 / math.pi) ** 2 * (np.cos(2.0 * math.pi * times / 15.0) - 1.0)),
+        6.0 * times - 45.0,
     )
     m.drivers["beam"] = AngleTable(body="beam", times=tuple(times.tolist()), values=tuple(angles.tolist()))
     seen = run(m, duration=30.0, outputs=600)
@@ -133,7 +182,9 @@ def spin_up(nudge: Nudge) -> Rows:
     yield Row("largest lag", "m", -0.5738, float(c - b * b / (4.0 * a)), 2e-3)
     yield Row("time of the largest lag", "s", 6.76, float(seen.time[k] - b / (2.0 * a)), 5e-3)
     steady = (seen.time > 16.0) & (seen.time < 30.0)
-    yield Row("steady stretch", "m", mass * 36.0 * length**3 / (3.0 * ea), float(stretch[steady].mean()), 1e-2)
+    yield Row(
+        "steady stretch", "m", mass * 36.0 * length**3 / (3.0 * ea), float(stretch[steady].mean()), 1e-2
+    )
 
 
 @verified(
@@ -143,7 +194,9 @@ def spin_up(nudge: Nudge) -> Rows:
     quick=False,
 )
 def flying_beam(nudge: Nudge) -> Rows:
-    """E A = 1e4, E I = 500, ρA = 1, 10 m, thrown by a force and a moment at one end: momenta, energy, flight of its centre of mass."""
+    """E A = 1e4, E I = 500, ρA = 1, 10 m, thrown by a force and a moment at one end: momenta, energy, flight
+    of its centre of mass.
+    """
     ea, ei, length, force, moment, end = 1e4, 500.0, 10.0, 8.0, -80.0, 2.5
     m = Mechanism("flying beam")
     tilt = math.atan2(8.0, -6.0)
@@ -158,18 +211,27 @@ def flying_beam(nudge: Nudge) -> Rows:
         angle=tilt,
         position=(6.0, 0.0),
     )
-    m.loads["push"] = PointForce(name="push", at="beam.start", force=(force * nudge("pulse"), 0.0), moment=moment, **pulse(end))
+    m.loads["push"] = PointForce(
+        name="push", at="beam.start", force=(force * nudge("pulse"), 0.0), moment=moment, **pulse(end)
+    )
     m.settings = dataclasses.replace(m.settings, damping=nudge("damping", 0.0))
     seen = run(m, duration=12.0, outputs=1200)
     yield Row(
-        "x of the centre of mass at 12 s", "m", 3.0 + 0.5 * force * end / length * (12.0 - 0.5 * end), float(seen.body("beam", "x")[-1]), 1e-3
+        "x of the centre of mass at 12 s",
+        "m",
+        3.0 + 0.5 * force * end / length * (12.0 - 0.5 * end),
+        float(seen.body("beam", "x")[-1]),
+        1e-3,
     )
     after = seen.time > 1.5 * end
     record = seen.record
     nodes = list(record.assembly.bodies["beam"].particles)
-    mass, inertia = 1.0 / record.parameter("particle_inverse_mass")[nodes], 1.0 / record.parameter("particle_inverse_inertia")[nodes]
+    mass, inertia = (
+        1.0 / record.parameter("particle_inverse_mass")[nodes],
+        1.0 / record.parameter("particle_inverse_inertia")[nodes],
+    )
     at = {axis: record.block(f"particle_{axis}")[:, nodes] for axis in "xy"}
-    from vfife.analysis.motion import velocities
+    from vfife.measures.motion import velocities
 
     speed = {axis: values[:, nodes] for axis, values in velocities(record).items()}
     spin = ((at["x"] * speed["v"] - at["y"] * speed["u"]) * mass + speed["w"] * inertia).sum(axis=1)[after]
@@ -182,16 +244,19 @@ def flying_beam(nudge: Nudge) -> Rows:
 
 
 SIMEON = (
-    "Simeon: Modelling a flexible slider crank mechanism by a mixed system of DAEs and PDEs. Math. Modelling of Systems 2 (1996) 1-18 (data; "
-    "150 rad/s = 1432 rpm); independent integration in a floating frame, two half sines, inextensible"
+    "Simeon: Modelling a flexible slider crank mechanism by a mixed system of DAEs and PDEs. Math. Modelling"
+    " of Systems 2 (1996) 1-18 (data; 150 rad/s = 1432 rpm); independent integration in a floating frame, two"
+    " half sines, inextensible"
 )
 
 
 def bending_rod(times: np.ndarray) -> np.ndarray:
-    """Deflection (m) of the middle of Simeon's rod: Lagrange's equations for the amplitudes q of sin(n pi s/l), n = 1, 2, on the line of its pins.
+    """Deflection (m) of the middle of Simeon's rod: Lagrange's equations for the amplitudes q of sin(n pi
+    s/l), n = 1, 2, on the line of its pins.
 
-    Crank angle and guide leave the rod no other freedom: a chord of length l - sum (n pi q)^2/(4 l) from the crank's pin to the guide. Places
-    r(q, t) of 40 points are differentiated along the motion by central differences, M q'' = -dV/dq - sum m J^T (r'' at q'' = 0).
+    Crank angle and guide leave the rod no other freedom: a chord of length l - sum (n pi q)^2/(4 l) from the
+    crank's pin to the guide. Places r(q, t) of 40 points are differentiated along the motion by central
+    differences, M q'' = -dV/dq - sum m J^T (r'' at q'' = 0).
     """
     l1, l2, speed, line, stiff, end = 0.15, 0.30, 150.0, 7870.0 * 0.008**2, 2.0e11 * 0.008**4 / 12.0, 0.075552
     node, weight = np.polynomial.legendre.leggauss(40)
@@ -219,20 +284,28 @@ def bending_rod(times: np.ndarray) -> np.ndarray:
     def rates(time: float, y: np.ndarray) -> np.ndarray:
         q, v = y[:2], y[2:]
         here = place(q, time)
-        jacobian = np.stack([(place(q + d * e, time) - place(q - d * e, time)) / (2.0 * d) for e in np.eye(2)])
+        jacobian = np.stack(
+            [(place(q + d * e, time) - place(q - d * e, time)) / (2.0 * d) for e in np.eye(2)]
+        )
         pull = (place(q + h * v, time + h) - 2.0 * here + place(q - h * v, time - h)) / h**2
         matrix = np.einsum("iak,jak,k->ij", jacobian, jacobian, mass)
-        return np.concatenate([v, np.linalg.solve(matrix, -spring * q - np.einsum("iak,ak,k->i", jacobian, pull, mass))])
+        return np.concatenate(
+            [v, np.linalg.solve(matrix, -spring * q - np.einsum("iak,ak,k->i", jacobian, pull, mass))]
+        )
 
     from scipy.integrate import solve_ivp
 
-    found = solve_ivp(rates, (0.0, float(times[-1])), np.zeros(4), method="DOP853", t_eval=times, rtol=1e-7, atol=1e-9)
+    found = solve_ivp(
+        rates, (0.0, float(times[-1])), np.zeros(4), method="DOP853", t_eval=times, rtol=1e-7, atol=1e-9
+    )
     return np.asarray(found.y[0])
 
 
 @verified("Slider-crank with an elastic rod at 1432 rpm", SIMEON, nudges={"stiffness": 1.03}, quick=False)
 def elastic_slider_crank(nudge: Nudge) -> Rows:
-    """Started straight: largest deflections of the rod's middle within a turn and a half, and the deflection at four times."""
+    """Started straight: largest deflections of the rod's middle within a turn and a half, and the deflection
+    at four times.
+    """
     m = Mechanism("Simeon's slider-crank")
     m.point("O", 0.0, 0.0)
     m.link("crank", length=0.15, mass=0.36)
@@ -270,7 +343,15 @@ def lumped_inertia(nudge: Nudge) -> Rows:
     for k in (1, 2, 4):
         m = Mechanism("lumped rod")
         section = Section.square(4e-4)
-        m.link("rod", length=0.5, model="elastic", elements=k, section=section, material=STEEL, mass=nudge("mass"))
+        m.link(
+            "rod",
+            length=0.5,
+            model="elastic",
+            elements=k,
+            section=section,
+            material=STEEL,
+            mass=nudge("mass"),
+        )
         for pin in ("start", "end"):
             m.loads[pin] = PointForce(name=pin, at=f"rod.{pin}", moment=0.5, **pulse(0.05))
         seen = run(m, duration=0.15, outputs=3000)

@@ -51,8 +51,9 @@ class Nudge:
 class Case:
     """A case: ``rows`` builds the model, runs it and gives its numbers one by one.
 
-    ``nudges`` are values of what the model asks its :class:`Nudge` for, each wrong by a little more than the tolerances allow: with them every
-    row must fail under one of them at least. A ``quick`` case runs within a few seconds.
+    ``nudges`` are values of what the model asks its :class:`Nudge` for, each wrong by a little more than the
+    tolerances allow: with them every row must fail under one of them at least. A ``quick`` case runs within a
+    few seconds.
     """
 
     name: str

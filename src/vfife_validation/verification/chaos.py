@@ -1,4 +1,6 @@
-"""Chaos and its beginnings: exponents, period doublings, grazing, against published numbers, closed forms and an integration of its own."""
+"""Chaos and its beginnings: exponents, period doublings, grazing, against published numbers, closed forms and
+an integration of its own.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,7 @@ import math
 
 import numpy as np
 
-from vfife.study.maps.bifurcation import bifurcation
+from vfife.dynamics.bifurcation import bifurcation
 
 from .case import Nudge, Row, Rows, verified
 from .chaotic import (
@@ -30,9 +32,15 @@ from .seen import run
 WELLS = (0.3, -1.0, 1.2)  # damping, stiffness and speed of Duffing's oscillator with two wells
 
 
-@verified("Duffing's oscillator with two wells", "independent integration with derivatives, and Newton's method", nudges={"damping": 1.02})
+@verified(
+    "Duffing's oscillator with two wells",
+    "independent integration with derivatives, and Newton's method",
+    nudges={"damping": 1.02},
+)
 def duffing_two_wells(nudge: Nudge) -> Rows:
-    """x'' + 0.3 x' - x + x^3 = d cos 1.2 t: exponents of the motion that repeats each turn, and the drive at which its multiplier is -1."""
+    """x'' + 0.3 x' - x + x^3 = d cos 1.2 t: exponents of the motion that repeats each turn, and the drive at
+    which its multiplier is -1.
+    """
     drives, start, exact = (0.258, 0.262), np.array([0.4, 0.3]), []
     for drive in drives:
         start, multiplier = duffing_multiplier(drive, *WELLS, start)
@@ -43,19 +51,37 @@ def duffing_two_wells(nudge: Nudge) -> Rows:
     found = bifurcation(m, DRIVE, *drives, count=2, **given)  # type: ignore[arg-type]
     for drive, reference, value in zip(drives, exact, found.exponents[0, :, 0], strict=True):
         yield Row(f"exponent at a drive of {drive:g} N", "1/turn", reference, float(value), 2e-3, 1.0)
-    yield Row("drive where the period doubles", "N", at_zero(drives, exact), at_zero(drives, found.exponents[0, :, 0]), 2e-4)
+    yield Row(
+        "drive where the period doubles",
+        "N",
+        at_zero(drives, exact),
+        at_zero(drives, found.exponents[0, :, 0]),
+        2e-4,
+    )
 
 
 @verified(
     "Ball on a shaking table",
-    "closed form for a hard ball: (A ω²/g)² = [π(1 - e)/(1 + e)]² + [2(1 + e²)/(1 + e)²]², from the Jacobian of its map",
+    "closed form for a hard ball: (A ω²/g)² = [π(1 - e)/(1 + e)]² + [2(1 + e²)/(1 + e)²]², from the Jacobian"
+    " of its map",
     nudges={"restitution": 1.05},
     quick=False,
 )
 def ball_on_a_shaking_table(nudge: Nudge) -> Rows:
-    """Acceleration of the table at which a ball that hops once a turn begins to hop high and low, extrapolated to a contact that takes no time."""
-    soft, stiff = (doubled(stiffness, steps, nudge=nudge("restitution")) for stiffness, steps in ((1e6, 6000), (1e7, 20000)))
-    yield Row("acceleration where the period doubles", "g", doubling(0.5), doubling(0.5) * (stiff + (stiff - soft) / (10.0**0.4 - 1.0)), 0.01)
+    """Acceleration of the table at which a ball that hops once a turn begins to hop high and low,
+    extrapolated to a contact that takes no time.
+    """
+    soft, stiff = (
+        doubled(stiffness, steps, nudge=nudge("restitution"))
+        for stiffness, steps in ((1e6, 6000), (1e7, 20000))
+    )
+    yield Row(
+        "acceleration where the period doubles",
+        "g",
+        doubling(0.5),
+        doubling(0.5) * (stiff + (stiff - soft) / (10.0**0.4 - 1.0)),
+        0.01,
+    )
 
 
 @verified(
@@ -64,34 +90,59 @@ def ball_on_a_shaking_table(nudge: Nudge) -> Rows:
     nudges={"damping": 1.05, "gap": 1.001},
 )
 def grazing_a_stop(nudge: Nudge) -> Rows:
-    """Exponent below grazing, force at which the stop is met, and how fast it is met beyond, which goes with the root of how far."""
+    """Exponent below grazing, force at which the stop is met, and how fast it is met beyond, which goes with
+    the root of how far.
+    """
     speed, damping, gap = 0.8, 0.1 * nudge("damping"), 1.0 * nudge("gap")
     force, delay = grazing(speed, 0.1)
     turn = 2.0 * math.pi / speed
     start = math.cos(delay) * 0.9999, speed * math.sin(delay) * 0.9999
     m = with_a_stop(0.9999 * force, speed, gap, 0.8, 1e5, damping, start)
-    found = bifurcation(m, DRIVE, 0.9999 * force, 1.0001 * force, count=2, turns=30, dropped=20, series=["stop.penetration_max"], step=turn / 1000)
+    found = bifurcation(
+        m,
+        DRIVE,
+        0.9999 * force,
+        1.0001 * force,
+        count=2,
+        turns=30,
+        dropped=20,
+        series=["stop.penetration_max"],
+        step=turn / 1000,
+    )
     deepest = found.points["stop.penetration_max"][0].max(axis=1)
     yield Row("exponent before it", "1/turn", -0.05 * turn, float(found.exponents[0, 0, 0]), 0.01)
     met = [value for value, depth in zip(found.asked.values, deepest, strict=True) if depth > 0.0]
     yield Row("force at which it is met", "N", force, met[0] if met else math.inf, 1.5e-4)
     for beyond in (1e-4, 1e-3, 1e-2):
         size = 1.0 + beyond
-        m = with_a_stop(size * force, speed, gap, 0.8, 1e5, damping, (size * math.cos(delay), size * speed * math.sin(delay)))
+        m = with_a_stop(
+            size * force,
+            speed,
+            gap,
+            0.8,
+            1e5,
+            damping,
+            (size * math.cos(delay), size * speed * math.sin(delay)),
+        )
         m.joints["stop"] = dataclasses.replace(m.joints["stop"], impact_speed_floor=1e-6)  # type: ignore[call-arg]
         seen = run(m, turns=0.6, outputs=100, step=turn / 8000)
         value = float(seen.contact("stop", "fastest").max())
-        yield Row(f"speed of the impact, {beyond:g} beyond it", "m/s", speed * math.sqrt(size**2 - 1.0), value, 0.01)
+        yield Row(
+            f"speed of the impact, {beyond:g} beyond it", "m/s", speed * math.sqrt(size**2 - 1.0), value, 0.01
+        )
 
 
 @verified(
     "Mass that rebounds from a stop",
-    "Shaw and Holmes: A periodically forced piecewise linear oscillator. J. Sound Vib. 90 (1983) 129-155; closed form for a rigid stop",
+    "Shaw and Holmes: A periodically forced piecewise linear oscillator. J. Sound Vib. 90 (1983) 129-155;"
+    " closed form for a rigid stop",
     nudges={"restitution": 0.7},
     quick=False,
 )
 def rebounding_mass(nudge: Nudge) -> Rows:
-    """One impact in a turn, and one in two: the place at the turn's end, extrapolated to a contact that takes no time."""
+    """One impact in a turn, and one in two: the place at the turn's end, extrapolated to a contact that takes
+    no time.
+    """
     for speed, turns in ((2.3, 1), (4.3, 2)):
         x, v, _ = rebounding(speed, 0.8, turns)
         places = []
@@ -111,8 +162,8 @@ def at_zero(places: tuple[float, ...] | Array, values: list[float] | Array) -> f
 def doubled(stiffness: float, steps: int, restitution: float = 0.5, nudge: float = 1.0) -> float:
     """Acceleration at which the model's ball doubles its period, as a share of the closed form of a hard one.
 
-    The product of both multipliers is e^2, so exponents of two motions below give their sums, which go down in proportion to the table's
-    acceleration at the impact to -(1 + e^2), where one of them is -1.
+    The product of both multipliers is e^2, so exponents of two motions below give their sums, which go down
+    in proportion to the table's acceleration at the impact to -(1 + e^2), where one of them is -1.
     """
     shares, hard = np.array([0.95, 0.965]), doubling(restitution)
     low, high = (G / OMEGA**2) * hard * shares

@@ -1,6 +1,8 @@
-"""Models whose chaos others have computed: Duffing's oscillator, a ball on a shaking table, a mass that meets a stop; and what is known of them.
+"""Models whose chaos others have computed: Duffing's oscillator, a ball on a shaking table, a mass that meets
+a stop; and what is known of them.
 
-What is known shares nothing with the package: closed forms, an exact map, and the integration of Duffing's equation with its derivatives.
+What is known shares nothing with the package: closed forms, an exact map, and the integration of Duffing's
+equation with its derivatives.
 """
 
 from __future__ import annotations
@@ -38,8 +40,17 @@ def turning(name: str, speed: float, gravity: float = 0.0) -> Mechanism:
 # ------------------------------------------------------------------------------------------------------------- Duffing
 
 
-def duffing(drive: float, damping: float, linear: float, speed: float, cubic: float = 1.0, start: tuple[float, float] = (1.0, 0.0)) -> Mechanism:
-    """x'' + damping x' + linear x + cubic x^3 = drive cos(speed t): 1 kg in a guide, all forces as expressions."""
+def duffing(
+    drive: float,
+    damping: float,
+    linear: float,
+    speed: float,
+    cubic: float = 1.0,
+    start: tuple[float, float] = (1.0, 0.0),
+) -> Mechanism:
+    """x'' + damping x' + linear x + cubic x^3 = drive cos(speed t): 1 kg in a guide, all forces as
+    expressions.
+    """
     m = turning("Duffing's oscillator", speed)
     m.rigid_body("block", mass=1.0, inertia=0.01, position=(start[0], 0.0), velocity=(start[1], 0.0, 0.0))
     m.slider("guide", "ground.O", "block.center")
@@ -49,8 +60,12 @@ def duffing(drive: float, damping: float, linear: float, speed: float, cubic: fl
     return m
 
 
-def duffing_flow(drive: float, damping: float, linear: float, speed: float, start: Array, times: Array) -> tuple[Array, Array]:
-    """Places and velocities at ``times``, shape (times, 2), and the derivatives of the last by the start, by a Runge-Kutta of order 8."""
+def duffing_flow(
+    drive: float, damping: float, linear: float, speed: float, start: Array, times: Array
+) -> tuple[Array, Array]:
+    """Places and velocities at ``times``, shape (times, 2), and the derivatives of the last by the start, by
+    a Runge-Kutta of order 8.
+    """
 
     def rates(t: float, y: Array) -> Array:
         x, v, a, b, c, d = y
@@ -62,7 +77,9 @@ def duffing_flow(drive: float, damping: float, linear: float, speed: float, star
     return found[:, :2], found[-1, 2:].reshape(2, 2)
 
 
-def duffing_multiplier(drive: float, damping: float, linear: float, speed: float, start: Array) -> tuple[Array, complex]:
+def duffing_multiplier(
+    drive: float, damping: float, linear: float, speed: float, start: Array
+) -> tuple[Array, complex]:
     """The motion of one turn near ``start``, by Newton's method, and its multiplier of the largest size."""
     turn = np.array([2.0 * math.pi / speed])
     for _ in range(20):
@@ -75,11 +92,14 @@ def duffing_multiplier(drive: float, damping: float, linear: float, speed: float
     return start, complex(every[np.argmax(np.abs(every))])
 
 
-# ----------------------------------------------------------------------------------------------------- what strikes
+# ----------------------------------------------------------------------------------------------------- what
+# strikes
 
 
 def damping_factor(restitution: float) -> float:
-    """chi of F = K d^1.5 (1 + chi d'/v) that gives back so much of any speed v: chi (1 + e) = ln[(1 + chi)/(1 - chi e)]."""
+    """chi of F = K d^1.5 (1 + chi d'/v) that gives back so much of any speed v: chi (1 + e) = ln[(1 + chi)/(1
+    - chi e)].
+    """
     low, high = 1e-9, (1.0 - 1e-12) / restitution
     for _ in range(100):
         chi = 0.5 * (low + high)
@@ -89,12 +109,15 @@ def damping_factor(restitution: float) -> float:
 
 
 def striking(restitution: float, stiffness: float) -> Gonthier:
-    """A contact law that gives back ``restitution`` of every speed, which it calls by another number: chi = (1 - c^2)/c."""
+    """A contact law that gives back ``restitution`` of every speed, which it calls by another number: chi =
+    (1 - c^2)/c.
+    """
     chi = damping_factor(restitution)
     return Gonthier(stiffness=stiffness, restitution=0.5 * (math.sqrt(chi * chi + 4.0) - chi))
 
 
-# ------------------------------------------------------------------------------------- ball on a shaking table
+# ------------------------------------------------------------------------------------- ball on a shaking
+# table
 
 
 def steady_part(restitution: float) -> float:
@@ -108,7 +131,9 @@ def doubling(restitution: float) -> float:
 
 
 def ball_on_a_table(acceleration: float, restitution: float, stiffness: float) -> Mechanism:
-    """A ball that hops once a turn on a table that moves as A sin(omega t), seen first where the table goes up through the middle."""
+    """A ball that hops once a turn on a table that moves as A sin(omega t), seen first where the table goes
+    up through the middle.
+    """
     turn = 1.0 / FREQUENCY
     size = acceleration * G / OMEGA**2
     phase = math.acos(steady_part(restitution) / acceleration)
@@ -120,12 +145,15 @@ def ball_on_a_table(acceleration: float, restitution: float, stiffness: float) -
     m.drivers["shaker"] = Harmonic(slider="guide", amplitude=size, frequency=FREQUENCY)
     m.point_mass("ball", mass=BALL, position=(0.0, RADIUS + height), velocity=(0.0, speed - G * flown, 0.0))
     law = striking(restitution, stiffness)
-    m.external_contact("J", "table.center", "ball.center", journal_radius=RADIUS, contact=law, friction=Frictionless())
+    m.external_contact(
+        "J", "table.center", "ball.center", journal_radius=RADIUS, contact=law, friction=Frictionless()
+    )
     return m
 
 
 def exact_hops(acceleration: float, restitution: float, hops: int, phase: float, speed: float) -> Array:
-    """A hard ball on the same table, its next impact looked for on a fine grid and by bisection: (phase, speed after it), shape (hops, 2).
+    """A hard ball on the same table, its next impact looked for on a fine grid and by bisection: (phase,
+    speed after it), shape (hops, 2).
 
     In turns of the table: times in 1/omega, speeds in g/omega, heights in g/omega^2.
     """
@@ -136,7 +164,10 @@ def exact_hops(acceleration: float, restitution: float, hops: int, phase: float,
         low = high - 0.01
         for _ in range(50):
             middle = 0.5 * (low + high)
-            above = acceleration * (math.sin(phase) - math.sin(phase + middle)) + speed * middle - 0.5 * middle**2 > 0.0
+            above = (
+                acceleration * (math.sin(phase) - math.sin(phase + middle)) + speed * middle - 0.5 * middle**2
+                > 0.0
+            )
             low, high = (middle, high) if above else (low, middle)
         phase, landed = phase + low, speed - low
         speed = -restitution * landed + (1.0 + restitution) * acceleration * math.cos(phase)
@@ -148,7 +179,13 @@ def exact_hops(acceleration: float, restitution: float, hops: int, phase: float,
 
 
 def with_a_stop(
-    force: float, speed: float, gap: float, restitution: float, stiffness: float, damping: float, start: tuple[float, float]
+    force: float,
+    speed: float,
+    gap: float,
+    restitution: float,
+    stiffness: float,
+    damping: float,
+    start: tuple[float, float],
 ) -> Mechanism:
     """x'' + damping x' + x = force cos(speed t), 1 kg that meets a stop at x = gap."""
     m = turning("oscillator with a stop", speed)
@@ -157,7 +194,15 @@ def with_a_stop(
     m.point_mass("mass", mass=1.0, position=(start[0], 0.0), velocity=(start[1], 0.0, 0.0))
     m.spring("spring", "ground.S", "mass.center", stiffness=1.0, damping=damping, free_length=10.0)
     law = striking(restitution, stiffness)
-    m.external_contact("stop", "ground.W", "mass.center", journal_radius=0.5, direction=(0.0, 1.0), contact=law, friction=Frictionless())
+    m.external_contact(
+        "stop",
+        "ground.W",
+        "mass.center",
+        journal_radius=0.5,
+        direction=(0.0, 1.0),
+        contact=law,
+        friction=Frictionless(),
+    )
     m.force("shaker", "mass.center", force=(force, 0.0), expression="cos(angle)")
     return m
 
@@ -168,10 +213,12 @@ def grazing(speed: float, damping: float) -> tuple[float, float]:
 
 
 def rebounding(speed: float, restitution: float, turns: int) -> tuple[float, float, float]:
-    """A mass without damping that meets a hard stop at x = 0 from below once in so many turns of a force of 1 N, cos(speed t).
+    """A mass without damping that meets a hard stop at x = 0 from below once in so many turns of a force of 1
+    N, cos(speed t).
 
-    Its place and velocity at the time 0, and the speed with which it arrives (Shaw and Holmes, Journal of Sound and Vibration 90 (1983) 129-155, in
-    the limit of a rigid stop). Between impacts x = A cos t + B sin t + g cos(speed t + p); x = 0 at both ends and v+ = -e v- give tan p.
+    Its place and velocity at the time 0, and the speed with which it arrives (Shaw and Holmes, Journal of
+    Sound and Vibration 90 (1983) 129-155, in the limit of a rigid stop). Between impacts x = A cos t + B sin
+    t + g cos(speed t + p); x = 0 at both ends and v+ = -e v- give tan p.
     """
     between, gain = 2.0 * math.pi * turns / speed, 1.0 / (1.0 - speed**2)
     half = math.tan(0.5 * between)

@@ -23,7 +23,11 @@ def wheel(m: Mechanism, name: str, inertia: float, x: float = 0.0, speed: float 
     m.revolute(f"pivot {name}", f"ground.{name}", f"{name}.center")
 
 
-@verified("Gear pair with a torque", "closed form: α = T/(I₁ + r² I₂), moment of the gear r I₂ α", nudges={"inertia": 1.01, "ratio": 1.01})
+@verified(
+    "Gear pair with a torque",
+    "closed form: α = T/(I₁ + r² I₂), moment of the gear r I₂ α",
+    nudges={"inertia": 1.01, "ratio": 1.01},
+)
 def gear_pair(nudge: Nudge) -> Rows:
     """2 N m on a wheel that turns another backwards at 0.4 of its speed."""
     i1, i2, r, torque = 0.02, 0.3, -0.4, 2.0
@@ -36,12 +40,20 @@ def gear_pair(nudge: Nudge) -> Rows:
     alpha = torque / (i1 + r * r * i2)
     yield Row("angle of the first at 0.5 s", "rad", 0.125 * alpha, float(seen.body("first")[-1]), 1e-4)
     yield Row("angle of the second at 0.5 s", "rad", 0.125 * r * alpha, float(seen.body("second")[-1]), 1e-4)
-    yield Row("moment of the gear on the second", "N m", r * i2 * alpha, float(seen.ideal("gear", "moment")[-1]), 1e-4)
+    yield Row(
+        "moment of the gear on the second",
+        "N m",
+        r * i2 * alpha,
+        float(seen.ideal("gear", "moment")[-1]),
+        1e-4,
+    )
 
 
 @verified("Planetary train", "closed form from the energy of the train (Willis)", nudges={"inertia": 1.1})
 def planetary_train(nudge: Nudge) -> Rows:
-    """A planet on an arm rolls on a fixed sun of its size and turns twice as fast as the arm, whose torque meets I_arm + m l² + 4 I_planet."""
+    """A planet on an arm rolls on a fixed sun of its size and turns twice as fast as the arm, whose torque
+    meets I_arm + m l² + 4 I_planet.
+    """
     arm, l, mass, planet, torque = 0.05, 0.2, 1.0, 0.004, 0.7
     m = Mechanism("planetary train")
     m.point("O", 0.0, 0.0)
@@ -61,7 +73,9 @@ def planetary_train(nudge: Nudge) -> Rows:
     yield Row("force towards the middle in the planet's pin at 1 s", "N", pull, float(inward[-1]), 1e-3)
 
 
-@verified("Motor with a falling torque", "closed form: ω = ω₀ [1 - exp(-T₀ t/(I ω₀))]", nudges={"inertia": 1.01})
+@verified(
+    "Motor with a falling torque", "closed form: ω = ω₀ [1 - exp(-T₀ t/(I ω₀))]", nudges={"inertia": 1.01}
+)
 def motor_curve(nudge: Nudge) -> Rows:
     """5 N m at rest that falls to nothing at 100 rad/s."""
     m = Mechanism("motor")
@@ -69,7 +83,13 @@ def motor_curve(nudge: Nudge) -> Rows:
     m.drivers["rotor"] = Torque(body="rotor", value=(5.0, 0.0), speeds=(0.0, 100.0))
     seen = run(m, step=1e-4, duration=1.5, outputs=150)
     for time in (0.5, 1.0, 1.5):
-        yield Row(f"speed at {time:g} s", "rad/s", 100.0 * (1.0 - math.exp(-time)), seen.at(time, seen.speed("rotor", "w")), 1e-3)
+        yield Row(
+            f"speed at {time:g} s",
+            "rad/s",
+            100.0 * (1.0 - math.exp(-time)),
+            seen.at(time, seen.speed("rotor", "w")),
+            1e-3,
+        )
 
 
 @verified("Torque over the angle", "closed form: θ = ω₀ sin(pt)/p, p² = k/I", nudges={"inertia": 1.02})
@@ -83,12 +103,21 @@ def torque_over_angle(nudge: Nudge) -> Rows:
     seen = run(m, step=1e-4, duration=1.0, outputs=500)
     p = math.sqrt(10.0 / 0.05)
     for time in (0.1, 0.9):
-        yield Row(f"angle at {time:g} s", "rad", 6.0 / p * math.sin(p * time), seen.at(time, seen.body("rotor") - 0.7), 1e-3, 6.0 / p)
+        yield Row(
+            f"angle at {time:g} s",
+            "rad",
+            6.0 / p * math.sin(p * time),
+            seen.at(time, seen.body("rotor") - 0.7),
+            1e-3,
+            6.0 / p,
+        )
 
 
 @verified("Following force", "closed form", nudges={"force": 1.01})
 def following_force(nudge: Nudge) -> Rows:
-    """A force at the centre of a spinning body, which goes round with it; one across the end of a rod on a pivot, which spins it up."""
+    """A force at the centre of a spinning body, which goes round with it; one across the end of a rod on a
+    pivot, which spins it up.
+    """
     m = Mechanism("following forces")
     m.rigid_body("disc", mass=2.0, inertia=0.1, velocity=(0.0, 0.0, 8.0))
     m.loads["a"] = PointForce(name="a", at="disc.center", force=(5.0 * nudge("force"), 0.0), follow=True)
@@ -98,19 +127,38 @@ def following_force(nudge: Nudge) -> Rows:
     m.loads["b"] = PointForce(name="b", at="rod.end", force=(3.0, 4.0 * nudge("force")), follow=True)
     seen = run(m, step=1e-4, duration=1.0, outputs=200)
     a, w = 2.5, 8.0
-    yield Row("x of the disc at 1 s", "m", a / w**2 * (1.0 - math.cos(w)), float(seen.body("disc", "x")[-1]), 1e-3)
-    yield Row("y of the disc at 1 s", "m", a / w * (1.0 - math.sin(w) / w), float(seen.body("disc", "y")[-1]), 1e-3)
-    yield Row("turn of the rod at 1 s", "rad", 0.5 * 4.0 * 0.5 / (1.2 * 0.25 / 3.0), float(seen.body("rod")[-1] - 0.4), 1e-3)
+    yield Row(
+        "x of the disc at 1 s", "m", a / w**2 * (1.0 - math.cos(w)), float(seen.body("disc", "x")[-1]), 1e-3
+    )
+    yield Row(
+        "y of the disc at 1 s", "m", a / w * (1.0 - math.sin(w) / w), float(seen.body("disc", "y")[-1]), 1e-3
+    )
+    yield Row(
+        "turn of the rod at 1 s",
+        "rad",
+        0.5 * 4.0 * 0.5 / (1.2 * 0.25 / 3.0),
+        float(seen.body("rod")[-1] - 0.4),
+        1e-3,
+    )
 
 
-@verified("Driven point", "closed form: reaction m a, work ½ m v²", nudges={"mass": 1.01, "gravity": 1.01, "amplitude": 1.001})
+@verified(
+    "Driven point",
+    "closed form: reaction m a, work ½ m v²",
+    nudges={"mass": 1.01, "gravity": 1.01, "amplitude": 1.001},
+)
 def driven_point(nudge: Nudge) -> Rows:
     """A mass moved to and fro along a slanted line, free across it, with gravity: force of the driver."""
     amplitude, f, mass, g = 0.02, 5.0, 3.0, 9.81
     m = Mechanism("driven point", gravity=(0.0, -g * nudge("gravity")))
     m.point_mass("mass", mass=mass * nudge("mass"))
     c, s = math.cos(0.6), math.sin(0.6)
-    m.drivers["shaker"] = Harmonic(point="mass.center", direction=(2.0 * c, 2.0 * s), amplitude=amplitude * nudge("amplitude"), frequency=f)
+    m.drivers["shaker"] = Harmonic(
+        point="mass.center",
+        direction=(2.0 * c, 2.0 * s),
+        amplitude=amplitude * nudge("amplitude"),
+        frequency=f,
+    )
     seen = run(m, step=2e-5, duration=0.4, outputs=400)
     w = 2.0 * math.pi * f
     for time in (0.07, 0.33):
@@ -120,7 +168,9 @@ def driven_point(nudge: Nudge) -> Rows:
     across = -seen.body("mass", "x") * s + seen.body("mass", "y") * c
     yield Row("free fall across the line in 0.4 s", "m", -0.5 * g * c * 0.16, float(across[-1]), 1e-3)
     along = seen.body("mass", "x") * c + seen.body("mass", "y") * s
-    yield Row("place along the line at 0.33 s", "m", amplitude * math.sin(w * 0.33), seen.at(0.33, along), 1e-4)
+    yield Row(
+        "place along the line at 0.33 s", "m", amplitude * math.sin(w * 0.33), seen.at(0.33, along), 1e-4
+    )
 
 
 @verified("Prescribed turns", "closed form: fifth-order steps", nudges={"travel": 1.001})
@@ -133,8 +183,20 @@ def prescribed_turns(nudge: Nudge) -> Rows:
     m.drivers["step"] = StepTo(body="step", travel=2.0 * nudge("travel"), duration=0.4, begin=0.1)
     seen = run(m, step=1e-4, duration=1.0, outputs=1000)
     yield Row("angle of the ramp at 1 s", "rad", 10.0 * (1.0 - 0.2), seen.at(1.0, seen.body("ramp")), 1e-6)
-    yield Row("torque in the middle of the ramp", "N m", 0.2 * 10.0 * 1.875 / 0.4, seen.at(0.2, seen.driven("ramp", "torque")), 1e-4)
+    yield Row(
+        "torque in the middle of the ramp",
+        "N m",
+        0.2 * 10.0 * 1.875 / 0.4,
+        seen.at(0.2, seen.driven("ramp", "torque")),
+        1e-4,
+    )
     yield Row("angle of the step at 0.3 s", "rad", 1.0, seen.at(0.3, seen.body("step")), 1e-6)
     s = 0.25
     second = 60.0 * s - 180.0 * s * s + 120.0 * s**3
-    yield Row("torque of the step at its quarter", "N m", 0.2 * 2.0 * second / 0.16, seen.at(0.2, seen.driven("step", "torque")), 1e-4)
+    yield Row(
+        "torque of the step at its quarter",
+        "N m",
+        0.2 * 2.0 * second / 0.16,
+        seen.at(0.2, seen.driven("step", "torque")),
+        1e-4,
+    )

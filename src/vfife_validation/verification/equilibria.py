@@ -21,10 +21,13 @@ from .seen import run
 Array = NDArray[np.float64]
 
 SLENDER = 4.8e5  # E A L^2/(E I)
-ELASTICA = "inextensible elastica by elliptic integrals (Bisshopp, Drucker: Large deflection of cantilever beams. Q. Appl. Math. 3 (1945) 272-275)"
+ELASTICA = (
+    "inextensible elastica by elliptic integrals (Bisshopp, Drucker: Large deflection of cantilever beams. Q."
+    " Appl. Math. 3 (1945) 272-275)"
+)
 WILLIAMS = (
-    "Williams: An approach to the non-linear behaviour of the members of a rigid jointed plane framework. Q. J. Mech. Appl. Math. 17 (1964) "
-    "451-469; limit loads of the discrete frame from an independent program"
+    "Williams: An approach to the non-linear behaviour of the members of a rigid jointed plane framework. Q."
+    " J. Mech. Appl. Math. 17 (1964) 451-469; limit loads of the discrete frame from an independent program"
 )
 INCH, POUND = 0.0254, 4.4482216152605
 
@@ -36,11 +39,21 @@ def static(m: Mechanism, *factors: float) -> Mechanism:
 
 
 def cantilever(stiffness: float = 1.0, elements: int = 20, **load: object) -> Mechanism:
-    """Beam along x of 1 m with E I = 1 N m^2 that barely stretches, clamped at the origin, with a load at its end."""
+    """Beam along x of 1 m with E I = 1 N m^2 that barely stretches, clamped at the origin, with a load at its
+    end.
+    """
     m = Mechanism("cantilever")
     m.point("O", 0.0, 0.0)
     material = Material("flexible", SLENDER * stiffness, 0.3, 1000.0)
-    m.link("beam", length=1.0, model="elastic", elements=elements, section=Section(1.0, 1.0 / SLENDER), material=material, mass=1.0)
+    m.link(
+        "beam",
+        length=1.0,
+        model="elastic",
+        elements=elements,
+        section=Section(1.0, 1.0 / SLENDER),
+        material=material,
+        mass=1.0,
+    )
     m.weld("O", "ground.O", "beam.start")
     m.loads["load"] = PointForce(name="load", at="beam.end", **load)  # type: ignore[arg-type]
     return m
@@ -88,7 +101,9 @@ def toggle(elements: int, stiffness: float = 1.0) -> Mechanism:
     m.frame("toggle", nodes=nodes, members=legs, section=section, material=material)
     m.weld("L", "ground.L", "toggle.left")
     m.weld("R", "ground.R", "toggle.right")
-    m.drivers["push"] = AngleTable(point="toggle.apex", direction=(0.0, -1.0), times=(0.0, 1.0), values=(0.0, INCH))
+    m.drivers["push"] = AngleTable(
+        point="toggle.apex", direction=(0.0, -1.0), times=(0.0, 1.0), values=(0.0, INCH)
+    )
     return m
 
 
@@ -115,9 +130,11 @@ def williams_toggle(nudge: Nudge) -> Rows:
 
 
 def follower_shape(load: float) -> tuple[float, float, float]:
-    """Tip x, y and rotation of a right-angled frame of two legs of 1 m, E I = 1: inextensible, by integration from the tip inwards.
+    """Tip x, y and rotation of a right-angled frame of two legs of 1 m, E I = 1: inextensible, by integration
+    from the tip inwards.
 
-    In the tip's frame a follower force P across the second leg is fixed, so moment and angle follow from the tip on: M' = P cos(angle).
+    In the tip's frame a follower force P across the second leg is fixed, so moment and angle follow from the
+    tip on: M' = P cos(angle).
     """
     x = y = angle = moment = 0.0
     for corner in (0.5 * math.pi, 0.0):
@@ -129,14 +146,17 @@ def follower_shape(load: float) -> tuple[float, float, float]:
 
         x, y, angle, moment = solved(rates, [x, y, angle, moment], np.array([1.0]))[-1]
         angle += corner
-    # The clamp stands upright: turn the picture so that the first leg's start points along y, and count from there.
+    # The clamp stands upright: turn the picture so that the first leg's start points along y, and count from
+    # there.
     turn = 0.5 * math.pi - angle
     c, s = math.cos(turn), math.sin(turn)
     return -(c * x - s * y), -(s * x + c * y), turn
 
 
 def right_angle(load: float, stiffness: float = 1.0, elements: int = 20) -> Mechanism:
-    """A column of 1 m with a beam of 1 m on it, E I = 1, and a force across the beam's end that turns with it."""
+    """A column of 1 m with a beam of 1 m on it, E I = 1, and a force across the beam's end that turns with
+    it.
+    """
     m = Mechanism("right-angled frame")
     m.point("O", 0.0, 0.0)
     material = Material("flexible", SLENDER * stiffness, 0.3, 1.0)
@@ -172,22 +192,37 @@ def follower_frame(nudge: Nudge) -> Rows:
     quick=False,
 )
 def welded_arm(nudge: Nudge) -> Rows:
-    """A small force at the end of a rigid arm of 0.5 m beyond the tip: deflection, rotation, moment and force of the clamp and of the weld."""
+    """A small force at the end of a rigid arm of 0.5 m beyond the tip: deflection, rotation, moment and force
+    of the clamp and of the weld.
+    """
     p, arm = 1e-3, 0.5
     m = cantilever(nudge("stiffness"))
-    m.rigid_body("arm", mass=1.0, inertia=0.1, pins={"root": (-0.25, 0.0), "end": (0.25, 0.0)}, position=(1.25, 0.0))
+    m.rigid_body(
+        "arm", mass=1.0, inertia=0.1, pins={"root": (-0.25, 0.0), "end": (0.25, 0.0)}, position=(1.25, 0.0)
+    )
     m.weld("tip", "beam.end", "arm.root")
     m.loads["load"] = PointForce(name="load", at="arm.end", force=(0.0, p * nudge("load")))
     seen = run(static(m, 1.0))
-    yield Row("deflection of the tip", "m", p / 3.0 + 0.5 * p * arm, float(seen.pin("beam", "end")[-1, 1]), 1e-3)
+    yield Row(
+        "deflection of the tip", "m", p / 3.0 + 0.5 * p * arm, float(seen.pin("beam", "end")[-1, 1]), 1e-3
+    )
     yield Row("rotation of the arm", "rad", 0.5 * p + p * arm, float(seen.body("arm")[-1]), 1e-3)
     yield Row("moment of the weld on the arm", "N m", -p * arm, float(seen.ideal("tip", "moment")[-1]), 1e-3)
-    yield Row("moment of the clamp on the beam", "N m", -p * (1.0 + arm), float(seen.ideal("O", "moment")[-1]), 1e-3)
+    yield Row(
+        "moment of the clamp on the beam", "N m", -p * (1.0 + arm), float(seen.ideal("O", "moment")[-1]), 1e-3
+    )
 
 
-@verified("Guide on the end of a cantilever", "closed form: P L³/3EI + P a L²/2EI", nudges={"stiffness": 1.005, "load": 1.005}, quick=False)
+@verified(
+    "Guide on the end of a cantilever",
+    "closed form: P L³/3EI + P a L²/2EI",
+    nudges={"stiffness": 1.005, "load": 1.005},
+    quick=False,
+)
 def elastic_guide(nudge: Nudge) -> Rows:
-    """A block in a guide that an elastic beam carries, held along it by a spring: what a force across it does to the beam, moment of the guide."""
+    """A block in a guide that an elastic beam carries, held along it by a spring: what a force across it does
+    to the beam, moment of the guide.
+    """
     p, away = 1e-3, 0.2
     m = cantilever(nudge("stiffness"))
     m.rigid_body("block", mass=1.0, inertia=0.1, position=(1.0 + away, 0.0))
@@ -196,6 +231,8 @@ def elastic_guide(nudge: Nudge) -> Rows:
     m.spring("hold", "ground.far", "block.center", stiffness=1.0)
     m.loads["load"] = PointForce(name="load", at="block.center", force=(0.0, p * nudge("load")))
     seen = run(static(m, 1.0))
-    yield Row("deflection of the tip", "m", p / 3.0 + 0.5 * p * away, float(seen.pin("beam", "end")[-1, 1]), 1e-3)
+    yield Row(
+        "deflection of the tip", "m", p / 3.0 + 0.5 * p * away, float(seen.pin("beam", "end")[-1, 1]), 1e-3
+    )
     yield Row("rotation of the block", "rad", 0.5 * p + p * away, float(seen.body("block")[-1]), 1e-3)
     yield Row("force of the guide on the block", "N", -p, float(seen.ideal("guide", "fy")[-1]), 1e-3)

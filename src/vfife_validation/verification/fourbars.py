@@ -1,4 +1,6 @@
-"""The four-bar of the clearance literature: ideal maxima, and maxima with one and with three clearance joints."""
+"""The four-bar of the clearance literature: ideal maxima, and maxima with one and with three clearance
+joints.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +15,24 @@ from vfife.model.mechanism import Mechanism
 from .case import Nudge, Row, Rows, verified
 from .seen import run
 
-IDEAL = "drag link of the VFIFE clearance paper (Table 1), maxima by rigid-body kinetics of an independent program"
-CLEAR = "independent Runge-Kutta of order 4 with located onsets, 3.2 million steps; maxima over the second turn"
+IDEAL = (
+    "drag link of the VFIFE clearance paper (Table 1), maxima by rigid-body kinetics of an independent"
+    " program"
+)
+CLEAR = (
+    "independent Runge-Kutta of order 4 with located onsets, 3.2 million steps; maxima over the second turn"
+)
 LENGTHS = {"crank": 0.4, "coupler": 0.26, "follower": 0.46}
 
 
-def four_bar(clear: str, speed: float, mass: float = 1.0, model: LinkModel = "rigid", play: float = 2e-4, restitution: float = 0.9) -> Mechanism:
+def four_bar(
+    clear: str,
+    speed: float,
+    mass: float = 1.0,
+    model: LinkModel = "rigid",
+    play: float = 2e-4,
+    restitution: float = 0.9,
+) -> Mechanism:
     """Ground 0.15 m, 7.8 kg/m; the joints named in ``clear`` with play (m)."""
     m = Mechanism("four-bar")
     m.point("A", 0.0, 0.0)
@@ -31,9 +45,15 @@ def four_bar(clear: str, speed: float, mass: float = 1.0, model: LinkModel = "ri
     m.revolute("A", "ground.A", "crank.start")
     law = LankaraniNikravesh(restitution=restitution, stiffness=6.6e10)
     sliding = Ambrosio(coefficient=0.1, v0=1e-4, v1=1e-2)
-    for name, bearing, journal in (("B", "crank.end", "coupler.start"), ("C", "coupler.end", "follower.end"), ("D", "ground.D", "follower.start")):
+    for name, bearing, journal in (
+        ("B", "crank.end", "coupler.start"),
+        ("C", "coupler.end", "follower.end"),
+        ("D", "ground.D", "follower.start"),
+    ):
         if name in clear:
-            m.clearance(name, bearing, journal, clearance=play, bearing_radius=0.01, contact=law, friction=sliding)
+            m.clearance(
+                name, bearing, journal, clearance=play, bearing_radius=0.01, contact=law, friction=sliding
+            )
         else:
             m.revolute(name, bearing, journal)
     m.drive("crank", speed=speed)
@@ -42,11 +62,19 @@ def four_bar(clear: str, speed: float, mass: float = 1.0, model: LinkModel = "ri
 
 @verified("Four-bar with ideal joints", IDEAL, nudges={"mass": 1.005, "speed": 1.002})
 def four_bar_ideal(nudge: Nudge) -> Rows:
-    """Largest angular acceleration of the follower and joint forces over a turn: uniform rods at three speeds, two-particle links at 50π rad/s."""
-    rods = {10: (912.642, 1577.0, 2613.5, 4538.6), 20: (3650.57, 6308.1, 10454.1, 18154.4), 50: (22816.05, 39425.3, 65338.1, 113464.7)}
+    """Largest angular acceleration of the follower and joint forces over a turn: uniform rods at three
+    speeds, two-particle links at 50π rad/s.
+    """
+    rods = {
+        10: (912.642, 1577.0, 2613.5, 4538.6),
+        20: (3650.57, 6308.1, 10454.1, 18154.4),
+        50: (22816.05, 39425.3, 65338.1, 113464.7),
+    }
     for factor, wanted in rods.items():
         speed = factor * math.pi
-        yield from _maxima(four_bar("", speed * nudge("speed"), nudge("mass")), f"{factor}π rad/s", wanted, speed)
+        yield from _maxima(
+            four_bar("", speed * nudge("speed"), nudge("mass")), f"{factor}π rad/s", wanted, speed
+        )
     speed = 50.0 * math.pi
     lumped = four_bar("", speed * nudge("speed"), nudge("mass"), "two-particle").ideal()
     lumped.bodies["crank"] = four_bar("", speed).bodies["crank"]
@@ -62,15 +90,30 @@ def _maxima(m: Mechanism, which: str, wanted: tuple[float, ...], speed: float) -
         yield Row(f"largest {name} at {which}", unit, reference, value, 1e-3)
 
 
-@verified("Four-bar with one and with three clearance joints", CLEAR, nudges={"mass": 1.02, "clearance": 1.1, "restitution": 0.8}, quick=False)
+@verified(
+    "Four-bar with one and with three clearance joints",
+    CLEAR,
+    nudges={"mass": 1.02, "clearance": 1.1, "restitution": 0.8},
+    quick=False,
+)
 def four_bar_with_play(nudge: Nudge) -> Rows:
     """Uniform rods at 50π rad/s, 0.2 mm, friction 0.1: maxima over the second turn with a step of 0.25 µs."""
     for clear, alpha, force in (("C", 29201.05, 65794.78), ("BCD", 38153.31, 68842.16)):
-        m = four_bar(clear, 50.0 * math.pi, nudge("mass"), play=2e-4 * nudge("clearance"), restitution=0.9 * nudge("restitution"))
+        m = four_bar(
+            clear,
+            50.0 * math.pi,
+            nudge("mass"),
+            play=2e-4 * nudge("clearance"),
+            restitution=0.9 * nudge("restitution"),
+        )
         seen = run(m, turns=2.0, step=2.5e-7, outputs=720, force_step=True)
         second = seen.time > 0.04 + 1e-7
         found = seen.record.block("body_alpha_max")[second, seen.record.assembly.bodies["follower"].row].max()
         yield Row(f"largest follower acceleration, play in {clear}", "rad/s²", alpha, float(found), 5e-3)
         yield Row(
-            f"largest force of joint C, play in {clear}", "N", force, float(np.sqrt(seen.contact("C", "force_squared_max")[second].max())), 1e-3
+            f"largest force of joint C, play in {clear}",
+            "N",
+            force,
+            float(np.sqrt(seen.contact("C", "force_squared_max")[second].max())),
+            1e-3,
         )

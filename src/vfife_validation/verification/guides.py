@@ -16,16 +16,26 @@ from .chaotic import striking
 from .lagrange import solved
 from .seen import Seen, run
 
-MEMORY = "slider-crank of the clearance literature (5000 rpm; data from memory), ideal values by rigid-body kinetics"
+MEMORY = (
+    "slider-crank of the clearance literature (5000 rpm; data from memory), ideal values by rigid-body"
+    " kinetics"
+)
 FLORES = (
-    "Flores, Leine, Glocker: Modeling and analysis of planar rigid multibody systems with translational clearance joints based on the non-smooth "
-    "dynamics approach. Multibody Syst. Dyn. 23 (2010) 165-190"
+    "Flores, Leine, Glocker: Modeling and analysis of planar rigid multibody systems with translational"
+    " clearance joints based on the non-smooth dynamics approach. Multibody Syst. Dyn. 23 (2010) 165-190"
 )
 CLOSED = "closed form"
 
 
-def slider_crank(crank: tuple[float, float, float], rod: tuple[float, float, float], block: tuple[float, float], g: float = 0.0) -> Mechanism:
-    """Length, mass and inertia of crank and rod; mass and inertia of the block, which runs along x through the crank's pivot."""
+def slider_crank(
+    crank: tuple[float, float, float],
+    rod: tuple[float, float, float],
+    block: tuple[float, float],
+    g: float = 0.0,
+) -> Mechanism:
+    """Length, mass and inertia of crank and rod; mass and inertia of the block, which runs along x through
+    the crank's pivot.
+    """
     m = Mechanism("slider-crank", gravity=(0.0, -g))
     m.point("O", 0.0, 0.0)
     for name, (length, mass, inertia) in (("crank", crank), ("rod", rod)):
@@ -70,7 +80,9 @@ def flores(g: float = 9.81) -> Mechanism:
     return slider_crank((0.1530, 0.038, 7.4e-5), (0.3060, 0.038, 5.9e-4), (0.076, 2.7e-6), g)
 
 
-@verified("Slider-crank at 150 rad/s", FLORES + "; ideal values by rigid-body kinetics", nudges={"speed": 1.005})
+@verified(
+    "Slider-crank at 150 rad/s", FLORES + "; ideal values by rigid-body kinetics", nudges={"speed": 1.005}
+)
 def guide_ideal(nudge: Nudge) -> Rows:
     """Extremes over a turn at constant speed with an ideal guide."""
     wanted = {
@@ -86,11 +98,17 @@ def guide_ideal(nudge: Nudge) -> Rows:
     nudges={"clearance": 1.02, "crank": 0.9},
 )
 def guide_with_play(nudge: Nudge) -> Rows:
-    """Started at zero angles with 150 and -75 rad/s the block flies; time and corner of its first contact, and what it keeps of its energy."""
+    """Started at zero angles with 150 and -75 rad/s the block flies; time and corner of its first contact,
+    and what it keeps of its energy.
+    """
     c = 1e-3
     m = flores()
     spin = 150.0 * nudge("crank")
-    speeds = {"crank": (0.0, 0.0, spin), "rod": (0.0, 0.1530 * spin, -75.0), "block": (0.0, 0.1530 * (spin - 150.0), 0.0)}
+    speeds = {
+        "crank": (0.0, 0.0, spin),
+        "rod": (0.0, 0.1530 * spin, -75.0),
+        "block": (0.0, 0.1530 * (spin - 150.0), 0.0),
+    }
     for name, velocity in speeds.items():
         m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
     friction = Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2)
@@ -111,19 +129,28 @@ def guide_with_play(nudge: Nudge) -> Rows:
     depths = np.stack([seen.contact(f"S.{k}", "penetration") for k in (1, 2, 3, 4)], axis=1)
     first = int(np.argmax((depths > 0.0).any(axis=1)))
     yield Row("time of the first contact", "s", time, float(seen.time[first]), 5e-3)
-    yield Row("first corner (1 and 2 at the left wall, 3 and 4 at the right)", "1", float(corner), float(np.argmax(depths[first]) + 1), 0.0)
+    yield Row(
+        "first corner (1 and 2 at the left wall, 3 and 4 at the right)",
+        "1",
+        float(corner),
+        float(np.argmax(depths[first]) + 1),
+        0.0,
+    )
 
 
 @verified(
     "Block with play in its guide, by a program of rigid contacts",
-    FLORES + "; reference result of the program Siconos (examples/Mechanics/SliderCrank, steps of 0.1 ms, restitution 0.4, friction 0.01)",
+    FLORES + "; reference result of the program Siconos (examples/Mechanics/SliderCrank, steps of 0.1 ms,"
+    " restitution 0.4, friction 0.01)",
     nudges={"restitution": 1.6, "crank": 0.75},
 )
 def guide_against_rigid_contacts(nudge: Nudge) -> Rows:
-    """Turns of the crank, which is let go with 150 rad/s, and when the block comes to each wall, over three quarters of a turn.
+    """Turns of the crank, which is let go with 150 rad/s, and when the block comes to each wall, over three
+    quarters of a turn.
 
-    The reference has the first impact 0.1 ms, a step, later than an integration without contacts has it; impacts that follow in ever shorter time
-    it joins. So turns are compared within one per cent, times within half a millisecond.
+    The reference has the first impact 0.1 ms, a step, later than an integration without contacts has it;
+    impacts that follow in ever shorter time it joins. So turns are compared within one per cent, times within
+    half a millisecond.
     """
     seen = let_go(150.0 * nudge("crank"), 0.4 * nudge("restitution"), 0.05)
     turned = (seen.body("crank") - seen.body("crank")[0]) / (2.0 * math.pi)
@@ -132,13 +159,24 @@ def guide_against_rigid_contacts(nudge: Nudge) -> Rows:
     height = seen.body("block", "y")
     for begin, wall, time in ((0.0, 1.0, 0.0028), (0.015, -1.0, 0.0259), (0.035, 1.0, 0.0394)):
         first = int(np.argmax((seen.time > begin) & (wall * height > 1e-3)))
-        yield Row(f"time of the first impact after {1e3 * begin:g} ms", "s", time, float(seen.time[first]), 0.01, 0.05)
+        yield Row(
+            f"time of the first impact after {1e3 * begin:g} ms",
+            "s",
+            time,
+            float(seen.time[first]),
+            0.01,
+            0.05,
+        )
 
 
 def let_go(spin: float, restitution: float, duration: float) -> Seen:
     """The mechanism of Flores, Leine and Glocker with play in its guide, its crank let go with so many rad/s."""
     m = flores()
-    for name, velocity in {"crank": (0.0, 0.0, spin), "rod": (0.0, 0.1530 * spin, -0.5 * spin), "block": (0.0, 0.0, 0.0)}.items():
+    for name, velocity in {
+        "crank": (0.0, 0.0, spin),
+        "rod": (0.0, 0.1530 * spin, -0.5 * spin),
+        "block": (0.0, 0.0, 0.0),
+    }.items():
         m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
     m.clearance_slider(
         "S", "ground.O", "block.center", clearance=1e-3, length=0.1, height=0.05, contact=striking(restitution, 1e8),
@@ -150,18 +188,26 @@ def let_go(spin: float, restitution: float, duration: float) -> Seen:
 def first_contact(clearance: float) -> tuple[float, int]:
     """Time (s) and number of the corner that meets a wall first: by Lagrange's equations for the two angles."""
     l1, l2, m1, m2, m3, j1, j2, g = 0.1530, 0.3060, 0.038, 0.038, 0.076, 7.4e-5, 5.9e-4, 9.81
-    a11, a22, a12 = j1 + 0.25 * m1 * l1**2 + (m2 + m3) * l1**2, j2 + 0.25 * m2 * l2**2 + m3 * l2**2, l1 * l2 * (0.5 * m2 + m3)
+    a11, a22, a12 = (
+        j1 + 0.25 * m1 * l1**2 + (m2 + m3) * l1**2,
+        j2 + 0.25 * m2 * l2**2 + m3 * l2**2,
+        l1 * l2 * (0.5 * m2 + m3),
+    )
 
     def rates(time: float, y: np.ndarray) -> np.ndarray:
         p, q, v, w = y
         c, s = math.cos(p - q), math.sin(p - q)
         matrix = np.array([[a11, a12 * c], [a12 * c, a22]])
-        right = [-a12 * s * w * w - g * l1 * (0.5 * m1 + m2 + m3) * math.cos(p), a12 * s * v * v - g * l2 * (0.5 * m2 + m3) * math.cos(q)]
+        right = [
+            -a12 * s * w * w - g * l1 * (0.5 * m1 + m2 + m3) * math.cos(p),
+            a12 * s * v * v - g * l2 * (0.5 * m2 + m3) * math.cos(q),
+        ]
         return np.array([v, w, *np.linalg.solve(matrix, right)])
 
     times = np.linspace(0.0, 0.05, 50001)
     path = solved(rates, [0.0, 0.0, 150.0, -75.0], times)
-    # Pinned at its centre of mass without moments the block keeps its angle, so both corners of a side meet the wall at once.
+    # Pinned at its centre of mass without moments the block keeps its angle, so both corners of a side meet
+    # the wall at once.
     height = l1 * np.sin(path[:, 0]) + l2 * np.sin(path[:, 1])
     first = int(np.argmax(np.abs(height) > clearance))
     return float(times[first]), 1 if height[first] > 0.0 else 3
@@ -179,9 +225,15 @@ def _block_on_arm(name: str, mass: float, distance: float, speed: float) -> Mech
     return m
 
 
-@verified("Slider on a rotating arm", "closed form: r = r₀ cosh ωt, N = 2 m ω r', torque N r", nudges={"speed": 1.005, "mass": 1.02})
+@verified(
+    "Slider on a rotating arm",
+    "closed form: r = r₀ cosh ωt, N = 2 m ω r', torque N r",
+    nudges={"speed": 1.005, "mass": 1.02},
+)
 def slider_on_rotating_arm(nudge: Nudge) -> Rows:
-    """A block free along an arm that turns at constant speed: distance, force of the guide (Coriolis), torque of the driver."""
+    """A block free along an arm that turns at constant speed: distance, force of the guide (Coriolis), torque
+    of the driver.
+    """
     w, r0, mass = 8.0, 0.1, 0.7
     m = _block_on_arm("slider on an arm", mass * nudge("mass"), r0, w * nudge("speed"))
     time = 0.3
@@ -191,14 +243,28 @@ def slider_on_rotating_arm(nudge: Nudge) -> Rows:
     coriolis = 2.0 * mass * w * r0 * w * math.sinh(w * time)
     yield Row("distance at 0.3 s", "m", r0 * math.cosh(w * time), seen.at(time, r), 1e-4)
     yield Row("force of the guide at 0.3 s", "N", coriolis, seen.at(time, force), 1e-3)
-    yield Row("torque of the driver at 0.3 s", "N m", coriolis * r0 * math.cosh(w * time), seen.at(time, seen.driven("arm", "torque")), 1e-3)
+    yield Row(
+        "torque of the driver at 0.3 s",
+        "N m",
+        coriolis * r0 * math.cosh(w * time),
+        seen.at(time, seen.driven("arm", "torque")),
+        1e-3,
+    )
 
 
-@verified("Bead on a free rod", "conservation of angular momentum and energy", nudges={"inertia": 1.02, "damping": 0.01})
+@verified(
+    "Bead on a free rod",
+    "conservation of angular momentum and energy",
+    nudges={"inertia": 1.02, "damping": 0.01},
+)
 def bead_on_free_rod(nudge: Nudge) -> Rows:
-    """A rod turns freely in space, a bead runs out along it through a slot: momentum, angular momentum, energy, angular speed at a distance."""
+    """A rod turns freely in space, a bead runs out along it through a slot: momentum, angular momentum,
+    energy, angular speed at a distance.
+    """
     m = Mechanism("bead on a free rod")
-    m.rigid_body("rod", mass=1.0, inertia=0.02 * nudge("inertia"), position=(0.0, 0.0), velocity=(0.2, -0.1, 10.0))
+    m.rigid_body(
+        "rod", mass=1.0, inertia=0.02 * nudge("inertia"), position=(0.0, 0.0), velocity=(0.2, -0.1, 10.0)
+    )
     m.point_mass("bead", mass=0.3, position=(0.05, 0.0), velocity=(0.2, -0.1 + 0.5, 0.0))
     m.slider("S", "rod.center", "bead.center", turning=True)
     m.settings = dataclasses.replace(m.settings, damping=nudge("damping", 0.0))
@@ -206,12 +272,23 @@ def bead_on_free_rod(nudge: Nudge) -> Rows:
     u = {body: (seen.speed(body, "u"), seen.speed(body, "v")) for body in ("rod", "bead")}
     total = 1.0 * u["rod"][1] + 0.3 * u["bead"][1]
     yield Row("change of momentum in y", "N s", 0.0, float(np.abs(total - total[0]).max()), 1e-10, 1.0)
-    energy = sum(0.5 * mass * (u[b][0] ** 2 + u[b][1] ** 2) for b, mass in (("rod", 1.0), ("bead", 0.3))) + 0.01 * seen.speed("rod", "w") ** 2
+    energy = (
+        sum(0.5 * mass * (u[b][0] ** 2 + u[b][1] ** 2) for b, mass in (("rod", 1.0), ("bead", 0.3)))
+        + 0.01 * seen.speed("rod", "w") ** 2
+    )
     yield Row("change of energy", "J", 0.0, float(np.abs(energy - energy[0]).max()), 1e-6, float(energy[0]))
     reduced = 0.3 / 1.3
-    apart = np.hypot(seen.body("bead", "x") - seen.body("rod", "x"), seen.body("bead", "y") - seen.body("rod", "y"))
+    apart = np.hypot(
+        seen.body("bead", "x") - seen.body("rod", "x"), seen.body("bead", "y") - seen.body("rod", "y")
+    )
     spin0 = 0.02 + reduced * 0.05**2
-    yield Row("angular speed at the end", "rad/s", 10.0 * spin0 / (0.02 + reduced * float(apart[-1]) ** 2), float(seen.speed("rod", "w")[-1]), 1e-5)
+    yield Row(
+        "angular speed at the end",
+        "rad/s",
+        10.0 * spin0 / (0.02 + reduced * float(apart[-1]) ** 2),
+        float(seen.speed("rod", "w")[-1]),
+        1e-5,
+    )
 
 
 @verified("Scotch yoke", "closed form: x = r cos ωt", nudges={"mass": 1.005, "radius": 1.001})
@@ -228,16 +305,43 @@ def scotch_yoke(nudge: Nudge) -> Rows:
     m.drive("crank", speed=w)
     seen = run(m, turns=1.0, step=2.0 * math.pi / w / 7200, outputs=7200)
     for time in (0.04, 0.15):
-        yield Row(f"place of the yoke at {time:g} s", "m", r * math.cos(w * time), seen.at(time, seen.body("yoke", "x")), 1e-4, r)
+        yield Row(
+            f"place of the yoke at {time:g} s",
+            "m",
+            r * math.cos(w * time),
+            seen.at(time, seen.body("yoke", "x")),
+            1e-4,
+            r,
+        )
         push = mass * r * w * w * math.cos(w * time)
-        yield Row(f"force of the slot on the pin at {time:g} s", "N", push, seen.at(time, seen.ideal("slot", "fx")), 1e-3, mass * r * w * w)
+        yield Row(
+            f"force of the slot on the pin at {time:g} s",
+            "N",
+            push,
+            seen.at(time, seen.ideal("slot", "fx")),
+            1e-3,
+            mass * r * w * w,
+        )
         torque = 0.5 * mass * r * r * w * w * math.sin(2.0 * w * time)
-        yield Row(f"torque at {time:g} s", "N m", torque, seen.at(time, seen.driven("crank", "torque")), 1e-3, mass * r * r * w * w)
+        yield Row(
+            f"torque at {time:g} s",
+            "N m",
+            torque,
+            seen.at(time, seen.driven("crank", "torque")),
+            1e-3,
+            mass * r * r * w * w,
+        )
 
 
-@verified("Slotted arm driven by a pin (quick return)", "closed form: tan ψ = r sin θ/(d + r cos θ)", nudges={"inertia": 1.005, "radius": 1.001})
+@verified(
+    "Slotted arm driven by a pin (quick return)",
+    "closed form: tan ψ = r sin θ/(d + r cos θ)",
+    nudges={"inertia": 1.005, "radius": 1.001},
+)
 def quick_return(nudge: Nudge) -> Rows:
-    """The crank's pin runs in the slot of an arm on another pivot, as in a Geneva drive: angle of the arm, force in the slot."""
+    """The crank's pin runs in the slot of an arm on another pivot, as in a Geneva drive: angle of the arm,
+    force in the slot.
+    """
     r, d, w, inertia = 0.1, 0.25, 20.0, 0.03
     m = Mechanism("quick return")
     m.point("A", 0.0, 0.0)
@@ -254,9 +358,21 @@ def quick_return(nudge: Nudge) -> Rows:
         a = w * time
         below = 1.0 + p * p + 2.0 * p * math.cos(a)
         alpha = w * w * p * (p * p - 1.0) * math.sin(a) / below**2
-        yield Row(f"angle of the arm at {time:g} s", "rad", math.atan2(r * math.sin(a), d + r * math.cos(a)), seen.at(time, seen.body("arm")), 1e-4)
+        yield Row(
+            f"angle of the arm at {time:g} s",
+            "rad",
+            math.atan2(r * math.sin(a), d + r * math.cos(a)),
+            seen.at(time, seen.body("arm")),
+            1e-4,
+        )
         force = np.hypot(seen.ideal("slot", "fx"), seen.ideal("slot", "fy"))
-        yield Row(f"force in the slot at {time:g} s", "N", abs(inertia * alpha) / (d * math.sqrt(below)), seen.at(time, force), 1e-3)
+        yield Row(
+            f"force in the slot at {time:g} s",
+            "N",
+            abs(inertia * alpha) / (d * math.sqrt(below)),
+            seen.at(time, force),
+            1e-3,
+        )
 
 
 @verified("Driven travel of a slider", "closed form", nudges={"speed": 1.001, "mass": 1.005})
@@ -270,5 +386,17 @@ def driven_travel(nudge: Nudge) -> Rows:
     yield Row("distance at 0.5 s", "m", r0 + 0.5 * v, seen.at(0.5, r), 1e-4)
     c, s = np.cos(seen.body("arm")), np.sin(seen.body("arm"))
     push = seen.ideal("push", "fx") * c + seen.ideal("push", "fy") * s
-    yield Row("force of the driver along the arm at 0.5 s", "N", -mass * w * w * (r0 + 0.5 * v), seen.at(0.5, push), 1e-3)
-    yield Row("torque at 0.5 s", "N m", 2.0 * mass * w * v * (r0 + 0.5 * v), seen.at(0.5, seen.driven("arm", "torque")), 1e-3)
+    yield Row(
+        "force of the driver along the arm at 0.5 s",
+        "N",
+        -mass * w * w * (r0 + 0.5 * v),
+        seen.at(0.5, push),
+        1e-3,
+    )
+    yield Row(
+        "torque at 0.5 s",
+        "N m",
+        2.0 * mass * w * v * (r0 + 0.5 * v),
+        seen.at(0.5, seen.driven("arm", "torque")),
+        1e-3,
+    )

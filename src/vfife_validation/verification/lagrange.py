@@ -1,6 +1,8 @@
-"""Independent integration of pinned rigid bodies: Lagrange's equations of the first kind, by an explicit Runge-Kutta of order 8.
+"""Independent integration of pinned rigid bodies: Lagrange's equations of the first kind, by an explicit
+Runge-Kutta of order 8.
 
-Shares no code with the kernels: constraints by their Jacobian, [M G^T; G 0][a; l] = [F; -dG/dt v], to a relative tolerance of 1e-12.
+Shares no code with the kernels: constraints by their Jacobian, [M G^T; G 0][a; l] = [F; -dG/dt v], to a
+relative tolerance of 1e-12.
 """
 
 from __future__ import annotations
@@ -26,7 +28,13 @@ class Pin:
 
 
 def integrate(
-    mass: Sequence[float], inertia: Sequence[float], pins: Sequence[Pin], forces: Forces, start: Array, speed: Array, times: Array
+    mass: Sequence[float],
+    inertia: Sequence[float],
+    pins: Sequence[Pin],
+    forces: Forces,
+    start: Array,
+    speed: Array,
+    times: Array,
 ) -> Array:
     """Positions and velocities at the times, shape (times, 2, bodies, 3), from a closed start."""
     from scipy.integrate import solve_ivp
@@ -47,13 +55,21 @@ def integrate(
                     continue
                 c, s = np.cos(q[body, 2]), np.sin(q[body, 2])
                 rx, ry, w = c * x - s * y, s * x + c * y, v[body, 2]
-                matrix[row : row + 2, 3 * body : 3 * body + 3] = sign * np.array([[1.0, 0.0, -ry], [0.0, 1.0, rx]])
+                matrix[row : row + 2, 3 * body : 3 * body + 3] = sign * np.array(
+                    [[1.0, 0.0, -ry], [0.0, 1.0, rx]]
+                )
                 right[row : row + 2] += sign * w * w * np.array([rx, ry])
         matrix[: 3 * n, 3 * n :] = matrix[3 * n :, : 3 * n].T
         return np.concatenate([state[3 * n :], np.linalg.solve(matrix, right)[: 3 * n]])
 
     found = solve_ivp(
-        rates, (0.0, float(times[-1])), np.concatenate([start.ravel(), speed.ravel()]), method="DOP853", t_eval=times, rtol=1e-12, atol=1e-13
+        rates,
+        (0.0, float(times[-1])),
+        np.concatenate([start.ravel(), speed.ravel()]),
+        method="DOP853",
+        t_eval=times,
+        rtol=1e-12,
+        atol=1e-13,
     )
     if not found.success:
         raise RuntimeError(f"the independent integration failed: {found.message}")
@@ -64,7 +80,15 @@ def solved(rates: Callable[[float, Array], Array], start: Sequence[float], times
     """Solution of an ordinary differential equation at the times, shape (times, unknowns)."""
     from scipy.integrate import solve_ivp
 
-    found = solve_ivp(rates, (0.0, float(times[-1])), np.array(start, dtype=float), method="DOP853", t_eval=times, rtol=1e-12, atol=1e-14)
+    found = solve_ivp(
+        rates,
+        (0.0, float(times[-1])),
+        np.array(start, dtype=float),
+        method="DOP853",
+        t_eval=times,
+        rtol=1e-12,
+        atol=1e-14,
+    )
     if not found.success:
         raise RuntimeError(f"the independent integration failed: {found.message}")
     return np.asarray(found.y.T)

@@ -16,7 +16,9 @@ HEAD = "| quantity | unit | reference | ours | error | tolerance |\n|---|---|--:
 
 
 def tables(cases: Iterable[Case]) -> str:
-    """All cases by family, each run, as Markdown; RuntimeError where one fails, since a page must not show what does not hold."""
+    """All cases by family, each run, as Markdown; RuntimeError where one fails, since a page must not show
+    what does not hold.
+    """
     parts, family = [], ""
     for one in cases:
         if one.family != family:
@@ -27,7 +29,12 @@ def tables(cases: Iterable[Case]) -> str:
         if wrong:
             raise RuntimeError(f"verification case {one.name!r} fails: {', '.join(wrong)}")
         about = " ".join((one.rows.__doc__ or "").split())
-        parts += [f"### {one.title}", f"`{one.name}`: {about}", f"Reference: {one.source}.", "\n".join([HEAD, *map(line, rows)])]
+        parts += [
+            f"### {one.title}",
+            f"`{one.name}`: {about}",
+            f"Reference: {one.source}.",
+            "\n".join([HEAD, *map(line, rows)]),
+        ]
     return "\n\n".join(parts)
 
 

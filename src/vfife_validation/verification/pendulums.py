@@ -15,14 +15,19 @@ from .seen import run
 
 G = 9.81
 A01 = "IFToMM library of computational benchmark problems, A01; closed form by elliptic functions"
-A02 = "IFToMM library of computational benchmark problems, A02 (two four-bars); integration of its one equation while it stays a parallelogram"
+A02 = (
+    "IFToMM library of computational benchmark problems, A02 (two four-bars); integration of its one equation"
+    " while it stays a parallelogram"
+)
 
 
 def pendulum(length: float = 1.0) -> Mechanism:
     """1 kg at the end of a massless rod, horizontal at rest."""
     m = Mechanism("simple pendulum", gravity=(0.0, -G))
     m.point("O", 0.0, 0.0)
-    m.rigid_body("bob", mass=1.0, inertia=1e-5, center=(length, 0.0), pins={"pivot": (0.0, 0.0)}, angle=math.pi)
+    m.rigid_body(
+        "bob", mass=1.0, inertia=1e-5, center=(length, 0.0), pins={"pivot": (0.0, 0.0)}, angle=math.pi
+    )
     m.revolute("O", "ground.O", "bob.pivot")
     return m
 
@@ -36,7 +41,9 @@ def simple_pendulum(nudge: Nudge) -> Rows:
         yield Row(f"y at {time:g} s", "m", y, seen.at(time, seen.body("bob", "y")), 1e-3)
     speed = seen.body("bob", "angular_velocity")
     turns = np.flatnonzero(speed[1:-1] * speed[2:] < 0.0) + 1
-    zeros = [seen.time[k] - speed[k] * (seen.time[k + 1] - seen.time[k]) / (speed[k + 1] - speed[k]) for k in turns]
+    zeros = [
+        seen.time[k] - speed[k] * (seen.time[k + 1] - seen.time[k]) / (speed[k + 1] - speed[k]) for k in turns
+    ]
     yield Row("period", "s", 2.36784194758, float(zeros[1]), 1e-5)
 
 
@@ -67,20 +74,36 @@ def weight(*masses: float):  # type: ignore[no-untyped-def]
     return lambda time, q, v: np.array([[0.0, -m * G, 0.0] for m in masses])
 
 
-@verified("Double pendulum", "independent integration of Lagrange's equations (order 8, relative tolerance 1e-12)", nudges={"mass": 1.01})
+@verified(
+    "Double pendulum",
+    "independent integration of Lagrange's equations (order 8, relative tolerance 1e-12)",
+    nudges={"mass": 1.01},
+)
 def double_pendulum(nudge: Nudge) -> Rows:
     """Two uniform rods from rest at 0.3 and 0.9 rad: angles after 1.5 s, energy."""
     angles, inertia = [0.3, 0.9], 0.25 / 12.0
     pins = [Pin(0, (-0.25, 0.0), -1, (0.0, 0.0)), Pin(1, (-0.25, 0.0), 0, (0.25, 0.0))]
     ours = run(rods(*angles, factor=nudge("mass")), step=1e-4, duration=1.5, outputs=150)
-    theirs = integrate([1.0, 1.0], [inertia] * 2, pins, weight(1.0, 1.0), placed(angles), np.zeros((2, 3)), np.array([0.75, 1.5]))
+    theirs = integrate(
+        [1.0, 1.0],
+        [inertia] * 2,
+        pins,
+        weight(1.0, 1.0),
+        placed(angles),
+        np.zeros((2, 3)),
+        np.array([0.75, 1.5]),
+    )
     for k, time in enumerate((0.75, 1.5)):
         for body in (0, 1):
             value = ours.at(time, ours.body(f"rod{body + 1}"))
             yield Row(f"angle of rod {body + 1} at {time:g} s", "rad", theirs[k, 0, body, 2], value, 1e-4)
 
 
-@verified("Closed chain", "independent integration of Lagrange's equations (order 8, relative tolerance 1e-12)", nudges={"mass": 1.05})
+@verified(
+    "Closed chain",
+    "independent integration of Lagrange's equations (order 8, relative tolerance 1e-12)",
+    nudges={"mass": 1.05},
+)
 def closed_chain(nudge: Nudge) -> Rows:
     """A four-bar of three rods that falls freely: angles after 0.8 s, largest force of its last joint."""
     angles = [1.9, 0.4, -1.2]
@@ -91,17 +114,31 @@ def closed_chain(nudge: Nudge) -> Rows:
     m.revolute("E", "ground.E", "rod3.end")
     ours = run(m, step=5e-5, duration=0.8, outputs=400)
     inertia = 0.25 / 12.0
-    pins = [Pin(0, (-0.25, 0.0), -1, (0.0, 0.0)), Pin(1, (-0.25, 0.0), 0, (0.25, 0.0)), Pin(2, (-0.25, 0.0), 1, (0.25, 0.0))]
+    pins = [
+        Pin(0, (-0.25, 0.0), -1, (0.0, 0.0)),
+        Pin(1, (-0.25, 0.0), 0, (0.25, 0.0)),
+        Pin(2, (-0.25, 0.0), 1, (0.25, 0.0)),
+    ]
     pins.append(Pin(2, (0.25, 0.0), -1, (float(end[0]), float(end[1]))))
-    theirs = integrate([1.0] * 3, [inertia] * 3, pins, weight(1.0, 1.0, 1.0), start, np.zeros((3, 3)), np.array([0.4, 0.8]))
+    theirs = integrate(
+        [1.0] * 3, [inertia] * 3, pins, weight(1.0, 1.0, 1.0), start, np.zeros((3, 3)), np.array([0.4, 0.8])
+    )
     for k, time in enumerate((0.4, 0.8)):
         for body in range(3):
             reference = float(theirs[k, 0, body, 2])
-            yield Row(f"angle of rod {body + 1} at {time:g} s", "rad", reference, ours.at(time, ours.body(f"rod{body + 1}")), 2e-4)
+            yield Row(
+                f"angle of rod {body + 1} at {time:g} s",
+                "rad",
+                reference,
+                ours.at(time, ours.body(f"rod{body + 1}")),
+                2e-4,
+            )
 
 
 def double_four_bar(mass: float = 1.0) -> Mechanism:
-    """Three upright bars side by side and two that join their tops, each of 1 m and 1 kg; the tops move at 1 m/s."""
+    """Three upright bars side by side and two that join their tops, each of 1 m and 1 kg; the tops move at 1
+    m/s.
+    """
     m = Mechanism("double four-bar", gravity=(0.0, -G))
     for k in range(3):
         m.point(f"A{k}", float(k), 0.0)
@@ -116,9 +153,15 @@ def double_four_bar(mass: float = 1.0) -> Mechanism:
 
 @verified("Double four-bar through its singular positions", A02, nudges={"mass": 1.01}, quick=False)
 def double_four_bar_turns(nudge: Nudge) -> Rows:
-    """3 m l^2/3 + 2 m l^2 = 3 kg m^2 turned by its weight for 10 s: place of the first top joint, drift of energy."""
+    """3 m l^2/3 + 2 m l^2 = 3 kg m^2 turned by its weight for 10 s: place of the first top joint, drift of
+    energy.
+    """
     ours = run(double_four_bar(nudge("mass")), step=1e-4, duration=10.0, outputs=1000)
-    theirs = solved(lambda time, y: np.array([y[1], -3.5 * G * math.cos(y[0]) / 3.0]), [0.5 * math.pi, -1.0], np.array([5.0, 10.0]))
+    theirs = solved(
+        lambda time, y: np.array([y[1], -3.5 * G * math.cos(y[0]) / 3.0]),
+        [0.5 * math.pi, -1.0],
+        np.array([5.0, 10.0]),
+    )
     top = ours.pin("bar0", "end")
     for time, (angle, _) in zip((5.0, 10.0), theirs, strict=True):
         for axis, (name, of) in enumerate((("x", math.cos), ("y", math.sin))):
@@ -128,7 +171,11 @@ def double_four_bar_turns(nudge: Nudge) -> Rows:
     yield Row("largest drift of energy", "J", 0.0, float(np.abs(energy - energy[0]).max()), 1e-3, 3.5 * G)
 
 
-@verified("Motor between two rods", "independent integration of the one equation that is left", nudges={"amplitude": 1.01})
+@verified(
+    "Motor between two rods",
+    "independent integration of the one equation that is left",
+    nudges={"amplitude": 1.01},
+)
 def motor_between_two_rods(nudge: Nudge) -> Rows:
     """The relative angle of a double pendulum goes to and fro as prescribed; the rest swings."""
     a, f = 0.6, 1.5
@@ -139,7 +186,11 @@ def motor_between_two_rods(nudge: Nudge) -> Rows:
 
     def rates(time: float, y: np.ndarray) -> np.ndarray:
         p, v = y
-        phi, rate, second = 0.5 + a * math.sin(w * time), a * w * math.cos(w * time), -a * w * w * math.sin(w * time)
+        phi, rate, second = (
+            0.5 + a * math.sin(w * time),
+            a * w * math.cos(w * time),
+            -a * w * w * math.sin(w * time),
+        )
         c, s, q = math.cos(phi), math.sin(phi), v + rate
         m11, m12, m22 = small + l * l, mixed * c, small
         push = mixed * s * (q * q - v * v) - 1.5 * l * G * math.cos(p) - 0.5 * l * G * math.cos(p + phi)
@@ -150,18 +201,32 @@ def motor_between_two_rods(nudge: Nudge) -> Rows:
     for time, (angle, _) in zip((0.4, 0.9), solved(rates, [-1.2, speed], np.array([0.4, 0.9])), strict=True):
         yield Row(f"angle of rod 1 at {time:g} s", "rad", angle, ours.at(time, ours.body("rod1")), 1e-3)
         turned = 0.5 + a * math.sin(w * time)
-        yield Row(f"angle between the rods at {time:g} s", "rad", turned, ours.at(time, ours.body("rod2") - ours.body("rod1")), 1e-5)
+        yield Row(
+            f"angle between the rods at {time:g} s",
+            "rad",
+            turned,
+            ours.at(time, ours.body("rod2") - ours.body("rod1")),
+            1e-5,
+        )
 
 
-@verified("Convergence in the step", "order 2 of the central difference; independent integration of Lagrange's equations", nudges={"coarse": 1.25})
+@verified(
+    "Convergence in the step",
+    "order 2 of the central difference; independent integration of Lagrange's equations",
+    nudges={"coarse": 1.25},
+)
 def convergence_in_steps(nudge: Nudge) -> Rows:
     """Order from the errors of a double pendulum's angles after 0.5 s with 1 ms and half of it."""
     angles, inertia = [0.3, 0.9], 0.25 / 12.0
     pins = [Pin(0, (-0.25, 0.0), -1, (0.0, 0.0)), Pin(1, (-0.25, 0.0), 0, (0.25, 0.0))]
-    theirs = integrate([1.0, 1.0], [inertia] * 2, pins, weight(1.0, 1.0), placed(angles), np.zeros((2, 3)), np.array([0.5]))[0, 0, :, 2]
+    theirs = integrate(
+        [1.0, 1.0], [inertia] * 2, pins, weight(1.0, 1.0), placed(angles), np.zeros((2, 3)), np.array([0.5])
+    )[0, 0, :, 2]
     errors = []
     for step in (1e-3 * nudge("coarse"), 5e-4):
         seen = run(rods(*angles), step=step, duration=0.5, outputs=100)
         errors.append([abs(seen.at(0.5, seen.body(f"rod{k + 1}")) - theirs[k]) for k in (0, 1)])
     for k in (0, 1):
-        yield Row(f"order of the angle of rod {k + 1}", "1", 2.0, math.log2(errors[0][k] / errors[1][k]), 1e-2)
+        yield Row(
+            f"order of the angle of rod {k + 1}", "1", 2.0, math.log2(errors[0][k] / errors[1][k]), 1e-2
+        )

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vfife.analysis import Ledger, ledger
-from vfife.analysis.motion import body_motion, pin_path, times, velocities
 from vfife.assembly.assemble import assemble
+from vfife.measures import Ledger, ledger
+from vfife.measures.motion import body_motion, pin_path, times, velocities
 from vfife.model.mechanism import Mechanism
-from vfife.simulation import simulate
+from vfife.simulation.simulate import simulate
 from vfife.solvers.record import Record
 from vfife.solvers.statics import equilibrium
 from vfife.solvers.status import Status
@@ -22,7 +22,9 @@ ANY = 1e9  # share of the largest energy: a case is judged by its reference, and
 
 
 class Seen:
-    """Motion and forces of a run, as arrays over its outputs; of a static analysis the outputs are its load factors, from 0 on."""
+    """Motion and forces of a run, as arrays over its outputs; of a static analysis the outputs are its load
+    factors, from 0 on.
+    """
 
     def __init__(self, record: Record) -> None:
         self.record = record
@@ -75,11 +77,15 @@ class Seen:
 
 
 def run(mechanism: Mechanism, **options: Any) -> Seen:
-    """Runs a mechanism by the data-driven loop, which is compiled once for all cases; RuntimeError where it does not come to its end."""
+    """Runs a mechanism by the data-driven loop, which is compiled once for all cases; RuntimeError where it
+    does not come to its end.
+    """
     if mechanism.settings.analysis == "static":
         record = equilibrium(assemble(mechanism))
     else:
-        judged = dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, energy_limit=ANY))
+        judged = dataclasses.replace(
+            mechanism, settings=dataclasses.replace(mechanism.settings, energy_limit=ANY)
+        )
         record = simulate(judged, reference=False, loop="data-driven", **options).record
     if record.status == Status.INTERRUPTED:  # a run keeps what it has; a case has no use for half of it
         raise KeyboardInterrupt
@@ -89,7 +95,9 @@ def run(mechanism: Mechanism, **options: Any) -> Seen:
 
 
 def frequency(time: Array, values: Array, near: float) -> float:
-    """Frequency (Hz) of a vibration near one that is expected: the peak of the spectrum under a Gaussian window, whose logarithm is a parabola."""
+    """Frequency (Hz) of a vibration near one that is expected: the peak of the spectrum under a Gaussian
+    window, whose logarithm is a parabola.
+    """
     values = values - np.polyval(np.polyfit(time, values, 2), time)
     window = np.exp(-0.5 * (np.linspace(-5.0, 5.0, len(values))) ** 2)
     size = np.abs(np.fft.rfft(values * window))

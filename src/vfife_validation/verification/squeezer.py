@@ -11,8 +11,9 @@ from .case import Nudge, Row, Rows, verified
 from .seen import run
 
 SOURCE = (
-    "Mazzia, Magherini: Test Set for Initial Value Problem Solvers, release 2.4 (2008), problem Andrews, reference solution at 0.03 s; "
-    "Schiehlen (ed.): Multibody Systems Handbook, Springer (1990); IFToMM benchmark A03"
+    "Mazzia, Magherini: Test Set for Initial Value Problem Solvers, release 2.4 (2008), problem Andrews,"
+    " reference solution at 0.03 s; Schiehlen (ed.): Multibody Systems Handbook, Springer (1990); IFToMM"
+    " benchmark A03"
 )
 BETA, GAMMA, PHI, DELTA, OMEGA, EPSILON = (
     -0.0617138900142764496, 0.455279819163070380, 0.222668390165885885, 0.487364979543842550, -0.222668390165885885, 1.23054744454982120,
@@ -27,7 +28,12 @@ REFERENCE = {
 def squeezer(spring: float = 4530.0) -> Mechanism:
     """Bodies k1 to k7 of the test set; all meet in P, where k2, k3, k4 and k6 are pinned together."""
     m = Mechanism("Andrews' squeezer")
-    for name, at in (("O", (0.0, 0.0)), ("A", (-0.06934, -0.00227)), ("B", (-0.03635, 0.03273)), ("C", (0.014, 0.072))):
+    for name, at in (
+        ("O", (0.0, 0.0)),
+        ("A", (-0.06934, -0.00227)),
+        ("B", (-0.03635, 0.03273)),
+        ("C", (0.014, 0.072)),
+    ):
         m.point(name, *at)
     quarter, x, y = 0.5 * math.pi, 7e-3 * math.cos(BETA), 7e-3 * math.sin(BETA)
     a, b = m.points["A"], m.points["B"]
@@ -36,16 +42,59 @@ def squeezer(spring: float = 4530.0) -> Mechanism:
     # mass, inertia, centre, pins, angle, place of the origin
     bodies = {
         "k1": (0.04325, 2.194e-6, (0.92e-3, 0.0), {"o": (0.0, 0.0), "e": (7e-3, 0.0)}, BETA, (0.0, 0.0)),
-        "k2": (0.00365, 4.410e-7, (0.0115, 0.0), {"o": (0.0, 0.0), "p": (0.028, 0.0)}, BETA + math.pi, (x, y)),
-        "k3": (0.02373, 5.255e-6, (0.01874, 0.01043), {"o": (0.0, 0.0), "p": (0.035, 0.0), "d": (0.018, 0.02)}, GAMMA - quarter, b),
-        "k4": (0.00706, 5.667e-7, (0.00579, 0.0), {"o": (0.0, 0.0), "p": (0.02, 0.0)}, PHI + DELTA - quarter, elbow),
+        "k2": (
+            0.00365,
+            4.410e-7,
+            (0.0115, 0.0),
+            {"o": (0.0, 0.0), "p": (0.028, 0.0)},
+            BETA + math.pi,
+            (x, y),
+        ),
+        "k3": (
+            0.02373,
+            5.255e-6,
+            (0.01874, 0.01043),
+            {"o": (0.0, 0.0), "p": (0.035, 0.0), "d": (0.018, 0.02)},
+            GAMMA - quarter,
+            b,
+        ),
+        "k4": (
+            0.00706,
+            5.667e-7,
+            (0.00579, 0.0),
+            {"o": (0.0, 0.0), "p": (0.02, 0.0)},
+            PHI + DELTA - quarter,
+            elbow,
+        ),
         "k5": (0.07050, 1.169e-5, (0.02308, 0.00916), {"o": (0.0, 0.0), "e": (0.04, 0.0)}, DELTA, a),
-        "k6": (0.00706, 5.667e-7, (0.00579, 0.0), {"o": (0.0, 0.0), "p": (0.02, 0.0)}, OMEGA + EPSILON, other),
-        "k7": (0.05498, 1.912e-5, (0.01228, 0.00449), {"o": (0.0, 0.0), "e": (0.04, 0.0)}, EPSILON - quarter, a),
+        "k6": (
+            0.00706,
+            5.667e-7,
+            (0.00579, 0.0),
+            {"o": (0.0, 0.0), "p": (0.02, 0.0)},
+            OMEGA + EPSILON,
+            other,
+        ),
+        "k7": (
+            0.05498,
+            1.912e-5,
+            (0.01228, 0.00449),
+            {"o": (0.0, 0.0), "e": (0.04, 0.0)},
+            EPSILON - quarter,
+            a,
+        ),
     }
     for name, (mass, inertia, center, points, angle, position) in bodies.items():
-        m.rigid_body(name, mass=mass, inertia=inertia, center=center, pins=points, angle=angle, position=position)
-    pins = [("ground.O", "k1.o"), ("k1.e", "k2.o"), ("ground.B", "k3.o"), ("ground.A", "k5.o"), ("ground.A", "k7.o")]
+        m.rigid_body(
+            name, mass=mass, inertia=inertia, center=center, pins=points, angle=angle, position=position
+        )
+    pins = [
+        ("ground.O", "k1.o"),
+        ("k1.e", "k2.o"),
+        ("ground.B", "k3.o"),
+        ("ground.A", "k5.o"),
+        ("ground.A", "k7.o"),
+    ]
     pins += [("k5.e", "k4.o"), ("k7.e", "k6.o"), ("k2.p", "k3.p"), ("k2.p", "k4.p"), ("k2.p", "k6.p")]
     for k, (bearing, journal) in enumerate(pins, start=1):
         m.revolute(f"J{k}", bearing, journal)

@@ -1,7 +1,7 @@
 """Normal contact laws, one file a law. A new law is a file here and a line below.
 
-What several share stands in ``damping`` (factors of hysteresis damping), ``point`` (Hertz' power), ``cylinder``, ``line`` (implicit in the force)
-and ``linear``.
+What several share stands in ``damping`` (factors of hysteresis damping), ``point`` (Hertz' power),
+``cylinder``, ``line`` (implicit in the force) and ``linear``.
 """
 
 from .anagnostopoulos import Anagnostopoulos

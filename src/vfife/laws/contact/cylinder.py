@@ -1,4 +1,6 @@
-"""Contact along the line of two cylinders, F_e = K delta^n with any hysteresis damping, for laws that are a power of the penetration."""
+"""Contact along the line of two cylinders, F_e = K delta^n with any hysteresis damping, for laws that are a
+power of the penetration.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,8 @@ from ..law import Pair, quantity
 from .damping import DAMPING, Damped
 
 OVERVIEW = (
-    "Pereira, Ramalho, Ambrosio: A critical overview of internal and external cylinder contact force models. Nonlinear Dynamics 63 (2011) 681-697"
+    "Pereira, Ramalho, Ambrosio: A critical overview of internal and external cylinder contact force models."
+    " Nonlinear Dynamics 63 (2011) 681-697"
 )
 
 
@@ -18,12 +21,17 @@ OVERVIEW = (
 class Cylinder(Damped):
     """Two cylinders, with a damping factor to choose."""
 
-    damping: str = quantity("1", "damping factor: the name of its law, or none", "lankarani-nikravesh", choices=DAMPING)
+    damping: str = quantity(
+        "1", "damping factor: the name of its law, or none", "lankarani-nikravesh", choices=DAMPING
+    )
 
     def inside(self, pair: Pair) -> None:
         """Raises ValueError for two rounds side by side, for laws that have no such form."""
         if pair.external:
-            raise ValueError(f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take "pereira" or "johnson"')
+            raise ValueError(
+                f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take'
+                ' "pereira" or "johnson"'
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,5 @@
-"""Hysteresis damping factors chi of F_N = elastic (1 + chi rate / impact_speed), as functions of the restitution coefficient.
+"""Hysteresis damping factors chi of F_N = elastic (1 + chi rate / impact_speed), as functions of the
+restitution coefficient.
 
 Their sources stand in the laws of the same names.
 """
@@ -44,7 +45,9 @@ def gonthier(restitution: float) -> float:
 
 
 def gonthier_exact(restitution: float) -> float:
-    """d/c_r with d from (1 + d/c_r)/(1 - d) = exp[d (1 + 1/c_r)], the relation that Gonthier's d estimates: a free impact gives back c_r."""
+    """d/c_r with d from (1 + d/c_r)/(1 - d) = exp[d (1 + 1/c_r)], the relation that Gonthier's d estimates: a
+    free impact gives back c_r.
+    """
     low, high = 0.0, 1.0 - 4e-16  # 1 - d has a logarithm
     for _ in range(80):
         d = 0.5 * (low + high)
@@ -80,12 +83,15 @@ DAMPING: dict[str, Callable[[float], float]] = {
     "flores": flores,
     "hu-guo": hu_guo,
 }
-DEVIATION = 0.05  # of the restitution that is delivered from the one that was asked for, beyond which a law says so
+DEVIATION = (
+    0.05  # of the restitution that is delivered from the one that was asked for, beyond which a law says so
+)
 
 
 @lru_cache(maxsize=256)
 def delivered(chi: float) -> float:
-    """Restitution e of a free impact with F = elastic (1 + chi rate/impact_speed): chi (1 + e) = ln[(1 + chi)/(1 - chi e)], by bisection.
+    """Restitution e of a free impact with F = elastic (1 + chi rate/impact_speed): chi (1 + e) = ln[(1 +
+    chi)/(1 - chi e)], by bisection.
 
     It follows from m v dv = -F d(delta) alone, so it holds for any mass and any elastic force.
     """
@@ -114,13 +120,18 @@ class Damped(ContactLaw):
         """chi."""
         return DAMPING[self.hysteresis](self.restitution)
 
-    def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
+    def cautions(
+        self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
+    ) -> tuple[str, ...]:
         """Says where the damping factor delivers another restitution than it is given."""
         there = delivered(self.damping_factor)
         if self.hysteresis == "none" or abs(there - self.restitution) <= DEVIATION:
             return ()
         own = "" if hasattr(self, "damping") else 'the law "hertz" with '
         return (
-            f'the damping factor "{self.hysteresis}" is given a restitution of {self.restitution:.4g} and delivers {there:.4g} in a free '
-            f'impact; {own}damping = "gonthier-exact" delivers what it is given',
+            (
+                f'the damping factor "{self.hysteresis}" is given a restitution of {self.restitution:.4g} and'
+                f' delivers {there:.4g} in a free impact; {own}damping = "gonthier-exact" delivers what it is'
+                " given"
+            ),
         )

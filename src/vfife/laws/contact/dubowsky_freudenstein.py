@@ -14,14 +14,18 @@ from .line import LineContact
 
 @dataclass(frozen=True, kw_only=True)
 class DubowskyFreudenstein(LineContact):
-    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(L^3 dR/(F_e R_i R_j s)) + 1], s = (sigma_i + sigma_j)/pi, sigma = (1 - nu^2)/E."""
+    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(L^3 dR/(F_e R_i R_j s)) + 1], s = (sigma_i +
+    sigma_j)/pi, sigma = (1 - nu^2)/E.
+    """
 
     name: ClassVar[str] = "dubowsky-freudenstein"
     source: ClassVar[str] = (
-        "Dubowsky, Freudenstein: Dynamic analysis of mechanical systems with clearances. Part 1: Formation of "
-        f"dynamic model. Journal of Engineering for Industry 93 (1971); as in {OVERVIEW}"
+        "Dubowsky, Freudenstein: Dynamic analysis of mechanical systems with clearances. Part 1: Formation"
+        f" of dynamic model. Journal of Engineering for Industry 93 (1971); as in {OVERVIEW}"
     )
-    formula: ClassVar[str] = "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(L^3 dR/(F_e Ri Rj s)) + 1), s = 1/(pi E*)"
+    formula: ClassVar[str] = (
+        "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(L^3 dR/(F_e Ri Rj s)) + 1), s = 1/(pi E*)"
+    )
 
     def relation(self, pair: Pair) -> tuple[float, float]:
         """alpha (m/N) and beta (N); see line.py."""

@@ -13,7 +13,9 @@ from .line import LineContact
 
 @dataclass(frozen=True, kw_only=True)
 class Esdu78035(LineContact):
-    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(4 L dR/(F_e s)) + 1], s = (sigma_i + sigma_j)/pi, sigma = (1 - nu^2)/E."""
+    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(4 L dR/(F_e s)) + 1], s = (sigma_i +
+    sigma_j)/pi, sigma = (1 - nu^2)/E.
+    """
 
     name: ClassVar[str] = "esdu-78035"
     source: ClassVar[str] = (

@@ -14,7 +14,7 @@ class Flores(PointContact):
 
     name: ClassVar[str] = "flores"
     source: ClassVar[str] = (
-        "Flores, Machado, Silva, Martins: On the continuous contact force models for soft materials in multibody dynamics. "
-        "Multibody System Dynamics 25 (2011) 357-375"
+        "Flores, Machado, Silva, Martins: On the continuous contact force models for soft materials in"
+        " multibody dynamics. Multibody System Dynamics 25 (2011) 357-375"
     )
     formula: ClassVar[str] = "F = K d^1.5 (1 + 8 (1 - e)/(5 e) d'/d'0)"

@@ -13,14 +13,21 @@ from .line import LineContact
 
 @dataclass(frozen=True, kw_only=True)
 class Goldsmith(LineContact):
-    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(L/(F_e R s)) + 1], s = (sigma_i + sigma_j)/pi, sigma = (1 - nu^2)/E.
+    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e s/L [ln(L/(F_e R s)) + 1], s = (sigma_i +
+    sigma_j)/pi, sigma = (1 - nu^2)/E.
 
-    The argument of the logarithm has a unit, 1/m^2, so the law depends on the units it is written in: here m and N, R = R_i R_j/(R_i - R_j).
+    The argument of the logarithm has a unit, 1/m^2, so the law depends on the units it is written in: here m
+    and N, R = R_i R_j/(R_i - R_j).
     """
 
     name: ClassVar[str] = "goldsmith"
-    source: ClassVar[str] = f"Goldsmith: Impact, the theory and physical behaviour of colliding solids. Edward Arnold (1960); as in {OVERVIEW}"
-    formula: ClassVar[str] = "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(L/(F_e R s)) + 1), s = 1/(pi E*), m, N"
+    source: ClassVar[str] = (
+        "Goldsmith: Impact, the theory and physical behaviour of colliding solids. Edward Arnold (1960); as"
+        f" in {OVERVIEW}"
+    )
+    formula: ClassVar[str] = (
+        "F = F_e (1 + chi d'/d'0), d = F_e s/L (ln(L/(F_e R s)) + 1), s = 1/(pi E*), m, N"
+    )
 
     def relation(self, pair: Pair) -> tuple[float, float]:
         """alpha (m/N) and beta (N); see line.py."""

@@ -14,6 +14,7 @@ class HerbertMcWhannell(PointContact):
 
     name: ClassVar[str] = "herbert-mcwhannell"
     source: ClassVar[str] = (
-        "Herbert, McWhannell: Shape and frequency composition of pulses from an impact pair. Journal of Engineering for Industry 99 (1977) 513-518"
+        "Herbert, McWhannell: Shape and frequency composition of pulses from an impact pair. Journal of"
+        " Engineering for Industry 99 (1977) 513-518"
     )
     formula: ClassVar[str] = "F = K d^1.5 (1 + 6 (1 - e)/((2 e - 1)^2 + 3) d'/d'0)"

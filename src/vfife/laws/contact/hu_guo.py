@@ -14,6 +14,7 @@ class HuGuo(PointContact):
 
     name: ClassVar[str] = "hu-guo"
     source: ClassVar[str] = (
-        "Hu, Guo: A dissipative contact force model for impact analysis in multibody dynamics. Multibody System Dynamics 35 (2015) 131-151"
+        "Hu, Guo: A dissipative contact force model for impact analysis in multibody dynamics. Multibody"
+        " System Dynamics 35 (2015) 131-151"
     )
     formula: ClassVar[str] = "F = K d^1.5 (1 + 3 (1 - e)/(2 e) d'/d'0)"

@@ -14,6 +14,7 @@ class HuntCrossley(PointContact):
 
     name: ClassVar[str] = "hunt-crossley"
     source: ClassVar[str] = (
-        "Hunt, Crossley: Coefficient of restitution interpreted as damping in vibroimpact. Journal of Applied Mechanics 42 (1975) 440-445"
+        "Hunt, Crossley: Coefficient of restitution interpreted as damping in vibroimpact. Journal of Applied"
+        " Mechanics 42 (1975) 440-445"
     )
     formula: ClassVar[str] = "F = K d^1.5 (1 + 3/2 (1 - e) d'/d'0)"

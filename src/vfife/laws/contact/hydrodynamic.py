@@ -1,4 +1,6 @@
-"""A lubricated journal: the short bearing's oil film, which also acts while the surfaces are apart, and Hertz' contact where it is thin."""
+"""A lubricated journal: the short bearing's oil film, which also acts while the surfaces are apart, and
+Hertz' contact where it is thin.
+"""
 
 from __future__ import annotations
 
@@ -13,48 +15,81 @@ from .damping import lankarani_nikravesh
 
 @dataclass(frozen=True, kw_only=True)
 class Hydrodynamic(ContactLaw):
-    """F_N = film's radial force + film's damping * rate + K delta^1.5 [1 + 3 (1 - c_e^2)/4 * rate/impact_speed].
+    """F_N = film's radial force + film's damping * rate + K delta^1.5 [1 + 3 (1 - c_e^2)/4 *
+    rate/impact_speed].
 
-    Ocvirk's short bearing with the half-Sommerfeld (Guembel) condition, pressure on the half of the film that the surfaces run into. With
-    eps = e/c, A = mu R L^3/(2 c^2) and the entrainment w = w_J + w_B - 2 gamma' (gamma the direction of the line of centres), on the journal
+    Ocvirk's short bearing with the half-Sommerfeld (Guembel) condition, pressure on the half of the film that
+    the surfaces run into. With eps = e/c, A = mu R L^3/(2 c^2) and the entrainment w = w_J + w_B - 2 gamma'
+    (gamma the direction of the line of centres), on the journal
 
         towards the bearing's centre   A [2 |w| eps^2/(1 - eps^2)^2 + pi (1 + 2 eps^2)/(1 - eps^2)^(5/2) eps']
         across, along t                A [pi w eps/(2 (1 - eps^2)^(3/2)) + 4 sgn(w) eps eps'/(1 - eps^2)^2]
 
-    The film never pulls. Where it is thinner than ``film_thickness`` it stays as it is there, and fades out linearly over as much of
-    penetration while the surfaces bear on one another, so the force is continuous (the transition of Flores et al., simplified).
+    The film never pulls. Where it is thinner than ``film_thickness`` it stays as it is there, and fades out
+    linearly over as much of penetration while the surfaces bear on one another, so the force is continuous
+    (the transition of Flores et al., simplified).
 
-    Departures: the film's half is that of the entrainment whatever the squeeze is, so pure squeeze meets half of the whole film's damping; the
-    force acts at the centres, and the moments of shear on the two bodies (Petroff) are left out: what turns the shaft feeds the film, and the
-    energy ledger counts that as a loss of either sign. Friction of the surfaces acts on the dry part of the force alone, and without arms.
+    Departures: the film's half is that of the entrainment whatever the squeeze is, so pure squeeze meets half
+    of the whole film's damping; the force acts at the centres, and the moments of shear on the two bodies
+    (Petroff) are left out: what turns the shaft feeds the film, and the energy ledger counts that as a loss
+    of either sign. Friction of the surfaces acts on the dry part of the force alone, and without arms.
     """
 
     name: ClassVar[str] = "hydrodynamic"
     source: ClassVar[str] = (
-        "Dubois, Ocvirk: Analytical derivation and experimental evaluation of short-bearing approximation for full journal bearings. NACA Report "
-        "1157 (1953); transition to dry contact after Flores, Ambrosio, Claro, Lankarani, Koshy: Lubricated revolute joints in rigid multibody "
-        "systems. Nonlinear Dynamics 56 (2009) 277-295"
+        "Dubois, Ocvirk: Analytical derivation and experimental evaluation of short-bearing approximation for"
+        " full journal bearings. NACA Report 1157 (1953); transition to dry contact after Flores, Ambrosio,"
+        " Claro, Lankarani, Koshy: Lubricated revolute joints in rigid multibody systems. Nonlinear Dynamics"
+        " 56 (2009) 277-295"
     )
     formula: ClassVar[str] = (
-        "F = A (2 |w| s^2/(1 - s^2)^2 + pi (1 + 2 s^2)/(1 - s^2)^2.5 s') + K d^1.5 (1 + 3/4 (1 - e^2) d'/d'0), A = mu R L^3/(2 c^2)"
+        "F = A (2 |w| s^2/(1 - s^2)^2 + pi (1 + 2 s^2)/(1 - s^2)^2.5 s') + K d^1.5 (1 + 3/4 (1 - e^2)"
+        " d'/d'0), A = mu R L^3/(2 c^2)"
     )
-    slots: ClassVar[tuple[str, ...]] = ("stiffness", "damping_factor", "film_scale", "clearance", "film_thickness")
+    slots: ClassVar[tuple[str, ...]] = (
+        "stiffness",
+        "damping_factor",
+        "film_scale",
+        "clearance",
+        "film_thickness",
+    )
     slot_units: ClassVar[dict[str, str]] = {"film_scale": "N s", "clearance": "m"}
     film: ClassVar[bool] = True
 
     viscosity: float = quantity("Pa s", "dynamic viscosity of the lubricant", 0.05, above=0.0)
-    film_thickness: float | None = quantity("m", "film at which the surfaces begin to bear; clearance/50 if left out", None, above=0.0)
-    restitution: float = quantity("1", "restitution coefficient c_e of the dry contact", 0.9, above=0.0, high=1.0)
-    stiffness: float | None = quantity("N/m^1.5", "generalised stiffness K; from radii and materials if left out", None, above=0.0)
+    film_thickness: float | None = quantity(
+        "m", "film at which the surfaces begin to bear; clearance/50 if left out", None, above=0.0
+    )
+    restitution: float = quantity(
+        "1", "restitution coefficient c_e of the dry contact", 0.9, above=0.0, high=1.0
+    )
+    stiffness: float | None = quantity(
+        "N/m^1.5", "generalised stiffness K; from radii and materials if left out", None, above=0.0
+    )
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """Stiffness (N/m^1.5), damping factor (1), A (N s), clearance and least film (m). Raises ValueError outside a bearing."""
+        """Stiffness (N/m^1.5), damping factor (1), A (N s), clearance and least film (m). Raises ValueError
+        outside a bearing.
+        """
         if pair.external:
-            raise ValueError(f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take "pereira" or "johnson"')
+            raise ValueError(
+                f'the law "{self.name}" is for a journal inside a bearing; for two rounds side by side take'
+                ' "pereira" or "johnson"'
+            )
         stiffness = self.stiffness
         if stiffness is None:
-            stiffness = 4.0 / 3.0 * pair.composite_modulus * math.sqrt(pair.bearing_radius * pair.journal_radius / pair.clearance)
-        scale = self.viscosity * pair.journal_radius * whole_power(pair.axial_length, 3) / (2.0 * (pair.clearance * pair.clearance))
+            stiffness = (
+                4.0
+                / 3.0
+                * pair.composite_modulus
+                * math.sqrt(pair.bearing_radius * pair.journal_radius / pair.clearance)
+            )
+        scale = (
+            self.viscosity
+            * pair.journal_radius
+            * whole_power(pair.axial_length, 3)
+            / (2.0 * (pair.clearance * pair.clearance))
+        )
         thickness = self.film_thickness if self.film_thickness is not None else pair.clearance / 50.0
         return float(stiffness), lankarani_nikravesh(self.restitution), scale, pair.clearance, thickness
 
@@ -66,11 +101,14 @@ class Hydrodynamic(ContactLaw):
         return elastic, elastic * damping_factor * slowness
 
     @staticmethod
-    def film_force(penetration: float, turning: float, sense: float, p: tuple[float, ...]) -> tuple[float, float, float, float, float]:
+    def film_force(
+        penetration: float, turning: float, sense: float, p: tuple[float, ...]
+    ) -> tuple[float, float, float, float, float]:
         """Radial force and force across (N) at rest, damping coefficients D_n, D_t and X (N s/m) of the film.
 
-        Towards the bearing's centre it gives radial + D_n v_n - X v_t, along t on the journal across + X v_n - D_t v_t, (v_n, v_t) the velocity of
-        the journal's centre seen from the bearing's (m/s). ``penetration`` is signed, ``turning`` is e (w_J + w_B) (m/s), so that nothing is
+        Towards the bearing's centre it gives radial + D_n v_n - X v_t, along t on the journal across + X v_n
+        - D_t v_t, (v_n, v_t) the velocity of the journal's centre seen from the bearing's (m/s).
+          ``penetration`` is signed, ``turning`` is e (w_J + w_B) (m/s), so that nothing is
         divided by e, and ``sense`` is the sign of w.
         """
         _, _, scale, clearance, thickness = p

@@ -13,13 +13,19 @@ from ..law import ContactLaw, Pair, quantity
 class Impact(ContactLaw):
     """F_N = k delta^e + STEP(delta, 0, 0, d, c) rate, cut where it would pull.
 
-    STEP rises by a cubic from 0 at delta = 0 to the full damping c at delta = d: c x^2 (3 - 2 x), x = delta/d.
+    STEP rises by a cubic from 0 at delta = 0 to the full damping c at delta = d: c x^2 (3 - 2 x), x =
+    delta/d.
     """
 
     name: ClassVar[str] = "impact"
     source: ClassVar[str] = "MSC Software: Adams/Solver help, IMPACT and STEP functions (2022)"
     formula: ClassVar[str] = "F = k d^e + c x^2 (3 - 2 x) d', x = min(d/depth, 1)"
-    slots: ClassVar[tuple[str, ...]] = ("stiffness", "exponent_beyond_1", "damping_coefficient", "inverse_full_damping_depth")
+    slots: ClassVar[tuple[str, ...]] = (
+        "stiffness",
+        "exponent_beyond_1",
+        "damping_coefficient",
+        "inverse_full_damping_depth",
+    )
 
     stiffness: float = quantity("N/m^e", "stiffness k; from N/mm^e multiply by 10^(3 e)", above=0.0)
     exponent: float = quantity("1", "force exponent e", low=1.0, high=3.0)
@@ -36,7 +42,9 @@ class Impact(ContactLaw):
         stiffness, exponent_beyond_1, damping, inverse_depth = p
         x = penetration * inverse_depth
         x = 1.0 if x > 1.0 else x
-        return stiffness * penetration * power(penetration, exponent_beyond_1), damping * (x * x * (3.0 - 2.0 * x))
+        return stiffness * penetration * power(penetration, exponent_beyond_1), damping * (
+            x * x * (3.0 - 2.0 * x)
+        )
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """k delta^(e + 1)/(e + 1) (J)."""

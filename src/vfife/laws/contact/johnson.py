@@ -15,7 +15,8 @@ from .line import LineContact
 class Johnson(LineContact):
     """F_N = F_e [1 + chi rate/impact_speed], delta = F_e/(pi E* L) [ln(4 pi E* L dR/F_e) - 1].
 
-    dR = R_i - R_j inside, R_i + R_j side by side. Inside, nothing deeper than 4 dR/e^2 = 0.5413 dR has a force.
+    dR = R_i - R_j inside, R_i + R_j side by side. Inside, nothing deeper than 4 dR/e^2 = 0.5413 dR has a
+    force.
     """
 
     name: ClassVar[str] = "johnson"
@@ -25,6 +26,9 @@ class Johnson(LineContact):
     def relation(self, pair: Pair) -> tuple[float, float]:
         """alpha (m/N) and beta (N); see line.py."""
         if math.isinf(pair.radius_difference):
-            raise ValueError('the law "johnson" needs two finite radii: a cylinder on a plane sinks without limit in plane strain')
+            raise ValueError(
+                'the law "johnson" needs two finite radii: a cylinder on a plane sinks without limit in plane'
+                " strain"
+            )
         line = math.pi * pair.composite_modulus * pair.axial_length
         return 1.0 / line, 4.0 * line * pair.radius_difference / math.e

@@ -14,8 +14,8 @@ class LankaraniNikravesh(PointContact):
 
     name: ClassVar[str] = "lankarani-nikravesh"
     source: ClassVar[str] = (
-        "Lankarani, Nikravesh: A contact force model with hysteresis damping for impact analysis of multibody systems. "
-        "Journal of Mechanical Design 112 (1990) 369-376"
+        "Lankarani, Nikravesh: A contact force model with hysteresis damping for impact analysis of multibody"
+        " systems. Journal of Mechanical Design 112 (1990) 369-376"
     )
     formula: ClassVar[str] = "F = K d^1.5 (1 + 3/4 (1 - e^2) d'/d'0)"
     common: ClassVar[bool] = True

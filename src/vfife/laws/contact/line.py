@@ -1,8 +1,10 @@
-"""Contact along the line of two cylinders, delta = alpha F ln(beta/F): the classical laws, which are implicit in the force.
+"""Contact along the line of two cylinders, delta = alpha F ln(beta/F): the classical laws, which are implicit
+in the force.
 
-With w = ln(beta/F) the relation reads w exp(-w) = delta/(alpha beta), so F = delta/(alpha w), where w - ln w = ln(alpha beta/delta): one
-function of one number serves all of them, without an iteration in the step. The relation has a largest penetration, alpha beta/e at w = 1,
-where the stiffness becomes infinite; from w = 1.1 on, at 0.9953 of it, the force goes on along its tangent, 1/[alpha (w - 1)] = 10/alpha.
+With w = ln(beta/F) the relation reads w exp(-w) = delta/(alpha beta), so F = delta/(alpha w), where w - ln w
+= ln(alpha beta/delta): one function of one number serves all of them, without an iteration in the step. The
+relation has a largest penetration, alpha beta/e at w = 1, where the stiffness becomes infinite; from w = 1.1
+on, at 0.9953 of it, the force goes on along its tangent, 1/[alpha (w - 1)] = 10/alpha.
 """
 
 from __future__ import annotations
@@ -23,16 +25,30 @@ LAST = 1.1  # w at which the tangent begins
 class LineContact(Cylinder):
     """F_N = F_e(delta) [1 + chi rate/impact_speed], delta = alpha F_e ln(beta/F_e)."""
 
-    slots: ClassVar[tuple[str, ...]] = ("compliance", "scale", "last_penetration", "tangent", "damping_factor")
+    slots: ClassVar[tuple[str, ...]] = (
+        "compliance",
+        "scale",
+        "last_penetration",
+        "tangent",
+        "damping_factor",
+    )
 
     def relation(self, pair: Pair) -> tuple[float, float]:
         """alpha (m/N) and beta (N)."""
         raise NotImplementedError
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """alpha (m/N), 1/(alpha beta) (1/m), penetration from which the tangent is followed (m), its slope (N/m), damping factor (1)."""
+        """alpha (m/N), 1/(alpha beta) (1/m), penetration from which the tangent is followed (m), its slope
+        (N/m), damping factor (1).
+        """
         alpha, beta = self.relation(pair)
-        return alpha, 1.0 / (alpha * beta), alpha * beta * LAST * exp(-LAST), 1.0 / (alpha * (LAST - 1.0)), self.damping_factor
+        return (
+            alpha,
+            1.0 / (alpha * beta),
+            alpha * beta * LAST * exp(-LAST),
+            1.0 / (alpha * (LAST - 1.0)),
+            self.damping_factor,
+        )
 
     @staticmethod
     def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
@@ -45,7 +61,9 @@ class LineContact(Cylinder):
         return elastic, elastic * damping_factor * slowness
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
-        """alpha F^2 (w/2 - 1/4) (J), which is F delta minus the integral of alpha F ln(beta/F); the tangent's share beyond."""
+        """alpha F^2 (w/2 - 1/4) (J), which is F delta minus the integral of alpha F ln(beta/F); the tangent's
+        share beyond.
+        """
         import numpy as np
 
         force = np.vectorize(lambda depth: self.force(float(depth), 0.0, p)[0], otypes=[float])
@@ -54,7 +72,9 @@ class LineContact(Cylinder):
         stored = 0.5 * held * depth - 0.25 * p[0] * (held * held) + (held + 0.5 * p[3] * beyond) * beyond
         return stored if np.ndim(penetration) else float(stored)
 
-    def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
+    def cautions(
+        self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
+    ) -> tuple[str, ...]:
         """Beside the restitution: penetrations beyond which the relation has no force."""
         found = super().cautions(pair, penetration, impact_speed)
         alpha, beta = self.relation(pair)
@@ -64,6 +84,8 @@ class LineContact(Cylinder):
         share = f"{fold / pair.radius_difference:.4f} dR" if not pair.external else "its largest penetration"
         return (
             *found,
-            f"a penetration of {1e6 * penetration:.4g} µm reaches {share} = {1e6 * fold:.4g} µm, beyond which the relation has no force; from "
-            "0.9953 of it on, the force follows its tangent",
+            (
+                f"a penetration of {1e6 * penetration:.4g} µm reaches {share} = {1e6 * fold:.4g} µm, beyond"
+                " which the relation has no force; from 0.9953 of it on, the force follows its tangent"
+            ),
         )

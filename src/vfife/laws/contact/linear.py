@@ -12,7 +12,8 @@ from ..law import ContactLaw
 class Linear(ContactLaw):
     """F_N = k delta + c rate while the surfaces touch.
 
-    The force begins with a jump, c times the impact speed, and would pull before they part: it ends where it comes down to zero.
+    The force begins with a jump, c times the impact speed, and would pull before they part: it ends where it
+    comes down to zero.
     """
 
     slots: ClassVar[tuple[str, ...]] = ("stiffness", "damping_coefficient")

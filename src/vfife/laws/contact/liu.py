@@ -26,7 +26,11 @@ class Liu(Cylinder):
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """pi E* L/sqrt(8) (N/m), dR (m) and damping factor (1)."""
         self.inside(pair)
-        return math.pi / math.sqrt(8.0) * pair.composite_modulus * pair.axial_length, pair.clearance, self.damping_factor
+        return (
+            math.pi / math.sqrt(8.0) * pair.composite_modulus * pair.axial_length,
+            pair.clearance,
+            self.damping_factor,
+        )
 
     @staticmethod
     def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
@@ -36,13 +40,17 @@ class Liu(Cylinder):
         return elastic, elastic * damping_factor * slowness
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
-        """K times the integral of sqrt(x^3/(dR + x)) (J): by Gauss' rule of 20 nodes in the root of x, exact to rounding."""
+        """K times the integral of sqrt(x^3/(dR + x)) (J): by Gauss' rule of 20 nodes in the root of x, exact
+        to rounding.
+        """
         import numpy as np  # here, as elsewhere below, so that `import vfife` stays quick
 
         nodes, weights = _rule()
         depth = np.asarray(penetration, dtype=float)[..., None]
         u = 0.5 * (1.0 + nodes)
-        stored = p[0] * (weights * u * u * (u * u) * (depth * depth * np.sqrt(depth)) / np.sqrt(p[1] + depth * u * u)).sum(axis=-1)
+        stored = p[0] * (
+            weights * u * u * (u * u) * (depth * depth * np.sqrt(depth)) / np.sqrt(p[1] + depth * u * u)
+        ).sum(axis=-1)
         return stored if np.ndim(penetration) else float(stored)
 
 

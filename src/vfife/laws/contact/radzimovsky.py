@@ -14,7 +14,8 @@ from .line import LineContact
 
 @dataclass(frozen=True, kw_only=True)
 class Radzimovsky(LineContact):
-    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e/(pi E* L) [2/3 + ln(4 R_i/b) + ln(4 R_j/b)], b = 1.60 sqrt(F_e R/(L E*)).
+    """F_N = F_e [1 + chi rate/impact_speed], delta = F_e/(pi E* L) [2/3 + ln(4 R_i/b) + ln(4 R_j/b)], b =
+    1.60 sqrt(F_e R/(L E*)).
 
     R = R_i R_j/dR, so R_i R_j/b^2 = L E* dR/(1.60^2 F_e); dR = R_i - R_j inside, R_i + R_j side by side.
     """
@@ -24,11 +25,17 @@ class Radzimovsky(LineContact):
         "Radzimovsky: Stress distribution and strength conditions of two rolling cylinders. University of "
         f"Illinois Engineering Experiment Station, Bulletin 408 (1953); as in {OVERVIEW}"
     )
-    formula: ClassVar[str] = "F = F_e (1 + chi d'/d'0), d = F_e/(pi E* L) (2/3 + ln(4 Ri/b) + ln(4 Rj/b)), b = 1.60 sqrt(F_e R/(L E*))"
+    formula: ClassVar[str] = (
+        "F = F_e (1 + chi d'/d'0), d = F_e/(pi E* L) (2/3 + ln(4 Ri/b) + ln(4 Rj/b)), b = 1.60 sqrt(F_e R/(L"
+        " E*))"
+    )
 
     def relation(self, pair: Pair) -> tuple[float, float]:
         """alpha (m/N) and beta (N); see line.py."""
         if math.isinf(pair.radius_difference):
-            raise ValueError('the law "radzimovsky" needs two finite radii: a cylinder on a plane sinks without limit in plane strain')
+            raise ValueError(
+                'the law "radzimovsky" needs two finite radii: a cylinder on a plane sinks without limit in'
+                " plane strain"
+            )
         line = pair.composite_modulus * pair.axial_length
         return 1.0 / (math.pi * line), 16.0 / (1.60 * 1.60) * exp(2.0 / 3.0) * line * pair.radius_difference

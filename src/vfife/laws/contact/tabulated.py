@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...errors import Fault
-from ...fields import Curve, Each, Measure, described
 from ...kernels.tabled import turned_slowness
+from ...schema import Curve, Each, Measure, described
 from ..curve import Branches, joined
 from ..law import ContactLaw, Pair, quantity
 
@@ -20,31 +20,44 @@ Points = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Tabulated(ContactLaw):
-    """F_N = U + (L - U) s: ``loading`` L while the surfaces approach (s = 1), ``unloading`` U while they part (s = 0), each over the penetration.
+    """F_N = U + (L - U) s: ``loading`` L while the surfaces approach (s = 1), ``unloading`` U while they part
+    (s = 0), each over the penetration.
 
-    Points are joined by monotone cubics (Fritsch and Carlson 1980), which leave no two neighbours; of a long table so many
-    are used as that takes. Where the surfaces turn, s passes from 1 to 0 in
-    proportion to the rate, from ``transition`` times the impact speed to that much the other way, wherever the turning point is. So a contact
-    that turns at a penetration d loses the area between the branches up to d, whatever its speed, but for some transition^2 of it, and since
-    U <= L it never gains; without ``unloading`` it loses nothing. At rest the force is the branches' mean. Beyond its last penetration loading goes
-    on along its last slope, and unloading stays as far below it.
+    Points are joined by monotone cubics (Fritsch and Carlson 1980), which leave no two neighbours; of a long
+    table so many are used as that takes. Where the surfaces turn, s passes from 1 to 0 in
+    proportion to the rate, from ``transition`` times the impact speed to that much the other way, wherever
+    the turning point is. So a contact that turns at a penetration d loses the area between the branches up to
+    d, whatever its speed, but for some transition^2 of it, and since U <= L it never gains; without
+    ``unloading`` it loses nothing. At rest the force is the branches' mean. Beyond its last penetration
+    loading goes on along its last slope, and unloading stays as far below it.
     """
 
     name: ClassVar[str] = "table"
     source: ClassVar[str] = (
-        "measured; joined after Fritsch, Carlson: Monotone piecewise cubic interpolation. SIAM Journal on Numerical Analysis 17 (1980) 238-246"
+        "measured; joined after Fritsch, Carlson: Monotone piecewise cubic interpolation. SIAM Journal on"
+        " Numerical Analysis 17 (1980) 238-246"
     )
     formula: ClassVar[str] = "F = U(d) + (L(d) - U(d)) (1 + x)/2, x = d'/(transition d'0) within -1 and 1"
     slots: ClassVar[tuple[str, ...]] = ("inverse_transition",)
     slot_units: ClassVar[dict[str, str]] = {"inverse_transition": "1"}
     tabled: ClassVar[bool] = True
 
-    loading: Points = described(POINTS, "penetration and force of each point while the surfaces approach, ascending; in a file also a CSV file")
-    unloading: Points | None = described(POINTS, "the same while they part, nowhere above loading; left out: the loading curve again", None)
+    loading: Points = described(
+        POINTS,
+        "penetration and force of each point while the surfaces approach, ascending; in a file also a CSV"
+        " file",
+    )
+    unloading: Points | None = described(
+        POINTS, "the same while they part, nowhere above loading; left out: the loading curve again", None
+    )
     force_factor: float = quantity("1", "factor of all forces", 1.0, above=0.0)
     penetration_factor: float = quantity("1", "factor of all penetrations", 1.0, above=0.0)
     transition: float = quantity(
-        "1", "share of the impact speed below which the force is between the branches, in proportion to the rate", 0.05, low=1e-3, high=1.0
+        "1",
+        "share of the impact speed below which the force is between the branches, in proportion to the rate",
+        0.05,
+        low=1e-3,
+        high=1.0,
     )
 
     def disagreements(self) -> Iterator[Fault]:
@@ -60,7 +73,9 @@ class Tabulated(ContactLaw):
 
     @property
     def pieces(self) -> tuple[tuple[float, ...], ...]:
-        """Where each piece begins (m), the coefficients of the branches' mean and of half their distance, constant first."""
+        """Where each piece begins (m), the coefficients of the branches' mean and of half their distance,
+        constant first.
+        """
         return self.branches.scaled(self.penetration_factor, self.force_factor)
 
     @property
@@ -82,7 +97,9 @@ class Tabulated(ContactLaw):
 
     @staticmethod
     def force(penetration: float, slowness: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Elastic force (N), the mean of the branches, and damping coefficient (N s/m), half their distance over the rate of ``slowness``."""
+        """Elastic force (N), the mean of the branches, and damping coefficient (N s/m), half their distance
+        over the rate of ``slowness``.
+        """
         piece = _piece(p, penetration)
         x = penetration - piece[0]
         _, m0, m1, m2, m3, h0, h1, h2, h3 = piece
@@ -110,17 +127,25 @@ class Tabulated(ContactLaw):
         at = np.maximum(np.searchsorted(starts, depth, side="right") - 1, 0)
         return whole[at] + work(at, depth - starts[at])
 
-    def cautions(self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None) -> tuple[str, ...]:
+    def cautions(
+        self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
+    ) -> tuple[str, ...]:
         """What was changed of a long table or a noisy one; and a run that went deeper than the table."""
         found, made = [], self.branches
         if made.used < made.given:
             missed = f"{100.0 * made.missed:.2g} % of the largest force"
-            found.append(f"{made.used} of {made.given} penetrations are used, the curve through which misses the others by up to {missed}")
+            found.append(
+                f"{made.used} of {made.given} penetrations are used, the curve through which misses the"
+                f" others by up to {missed}"
+            )
         if made.levelled > NOISE:
             moved = f"points were moved by up to {100.0 * made.levelled:.2g} % of the largest force"
             found.append(f"{moved}, so that loading does not fall and unloading is not above it")
         if penetration is not None and penetration > self.end:
-            deep = f"penetrations of up to {penetration:.4g} m are beyond the table, which ends at {self.end:.4g} m"
+            deep = (
+                f"penetrations of up to {penetration:.4g} m are beyond the table, which ends at"
+                f" {self.end:.4g} m"
+            )
             found.append(f"{deep}: it goes on there along its last slope")
         return tuple(found)
 
@@ -137,18 +162,36 @@ def _piece(p: tuple[float, ...], penetration: float) -> tuple[float, ...]:
 def faults_of_points(name: str, points: Points) -> Iterator[Fault]:
     """What is wrong with one curve."""
     if len(points) < 2:
-        yield Fault(name, f"a table of {len(points)} points", "", "two points or more", "add points of the curve")
+        yield Fault(
+            name, f"a table of {len(points)} points", "", "two points or more", "add points of the curve"
+        )
         return
     for (before, _), (place, _) in zip(points, points[1:], strict=False):
         if not place > before:
-            yield Fault(name, f"the penetration {place:g} m does not come after {before:g} m", "", "ascending penetrations", "sort the points")
+            yield Fault(
+                name,
+                f"the penetration {place:g} m does not come after {before:g} m",
+                "",
+                "ascending penetrations",
+                "sort the points",
+            )
             return
     first, force = points[0]
     if first < 0.0 or (force != 0.0 and first == 0.0):
-        what = f"it begins before the surfaces touch, at {first:g} m" if first < 0.0 else f"it begins with {force:g} N at no penetration"
+        what = (
+            f"it begins before the surfaces touch, at {first:g} m"
+            if first < 0.0
+            else f"it begins with {force:g} N at no penetration"
+        )
         yield Fault(name, what, "", "0 N at 0 m", "take the offset off the measured values")
     elif min(force for _, force in points) < 0.0:
-        yield Fault(name, "a force below 0 N", "", "surfaces that push", "take the offset off the measured values, or leave such points out")
+        yield Fault(
+            name,
+            "a force below 0 N",
+            "",
+            "surfaces that push",
+            "take the offset off the measured values, or leave such points out",
+        )
     elif max(force for _, force in points) == 0.0:
         yield Fault(name, "no force anywhere", "", "a force above 0 N", "check the columns")
 
@@ -158,6 +201,20 @@ def faults_of_both(loading: Points, unloading: Points | None) -> Iterator[Fault]
     found = joined(loading, unloading).levelled
     if found > MEET:
         over = joined(loading, None).levelled <= MEET
-        what = "it is above loading, where a contact would give energy" if over else "its force falls while the surfaces approach"
-        remedy = "check which curve is which, and that both are of one specimen" if over else "smooth the curve, or fit a law to it (vfife fit)"
-        yield Fault("unloading" if over else "loading", f"{what}, by {100.0 * found:.3g} % of the largest", "", f"{100.0 * MEET:g} %", remedy)
+        what = (
+            "it is above loading, where a contact would give energy"
+            if over
+            else "its force falls while the surfaces approach"
+        )
+        remedy = (
+            "check which curve is which, and that both are of one specimen"
+            if over
+            else "smooth the curve, or fit a law to it (vfife fit)"
+        )
+        yield Fault(
+            "unloading" if over else "loading",
+            f"{what}, by {100.0 * found:.3g} % of the largest",
+            "",
+            f"{100.0 * MEET:g} %",
+            remedy,
+        )

@@ -1,4 +1,6 @@
-"""Ambrosio 2003: Coulomb friction with a ramp between two speeds (the VFIFE paper's modified Coulomb law, Eq. 32-33)."""
+"""Ambrosio 2003: Coulomb friction with a ramp between two speeds (the VFIFE paper's modified Coulomb law, Eq.
+32-33).
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,8 @@ class Ambrosio(FrictionLaw):
 
     name: ClassVar[str] = "ambrosio"
     source: ClassVar[str] = (
-        "Ambrosio: Impact of rigid and flexible multibody systems: deformation description and contact models. "
-        "In: Virtual Nonlinear Multibody Systems, NATO Science Series 103 (2003) 57-81"
+        "Ambrosio: Impact of rigid and flexible multibody systems: deformation description and contact"
+        " models. In: Virtual Nonlinear Multibody Systems, NATO Science Series 103 (2003) 57-81"
     )
     formula: ClassVar[str] = "F = -f c_d N sign(v), c_d a ramp from 0 at v0 to 1 at v1"
     common: ClassVar[bool] = True
@@ -37,7 +39,14 @@ class Ambrosio(FrictionLaw):
         return self.coefficient, self.v0, self.v1 - self.v0
 
     @staticmethod
-    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
+    def force(
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: float,
+        dt: float,
+        p: tuple[float, ...],
+    ) -> tuple[float, float]:
         """Friction force (N), solved with the velocity it causes.
 
         On the ramp |v| = free - m limit c_d and c_d = (|v| - v_0)/(v_1 - v_0) give c_d = (free - v_0)/(v_1 - v_0 + m limit); beyond either end

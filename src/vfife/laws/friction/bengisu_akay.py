@@ -19,16 +19,21 @@ class BengisuAkay(FrictionLaw):
 
     Taken from the account of Marques et al. (2016), not from the original: F_S - F_S/v_0^2 (|v| - v_0)^2 and F_C + (F_S - F_C) exp[...].
 
-    Solved along the tangent at the speed that the last two steps foresee, the falling part at that speed: second order in the step.
+    Solved along the tangent at the speed that the last two steps foresee, the falling part at that speed:
+    second order in the step.
     """
 
     name: ClassVar[str] = "bengisu-akay"
     source: ClassVar[str] = (
-        "Bengisu, Akay: Stability of friction-induced vibrations in multi-degree-of-freedom systems. "
-        "Journal of Sound and Vibration 171 (1994) 557-570; as given in Marques, Flores, Claro, Lankarani: A survey and comparison of several "
-        "friction force models for dynamic analysis of multibody mechanical systems. Nonlinear Dynamics 86 (2016) 1407-1443"
+        "Bengisu, Akay: Stability of friction-induced vibrations in multi-degree-of-freedom systems. Journal"
+        " of Sound and Vibration 171 (1994) 557-570; as given in Marques, Flores, Claro, Lankarani: A survey"
+        " and comparison of several friction force models for dynamic analysis of multibody mechanical"
+        " systems. Nonlinear Dynamics 86 (2016) 1407-1443"
     )
-    formula: ClassVar[str] = "F = -N mu_s (1 - (|v|/v0 - 1)^2) sign(v), from v0 on -N (mu_c + (mu_s - mu_c) exp(-xi (|v| - v0))) sign(v)"
+    formula: ClassVar[str] = (
+        "F = -N mu_s (1 - (|v|/v0 - 1)^2) sign(v), from v0 on -N (mu_c + (mu_s - mu_c) exp(-xi (|v| - v0)))"
+        " sign(v)"
+    )
     slots: ClassVar[tuple[str, ...]] = ("static_coefficient", "excess", "inverse_speed", "decay")
     memory: ClassVar[tuple[str, ...]] = ("sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
 
@@ -43,11 +48,21 @@ class BengisuAkay(FrictionLaw):
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_s and mu_s - mu_c (1), 1/v_0 (s/m), xi v_0 (1)."""
-        return self.static_coefficient, self.static_coefficient - self.coefficient, 1.0 / self.v0, self.decay * self.v0
+        return (
+            self.static_coefficient,
+            self.static_coefficient - self.coefficient,
+            1.0 / self.v0,
+            self.decay * self.v0,
+        )
 
     @staticmethod
     def force(
-        normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float], dt: float, p: tuple[float, ...]
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: tuple[float, float],
+        dt: float,
+        p: tuple[float, ...],
     ) -> tuple[float, tuple[float, float]]:
         """Friction force (N) and the last two sliding velocities (m/s)."""
         static, excess, inverse_speed, decay = p

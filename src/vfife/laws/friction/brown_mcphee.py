@@ -17,21 +17,23 @@ from .tangent import along, foreseen
 class BrownMcPhee(FrictionLaw):
     """F_T = -F_N {mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2} sign(v), x = |v|/v_t; the source's viscous term is left out.
 
-    Solved along the tangent at the speed that the last two steps foresee, the falling part at that speed: second order in the step, and stable
-    however steep the curve is.
+    Solved along the tangent at the speed that the last two steps foresee, the falling part at that speed:
+    second order in the step, and stable however steep the curve is.
     """
 
     name: ClassVar[str] = "brown-mcphee"
     source: ClassVar[str] = (
-        "Brown, McPhee: A continuous velocity-based friction model for dynamics and control with physically meaningful parameters. "
-        "Journal of Computational and Nonlinear Dynamics 11 (2016) 054502"
+        "Brown, McPhee: A continuous velocity-based friction model for dynamics and control with physically"
+        " meaningful parameters. Journal of Computational and Nonlinear Dynamics 11 (2016) 054502"
     )
     formula: ClassVar[str] = "F = -N (mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2) sign(v), x = |v|/vt"
     slots: ClassVar[tuple[str, ...]] = ("coefficient", "excess", "inverse_speed")
     memory: ClassVar[tuple[str, ...]] = ("sliding velocity at n - 1 (m/s)", "sliding velocity at n - 2 (m/s)")
 
     coefficient: float = quantity("1", "kinetic friction coefficient mu_c", 0.1, low=0.0)
-    static_coefficient: float = quantity("1", "static friction coefficient mu_s, the height of the peak but for tanh 4", 0.15, low=0.0)
+    static_coefficient: float = quantity(
+        "1", "static friction coefficient mu_s, the height of the peak but for tanh 4", 0.15, low=0.0
+    )
     transition_speed: float = quantity("m/s", "speed v_t of the peak", 1e-3, above=0.0)
 
     def disagreements(self) -> Iterator[Fault]:
@@ -44,7 +46,12 @@ class BrownMcPhee(FrictionLaw):
 
     @staticmethod
     def force(
-        normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float], dt: float, p: tuple[float, ...]
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: tuple[float, float],
+        dt: float,
+        p: tuple[float, ...],
     ) -> tuple[float, tuple[float, float]]:
         """Friction force (N) and the last two sliding velocities (m/s)."""
         coefficient, excess, inverse_speed = p
@@ -68,6 +75,8 @@ class BrownMcPhee(FrictionLaw):
 
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
-        """The rise to the peak is 0, what lies beyond it 1 or -1: the curve is smooth, and bends within the transition speed."""
+        """The rise to the peak is 0, what lies beyond it 1 or -1: the curve is smooth, and bends within the
+        transition speed.
+        """
         beyond = abs(sliding_velocity) * p[2] > 1.0
         return (1.0 if sliding_velocity > 0.0 else -1.0) if beyond else 0.0

@@ -1,4 +1,6 @@
-"""Gonthier, McPhee, Lange and Piedboeuf 2004: bristles whose stiction depends on how long the surfaces have dwelt."""
+"""Gonthier, McPhee, Lange and Piedboeuf 2004: bristles whose stiction depends on how long the surfaces have
+dwelt.
+"""
 
 from __future__ import annotations
 
@@ -17,23 +19,28 @@ class GonthierFriction(FrictionLaw):
     """F_T = -F_N {sat(sigma_0 z + sigma_1 dz/dt, f_max) + sigma_2 v}, f_max = mu_c + (mu_s - mu_c) s_dw,
 
     dz/dt = s v + (1 - s)[mu_c sign(v) - sigma_0 z]/sigma_1, s = exp(-(v/v_S)^2),
-    ds_dw/dt = (s - s_dw)/tau, tau = tau_dw while s >= s_dw and sigma_1/sigma_0, the bristles' own time, while it falls.
+    ds_dw/dt = (s - s_dw)/tau, tau = tau_dw while s >= s_dw and sigma_1/sigma_0, the bristles' own time, while
+    it falls.
 
-    Taken from the account of Marques et al. (2016), not from the original. All per unit of normal force, as for ``lugre``: sigma_0 in 1/m,
-    sigma_1 and sigma_2 in s/m.
+    Taken from the account of Marques et al. (2016), not from the original. All per unit of normal force, as
+    for ``lugre``: sigma_0 in 1/m, sigma_1 and sigma_2 in s/m.
 
     With dz/dt put in, sigma_0 z + sigma_1 dz/dt = s (sigma_0 z + sigma_1 v) + (1 - s) mu_c sign(v). s and sign(v)/|v| are taken at the velocity
-    that the bristles' present force would leave; z, s_dw and the rest are implicit, and linear in the velocity that the force causes: first
-    order in the step, and stable for any.
+    that the bristles' present force would leave; z, s_dw and the rest are implicit, and linear in the
+    velocity that the force causes: first order in the step, and stable for any.
     """
 
     name: ClassVar[str] = "gonthier"
     source: ClassVar[str] = (
-        "Gonthier, McPhee, Lange, Piedboeuf: A regularized contact model with asymmetric damping and dwell-time dependent friction. "
-        "Multibody System Dynamics 11 (2004) 209-233; as given in Marques, Flores, Claro, Lankarani: A survey and comparison of several "
-        "friction force models for dynamic analysis of multibody mechanical systems. Nonlinear Dynamics 86 (2016) 1407-1443"
+        "Gonthier, McPhee, Lange, Piedboeuf: A regularized contact model with asymmetric damping and"
+        " dwell-time dependent friction. Multibody System Dynamics 11 (2004) 209-233; as given in Marques,"
+        " Flores, Claro, Lankarani: A survey and comparison of several friction force models for dynamic"
+        " analysis of multibody mechanical systems. Nonlinear Dynamics 86 (2016) 1407-1443"
     )
-    formula: ClassVar[str] = "F = -N (sat(s0 z + s1 z', mu_c + (mu_s - mu_c) s_dw) + s2 v), z' = s v + (1 - s) (mu_c sign(v) - s0 z)/s1"
+    formula: ClassVar[str] = (
+        "F = -N (sat(s0 z + s1 z', mu_c + (mu_s - mu_c) s_dw) + s2 v), z' = s v + (1 - s) (mu_c sign(v) - s0"
+        " z)/s1"
+    )
     slots: ClassVar[tuple[str, ...]] = (
         "coefficient", "excess", "inverse_speed", "bristle_stiffness", "bristle_damping", "viscous", "inverse_damping", "dwell_time",
     )  # fmt: skip
@@ -42,8 +49,12 @@ class GonthierFriction(FrictionLaw):
     coefficient: float = quantity("1", "kinetic friction coefficient mu_c", 0.1, low=0.0)
     static_coefficient: float = quantity("1", "static friction coefficient mu_s", 0.15, low=0.0)
     stribeck_speed: float = quantity("m/s", "Stribeck speed v_S", 1e-3, above=0.0)
-    bristle_stiffness: float = quantity("1/m", "stiffness sigma_0 of the bristles per unit of normal force", 1e4, above=0.0)
-    bristle_damping: float = quantity("s/m", "damping sigma_1 of the bristles per unit of normal force", 31.6, above=0.0)
+    bristle_stiffness: float = quantity(
+        "1/m", "stiffness sigma_0 of the bristles per unit of normal force", 1e4, above=0.0
+    )
+    bristle_damping: float = quantity(
+        "s/m", "damping sigma_1 of the bristles per unit of normal force", 31.6, above=0.0
+    )
     viscous: float = quantity("s/m", "viscous friction sigma_2 per unit of normal force", 0.04, low=0.0)
     dwell_time: float = quantity("s", "time constant tau_dw with which stiction grows", 1.0, above=0.0)
 
@@ -52,14 +63,30 @@ class GonthierFriction(FrictionLaw):
         return not_below(self.static_coefficient, self.coefficient)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
-        """mu_c and mu_s - mu_c (1), 1/v_S (s/m), sigma_0 (1/m), sigma_1 and sigma_2 (s/m), 1/sigma_1 (m/s), tau_dw (s)."""
+        """mu_c and mu_s - mu_c (1), 1/v_S (s/m), sigma_0 (1/m), sigma_1 and sigma_2 (s/m), 1/sigma_1 (m/s),
+        tau_dw (s).
+        """
         s0, s1 = self.bristle_stiffness, self.bristle_damping
         excess = self.static_coefficient - self.coefficient
-        return self.coefficient, excess, 1.0 / self.stribeck_speed, s0, s1, self.viscous, 1.0 / s1, self.dwell_time
+        return (
+            self.coefficient,
+            excess,
+            1.0 / self.stribeck_speed,
+            s0,
+            s1,
+            self.viscous,
+            1.0 / s1,
+            self.dwell_time,
+        )
 
     @staticmethod
     def force(
-        normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float], dt: float, p: tuple[float, ...]
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: tuple[float, float],
+        dt: float,
+        p: tuple[float, ...],
     ) -> tuple[float, tuple[float, float]]:
         """Friction force (N), deflection (m) and dwell (1)."""
         coefficient, excess, inverse_speed, stiffness, damping, viscous, inverse_damping, dwell_time = p
@@ -75,7 +102,9 @@ class GonthierFriction(FrictionLaw):
         sticks = 1.0 - slides
         growing = sticks >= dwelt
         pace = dt * stiffness * inverse_damping  # of the bristles: dt sigma_0/sigma_1
-        dwelt = dwelt + (sticks - dwelt) * ((dt if growing else pace) / (dt + dwell_time if growing else 1.0 + pace))
+        dwelt = dwelt + (sticks - dwelt) * (
+            (dt if growing else pace) / (dt + dwell_time if growing else 1.0 + pace)
+        )
         limit = coefficient + excess * dwelt
         fade = 1.0 / (1.0 + pace * slides)
         inverse = 1.0 / (abs(ahead) + 1e-300)

@@ -15,8 +15,9 @@ from .order import not_below
 class Karnopp(FrictionLaw):
     """F_T = -mu_c F_N sign(v_T) for |v_T| > D_v; inside the band the surfaces count as at rest and any force up to mu_s F_N holds them.
 
-    The source takes the velocity for zero inside the band and lets friction cancel what else acts there. Here the force is the one that makes
-    it zero: whatever would be left in the band by kinetic friction is stopped, with no more than mu_s F_N.
+    The source takes the velocity for zero inside the band and lets friction cancel what else acts there. Here
+    the force is the one that makes it zero: whatever would be left in the band by kinetic friction is
+    stopped, with no more than mu_s F_N.
     """
 
     name: ClassVar[str] = "karnopp"
@@ -41,7 +42,14 @@ class Karnopp(FrictionLaw):
         return self.coefficient, self.static_coefficient, self.band
 
     @staticmethod
-    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
+    def force(
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: float,
+        dt: float,
+        p: tuple[float, ...],
+    ) -> tuple[float, float]:
         """Friction force (N)."""
         coefficient, static_coefficient, band = p
         kinetic = coefficient * normal_force

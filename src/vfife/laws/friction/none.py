@@ -22,6 +22,13 @@ class Frictionless(FrictionLaw):
         return ()
 
     @staticmethod
-    def force(normal_force: float, free_velocity: float, mobility: float, memory: float, dt: float, p: tuple[float, ...]) -> tuple[float, float]:
+    def force(
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: float,
+        dt: float,
+        p: tuple[float, ...],
+    ) -> tuple[float, float]:
         """Zero; the memory stays as it is."""
         return 0.0, memory

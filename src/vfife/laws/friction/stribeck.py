@@ -1,4 +1,6 @@
-"""Stribeck 1902, as Bo and Pavelescu 1982 write it: friction that falls from its static to its kinetic value as sliding begins."""
+"""Stribeck 1902, as Bo and Pavelescu 1982 write it: friction that falls from its static to its kinetic value
+as sliding begins.
+"""
 
 from __future__ import annotations
 
@@ -16,20 +18,26 @@ from .order import not_below
 class Stribeck(FrictionLaw):
     """F_T = -F_N {[mu_c + (mu_s - mu_c) exp(-|v/v_S|^d)] sign(v) + sigma_v v}, and any force up to mu_s F_N that keeps the surfaces at rest.
 
-    Viscous friction is given per unit of normal force (s/m), so that it goes with it. A curve that falls with the velocity has several
-    solutions within one step once (mu_s - mu_c) F_N mobility > 1.17 v_S (d = 2). The falling part is therefore taken at the speed at t_n that
-    the last two half-step velocities extrapolate to (second order); sign and viscous part are solved with the velocity that they cause.
+    Viscous friction is given per unit of normal force (s/m), so that it goes with it. A curve that falls with
+    the velocity has several solutions within one step once (mu_s - mu_c) F_N mobility > 1.17 v_S (d = 2). The
+    falling part is therefore taken at the speed at t_n that the last two half-step velocities extrapolate to
+    (second order); sign and viscous part are solved with the velocity that they cause.
     """
 
     name: ClassVar[str] = "stribeck"
     source: ClassVar[str] = (
-        "Stribeck: Die wesentlichen Eigenschaften der Gleit- und Rollenlager. Zeitschrift des Vereines deutscher Ingenieure 46 (1902); "
-        "exponential form: Bo, Pavelescu: The friction-speed relation and its influence on the critical velocity of stick-slip motion. "
-        "Wear 82 (1982) 277-289"
+        "Stribeck: Die wesentlichen Eigenschaften der Gleit- und Rollenlager. Zeitschrift des Vereines"
+        " deutscher Ingenieure 46 (1902); exponential form: Bo, Pavelescu: The friction-speed relation and"
+        " its influence on the critical velocity of stick-slip motion. Wear 82 (1982) 277-289"
     )
-    formula: ClassVar[str] = "F = -N ([mu_c + (mu_s - mu_c) exp(-|v/vS|^d)] sign(v) + sv v), |F| <= mu_s N where v = 0"
+    formula: ClassVar[str] = (
+        "F = -N ([mu_c + (mu_s - mu_c) exp(-|v/vS|^d)] sign(v) + sv v), |F| <= mu_s N where v = 0"
+    )
     slots: ClassVar[tuple[str, ...]] = ("coefficient", "excess", "inverse_speed", "shape", "viscous")
-    memory: ClassVar[tuple[str, ...]] = ("sliding velocity at n - 1/2 (m/s)", "sliding velocity at n - 3/2 (m/s)")
+    memory: ClassVar[tuple[str, ...]] = (
+        "sliding velocity at n - 1/2 (m/s)",
+        "sliding velocity at n - 3/2 (m/s)",
+    )
     set_valued: ClassVar[bool] = True
 
     coefficient: float = quantity("1", "kinetic friction coefficient mu_c", 0.1, low=0.0)
@@ -44,11 +52,22 @@ class Stribeck(FrictionLaw):
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """mu_c and mu_s - mu_c (1), 1/v_S (s/m), d (1), sigma_v (s/m)."""
-        return self.coefficient, self.static_coefficient - self.coefficient, 1.0 / self.stribeck_speed, self.shape, self.viscous
+        return (
+            self.coefficient,
+            self.static_coefficient - self.coefficient,
+            1.0 / self.stribeck_speed,
+            self.shape,
+            self.viscous,
+        )
 
     @staticmethod
     def force(
-        normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float], dt: float, p: tuple[float, ...]
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: tuple[float, float],
+        dt: float,
+        p: tuple[float, ...],
     ) -> tuple[float, tuple[float, float]]:
         """Friction force (N) and the last two sliding velocities (m/s)."""
         coefficient, excess, inverse_speed, shape, viscous = p

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 
 def foreseen(free_velocity: float, reach: float, last: float, before: float) -> float:
-    """Speed (m/s), in the direction of ``free_velocity``, that the last two sliding velocities extrapolate to.
+    """Speed (m/s), in the direction of ``free_velocity``, that the last two sliding velocities extrapolate
+    to.
 
     Kept between |free_velocity| and what is left of it where friction takes all it can, ``reach`` (m/s): a contact that begins needs no past.
     """
@@ -18,11 +19,13 @@ def foreseen(free_velocity: float, reach: float, last: float, before: float) -> 
 
 
 def along(free_velocity: float, unit: float, speed: float, share: float, slope: float, top: float) -> float:
-    """Friction force per normal force, not negative, from the value and slope (s/m) of the curve at the foreseen ``speed`` (m/s).
+    """Friction force per normal force, not negative, from the value and slope (s/m) of the curve at the
+    foreseen ``speed`` (m/s).
 
     With v = |free_velocity| - unit f, unit = mobility F_N, the tangent f = share + slope (v - speed) gives
     f = [share + slope (|free_velocity| - speed)]/(1 + unit slope). A falling curve is to be given with slope 0: it has one solution then, and
-    the foreseen speed makes it second order in the step all the same. What would turn the sliding round stops it; ``top`` is the most.
+    the foreseen speed makes it second order in the step all the same. What would turn the sliding round stops
+    it; ``top`` is the most.
     """
     rest = abs(free_velocity)
     stops = rest < unit * (share - slope * speed)

@@ -15,17 +15,18 @@ from .tangent import along, foreseen
 class Threlfall(FrictionLaw):
     """F_T = -mu F_N (1 - exp(-3 |v|/v_1))/(1 - e^-3) sign(v) up to |v| = v_1, -mu F_N sign(v) beyond.
 
-    Taken from the account of Marques et al. (2016), not from the original. It prints 0.95 for 1 - e^-3 = 0.9502, which leaves a jump of 0.02 %
-    at v_1; the exact number leaves none.
+    Taken from the account of Marques et al. (2016), not from the original. It prints 0.95 for 1 - e^-3 =
+    0.9502, which leaves a jump of 0.02 % at v_1; the exact number leaves none.
 
     Solved along the tangent at the speed that the last two steps foresee: second order in the step.
     """
 
     name: ClassVar[str] = "threlfall"
     source: ClassVar[str] = (
-        "Threlfall: The inclusion of Coulomb friction in mechanisms programs with particular reference to DRAM. "
-        "Mechanism and Machine Theory 13 (1978) 475-483; as given in Marques, Flores, Claro, Lankarani: A survey and comparison of several "
-        "friction force models for dynamic analysis of multibody mechanical systems. Nonlinear Dynamics 86 (2016) 1407-1443"
+        "Threlfall: The inclusion of Coulomb friction in mechanisms programs with particular reference to"
+        " DRAM. Mechanism and Machine Theory 13 (1978) 475-483; as given in Marques, Flores, Claro,"
+        " Lankarani: A survey and comparison of several friction force models for dynamic analysis of"
+        " multibody mechanical systems. Nonlinear Dynamics 86 (2016) 1407-1443"
     )
     formula: ClassVar[str] = "F = -mu N (1 - exp(-3 |v|/v1))/(1 - exp(-3)) sign(v), whole from v1 on"
     slots: ClassVar[tuple[str, ...]] = ("coefficient", "scale", "inverse_speed")
@@ -40,7 +41,12 @@ class Threlfall(FrictionLaw):
 
     @staticmethod
     def force(
-        normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float], dt: float, p: tuple[float, ...]
+        normal_force: float,
+        free_velocity: float,
+        mobility: float,
+        memory: tuple[float, float],
+        dt: float,
+        p: tuple[float, ...],
     ) -> tuple[float, tuple[float, float]]:
         """Friction force (N) and the last two sliding velocities (m/s)."""
         coefficient, scale, inverse_speed = p
@@ -50,7 +56,9 @@ class Threlfall(FrictionLaw):
         rises = speed * inverse_speed < 1.0
         share = scale * approach(3.0 * speed * inverse_speed)
         slope = 3.0 * inverse_speed * (scale - share) if rises else 0.0
-        force = normal_force * along(free_velocity, unit, speed, share if rises else coefficient, slope, coefficient)
+        force = normal_force * along(
+            free_velocity, unit, speed, share if rises else coefficient, slope, coefficient
+        )
         force = -force if free_velocity > 0.0 else force
         return force, (free_velocity + mobility * force, last)
 

@@ -232,7 +232,7 @@ class Scene {
     });
   }
 
-  // Where a point of a stroke is: see live/strokes.py.
+  // Where a point of a stroke is: see live/page/strokes.py.
   carried(sign, pose, way) {
     const [first, second] = [pose.place(sign.bearing), pose.place(sign.journal)];
     const angles = [0, pose.angle(sign.turner ?? sign.bearing[0]), pose.angle(sign.journal[0])];

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import quantity
-from ..polynomials import Polynomials
+from ...schema import quantity
+from ..geometry.polynomials import Polynomials
 from .driver import Driver
 
 
@@ -15,7 +15,9 @@ class ConstantSpeed(Driver):
     """speed t; rad/s or m/s."""
 
     kind: ClassVar[str] = "constant-speed"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"drive": (("slider", "point", "direction", "against"), ("body",))}
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {
+        "drive": (("slider", "point", "direction", "against"), ("body",))
+    }
     sample: ClassVar[dict[str, Any]] = {"speed": 5.0}
     revolves: ClassVar[bool] = True
     lead: ClassVar[str] = "speed"

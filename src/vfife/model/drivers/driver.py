@@ -6,26 +6,29 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from ...fields import Direction, Text, described, key_of
+from ...schema import Direction, Text, described, key_of
+from ..geometry.polynomials import Polynomials
 from ..kind import Kind
-from ..polynomials import Polynomials
 
 Point = tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Driver(Kind):
-    """What is driven: the angle of ``body``, the travel of the joint ``slider``, or the pin ``point`` along ``direction`` (fixed in space).
+    """What is driven: the angle of ``body``, the travel of the joint ``slider``, or the pin ``point`` along
+    ``direction`` (fixed in space).
 
-    The angle (rad) counts from the body's start angle; a body turns about its one ideal revolute to the ground, or, with ``against``, relative
-    to another body. Travel and path (m) count from the start.
+    The angle (rad) counts from the body's start angle; a body turns about its one ideal revolute to the
+    ground, or, with ``against``, relative to another body. Travel and path (m) count from the start.
     """
 
     body: str = described(Text("body"), "the body; the name of the table if left out", "")
     slider: str = described(Text("joint"), 'a joint of kind "slider"', "")
     point: str = described(Text("pin"), 'the pin, "body.pin"', "")
     direction: Point = described(Direction(), "direction, fixed in space", (1.0, 0.0))
-    against: str = described(Text("body"), "body against which the angle counts, or on which the opposite torque acts", "ground")
+    against: str = described(
+        Text("body"), "body against which the angle counts, or on which the opposite torque acts", "ground"
+    )
 
     lead: ClassVar[str] = ""  # the field whose key in a file tells the kind
     moves: ClassVar[bool] = True  # whether it prescribes a motion; else a torque or a force
@@ -47,7 +50,9 @@ class Driver(Kind):
     @classmethod
     def lead_keys(cls, along: bool) -> str:
         """The same, about an axis or along a line."""
-        return next((key_of(field, along) for field in dataclasses.fields(cls) if field.name == cls.lead), cls.lead)
+        return next(
+            (key_of(field, along) for field in dataclasses.fields(cls) if field.name == cls.lead), cls.lead
+        )
 
     @property
     def along(self) -> bool:
@@ -64,7 +69,9 @@ class Driver(Kind):
 
     @property
     def over(self) -> Literal["time", "speed", "angle"]:
-        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start (rad)."""
+        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start
+        (rad).
+        """
         return "time"
 
     @property

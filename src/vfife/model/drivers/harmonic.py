@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import quantity
-from ..polynomials import Polynomials, sine
+from ...schema import quantity
+from ..geometry.polynomials import Polynomials, sine
 from .driver import Driver
 
 MOTION = "of amplitude [sin(2 pi frequency t + phase) - sin(phase)]"

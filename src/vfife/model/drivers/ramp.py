@@ -5,15 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import quantity
 from ...numerics.scalar import whole_power
-from ..polynomials import Polynomials
+from ...schema import quantity
+from ..geometry.polynomials import Polynomials
 from .driver import Driver
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ramp(Driver):
-    """From rest to ``speed`` (rad/s, m/s) within ``duration`` (s): the speed is a fifth-order step, 10 s^3 - 15 s^4 + 6 s^5, then constant."""
+    """From rest to ``speed`` (rad/s, m/s) within ``duration`` (s): the speed is a fifth-order step, 10 s^3 -
+    15 s^4 + 6 s^5, then constant.
+    """
 
     kind: ClassVar[str] = "ramp"
     sample: ClassVar[dict[str, Any]] = {"speed": 5.0, "duration": 0.1}
@@ -26,7 +28,15 @@ class Ramp(Driver):
     def motion(self, offset: float = 0.0) -> Polynomials:
         """The angle w T (5/2 s^4 - 3 s^5 + s^6), s = t/T, then on at w (rad or m), ``offset`` added."""
         w, t = self.speed, self.duration
-        rising = (offset, 0.0, 0.0, 0.0, 2.5 * w / whole_power(t, 3), -3.0 * w / whole_power(t, 4), w / whole_power(t, 5))
+        rising = (
+            offset,
+            0.0,
+            0.0,
+            0.0,
+            2.5 * w / whole_power(t, 3),
+            -3.0 * w / whole_power(t, 4),
+            w / whole_power(t, 5),
+        )
         return Polynomials((0.0, t), (rising, (offset + 0.5 * w * t, w)))
 
     @property

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import quantity
 from ...numerics.scalar import whole_power
-from ..polynomials import Polynomials
+from ...schema import quantity
+from ..geometry.polynomials import Polynomials
 from .driver import Driver
 
 STEEPEST = 1.875  # largest rate of the step 10 s^3 - 15 s^4 + 6 s^5, at its middle
@@ -15,7 +15,9 @@ STEEPEST = 1.875  # largest rate of the step 10 s^3 - 15 s^4 + 6 s^5, at its mid
 
 @dataclass(frozen=True, kw_only=True)
 class StepTo(Driver):
-    """From 0 to ``travel`` (rad, m) between ``begin`` and ``begin + duration`` (s), by the step 10 s^3 - 15 s^4 + 6 s^5; at rest else."""
+    """From 0 to ``travel`` (rad, m) between ``begin`` and ``begin + duration`` (s), by the step 10 s^3 - 15
+    s^4 + 6 s^5; at rest else.
+    """
 
     kind: ClassVar[str] = "step"
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"step_to": ()}
@@ -24,7 +26,9 @@ class StepTo(Driver):
     lead: ClassVar[str] = "travel"
 
     travel: float = quantity(
-        "rad", "angle turned from rest to rest within the duration", along=quantity("m", "way from rest to rest within the duration")
+        "rad",
+        "angle turned from rest to rest within the duration",
+        along=quantity("m", "way from rest to rest within the duration"),
     )
     duration: float = quantity("s", "time that the travel takes", above=0.0)
     begin: float = quantity("s", "when the travel begins; 0 if left out", 0.0)
@@ -32,7 +36,14 @@ class StepTo(Driver):
     def motion(self, offset: float = 0.0) -> Polynomials:
         """What it prescribes over time (rad or m), ``offset`` added."""
         r, t = self.travel, self.duration
-        step = (offset, 0.0, 0.0, 10.0 * r / whole_power(t, 3), -15.0 * r / whole_power(t, 4), 6.0 * r / whole_power(t, 5))
+        step = (
+            offset,
+            0.0,
+            0.0,
+            10.0 * r / whole_power(t, 3),
+            -15.0 * r / whole_power(t, 4),
+            6.0 * r / whole_power(t, 5),
+        )
         return Polynomials((self.begin - t, self.begin, self.begin + t), ((offset,), step, (offset + r,)))
 
     @property
@@ -43,4 +54,7 @@ class StepTo(Driver):
     @property
     def words(self) -> str:
         """What it does, in a few words."""
-        return f"smooth step by {self.travel:.6g} {self.unit} from {self.begin:.6g} to {self.begin + self.duration:.6g} s"
+        return (
+            f"smooth step by {self.travel:.6g} {self.unit} from {self.begin:.6g} to"
+            f" {self.begin + self.duration:.6g} s"
+        )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import Many, Measure, described
-from ..polynomials import Polynomials, spline
+from ...schema import Many, Measure, described
+from ..geometry.polynomials import Polynomials, spline
 from .driver import Driver
 
 LOOKS = 1000  # times at which a table is asked for its speed
@@ -27,7 +27,9 @@ class AngleTable(Driver):
         Many(Measure("rad")),
         "angles from the start angle: at the times, or of the torques",
         key="angles",
-        along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
+        along=described(
+            Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
+        ),
     )
 
     def motion(self, offset: float = 0.0) -> Polynomials:
@@ -45,4 +47,7 @@ class AngleTable(Driver):
     @property
     def words(self) -> str:
         """What it does, in a few words."""
-        return f"table of {len(self.times)} {'travels' if self.unit == 'm' else 'angles'} up to {self.times[-1]:.6g} s"
+        return (
+            f"table of {len(self.times)} {'travels' if self.unit == 'm' else 'angles'} up to"
+            f" {self.times[-1]:.6g} s"
+        )

@@ -6,22 +6,26 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
-from ...fields import Choice, Many, Measure, described
-from ..polynomials import Polynomials, constant
-from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, held, table
+from ...schema import Choice, Many, Measure, described
+from ..geometry.polynomials import Polynomials, constant
+from ..geometry.tabulated import INTERPOLATIONS, JOINING, Interpolation, held, table
 from .driver import Driver
 
 
 @dataclass(frozen=True, kw_only=True)
 class Torque(Driver):
-    """Torque (N m) on ``body`` (and its opposite on ``against``), or force (N) on ``point`` along ``direction``.
+    """Torque (N m) on ``body`` (and its opposite on ``against``), or force (N) on ``point`` along
+    ``direction``.
 
-    A constant, or a table over time (s), over the speed of the body (``speeds``, rad/s: a motor's curve) or over its angle from the start
-    (``angles``, rad). Tables are joined by ``interpolation`` and keep their end values beyond.
+    A constant, or a table over time (s), over the speed of the body (``speeds``, rad/s: a motor's curve) or
+    over its angle from the start (``angles``, rad). Tables are joined by ``interpolation`` and keep their end
+    values beyond.
     """
 
     kind: ClassVar[str] = "effort"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"torque": (("slider", "point", "direction"), ("body",))}
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {
+        "torque": (("slider", "point", "direction"), ("body",))
+    }
     sample: ClassVar[dict[str, Any]] = {"value": 2.0}
     lead: ClassVar[str] = "value"
     moves: ClassVar[bool] = False
@@ -31,9 +35,15 @@ class Torque(Driver):
         Measure("N m", series=True),
         "torque: one, or one for each of the times, speeds or angles",
         key="torque",
-        along=described(Measure("N", series=True), "force: one, or one for each of the times, speeds or travels", key="force"),
+        along=described(
+            Measure("N", series=True),
+            "force: one, or one for each of the times, speeds or travels",
+            key="force",
+        ),
     )
-    times: tuple[float, ...] | None = described(Many(Measure("s")), "times of the values of a table, ascending", None)
+    times: tuple[float, ...] | None = described(
+        Many(Measure("s")), "times of the values of a table, ascending", None
+    )
     speeds: tuple[float, ...] | None = described(
         Many(Measure("rad/s")),
         "angular velocities of the torques, ascending: a motor's curve",
@@ -44,12 +54,16 @@ class Torque(Driver):
         Many(Measure("rad")),
         "angles from the start angle: at the times, or of the torques",
         None,
-        along=described(Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"),
+        along=described(
+            Many(Measure("m")), "ways from the start: at the times, or of the forces", key="travels"
+        ),
     )
     interpolation: Interpolation = described(Choice(INTERPOLATIONS), JOINING, "monotone")
 
     def effort(self) -> Polynomials:
-        """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else constant."""
+        """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else
+        constant.
+        """
         return self._effort
 
     @cached_property
@@ -57,11 +71,17 @@ class Torque(Driver):
         if isinstance(self.value, int | float):
             return constant(float(self.value))
         over = self.speeds or self.angles or self.times
-        return constant(float(self.value[0])) if over is None else held(table(over, self.value, self.interpolation))
+        return (
+            constant(float(self.value[0]))
+            if over is None
+            else held(table(over, self.value, self.interpolation))
+        )
 
     @property
     def over(self) -> Literal["time", "speed", "angle"]:
-        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start (rad)."""
+        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start
+        (rad).
+        """
         return "speed" if self.speeds is not None else "angle" if self.angles is not None else "time"
 
     @property
@@ -73,7 +93,13 @@ class Torque(Driver):
     def words(self) -> str:
         """What it does, in a few words."""
         what, newton = ("force", "N") if self.point else ("torque", "N m")
-        over = " over speed" if self.speeds else " over " + ("travel" if self.point else "angle") if self.angles else ""
+        over = (
+            " over speed"
+            if self.speeds
+            else " over " + ("travel" if self.point else "angle")
+            if self.angles
+            else ""
+        )
         if isinstance(self.value, int | float):
             return f"{what} {self.value:.6g} {newton}"
         return f"table of {len(self.value)} {what}s{over}"

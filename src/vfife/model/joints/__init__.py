@@ -1,4 +1,6 @@
-"""Joints, one file each: revolute, slider, weld and contacts, ideal or with clearance; gears. Sides are written ``body.pin``."""
+"""Joints, one file each: revolute, slider, weld and contacts, ideal or with clearance; gears. Sides are
+written ``body.pin``.
+"""
 
 from __future__ import annotations
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...errors import Fault
-from ...fields import quantity
 from ...laws import Material, Pair
+from ...schema import quantity
+from ..drawing.strokes import JointSeen, Mark, Stroke, ring, standing
 from ..rows import Touching
-from ..strokes import JointSeen, Mark, Stroke, ring, standing
 from .contact import Contact
 from .ideal_revolute import IdealRevolute
 from .joint import Point
@@ -22,9 +22,10 @@ LARGE_BEARING = 0.03  # bearing radius, as a share of the drawing, from which it
 class ClearanceRevolute(Contact):
     """Bearing and journal collide: free flight, impact and continuous contact (Eq. 18-25).
 
-    ``clearance`` c = R_B - R_J, ``bearing_radius`` R_B and ``axial_length`` in m. ``friction_moment``: friction acts at the surfaces, with arms
-    R_J - delta/2 and R_B + delta/2 (``mid-overlap``), R_J and R_B (``surface``), or at the particles alone (``off``, as the paper seems to do; the
-    sliding velocity then leaves the turning of the surfaces out). ``landing_depth`` is c/20 unless given.
+    ``clearance`` c = R_B - R_J, ``bearing_radius`` R_B and ``axial_length`` in m. ``friction_moment``:
+    friction acts at the surfaces, with arms R_J - delta/2 and R_B + delta/2 (``mid-overlap``), R_J and R_B
+    (``surface``), or at the particles alone (``off``, as the paper seems to do; the sliding velocity then
+    leaves the turning of the surfaces out). ``landing_depth`` is c/20 unless given.
     """
 
     kind: ClassVar[str] = "clearance"
@@ -51,11 +52,19 @@ class ClearanceRevolute(Contact):
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
-        return Pair(self.bearing_radius, self.clearance, self.axial_length, self.bearing_material or bearing, self.journal_material or journal)
+        return Pair(
+            self.bearing_radius,
+            self.clearance,
+            self.axial_length,
+            self.bearing_material or bearing,
+            self.journal_material or journal,
+        )
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
         """A journal in its bearing."""
-        return (Touching("bearing", self.clearance, (self.bearing_radius, self.bearing_radius - self.clearance)),)
+        return (
+            Touching("bearing", self.clearance, (self.bearing_radius, self.bearing_radius - self.clearance)),
+        )
 
     def ideal(self) -> IdealRevolute:
         """The joint without play."""
@@ -76,9 +85,15 @@ class ClearanceRevolute(Contact):
         found = standing(seen)
         if self.bearing_radius * seen.factor > LARGE_BEARING * seen.size:
             found.append(ring(seen.bearing, seen.factor * self.bearing_radius, width=1.8, rank=4.0))
-            found.append(ring(seen.journal, seen.factor * (self.bearing_radius - self.clearance), width=0.9, rank=4.0))
+            found.append(
+                ring(seen.journal, seen.factor * (self.bearing_radius - self.clearance), width=0.9, rank=4.0)
+            )
             return [*found, Mark(None, "bearing", sign="bearing and journal")]
-        return [*found, Mark(seen.bearing, "ring", sign="joint with clearance"), Mark(seen.bearing, "dot", sign="joint with clearance")]
+        return [
+            *found,
+            Mark(seen.bearing, "ring", sign="joint with clearance"),
+            Mark(seen.bearing, "dot", sign="joint with clearance"),
+        ]
 
     @property
     def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:

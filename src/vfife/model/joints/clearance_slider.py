@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...errors import Fault
-from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2, hypot, sincos
+from ...schema import Direction, described, quantity
+from ..drawing.strokes import Block, JointSeen, Label, Stroke, beside, facing, rails
 from ..rows import Across, Touching
-from ..strokes import Block, JointSeen, Label, Stroke, beside, facing, rails
 from .contact import Contact
 from .joint import Point
 from .slider import Slider
@@ -22,9 +22,10 @@ from .slider import Slider
 class ClearanceSlider(Contact):
     """A block with play in a straight guide: its four corners meet the two walls.
 
-    The guide's middle line runs through the bearing's pin along ``direction`` (in the frame of the bearing's body); the journal's pin is the
-    middle of the block. ``clearance`` (m) is the gap on each side of the centred block, ``length`` and ``height`` (m) are those of the block
-    along and across the guide, whose walls are ``height + 2 clearance`` apart. ``corner_radius`` (m) rounds the corners for the contact law.
+    The guide's middle line runs through the bearing's pin along ``direction`` (in the frame of the bearing's
+    body); the journal's pin is the middle of the block. ``clearance`` (m) is the gap on each side of the
+    centred block, ``length`` and ``height`` (m) are those of the block along and across the guide, whose
+    walls are ``height + 2 clearance`` apart. ``corner_radius`` (m) rounds the corners for the contact law.
     The block lies along the guide at the start; ``landing_depth`` is c/20 unless given.
     """
 
@@ -35,7 +36,9 @@ class ClearanceSlider(Contact):
     clearance: float = quantity("m", "gap on each side of the centred block", above=0.0)
     length: float = quantity("m", "length of the block, along the guide", above=0.0)
     height: float = quantity("m", "height of the block, across the guide", above=0.0)
-    direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
+    direction: Point = described(
+        Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0)
+    )
     corner_radius: float = quantity("m", "radius of the block's corners", 1e-3, above=0.0)
 
     def conflicts(self) -> Iterator[Fault]:
@@ -45,7 +48,9 @@ class ClearanceSlider(Contact):
         if None not in (*sizes, r) and r > 0.5 * min(sizes):
             what = f"corners of {r:g} m do not fit on a block of {self.length:g} m by {self.height:g} m"
             limit = f"at most half of the smaller side, {0.5 * min(sizes):g} m"
-            yield Fault(("corner_radius",), what, "", limit, "give a smaller radius, and check the units of all three")
+            yield Fault(
+                ("corner_radius",), what, "", limit, "give a smaller radius, and check the units of all three"
+            )
 
     @property
     def landing(self) -> float:
@@ -55,10 +60,14 @@ class ClearanceSlider(Contact):
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """A rounded corner on a straight wall."""
         materials = (self.bearing_material or bearing, self.journal_material or journal)
-        return Pair(math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.corner_radius)
+        return Pair(
+            math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.corner_radius
+        )
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
-        """The four corners of the block, rear and front, at the wall to the left of the guide's direction and at that to its right."""
+        """The four corners of the block, rear and front, at the wall to the left of the guide's direction and
+        at that to its right.
+        """
         x, y = Across(self.direction).unit()
         s, c = sincos(turned)
         ax, ay = c * x - s * y, s * x + c * y  # the guide in the frame of the block's body
@@ -92,7 +101,12 @@ class ClearanceSlider(Contact):
     def strokes(self, seen: JointSeen) -> list[Stroke]:
         """The walls, and the block as it lies between them."""
         length, height = seen.factor * self.length, seen.factor * self.height
-        lies = seen.angles[1] - seen.start_angles[1] + seen.start_angles[0] + atan2(self.direction[1], self.direction[0])
+        lies = (
+            seen.angles[1]
+            - seen.start_angles[1]
+            + seen.start_angles[0]
+            + atan2(self.direction[1], self.direction[0])
+        )
         block = Block(seen.journal, facing(lies), length, height, sign="block with play")
         return [*rails(seen, self.direction, length, 0.5 * height + seen.factor * self.clearance), block]
 

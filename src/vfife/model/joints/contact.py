@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from ...errors import Fault
-from ...fields import Choice, Chosen, Inner, Named, described, quantity
 from ...laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Material, Pair
+from ...schema import Choice, Chosen, Inner, Named, described, quantity
 from ..rows import Touching
 from ..wear import Wear
 from .joint import Joint
@@ -20,25 +20,44 @@ FrictionMoment = Literal["mid-overlap", "surface", "off"]
 class Contact(Joint):
     """What all contacts with play share: surfaces, laws, and when a first contact counts as deep.
 
-    ``impact_speed_floor`` (m/s) bounds the impact speed from below; a first contact that lands deeper than ``landing_depth`` (m) is counted, and
-    shortens an automatic step. Friction acts in the middle of the overlap, at both surfaces, or, with ``friction_moment`` off, at the journal's
-    centre (of a block, at those of its corners), so that it does not turn the round.
+    ``impact_speed_floor`` (m/s) bounds the impact speed from below; a first contact that lands deeper than
+    ``landing_depth`` (m) is counted, and shortens an automatic step. Friction acts in the middle of the
+    overlap, at both surfaces, or, with ``friction_moment`` off, at the journal's centre (of a block, at those
+    of its corners), so that it does not turn the round.
     """
 
     axial_length: float = quantity("m", "length of the surfaces along the axis", 0.02, above=0.0)
-    contact: ContactLaw = described(Chosen(ContactLaw, "contact"), "contact law: law = name, and its parameters", factory=LankaraniNikravesh)
-    friction: FrictionLaw = described(Chosen(FrictionLaw, "friction"), "friction law: law = name, and its parameters", factory=Ambrosio)
+    contact: ContactLaw = described(
+        Chosen(ContactLaw, "contact"),
+        "contact law: law = name, and its parameters",
+        factory=LankaraniNikravesh,
+    )
+    friction: FrictionLaw = described(
+        Chosen(FrictionLaw, "friction"), "friction law: law = name, and its parameters", factory=Ambrosio
+    )
     friction_moment: FrictionMoment = described(
-        Choice(("mid-overlap", "surface", "off")), "where friction acts: in the overlap, at both surfaces, or without moment", "mid-overlap"
+        Choice(("mid-overlap", "surface", "off")),
+        "where friction acts: in the overlap, at both surfaces, or without moment",
+        "mid-overlap",
     )
     impact_speed_floor: float = quantity("m/s", "least impact speed for damping", 1e-3, above=0.0)
     landing_depth: float | None = quantity(
-        "m", "depth of a first contact beyond which it is counted as deep; clearance/20, or journal_radius/1000, if left out", None, above=0.0
+        "m",
+        "depth of a first contact beyond which it is counted as deep; clearance/20, or journal_radius/1000,"
+        " if left out",
+        None,
+        above=0.0,
     )
-    bearing_material: Material | None = described(Named(Material), "material of the bearing; its body's if left out", None)
-    journal_material: Material | None = described(Named(Material), "material of the journal; its body's if left out", None)
+    bearing_material: Material | None = described(
+        Named(Material), "material of the bearing; its body's if left out", None
+    )
+    journal_material: Material | None = described(
+        Named(Material), "material of the journal; its body's if left out", None
+    )
 
-    wear: Wear | None = described(Inner(Wear), "how the surfaces wear, and how much they have; nothing is kept of it if left out", None)
+    wear: Wear | None = described(
+        Inner(Wear), "how the surfaces wear, and how much they have; nothing is kept of it if left out", None
+    )
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
 
@@ -51,11 +70,22 @@ class Contact(Joint):
         yield from self.wear.conflicts()
         if getattr(self.contact, "film", False):  # a law that was refused is None here
             remedy = f'take another contact law than "{self.contact.name}", or remove wear'
-            yield Fault(("wear",), "a film keeps the surfaces apart, and what it carries does not wear them", "", "", remedy)
+            yield Fault(
+                ("wear",),
+                "a film keeps the surfaces apart, and what it carries does not wear them",
+                "",
+                "",
+                remedy,
+            )
         if self.friction_moment == "off":
             remedy = 'set friction_moment = "mid-overlap" or "surface", or remove wear'
             yield Fault(
-                ("wear",), "with friction_moment off the surfaces do not slide by turning, so that they would not wear by it", "", "", remedy
+                ("wear",),
+                "with friction_moment off the surfaces do not slide by turning, so that they would not wear"
+                " by it",
+                "",
+                "",
+                remedy,
             )
         if any(self.wear.harmonics) and not self.shapes_worn:
             remedy = "remove the profiles; volumes are kept of any joint with play"
@@ -71,7 +101,9 @@ class Contact(Joint):
         raise NotImplementedError
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
-        """Where the surfaces can touch; ``turned`` (rad) is the angle of the bearing's body less that of the journal's, at the start."""
+        """Where the surfaces can touch; ``turned`` (rad) is the angle of the bearing's body less that of the
+        journal's, at the start.
+        """
         raise NotImplementedError
 
     @property

@@ -1,4 +1,6 @@
-"""A pin in a curved slot, ideal and with play. The slot is a circle, or a polyline with rounded corners, in the frame of the bearing's body."""
+"""A pin in a curved slot, ideal and with play. The slot is a circle, or a polyline with rounded corners, in
+the frame of the bearing's body.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +10,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...errors import Fault
-from ...fields import PLACE, Many, described, quantity
 from ...laws import Material, Pair
 from ...numerics.scalar import hypot
-from ..path import Path, circle, polyline
+from ...schema import PLACE, Many, described, quantity
+from ..drawing.strokes import Curve, JointSeen, Label, Mark, Stroke, left_of, ring
+from ..geometry.path import Path, circle, polyline
 from ..rows import OnPath, Row, Touching
-from ..strokes import Curve, JointSeen, Label, Mark, Stroke, left_of, ring
 from .contact import Contact
 from .joint import Joint, Point
 
@@ -29,9 +31,10 @@ FILLET = "radius of the arcs that round the corners of a polyline"
 class CurvedSlot(Joint):
     """The journal's pin does not leave a path that is fixed in the bearing's body, and its body turns freely.
 
-    The path is a circle of ``radius`` (m) about ``centre``, or runs through ``points``, whose corners are rounded by arcs of radius ``fillet``
-    (m), so that it has a tangent everywhere; its first and last piece go on beyond their ends. Centre and points (m) count from the bearing's
-    pin, in the frame of its body. Where a straight piece meets an arc the curvature jumps, and with it the force m v^2/R: the pin feels no blow.
+    The path is a circle of ``radius`` (m) about ``centre``, or runs through ``points``, whose corners are
+    rounded by arcs of radius ``fillet`` (m), so that it has a tangent everywhere; its first and last piece go
+    on beyond their ends. Centre and points (m) count from the bearing's pin, in the frame of its body. Where
+    a straight piece meets an arc the curvature jumps, and with it the force m v^2/R: the pin feels no blow.
     """
 
     kind: ClassVar[str] = "curved-slot"
@@ -67,7 +70,10 @@ class CurvedSlot(Joint):
 
     def strokes(self, seen: JointSeen) -> list[Stroke]:
         """The two walls, and the pin between them."""
-        return [*walls(seen, self.path, 0.5 * WIDTH * seen.size), Mark(seen.journal, "pin", "journal", "pin in a curved slot")]
+        return [
+            *walls(seen, self.path, 0.5 * WIDTH * seen.size),
+            Mark(seen.journal, "pin", "journal", "pin in a curved slot"),
+        ]
 
     def label(self, seen: JointSeen) -> Label:
         """Above the pin."""
@@ -81,10 +87,12 @@ class CurvedSlot(Joint):
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceCurvedSlot(Contact):
-    """A round pin of ``journal_radius`` (m) between the two walls of a curved slot, ``2 (journal_radius + clearance)`` apart.
+    """A round pin of ``journal_radius`` (m) between the two walls of a curved slot,
+    ``2 (journal_radius + clearance)`` apart.
 
-    The slot is that of :class:`CurvedSlot`; its walls run beside its middle at a distance of journal_radius + ``clearance`` (m), so its arcs must
-    be wider than that. The contact law takes the wall as flat where the pin touches it. ``landing_depth`` is c/20 unless given.
+    The slot is that of :class:`CurvedSlot`; its walls run beside its middle at a distance of journal_radius +
+    ``clearance`` (m), so its arcs must be wider than that. The contact law takes the wall as flat where the
+    pin touches it. ``landing_depth`` is c/20 unless given.
     """
 
     kind: ClassVar[str] = "clearance-curved-slot"
@@ -122,7 +130,9 @@ class ClearanceCurvedSlot(Contact):
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """A round pin on a flat wall."""
         materials = (self.bearing_material or bearing, self.journal_material or journal)
-        return Pair(math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.journal_radius)
+        return Pair(
+            math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.journal_radius
+        )
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
         """The pin between both walls, of which it can touch one at a time."""
@@ -151,7 +161,13 @@ class ClearanceCurvedSlot(Contact):
 
     def strokes(self, seen: JointSeen) -> list[Stroke]:
         """The two walls, and the pin between them."""
-        pin = ring(seen.journal, seen.factor * self.journal_radius, colour="journal", width=1.6, sign="pin with play in a curved slot")
+        pin = ring(
+            seen.journal,
+            seen.factor * self.journal_radius,
+            colour="journal",
+            width=1.6,
+            sign="pin with play in a curved slot",
+        )
         return [*walls(seen, self.path, seen.factor * (self.journal_radius + self.clearance)), pin]
 
     def label(self, seen: JointSeen) -> Label:
@@ -181,7 +197,9 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
     if None in (slot.points, slot.fillet, slot.centre):
         return
     if (slot.radius is None) == (not slot.points):
-        yield Fault(("",), "a slot is round or runs along a polyline", "", "", "give a radius or points, and not both")
+        yield Fault(
+            ("",), "a slot is round or runs along a polyline", "", "", "give a radius or points, and not both"
+        )
         return
     try:
         sharpest = made(slot).sharpest
@@ -190,8 +208,17 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
         yield Fault(("points",), what, "", "", remedy)
         return
     if not sharpest > half:
-        what = f"an arc of radius {sharpest:.4g} m leaves no inner wall for a slot of half width {half:.4g} m (journal_radius + clearance)"
-        yield Fault(("fillet" if slot.radius is None else "radius",), what, "", "", "take a larger radius or fillet, or a thinner pin")
+        what = (
+            f"an arc of radius {sharpest:.4g} m leaves no inner wall for a slot of half width {half:.4g} m"
+            " (journal_radius + clearance)"
+        )
+        yield Fault(
+            ("fillet" if slot.radius is None else "radius",),
+            what,
+            "",
+            "",
+            "take a larger radius or fillet, or a thinner pin",
+        )
 
 
 def walls(seen: JointSeen, path: Path, gap: float) -> list[Stroke]:

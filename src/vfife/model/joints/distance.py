@@ -5,25 +5,31 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import quantity
 from ...numerics.scalar import cos, sin
+from ...schema import quantity
+from ..drawing.strokes import Curve, JointSeen, Label, Mark, Stroke
 from ..rows import Apart, Row
-from ..strokes import Curve, JointSeen, Label, Mark, Stroke
 from .joint import Joint, Point
 
 
 @dataclass(frozen=True, kw_only=True)
 class Distance(Joint):
-    """A rigid link without mass from the bearing's pin to the journal's: they stay ``length`` (m) apart, and both bodies turn freely.
+    """A rigid link without mass from the bearing's pin to the journal's: they stay ``length`` (m) apart, and
+    both bodies turn freely.
 
-    ``angle`` (rad) is that of the link in the frame of the bearing's body, roughly, where no position of the other body says where it starts.
+    ``angle`` (rad) is that of the link in the frame of the bearing's body, roughly, where no position of the
+    other body says where it starts.
     """
 
     kind: ClassVar[str] = "distance"
     sample: ClassVar[dict[str, Any]] = {"length": 0.3}
 
-    length: float = quantity("m", "distance of the two pins: the length of a rigid link without mass", above=0.0)
-    angle: float = quantity("rad", "rough angle of the link at the start, in the frame of the bearing's body", 0.0)
+    length: float = quantity(
+        "m", "distance of the two pins: the length of a rigid link without mass", above=0.0
+    )
+    angle: float = quantity(
+        "rad", "rough angle of the link at the start, in the frame of the bearing's body", 0.0
+    )
 
     def rows(self) -> tuple[Row, ...]:
         """Two pins a distance apart."""

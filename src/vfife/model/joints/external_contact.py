@@ -8,21 +8,23 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...errors import Fault
-from ...fields import Direction, described, quantity
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2
+from ...schema import Direction, described, quantity
+from ..drawing.strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
 from ..rows import Across, Touching
-from ..strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
 from .contact import Contact
 from .joint import Point
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExternalContact(Contact):
-    """A round pin of ``journal_radius`` (m) beside a straight line or another round of ``bearing_radius`` (m).
+    """A round pin of ``journal_radius`` (m) beside a straight line or another round of ``bearing_radius``
+    (m).
 
-    Without ``bearing_radius`` the bearing is a line through its pin along ``direction`` (in the frame of its body), its material on the right;
-    the journal stays on the left. ``landing_depth`` is journal_radius/1000 unless given.
+    Without ``bearing_radius`` the bearing is a line through its pin along ``direction`` (in the frame of its
+    body), its material on the right; the journal stays on the left. ``landing_depth`` is journal_radius/1000
+    unless given.
     """
 
     kind: ClassVar[str] = "contact"
@@ -31,14 +33,26 @@ class ExternalContact(Contact):
     sizes: ClassVar[tuple[str, ...]] = ("bearing_radius", "journal_radius")
 
     journal_radius: float = quantity("m", "radius of the round at the journal", above=0.0)
-    bearing_radius: float | None = quantity("m", "radius of the round at the bearing; a straight line if left out", None, above=0.0)
-    direction: Point = described(Direction(), "direction of the line in the frame of the bearing's body; the journal is on its left", (1.0, 0.0))
+    bearing_radius: float | None = quantity(
+        "m", "radius of the round at the bearing; a straight line if left out", None, above=0.0
+    )
+    direction: Point = described(
+        Direction(),
+        "direction of the line in the frame of the bearing's body; the journal is on its left",
+        (1.0, 0.0),
+    )
 
     def conflicts(self) -> Iterator[Fault]:
         """A round has no direction."""
         yield from super().conflicts()
         if self.bearing_radius is not None and self.direction not in (None, (1.0, 0.0)):
-            yield Fault(("direction",), "a round has no direction", "", "", "remove it, or remove bearing_radius for a straight line")
+            yield Fault(
+                ("direction",),
+                "a round has no direction",
+                "",
+                "",
+                "remove it, or remove bearing_radius for a straight line",
+            )
 
     @property
     def landing(self) -> float:
@@ -76,14 +90,23 @@ class ExternalContact(Contact):
     @property
     def deepest_start(self) -> tuple[float, str]:
         """Half the smaller radius."""
-        radius = self.journal_radius if self.bearing_radius is None else min(self.journal_radius, self.bearing_radius)
+        radius = (
+            self.journal_radius
+            if self.bearing_radius is None
+            else min(self.journal_radius, self.bearing_radius)
+        )
         return 0.5 * radius, f"half the radius of {radius:g} m"
 
     def strokes(self, seen: JointSeen) -> list[Stroke]:
         """A round on a line, hatched if it is the ground's, or beside another round."""
-        journal = ring(seen.journal, seen.factor * self.journal_radius, colour="journal", width=1.6, sign="contact")
+        journal = ring(
+            seen.journal, seen.factor * self.journal_radius, colour="journal", width=1.6, sign="contact"
+        )
         if self.bearing_radius is not None:
-            return [journal, ring(seen.bearing, seen.factor * self.bearing_radius, colour="bearing", width=1.6)]
+            return [
+                journal,
+                ring(seen.bearing, seen.factor * self.bearing_radius, colour="bearing", width=1.6),
+            ]
         along, reach = seen.along(self.direction), seen.way(atan2(self.direction[1], self.direction[0]))
         beyond = max(0.05 * seen.size, 1.5 * seen.factor * self.journal_radius)
         ends = [seen.bearing + (reach[0] - beyond) * along, seen.bearing + (reach[1] + beyond) * along]

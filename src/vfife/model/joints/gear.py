@@ -4,27 +4,36 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...fields import Text, described, quantity
 from ...numerics.scalar import hypot
+from ...schema import Text, described, quantity
+from ..drawing.strokes import Array, Curve, PairSeen, Stroke, ring, tangent
 from ..rows import Row, Turn
-from ..strokes import Array, Curve, PairSeen, Stroke, ring, tangent
 
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
-    """Gears or a belt between two bodies: ``second`` turns by ``ratio`` times the angle by which ``first`` turns.
+    """Gears or a belt between two bodies: ``second`` turns by ``ratio`` times the angle by which ``first``
+    turns.
 
-    The ratio is negative for external gears (- teeth of the first over teeth of the second) and positive for belts and internal gears. Angles are
-    those that the ``carrier`` sees, the body on which both wheels turn (Willis); it takes what the moments on the two wheels leave. Left out, it is
-    found where the wheels are pinned: the arm of a planet, else the ground. One of the two may be the ground: a fixed sun or ring.
+    The ratio is negative for external gears (- teeth of the first over teeth of the second) and positive for
+    belts and internal gears. Angles are those that the ``carrier`` sees, the body on which both wheels turn
+    (Willis); it takes what the moments on the two wheels leave. Left out, it is found where the wheels are
+    pinned: the arm of a planet, else the ground. One of the two may be the ground: a fixed sun or ring.
     """
 
     name: str
     first: str = described(Text("body"), "a body")
-    second: str = described(Text("body"), "another body, which turns by ratio times the angle of the first, both seen from the carrier")
-    ratio: float = quantity("1", "negative for external gears (- teeth of the first / teeth of the second), positive for belts")
+    second: str = described(
+        Text("body"),
+        "another body, which turns by ratio times the angle of the first, both seen from the carrier",
+    )
+    ratio: float = quantity(
+        "1", "negative for external gears (- teeth of the first / teeth of the second), positive for belts"
+    )
 
-    carrier: str | None = described(Text("body"), "the body on which both turn; found by their pins if left out", None)
+    carrier: str | None = described(
+        Text("body"), "the body on which both turn; found by their pins if left out", None
+    )
 
     def rows(self) -> tuple[Row, ...]:
         """One turn coupled to another."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..drawing.strokes import JointSeen, Mark, Stroke, standing
 from ..rows import Coincide, Row
-from ..strokes import JointSeen, Mark, Stroke, standing
 from .joint import Joint
 
 

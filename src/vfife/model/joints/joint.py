@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...errors import Fault
-from ...fields import Text, described
+from ...schema import Text, described
+from ..drawing.strokes import JointSeen, Label, Stroke, under
 from ..kind import Kind
 from ..rows import Coincide, Row, place_row
-from ..strokes import JointSeen, Label, Stroke, under
 
 Point = tuple[float, float]
 
@@ -24,7 +24,11 @@ class Joint(Kind):
     journal: str = described(Text("pin"), 'the journal side, "body.pin" or "ground.point"')
 
     registry: ClassVar[dict[str, type[Joint]]] = {}
-    refits: ClassVar[bool] = False  # whether its numbers reach nothing but the record of its one contact, journals being centred at the start
+    refits: ClassVar[bool] = (
+        # whether its numbers reach nothing but the record of its one contact, journals being centred at the
+        # start
+        False
+    )
 
     @property
     def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
@@ -52,13 +56,17 @@ class Joint(Kind):
 
     @property
     def rank(self) -> int:
-        """Which joints hang a body first when a mechanism is put together: pins (0) before guides (1) before what only touches (2)."""
+        """Which joints hang a body first when a mechanism is put together: pins (0) before guides (1) before
+        what only touches (2).
+        """
         held = place_row(self.rows())
         return 2 if held is None else 0 if isinstance(held, Coincide) else 1
 
     @property
     def first_place(self) -> Point:
-        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's in the frame of its body (m)."""
+        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's in the frame
+        of its body (m).
+        """
         return 0.0, 0.0
 
     @property
@@ -76,5 +84,7 @@ class Joint(Kind):
 
     @property
     def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
-        """What a drawing must hold (m): points in the bearing's frame from its pin, and how far around the two pins; None leaves one out."""
+        """What a drawing must hold (m): points in the bearing's frame from its pin, and how far around the
+        two pins; None leaves one out.
+        """
         return (), 0.0, 0.0

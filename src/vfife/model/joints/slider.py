@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ...fields import Direction, Switch, described
+from ...schema import Direction, Switch, described
+from ..drawing.strokes import BLOCK, Block, JointSeen, Label, Mark, Stroke, beside, rails
 from ..rows import Across, Row, Turn
-from ..strokes import BLOCK, Block, JointSeen, Label, Mark, Stroke, beside, rails
 from .joint import Joint, Point
 
 
@@ -15,14 +15,18 @@ from .joint import Joint, Point
 class Slider(Joint):
     """The journal's pin moves along a straight guide through the bearing's pin.
 
-    ``direction`` is that of the guide, in the frame of the bearing's body. The two bodies keep their relative angle (that of the closed start)
-    unless ``turning``: then the journal is a pin in a slot.
+    ``direction`` is that of the guide, in the frame of the bearing's body. The two bodies keep their relative
+    angle (that of the closed start) unless ``turning``: then the journal is a pin in a slot.
     """
 
     kind: ClassVar[str] = "slider"
 
-    direction: Point = described(Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0))
-    turning: bool = described(Switch(), "true: a pin in a slot, free to turn; false: the bodies keep their relative angle", False)
+    direction: Point = described(
+        Direction(), "direction of the guide in the frame of the bearing's body", (1.0, 0.0)
+    )
+    turning: bool = described(
+        Switch(), "true: a pin in a slot, free to turn; false: the bodies keep their relative angle", False
+    )
 
     def rows(self) -> tuple[Row, ...]:
         """A pin on a line, and no turning unless it is a pin in a slot."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..drawing.strokes import JointSeen, Label, Mark, Stroke, Surface, left_of
 from ..rows import Coincide, Row, Turn
-from ..strokes import JointSeen, Label, Mark, Stroke, Surface, left_of
 from .joint import Joint
 
 

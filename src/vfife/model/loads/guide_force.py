@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...errors import Fault
-from ...fields import Measure, Switch, Text, described, quantity
+from ...schema import Measure, Switch, Text, described, quantity
 from ..joints import Joint
 from ..rows import Guided, place_row
 from .load import Push
@@ -17,18 +17,23 @@ from .tabular import Tabular, Values
 
 @dataclass(frozen=True, kw_only=True)
 class GuideForce(Tabular):
-    """Force along the guide of the joint ``slider`` on its journal, and its opposite on the bearing: that of a piston, a spindle, a spring's table.
+    """Force along the guide of the joint ``slider`` on its journal, and its opposite on the bearing: that of
+    a piston, a spindle, a spring's table.
 
-    It is ``force`` (N), or ``pressure`` (Pa) above ``ambient`` on the area of a ``bore`` (m), pi bore^2/4; an ``expression`` is a pressure where
-    there is a bore. Where positive it pushes the journal along the guide's direction, or against it where it is to be ``reverse``. ``force_back``,
-    ``pressure_back`` or ``expression_back`` holds while the journal goes against the guide's direction: two ways enclose the work of a turn.
+    It is ``force`` (N), or ``pressure`` (Pa) above ``ambient`` on the area of a ``bore`` (m), pi bore^2/4; an
+    ``expression`` is a pressure where there is a bore. Where positive it pushes the journal along the guide's
+    direction, or against it where it is to be ``reverse``. ``force_back``, ``pressure_back`` or
+    ``expression_back`` holds while the journal goes against the guide's direction: two ways enclose the work
+    of a turn.
     """
 
     kind: ClassVar[str] = "guide"
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"guide_force": ()}
     sample: ClassVar[dict[str, Any]] = {"slider": "guide", "force": (3.0, -2.0), "travels": (-0.1, 0.1)}
 
-    slider: str = described(Text("joint"), "the joint along whose guide it acts: a slider, a pin in a slot or a block with play")
+    slider: str = described(
+        Text("joint"), "the joint along whose guide it acts: a slider, a pin in a slot or a block with play"
+    )
     force: float | tuple[float, ...] | None = described(
         Measure("N", series=True), "force along the guide: one, or one for each place of the table", None
     )
@@ -36,30 +41,56 @@ class GuideForce(Tabular):
         Measure("Pa", series=True), "pressure on the bore: one, or one for each place of the table", None
     )
     force_back: tuple[float, ...] | None = described(
-        Measure("N", series=True), "the force while the journal goes against the guide's direction, where that differs", None
+        Measure("N", series=True),
+        "the force while the journal goes against the guide's direction, where that differs",
+        None,
     )
     pressure_back: tuple[float, ...] | None = described(
-        Measure("Pa", series=True), "the pressure while the journal goes against the guide's direction, where that differs", None
+        Measure("Pa", series=True),
+        "the pressure while the journal goes against the guide's direction, where that differs",
+        None,
     )
     bore: float | None = quantity("m", "diameter on which the pressure acts", None, above=0.0)
     ambient: float = quantity("Pa", "pressure on the other side, which is taken off", 0.0)
-    reverse: bool = described(Switch(), "true: a positive force pushes the journal against the guide's direction", False)
+    reverse: bool = described(
+        Switch(), "true: a positive force pushes the journal against the guide's direction", False
+    )
 
     along: ClassVar[bool] = True
 
     def conflicts(self) -> Iterator[Fault]:
         """A force, or a pressure on a bore."""
         if self.force is not None and self.pressure is not None:
-            yield Fault(("pressure",), "a force and a pressure exclude each other", "", "", "keep one of them")
+            yield Fault(
+                ("pressure",), "a force and a pressure exclude each other", "", "", "keep one of them"
+            )
         elif self.force is None and self.pressure is None and not self.expression:
-            yield Fault(("",), "nothing says how large the load is", "", "", "give it a force, or a pressure and a bore")
+            yield Fault(
+                ("",),
+                "nothing says how large the load is",
+                "",
+                "",
+                "give it a force, or a pressure and a bore",
+            )
         elif self.pressure is not None and self.bore is None:
-            yield Fault(("bore",), "a pressure acts on a bore, which is missing", "", "", 'add it, as in bore = "50 mm"')
+            yield Fault(
+                ("bore",),
+                "a pressure acts on a bore, which is missing",
+                "",
+                "",
+                'add it, as in bore = "50 mm"',
+            )
         for key in ("bore", "ambient", "pressure_back"):  # what an expression is, the bore says
             if self.force is not None and self.pressure is None and getattr(self, key):
                 yield Fault((key,), f"{key} goes with a pressure, not with a force", "", "", "remove it")
         if self.pressure is not None and self.force_back is not None:
-            yield Fault(("force_back",), "force_back goes with a force, not with a pressure", "", "", "call it pressure_back")
+            yield Fault(
+                ("force_back",),
+                "force_back goes with a force, not with a pressure",
+                "",
+                "",
+                "call it pressure_back",
+            )
 
     @property
     def keys(self) -> tuple[str, str]:
@@ -101,14 +132,20 @@ class GuideForce(Tabular):
     def words(self) -> str:
         """What it is, in a few words."""
         out, back = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
-        largest = abs(self.unit) * max((way.largest for way in (out, back) if way is not None), default=abs(self.constant))
+        largest = abs(self.unit) * max(
+            (way.largest for way in (out, back) if way is not None), default=abs(self.constant)
+        )
         what = f"pressure on a bore of {self.bore:.6g} m," if self.pressed else "force"
         return f"{what} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
 
     @property
     def measured(self) -> tuple[str, str]:
         """The unit of its function, and what that is."""
-        return ("Pa", "pressure of the load above ambient") if self.pressed else ("N", "force of the load along its guide")
+        return (
+            ("Pa", "pressure of the load above ambient")
+            if self.pressed
+            else ("N", "force of the load along its guide")
+        )
 
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
         """The force on the journal, and its opposite on the bearing, which is the guide's own."""

@@ -7,22 +7,28 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from ...errors import Fault
-from ...fields import Text, described
+from ...schema import Text, described
+from ..geometry.polynomials import Polynomials, constant
 from ..joints import Joint
 from ..kind import Kind
-from ..polynomials import Polynomials, constant
 
 Over = Literal["time", "angle", "travel", "speed"]
 Triple = tuple[float, float, float]
-OVER: dict[str, Over] = {"times": "time", "angles": "angle", "travels": "travel", "speeds": "speed"}  # by the key of a table's places
+OVER: dict[str, Over] = {
+    "times": "time",
+    "angles": "angle",
+    "travels": "travel",
+    "speeds": "speed",
+}  # by the key of a table's places
 
 
 @dataclass(frozen=True)
 class Push:
-    """Force (N, N) and moment (N m) on ``body`` at its ``pin``, or on the body itself where that is empty, where the load's function is 1.
+    """Force (N, N) and moment (N m) on ``body`` at its ``pin``, or on the body itself where that is empty,
+    where the load's function is 1.
 
-    ``follow``: the force turns with the body; else it is fixed in space. ``aligned``: its direction is that of another body's frame at the start,
-    and turns with this one.
+    ``follow``: the force turns with the body; else it is fixed in space. ``aligned``: its direction is that
+    of another body's frame at the start, and turns with this one.
     """
 
     body: str
@@ -34,11 +40,17 @@ class Push:
 
 @dataclass(frozen=True, kw_only=True)
 class Load(Kind):
-    """Forces and moments on bodies, multiplied by a function of time, of an angle, of a travel along a guide or of its speed."""
+    """Forces and moments on bodies, multiplied by a function of time, of an angle, of a travel along a guide
+    or of its speed.
+    """
 
     name: str
-    crank: str = described(Text("body"), "body whose angle the load depends on; the driven one that revolves if left out", "")
-    slider: str = described(Text("joint"), "a joint with a guide, whose travel or speed the load depends on", "")
+    crank: str = described(
+        Text("body"), "body whose angle the load depends on; the driven one that revolves if left out", ""
+    )
+    slider: str = described(
+        Text("joint"), "a joint with a guide, whose travel or speed the load depends on", ""
+    )
 
     registry: ClassVar[dict[str, type[Load]]] = {}
 
@@ -88,5 +100,7 @@ class Load(Kind):
         return True
 
     def course(self) -> tuple[Polynomials, float]:
-        """What forces and moments are multiplied by, and the gap (m) by which the part for the way back lies before that for the way out."""
+        """What forces and moments are multiplied by, and the gap (m) by which the part for the way back lies
+        before that for the way out.
+        """
         return constant(1.0), 0.0

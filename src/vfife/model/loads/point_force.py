@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import SCALAR, Each, Many, Measure, Switch, Text, described, quantity
 from ...numerics.scalar import hypot
+from ...schema import SCALAR, Each, Many, Measure, Switch, Text, described, quantity
 from ..joints import Joint
 from .load import Push
 from .tabular import Tabular, Values
@@ -15,22 +15,33 @@ from .tabular import Tabular, Values
 
 @dataclass(frozen=True, kw_only=True)
 class PointForce(Tabular):
-    """Force (N) and moment (N m) at ``at`` = ``body.pin``; fixed in space, or turning with the body where it is to ``follow``.
+    """Force (N) and moment (N m) at ``at`` = ``body.pin``; fixed in space, or turning with the body where it
+    is to ``follow``.
 
-    With ``factors`` both are multiplied by a function, a table over ``times`` (s), ``angles`` of a crank (rad), or ``travels`` (m) or ``speeds``
-    (m/s) along the guide of the joint ``slider``; ``factors_back`` holds on the way back.
+    With ``factors`` both are multiplied by a function, a table over ``times`` (s), ``angles`` of a crank
+    (rad), or ``travels`` (m) or ``speeds`` (m/s) along the guide of the joint ``slider``; ``factors_back``
+    holds on the way back.
     """
 
     kind: ClassVar[str] = "force"
-    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"force": (), "moment": (("force", "follow"), ("moment",))}
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {
+        "force": (),
+        "moment": (("force", "follow"), ("moment",)),
+    }
     sample: ClassVar[dict[str, Any]] = {"at": "arm.end", "force": (3.0, -2.0), "moment": 0.1}
 
     at: str = described(Text("pin"), 'where it acts, "body.pin"')
     force: tuple[float, float] = described(Each((Measure("N"), Measure("N"))), "force", (0.0, 0.0))
     moment: float = quantity("N m", "moment", 0.0)
-    follow: bool = described(Switch(), "true: the force turns with the body; false: it is fixed in space", False)
-    factors: tuple[float, ...] | None = described(Many(SCALAR), "what multiplies force and moment: one for each place of the table", None)
-    factors_back: tuple[float, ...] | None = described(Many(SCALAR), "the same on the way back, where that differs", None)
+    follow: bool = described(
+        Switch(), "true: the force turns with the body; false: it is fixed in space", False
+    )
+    factors: tuple[float, ...] | None = described(
+        Many(SCALAR), "what multiplies force and moment: one for each place of the table", None
+    )
+    factors_back: tuple[float, ...] | None = described(
+        Many(SCALAR), "the same on the way back, where that differs", None
+    )
 
     @property
     def keys(self) -> tuple[str, str]:

@@ -8,10 +8,22 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ...errors import Fault
-from ...fields import Choice, Many, Measure, Switch, Text, described, quantity
-from ..expression import VARIABLES, parse
-from ..polynomials import Polynomials, constant, moved
-from ..tabulated import INTERPOLATIONS, JOINING, Interpolation, Pieces, closes, held, repeated, sampled, table, two_ways, whole_turns
+from ...schema import Choice, Many, Measure, Switch, Text, described, quantity
+from ..geometry.expression import VARIABLES, parse
+from ..geometry.polynomials import Polynomials, constant, moved
+from ..geometry.tabulated import (
+    INTERPOLATIONS,
+    JOINING,
+    Interpolation,
+    Pieces,
+    closes,
+    held,
+    repeated,
+    sampled,
+    table,
+    two_ways,
+    whole_turns,
+)
 from .load import OVER, Load, Over
 
 OPEN = 1e-3  # of the largest value: by how much two ways may differ where they meet
@@ -20,27 +32,42 @@ Values = float | Sequence[float] | None
 
 @dataclass(frozen=True, kw_only=True)
 class Tabular(Load):
-    """A load whose size is one number, a table over ``times``, ``angles``, ``travels`` or ``speeds``, or an ``expression``.
+    """A load whose size is one number, a table over ``times``, ``angles``, ``travels`` or ``speeds``, or an
+    ``expression``.
 
-    ``angles`` are those of the body ``crank``, as it lies in space, less ``zero_angle``; ``travels`` and ``speeds`` are those of a guide's
-    journal from its bearing, less ``zero_travel``. Beyond its ends a table keeps its end values, unless it is to ``repeat``, as one over whole
-    turns does by itself.
+    ``angles`` are those of the body ``crank``, as it lies in space, less ``zero_angle``; ``travels`` and
+    ``speeds`` are those of a guide's journal from its bearing, less ``zero_travel``. Beyond its ends a table
+    keeps its end values, unless it is to ``repeat``, as one over whole turns does by itself.
     """
 
-    times: tuple[float, ...] | None = described(Many(Measure("s")), "times of a table's values, ascending", None)
-    angles: tuple[float, ...] | None = described(Many(Measure("rad")), "angles of the crank at a table's values, ascending", None)
-    travels: tuple[float, ...] | None = described(
-        Many(Measure("m")), "places of the journal along the guide, from the bearing's pin, at a table's values, ascending", None
+    times: tuple[float, ...] | None = described(
+        Many(Measure("s")), "times of a table's values, ascending", None
     )
-    speeds: tuple[float, ...] | None = described(Many(Measure("m/s")), "speeds of the journal along the guide at a table's values, ascending", None)
+    angles: tuple[float, ...] | None = described(
+        Many(Measure("rad")), "angles of the crank at a table's values, ascending", None
+    )
+    travels: tuple[float, ...] | None = described(
+        Many(Measure("m")),
+        "places of the journal along the guide, from the bearing's pin, at a table's values, ascending",
+        None,
+    )
+    speeds: tuple[float, ...] | None = described(
+        Many(Measure("m/s")), "speeds of the journal along the guide at a table's values, ascending", None
+    )
     zero_angle: float = quantity("rad", "angle of the crank at which the table has its 0", 0.0)
     zero_travel: float = quantity("m", "place along the guide at which the table has its 0", 0.0)
     repeat: bool | None = described(
-        Switch(), "true: a table over times or angles repeats itself; false: it keeps its end values; left out: one over whole turns repeats", None
+        Switch(),
+        "true: a table over times or angles repeats itself; false: it keeps its end values; left out: one"
+        " over whole turns repeats",
+        None,
     )
     interpolation: Interpolation = described(Choice(INTERPOLATIONS), JOINING, "monotone")
     expression: str = described(
-        Text(), "the load as an expression of t, angle, x or v, from the first of the times, angles, travels or speeds to the last", ""
+        Text(),
+        "the load as an expression of t, angle, x or v, from the first of the times, angles, travels or"
+        " speeds to the last",
+        "",
     )
     expression_back: str = described(Text(), "the same on the way back, where that differs", "")
 
@@ -52,7 +79,9 @@ class Tabular(Load):
     @property
     def axis(self) -> str:
         """The key of the places of its table or its expression; nothing where it has neither."""
-        return (VARIABLES.get(self.variable, "") if self.expression else "") or next((key for key in OVER if getattr(self, key) is not None), "")
+        return (VARIABLES.get(self.variable, "") if self.expression else "") or next(
+            (key for key in OVER if getattr(self, key) is not None), ""
+        )
 
     @property
     def variable(self) -> str:
@@ -83,7 +112,9 @@ class Tabular(Load):
         """Whether its table or expression repeats itself."""
         if self.repeat is not None:
             return self.repeat and self.axis in ("times", "angles")
-        return self.axis == "angles" and len(self.places) > 1 and whole_turns(self.places) and closes(self.ends)
+        return (
+            self.axis == "angles" and len(self.places) > 1 and whole_turns(self.places) and closes(self.ends)
+        )
 
     @property
     def ends(self) -> tuple[float, ...]:
@@ -130,8 +161,9 @@ class Tabular(Load):
         largest = max(out.largest, back.largest)
         pairs = zip((self.places[0], self.places[-1]), out.ends, back.ends, strict=True)
         return tuple(
-            f"The load {self.name} leaps where the way turns: at {place:g} m it has {one:g} for the way out and {other:g} for the way back. "
-            "A gas has one pressure there: give both the same value, unless a leap is meant."
+            f"The load {self.name} leaps where the way turns: at {place:g} m it has {one:g} for the way out"
+            f" and {other:g} for the way back. A gas has one pressure there: give both the same value, unless"
+            " a leap is meant."
             for place, one, other in pairs
             if abs(one - other) > OPEN * largest
         )

@@ -1,4 +1,6 @@
-"""Massless elements of force between two bodies, one file each: springs and dampers along a line, about an axis, stops and bushings."""
+"""Massless elements of force between two bodies, one file each: springs and dampers along a line, about an
+axis, stops and bushings.
+"""
 
 from __future__ import annotations
 

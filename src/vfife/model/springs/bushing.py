@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import Each, Measure, described
-from ..strokes import PairSeen, Stroke, ring
+from ...schema import Each, Measure, described
+from ..drawing.strokes import PairSeen, Stroke, ring
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bushing(ForceElement):
-    """Elastic bearing between two pins: stiffness (N/m, N/m, N m/rad) and damping (N s/m, N s/m, N m s/rad) in x, y and about the axis.
+    """Elastic bearing between two pins: stiffness (N/m, N/m, N m/rad) and damping (N s/m, N s/m, N m s/rad)
+    in x, y and about the axis.
 
-    The axes are those of the first body; the bushing is free of force where the pins coincide and the angle is that of the start.
+    The axes are those of the first body; the bushing is free of force where the pins coincide and the angle
+    is that of the start.
     """
 
     kind: ClassVar[str] = "bushing"
@@ -22,7 +24,8 @@ class Bushing(ForceElement):
     axes: ClassVar[Axes] = "bushing"
 
     stiffness: tuple[float, float, float] = described(
-        Each((Measure("N/m", low=0.0), Measure("N/m", low=0.0), Measure("N m/rad", low=0.0))), "stiffness in x, in y, about the axis"
+        Each((Measure("N/m", low=0.0), Measure("N/m", low=0.0), Measure("N m/rad", low=0.0))),
+        "stiffness in x, in y, about the axis",
     )
     damping: tuple[float, float, float] = described(
         Each((Measure("N s/m", low=0.0), Measure("N s/m", low=0.0), Measure("N m s/rad", low=0.0))),

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from ...errors import Fault
-from ...fields import Text, described
+from ...schema import Text, described
+from ..drawing.strokes import PairSeen, Stroke
 from ..kind import Kind
-from ..strokes import PairSeen, Stroke
 
 Axes = Literal["linear", "torsional", "stop", "bushing"]
 Triple = tuple[float, float, float]
@@ -17,9 +17,11 @@ Triple = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class SpringNumbers:
-    """What a step reads of a spring: stiffness (N/m, N/m, N m/rad) and damping (N s/m, N s/m, N m s/rad) along its axes.
+    """What a step reads of a spring: stiffness (N/m, N/m, N m/rad) and damping (N s/m, N s/m, N m s/rad)
+    along its axes.
 
-    ``free`` is its free length (m), free angle (rad), or the lower limit (rad) of a stop, ``high`` the upper limit.
+    ``free`` is its free length (m), free angle (rad), or the lower limit (rad) of a stop, ``high`` the upper
+    limit.
     """
 
     stiffness: Triple
@@ -30,13 +32,19 @@ class SpringNumbers:
 
 @dataclass(frozen=True, kw_only=True)
 class ForceElement(Kind):
-    """A massless element between ``first`` and ``second``: pins (``body.pin`` or ``ground.point``), or bodies where it acts about the axis."""
+    """A massless element between ``first`` and ``second``: pins (``body.pin`` or ``ground.point``), or bodies
+    where it acts about the axis.
+    """
 
     name: str
     first: str = described(Text("pin"), 'one end, "body.pin" or "ground.point"')
     second: str = described(Text("pin"), 'the other end, "body.pin" or "ground.point"')
 
-    axes: ClassVar[Axes] = "linear"  # along the line between two pins, about the axis between two bodies, with limits there, or along three axes
+    axes: ClassVar[Axes] = (
+        # along the line between two pins, about the axis between two bodies, with limits there, or along
+        # three axes
+        "linear"
+    )
     registry: ClassVar[dict[str, type[ForceElement]]] = {}
 
     def conflicts(self) -> Iterator[Fault]:
@@ -54,7 +62,9 @@ class ForceElement(Kind):
         return not self.between_pins
 
     def numbers(self, start: float) -> SpringNumbers:
-        """What a step reads; ``start`` is the distance (m) of the pins at the start if it is linear, else the angle (rad) between the bodies."""
+        """What a step reads; ``start`` is the distance (m) of the pins at the start if it is linear, else the
+        angle (rad) between the bodies.
+        """
         raise NotImplementedError
 
     @property

@@ -5,17 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import quantity
-from ..strokes import Curve, PairSeen, Stroke, zigzag
+from ...schema import quantity
+from ..drawing.strokes import Curve, PairSeen, Stroke, zigzag
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spring(ForceElement):
-    """Spring and damper between two pins, ``first`` and ``second`` (``body.pin`` or ``ground.point``), along the line between them.
+    """Spring and damper between two pins, ``first`` and ``second`` (``body.pin`` or ``ground.point``), along
+    the line between them.
 
-    F = stiffness (l - free_length) + damping dl/dt, pulling where positive; N/m, N s/m, m. The free length is the distance at the start unless
-    given.
+    F = stiffness (l - free_length) + damping dl/dt, pulling where positive; N/m, N s/m, m. The free length is
+    the distance at the start unless given.
     """
 
     kind: ClassVar[str] = "linear"
@@ -25,7 +26,9 @@ class Spring(ForceElement):
 
     stiffness: float = quantity("N/m", "stiffness", 0.0, low=0.0)
     damping: float = quantity("N s/m", "damping", 0.0, low=0.0)
-    free_length: float | None = quantity("m", "length without force; that of the start if left out", None, low=0.0)
+    free_length: float | None = quantity(
+        "m", "length without force; that of the start if left out", None, low=0.0
+    )
 
     def numbers(self, start: float) -> SpringNumbers:
         """What a step reads; the free length is ``start`` (m) unless given."""

@@ -7,17 +7,19 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...errors import Fault
-from ...fields import Text, described, quantity
 from ...numerics.elementwise import cos, sin
-from ..strokes import Curve, PairSeen, Stroke, facing
+from ...schema import Text, described, quantity
+from ..drawing.strokes import Curve, PairSeen, Stroke, facing
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stop(ForceElement):
-    """Rotational stop: the angle of the second body less that of the first stays between ``low`` and ``high`` (rad).
+    """Rotational stop: the angle of the second body less that of the first stays between ``low`` and ``high``
+    (rad).
 
-    Beyond either the stop answers like a torsional spring and damper (N m/rad, N m s/rad); it never pulls back.
+    Beyond either the stop answers like a torsional spring and damper (N m/rad, N m s/rad); it never pulls
+    back.
     """
 
     kind: ClassVar[str] = "stop"
@@ -34,7 +36,13 @@ class Stop(ForceElement):
     def conflicts(self) -> Iterator[Fault]:
         """There is room between the limits."""
         if None not in (self.low, self.high) and self.low >= self.high:
-            yield Fault(("low",), "no room between the limits", "", f"below high = {self.high:g} rad", "exchange them, or move them apart")
+            yield Fault(
+                ("low",),
+                "no room between the limits",
+                "",
+                f"below high = {self.high:g} rad",
+                "exchange them, or move them apart",
+            )
 
     def numbers(self, start: float) -> SpringNumbers:
         """What a step reads."""

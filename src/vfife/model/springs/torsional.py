@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...fields import Text, described, quantity
 from ...numerics.elementwise import cos, sin
-from ..strokes import Curve, PairSeen, Stroke
+from ...schema import Text, described, quantity
+from ..drawing.strokes import Curve, PairSeen, Stroke
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -15,8 +15,8 @@ from .force_element import Axes, ForceElement, SpringNumbers
 class TorsionalSpring(ForceElement):
     """Spring and damper about the axis of the plane between two bodies (or the ground).
 
-    M = -stiffness (angle - free_angle) - damping rate on the second body, angle that of the second less that of the first; N m/rad, N m s/rad,
-    rad. The free angle is the angle at the start unless given.
+    M = -stiffness (angle - free_angle) - damping rate on the second body, angle that of the second less that
+    of the first; N m/rad, N m s/rad, rad. The free angle is the angle at the start unless given.
     """
 
     kind: ClassVar[str] = "torsional"
@@ -28,7 +28,11 @@ class TorsionalSpring(ForceElement):
     second: str = described(Text("body"), "another body, or ground")
     stiffness: float = quantity("N m/rad", "stiffness", 0.0, low=0.0)
     damping: float = quantity("N m s/rad", "damping", 0.0, low=0.0)
-    free_angle: float | None = quantity("rad", "angle of the second less that of the first without moment; that of the start if left out", None)
+    free_angle: float | None = quantity(
+        "rad",
+        "angle of the second less that of the first without moment; that of the start if left out",
+        None,
+    )
 
     def numbers(self, start: float) -> SpringNumbers:
         """What a step reads; the free angle is ``start`` (rad) unless given."""

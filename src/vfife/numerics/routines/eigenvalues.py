@@ -4,7 +4,8 @@ Eigenvalues of general real matrices: elimination to Hessenberg's form, then Fra
 
 Martin, Peters and Wilkinson, Numerische Mathematik 14 (1970) 219-231 (elmhes and hqr of EISPACK).
 
-Eigenvalues and vectors of symmetric matrices: reflections to three diagonals, then implicit QL steps with shifts.
+Eigenvalues and vectors of symmetric matrices: reflections to three diagonals, then implicit QL steps with
+shifts.
 
 Bowdler, Martin, Reinsch and Wilkinson, Numerische Mathematik 11 (1968) 293-306 (tred2 and tql2 of EISPACK).
 """
@@ -18,7 +19,9 @@ ROUNDING = 2.220446049250313e-16
 
 
 def eigenvalues(A, real, imaginary, W, count, size):
-    """Real and imaginary parts of the eigenvalues of ``count`` matrices (size, size); of a matrix not finite, or not solved, NaN."""
+    """Real and imaginary parts of the eigenvalues of ``count`` matrices (size, size); of a matrix not finite,
+    or not solved, NaN.
+    """
     for m in range(count):
         check = 0.0
         for i in range(size * size):
@@ -212,7 +215,9 @@ def double_step(a, l, last, n, x, y, w):
 
 
 def diagonalise(A, values, vectors, W, count, size):
-    """Eigenvalues of ``count`` symmetric matrices (size, size) in rising order, and vectors as columns; those of a matrix not finite are NaN."""
+    """Eigenvalues of ``count`` symmetric matrices (size, size) in rising order, and vectors as columns; those
+    of a matrix not finite are NaN.
+    """
     d = size * size
     e = d + size
     for m in range(count):
@@ -237,7 +242,9 @@ def diagonalise(A, values, vectors, W, count, size):
 
 
 def tridiagonal(V, d, e, n):
-    """Reflections to a diagonal at ``d`` and one beside it at ``e``, gathered in V; only its lower triangle is read."""
+    """Reflections to a diagonal at ``d`` and one beside it at ``e``, gathered in V; only its lower triangle
+    is read.
+    """
     for j in range(n):
         V[d + j] = V[(n - 1) * n + j]
     for i in range(n - 1, 0, -1):

@@ -11,7 +11,9 @@ from ...kernels.elementary import log_of, nearest, sincos, small_exp, two_to
 
 
 def exponential(x):
-    """e**x over the whole range: 2**k times the series of the rest, whose multiple of ln 2 is taken off in two parts."""
+    """e**x over the whole range: 2**k times the series of the rest, whose multiple of ln 2 is taken off in
+    two parts.
+    """
     if x > 709.782712893384:
         return 1e308 * 1e308
     if x < -745.1332191019412:
@@ -31,7 +33,9 @@ def exponential(x):
 
 
 def y_error(high, y, low):
-    """What the difference y = high - low of an exponent left out, as a change of e**y, which is near 1: y - (high - low)."""
+    """What the difference y = high - low of an exponent left out, as a change of e**y, which is near 1: y -
+    (high - low).
+    """
     return (y - high) + low
 
 
@@ -80,7 +84,8 @@ def product_error(a, b, ab):
 def logarithm_in_two(x):
     """ln x as a sum of two numbers, for a positive finite number; relative error about 2**-60.
 
-    2 artanh s with s = (m - 1)/(m + 1) in two parts, and ln 2 in two: the first one, of 32 bits, times the exponent is exact.
+    2 artanh s with s = (m - 1)/(m + 1) in two parts, and ln 2 in two: the first one, of 32 bits, times the
+    exponent is exact.
     """
     m, e = parts(x)
     f = m - 1.0
@@ -92,7 +97,9 @@ def logarithm_in_two(x):
     z = s * s
     w = z * z
     low = (0.6666666666666666 + z * 0.4) + w * (0.2857142857142857 + z * 0.2222222222222222)
-    high = (0.18181818181818182 + z * 0.15384615384615385) + w * (0.13333333333333333 + z * 0.11764705882352941)
+    high = (0.18181818181818182 + z * 0.15384615384615385) + w * (
+        0.13333333333333333 + z * 0.11764705882352941
+    )
     last = (0.10526315789473684 + z * 0.09523809523809523) + w * 0.08695652173913043
     third = s * z * (low + w * w * (high + w * w * last))
     top = 2.0 * s
@@ -106,7 +113,9 @@ def logarithm_in_two(x):
 
 
 def raised(x, exponent):
-    """x**exponent for a positive finite x and any finite exponent, by logarithm and product in two parts each."""
+    """x**exponent for a positive finite x and any finite exponent, by logarithm and product in two parts
+    each.
+    """
     first, rest = logarithm_in_two(x)
     if abs(exponent) > 1e200:
         return exponential(exponent * first if exponent * first < 1e4 else 1e4)
@@ -121,7 +130,9 @@ def raised(x, exponent):
 
 
 def arctangent(x):
-    """atan x (s_atan.c): the argument is brought below 7/16 by atan(1/2), pi/4, atan(3/2) and pi/2, each in two parts."""
+    """atan x (s_atan.c): the argument is brought below 7/16 by atan(1/2), pi/4, atan(3/2) and pi/2, each in
+    two parts.
+    """
     a = abs(x)
     if a < 0.4375:
         high, low, t = 0.0, 0.0, a
@@ -136,7 +147,8 @@ def arctangent(x):
     z = t * t
     w = z * z
     odd = 1.42857142725034663711e-01 + w * (
-        9.09088713343650656196e-02 + w * (6.66107313738753120669e-02 + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02))
+        9.09088713343650656196e-02
+        + w * (6.66107313738753120669e-02 + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02))
     )
     odd = z * (3.33333333333329318027e-01 + w * odd)
     even = -7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02)

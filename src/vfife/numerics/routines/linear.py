@@ -4,12 +4,15 @@ Products of dense matrices row by row, each sum in the order of its terms.
 
 Gauss' elimination with partial pivoting; of pivots of one size the first counts.
 
-Factors L D L^T of symmetric matrices whose entries lie near the diagonal, row by row from the first entry that is not zero (skyline).
+Factors L D L^T of symmetric matrices whose entries lie near the diagonal, row by row from the first entry
+that is not zero (skyline).
 """
 
 
 def multiply(A, B, C, count, a, b, c, rows, inner, columns):
-    """C = A B for ``count`` pairs of matrices (rows, inner) and (inner, columns), which lie ``a``, ``b`` and ``c`` numbers apart."""
+    """C = A B for ``count`` pairs of matrices (rows, inner) and (inner, columns), which lie ``a``, ``b`` and
+    ``c`` numbers apart.
+    """
     for m in range(count):
         for i in range(rows):
             at = m * c + i * columns
@@ -46,7 +49,9 @@ def eliminate(A, B, signs, count, size, columns):
 
 
 def triangle(A, B, o, p, size, columns):
-    """Upper triangle of a matrix at ``o``, the right sides at ``p`` changed along; returned: the sign of the determinant."""
+    """Upper triangle of a matrix at ``o``, the right sides at ``p`` changed along; returned: the sign of the
+    determinant.
+    """
     sign = 1.0
     for k in range(size):
         row = k
@@ -93,9 +98,11 @@ def substitute(A, B, o, p, size, columns):
 
 
 def factorise(A, start, first, size, least):
-    """Factors in place. Row i has its entries from column ``first[i]`` to the diagonal, in A up to ``start[i]``, the diagonal's place.
+    """Factors in place. Row i has its entries from column ``first[i]`` to the diagonal, in A up to
+    ``start[i]``, the diagonal's place.
 
-    Pivots below ``least`` are taken as that: a matrix to which so much was added has none in exact arithmetic.
+    Pivots below ``least`` are taken as that: a matrix to which so much was added has none in exact
+    arithmetic.
     """
     for i in range(size):
         here = int(start[i]) - i  # column 0 would lie here

@@ -1,28 +1,35 @@
-"""Singular values and vectors: QR factors, then Jacobi's rotations of the rows of R until they are orthogonal.
+"""Singular values and vectors: QR factors, then Jacobi's rotations of the rows of R until they are
+orthogonal.
 
-One-sided rotations in a fixed order of pairs (Hestenes, Journal of the SIAM 6 (1958) 51-90), on the triangle of a QR factorisation with column
-pivoting, which leaves them little to do and gives small singular values with high relative accuracy (Drmac and Veselic, SIAM Journal on Matrix
-Analysis and Applications 29 (2008) 1322-1362).
+One-sided rotations in a fixed order of pairs (Hestenes, Journal of the SIAM 6 (1958) 51-90), on the triangle
+of a QR factorisation with column pivoting, which leaves them little to do and gives small singular values
+with high relative accuracy (Drmac and Veselic, SIAM Journal on Matrix Analysis and Applications 29 (2008)
+1322-1362).
 
 QR factors by Householder's reflections, with the largest remaining column first where asked.
 
-A matrix is held by its columns: row j of W is column j. A reflection I - t v v^T keeps v behind its first entry, 1, in place of what it removed.
+A matrix is held by its columns: row j of W is column j. A reflection I - t v v^T keeps v behind its first
+entry, 1, in place of what it removed.
 """
 
 import math
 
-# Largest cosine between two rows that count as orthogonal, over the root of their length: some roundings of their product.
+# Largest cosine between two rows that count as orthogonal, over the root of their length: some roundings of
+# their product.
 ORTHOGONAL = 2.2e-16
-# Rows shorter than this part of the longest are rounding; their directions are chosen orthogonal to the others.
+# Rows shorter than this part of the longest are rounding; their directions are chosen orthogonal to the
+# others.
 NOTHING = 1e-17
 # One sweep over all pairs after another: five to eight do.
 SWEEPS = 60
 
 
 def decompose(A, left, size, right, W, count, rows, columns, vectors):
-    """Singular values of ``count`` matrices (rows, columns) in falling order, with ``vectors`` 1 the vectors that belong to them, with 2 all.
+    """Singular values of ``count`` matrices (rows, columns) in falling order, with ``vectors`` 1 the vectors
+    that belong to them, with 2 all.
 
-    ``left`` (rows, k) has the vectors as columns, ``right`` (k, columns) as rows. Returns nothing; ``size`` of a matrix that is not finite is NaN.
+    ``left`` (rows, k) has the vectors as columns, ``right`` (k, columns) as rows. Returns nothing; ``size``
+    of a matrix that is not finite is NaN.
     """
     n = min(rows, columns)
     length = max(rows, columns)
@@ -57,7 +64,9 @@ def decompose(A, left, size, right, W, count, rows, columns, vectors):
 
 
 def gather(A, W, a, o, rows, columns):
-    """A matrix by its rows, or its columns where these are fewer, its largest entry brought near 1; returned: what that was divided by."""
+    """A matrix by its rows, or its columns where these are fewer, its largest entry brought near 1; returned:
+    what that was divided by.
+    """
     largest = 0.0
     check = 0.0
     for i in range(rows * columns):
@@ -79,7 +88,9 @@ def gather(A, W, a, o, rows, columns):
 
 
 def orthogonalise(W, M, J, squares, n, least):
-    """Rotates the rows at ``M`` in pairs until they are orthogonal, those at ``J`` along; ``squares`` are those of their lengths."""
+    """Rotates the rows at ``M`` in pairs until they are orthogonal, those at ``J`` along; ``squares`` are
+    those of their lengths.
+    """
     limit = ORTHOGONAL * math.sqrt(float(n))
     below = least * least
     for _ in range(SWEEPS):
@@ -97,18 +108,26 @@ def orthogonalise(W, M, J, squares, n, least):
                     if abs(c) > limit * both:
                         largest = max(largest, abs(c) / both)
                         steepest = max(steepest, rotate(W, M, J, squares, n, p, q, c))
-        if largest * steepest <= limit:  # what a rotation puts back into pairs that were orthogonal is below rounding
+        if (
+            largest * steepest <= limit
+        ):  # what a rotation puts back into pairs that were orthogonal is below rounding
             break
     for p in range(n):
         W[squares + p] = dot(W, M + p * n, M + p * n, n)
 
 
 def rotate(W, M, J, squares, n, p, q, c):
-    """Makes rows p and q orthogonal, whose product is c; returned: the tangent of the angle by which they turn."""
+    """Makes rows p and q orthogonal, whose product is c; returned: the tangent of the angle by which they
+    turn.
+    """
     slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
     root = math.sqrt(1.0 + slope * slope)
     tangent = 1.0 / (slope + root) if slope > 0.0 else 1.0 / (slope - root)
-    if slope == 0.0:  # rows of one length: the sign of c decides, so that a row turned round gives the same rows turned round
+    if (
+        slope == 0.0
+        # rows of one length: the sign of c decides, so that a row turned round gives the same rows turned
+        # round
+    ):
         tangent = 1.0 if c > 0.0 else -1.0
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     sine = cosine * tangent
@@ -167,7 +186,9 @@ def directions(W, M, squares, n, least, X):
 
 
 def hand_out(left, right, W, m, rows, columns, k, o, t, order, M, J, rank, X):
-    """Writes the vectors in falling order of their singular values: those of the longer side are Q J^T, the others lie at ``M``."""
+    """Writes the vectors in falling order of their singular values: those of the longer side are Q J^T, the
+    others lie at ``M``.
+    """
     n = min(rows, columns)
     length = max(rows, columns)
     tall = rows > columns
@@ -195,7 +216,9 @@ def hand_out(left, right, W, m, rows, columns, k, o, t, order, M, J, rank, X):
 
 
 def dot(W, first, second, count):
-    """Sum of products of what lies behind two places, in four sums that are added in pairs at the end: one would wait for itself."""
+    """Sum of products of what lies behind two places, in four sums that are added in pairs at the end: one
+    would wait for itself.
+    """
     a = 0.0
     b = 0.0
     c = 0.0
@@ -228,9 +251,11 @@ def first_sign(W, at, count):
 
 
 def reflect(W, o, t, order, count, size, pivoted):
-    """Factors of ``count`` columns of ``size`` entries each at ``o``: column j has R below entry j, its reflection behind it.
+    """Factors of ``count`` columns of ``size`` entries each at ``o``: column j has R below entry j, its
+    reflection behind it.
 
-    The diagonal of R lies at t + count + j, the factors of the reflections at t + j, the order of the columns at ``order``.
+    The diagonal of R lies at t + count + j, the factors of the reflections at t + j, the order of the columns
+    at ``order``.
     """
     for k in range(count):
         W[order + k] = k
@@ -282,7 +307,9 @@ def turn_back(W, o, t, count, size, at):
 
 
 def factors(A, Q, R, W, count, rows, columns, full):
-    """Q (rows, k) and R (k, columns) of ``count`` matrices (rows, columns); k is the lesser of both, or ``rows`` where Q is to be ``full``."""
+    """Q (rows, k) and R (k, columns) of ``count`` matrices (rows, columns); k is the lesser of both, or
+    ``rows`` where Q is to be ``full``.
+    """
     most = min(rows, columns)
     k = rows if full != 0 else most
     o = 0

@@ -1,0 +1,181 @@
+"""``vfife check``: what would run, and what it would cost; what was filled in by default."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ...files import read_bytes
+from ..options import JsonOption, LawsOption, ModelArgument, SetOption, overrides, read_model
+from ..terminal import answer, sentences
+
+if TYPE_CHECKING:
+    from ...model.mechanism import Mechanism
+    from ...modelfile.tables import Table
+
+LongOption = Annotated[
+    bool,
+    typer.Option(
+        "--long",
+        help="With all that was filled in by default, all limits of the step, and all rows of long tables.",
+    ),
+]
+
+
+def check(
+    model: ModelArgument,
+    set_: SetOption = None,
+    laws: LawsOption = None,
+    long: LongOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """What would run: bodies, joints, masses, degrees of freedom, step, cost in steps, time and bytes.
+
+    Nothing of the run itself is computed; the ideal mechanism is, for the forces that the joints have to
+    expect.
+    """
+    with sentences(str(model)):
+        found = examine(model, set_, laws)
+    from ...report.check import document
+
+    answer(document(found, long), as_json)
+
+
+def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None) -> dict[str, Any]:
+    """Everything that is known before a run."""
+    mechanism = read_model(model, texts, laws)
+    from ...assembly.assemble import assemble
+    from ...assembly.possible import outlook
+    from ...assembly.timestep import CONTACT_STEPS
+    from ...job.cost import BRIEF, run_cost
+    from ...report import check as described
+    from ...simulation.simulate import repeated
+    from ...simulation.start import expected_forces, first_contact_steps, ideal_of, referred
+    from ...solvers.companions import number
+    from ...solvers.transient import choose_loop
+
+    seen = outlook(mechanism)
+    ideal = ideal_of(mechanism) if seen.through else None
+    long = ideal is not None and run_cost(ideal).seconds > BRIEF
+    expected = {} if long else expected_forces(referred(ideal))
+    begin = first_contact_steps(mechanism, mechanism.settings.companions)
+    assembly = assemble(mechanism, expected=expected, contact_steps=begin)
+    choice, again = assembly.choice, repeated(assembly, mechanism.settings.companions)
+    companions = number(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
+    cost = run_cost(assembly, ideal, companions=companions, refined=again)
+    return {
+        "model": mechanism.name,
+        "file": str(model),
+        "note": mechanism.note,
+        "bodies": described.bodies(assembly),
+        "joints": described.joints(assembly, expected),
+        "couplings": described.couplings(assembly),
+        "degrees_of_freedom": described.freedom(assembly),
+        "load_factors": (
+            list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else []
+        ),
+        "iterations": mechanism.settings.iterations,
+        "step": described.step(assembly) | {"searched": assembly.choice.automatic and begin != CONTACT_STEPS},
+        "steps": choice.steps,
+        "outputs": choice.outputs + 1,
+        "steps_between_outputs": choice.outputs_every,
+        "duration": choice.steps * choice.step,
+        "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
+        "settle": mechanism.settings.settle,
+        "repeated": again,
+        "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
+        "defaults": filled_in(model, overrides(texts)),
+        "notes": [*assembly.notes, *seen.notes],
+        **({"laws": compared_laws(mechanism)} if laws else {}),
+    }
+
+
+def compared_laws(mechanism: Mechanism) -> dict[str, str]:
+    """In which loops laws of the user's own were compared with Python, by name."""
+    from ...laws.check import comparison
+    from ...model.surfaces import surfaces
+
+    joints = mechanism.contacts.values()
+    return comparison(
+        [(law, surfaces(mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
+    )
+
+
+Filled = dict[str, Any]
+
+
+def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
+    """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken
+    instead.
+    """
+    from ...model.mechanism import Mechanism
+    from ...modelfile.csvtables import expand
+    from ...modelfile.paths import override
+    from ...modelfile.reader import Written
+    from ...modelfile.tables import Table
+    from ...schema import Chosen
+
+    raw = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
+    _, given = override(raw, items)
+    expand(raw, str(path))
+    reading = Written(raw, given)
+    reading.mechanism()
+    found = list(left_out("", Table(Mechanism), raw))
+    for place, what, holder in sorted(reading.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
+        if len(place) > 2:
+            continue
+        found += left_out(".".join(map(str, place)), what, holder)
+        for key in what.fields:
+            if isinstance(held := what.value(key), Chosen):
+                found += law(".".join(map(str, (*place, key))), held.word, holder.get(key, {}))
+    return found
+
+
+def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Filled]:
+    """Keys with a default value that a table leaves out; empty tables and values that are derived are none."""
+    from ...schema import meaning_of
+
+    if what.tag and what.optional and what.tag not in holder:
+        yield {
+            "path": f"{path}.{what.tag}",
+            "value": what.word,
+            "unit": "1",
+            "meaning": f"the {what.tag} of it",
+        }
+    for key, field in what.fields.items():
+        default = getattr(field.default_factory, "name", field.default)  # of a material, its name
+        if (
+            key not in holder
+            and isinstance(default, str | float | int | tuple)
+            and default not in ("", ())
+            and not what.idle(key, holder)
+        ):
+            unit = getattr(what.value(key), "unit", "1")
+            yield {
+                "path": f"{path}.{key}".lstrip("."),
+                "value": default,
+                "unit": unit,
+                "meaning": meaning_of(field, what.along),
+            }
+
+
+def law(path: str, kind: str, given: dict[str, Any]) -> Iterator[Filled]:
+    """The law and its parameters that a joint leaves out."""
+    from ...model.reading import DEFAULTS, LAWS
+    from ...schema import described_fields
+
+    name = given.get("law", DEFAULTS[kind].name)
+    if "law" not in given:
+        yield {"path": f"{path}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
+    for one in described_fields(LAWS[kind].known()[name]):
+        if one.name not in given and isinstance(one.default, str | float | int):
+            yield {
+                "path": f"{path}.{one.name}",
+                "value": one.default,
+                **{key: one.metadata[key] for key in ("unit", "meaning")},
+            }

@@ -1,0 +1,278 @@
+"""``vfife laws`` and ``vfife materials``: the laws there are, with their sources, units and forms; a free
+impact through one of them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ...errors import suggestion
+from ..options import JsonOption, LawsOption, overrides, positive, take_laws
+from ..terminal import answer, fail, sentences, writing
+
+if TYPE_CHECKING:
+    from ...laws import Law, Pair
+
+Size = Annotated[str, typer.Option(metavar="LENGTH", help="Of the pair of surfaces.")]
+MaterialOption = Annotated[
+    str,
+    typer.Option(
+        "--material", metavar="NAME", help='Of both surfaces, or "bearing,journal"; see `vfife materials`.'
+    ),
+]
+Parameter = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set a parameter of the law, as in restitution=0.7."),
+]
+Picture = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="FILE", help="Where to draw.", show_default="NAME.png"),
+]
+
+
+def laws(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="One law only.", show_default=False)
+    ] = None,
+    long: Annotated[
+        bool, typer.Option("--long", help="All that is known of each law, instead of a line.")
+    ] = False,
+    plot: Annotated[
+        bool, typer.Option("--plot", help="Draw the law: a free impact, or friction over sliding velocity.")
+    ] = False,
+    picture: Picture = None,
+    clearance: Size = "0.2 mm",
+    bearing_radius: Size = "10 mm",
+    axial_length: Size = "20 mm",
+    material: MaterialOption = "steel",
+    mass: Annotated[str, typer.Option(metavar="MASS", help="Of a free impact.")] = "1 kg",
+    speed: Annotated[str, typer.Option(metavar="SPEED", help="Of a free impact.")] = "1 m/s",
+    normal_force: Annotated[
+        str, typer.Option(metavar="FORCE", help="Under which friction is shown.")
+    ] = "100 N",
+    set_: Parameter = None,
+    laws: LawsOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Contact and friction laws, a line each; of one that is named source, formula, parameters with units,
+    defaults and limits.
+
+    With --plot a law by itself: a contact law in free impacts (force over penetration, restitution
+    delivered), a friction law in steady sliding, with the loops before it slides where it remembers.
+    """
+    with sentences("laws"):
+        own = take_laws(laws)
+        told = tried(own)
+        found = [
+            {**law, "compared": told[law["name"]]} if law["name"] in told else law
+            for law in chosen(name, own)
+        ]
+        if plot:
+            if name is None:
+                raise ValueError("--plot: name the law to draw, as in vfife laws pereira --plot")
+            pair_of = (clearance, bearing_radius, axial_length, material)
+            sizes = (
+                positive("--mass", mass, "kg"),
+                positive("--speed", speed, "m/s"),
+                positive("--normal-force", normal_force, "N"),
+            )
+            found = [{**law, **by_itself(law, pair_of, sizes, set_, picture)} for law in found]
+    from ...report.laws import law_details, law_list
+
+    answer((law_list if name is None and not long else law_details)(found), as_json)
+
+
+def tried(own: list[str]) -> dict[str, str]:
+    """In which loops laws of the user's own were compared with Python, by name. Raises ValueError where one
+    cannot be used.
+    """
+    if not own:
+        return {}
+    from ...laws import ContactLaw, FrictionLaw
+    from ...laws.check import USUAL, comparison, faults, needed
+
+    known = [
+        base.registry[name] for name in own for base in (ContactLaw, FrictionLaw) if name in base.registry
+    ]
+    if told := [fault for law in known for fault in faults(law)]:
+        raise ValueError("\n".join(f"--laws {fault}" for fault in told))
+    return comparison([(law(), USUAL) for law in known if not needed(law)])
+
+
+def chosen(name: str | None, own: list[str]) -> list[dict[str, Any]]:
+    """The laws to tell of: those of a name, else all."""
+    from ...report.laws import described
+
+    found = list(described())
+    if name is None:
+        return found
+
+    these = [law for law in found if law["name"] == name.lower()]
+    if not these:
+        fail(
+            f"there is no law {name!r}."
+            f" {suggestion(name.lower(), [law['name'] for law in found], 'name one of them').capitalize()}"
+        )
+    return these
+
+
+def by_itself(
+    law: dict[str, Any], pair_of: tuple[str, ...], sizes: tuple[float, ...], texts: Any, picture: Path | None
+) -> dict[str, Any]:
+    """Numbers of a law by itself, and the file with its picture."""
+    from ...laws import ContactLaw, FrictionLaw
+
+    clearance, radius, length, material = pair_of
+    bearing, _, journal = material.partition(",")
+    pair = surfaces(clearance, radius, length, (bearing.strip(), journal.strip() or bearing.strip()))
+    base: Any = ContactLaw if law["kind"] == "contact" else FrictionLaw
+    noun: Any = made(base.registry[law["name"]], law["kind"], texts, pair)
+    target = target_of(picture, law["name"])
+    mass, speed, normal = sizes
+    numbers, what = (
+        contact(noun, pair, mass, speed) if law["kind"] == "contact" else friction(noun, pair, normal)
+    )
+    from ...plots.laws import drawn
+
+    with writing(str(target), "What was there is as it was."):
+        drawn(law["kind"], target, **what)
+    return {
+        "derived": noun.derived(pair),
+        "units": noun.units(pair),
+        "numbers": numbers,
+        "picture": str(target),
+    }
+
+
+LOOPS = (0.3, 0.5, 0.7, 0.9, 1.0)
+ASKED = tuple(round(0.05 * k, 2) for k in range(1, 21))
+SPEEDS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)  # of the table
+
+
+def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str]) -> Pair:
+    """The pair of surfaces that the options tell. Raises ValueError for what is none."""
+    from ...laws import MATERIALS, Pair
+
+    options = (("--bearing-radius", radius), ("--clearance", clearance), ("--axial-length", length))
+    outer, gap, along = (positive(option, text, "m") for option, text in options)
+    if gap >= outer:
+        raise ValueError(
+            f"--clearance {clearance}: as large as the bearing, so no journal is left; allowed: below"
+            f" --bearing-radius {radius}"
+        )
+    for name in materials:
+        if name not in MATERIALS:
+            raise ValueError(
+                f"--material {name}: there is no material of this name."
+                f" {suggestion(name, MATERIALS, 'name one of them')}"
+            )
+    return Pair(outer, gap, along, MATERIALS[materials[0]], MATERIALS[materials[1]])
+
+
+def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
+    """The law with what ``--set`` says, tried out at these surfaces. Raises ValueError with all that is
+    wrong.
+    """
+    from ...laws.check import try_out
+    from ...model.reading import read_law
+    from ...model.validation.settings import senseless
+    from ...modelfile.csvtables import expand_curves
+    from ...modelfile.paths import parsed
+
+    holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
+    broken = expand_curves(holder, "laws") if kind == "contact" else []
+    found, faults = read_law(kind, holder)
+    faults = broken + [one for one in faults if one.path[:1] not in {fault.path for fault in broken}]
+    if found is None or faults:
+        raise ValueError("\n".join(f"--set {fault}" for fault in faults))
+    if what := senseless(found, pair):
+        raise ValueError(
+            f"{what} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or"
+            " --material"
+        )
+    try_out([(found, pair)])
+    return found
+
+
+def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numbers of free impacts through a contact law, and what to draw of them."""
+    import numpy as np
+
+    from ...measures.impact import free_impact, with_restitution
+
+    has = hasattr(law, "restitution")
+    loops, rows = {}, []
+    for value in ASKED if has else (None,):
+        try:
+            one = with_restitution(law, value) if value is not None else law
+            found = free_impact(one, pair, mass, speed)
+        except (ArithmeticError, ValueError):
+            continue  # a coefficient that this law does not take
+        rows.append(
+            {
+                "restitution": value,
+                "delivered": found.restitution,
+                "deepest": found.deepest,
+                "force": found.largest,
+                "time": found.duration,
+            }
+        )
+        if value is None or value in LOOPS:
+            loops["free impact" if value is None else f"{value:g} → {found.restitution:.3f}"] = found
+    asked = np.array([entry["restitution"] for entry in rows]) if has else None
+    delivered = (asked, np.array([entry["delivered"] for entry in rows])) if has else None
+    dry = ", dry contact" if law.film else ""
+    title = (
+        f"{law.name}{dry}: {mass:g} kg at {speed:g} m/s, clearance {1e3 * pair.clearance:g} mm, radius"
+        f" {1e3 * pair.bearing_radius:g} mm"
+    )
+    return {"mass": mass, "speed": speed, "impacts": rows}, {
+        "title": title,
+        "loops": loops,
+        "delivered": delivered,
+    }
+
+
+def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Numbers of steady sliding through a friction law, and what to draw of it."""
+    import numpy as np
+
+    from ...measures.impact import breakaway, presliding, remembers, steady_sliding
+
+    positive_ = np.geomspace(1e-5, 1.0, 81)
+    speeds = np.concatenate([-positive_[::-1], [0.0], positive_])
+    forces = steady_sliding(law, pair, normal, speeds)
+    at = steady_sliding(law, pair, normal, SPEEDS)
+    found: dict[str, Any] = {
+        "normal_force": normal,
+        "steady": [{"speed": v, "force": 0.0 - float(f)} for v, f in zip(SPEEDS, at, strict=True)],
+    }
+    loops = {}
+    if remembers(law, pair, normal):
+        found["breakaway"] = reach = breakaway(law, pair, normal)
+        loops = {f"{share:g}": presliding(law, pair, normal, share * reach) for share in (0.5, 1.0, 3.0)}
+    title = f"{law.name}: normal force {normal:g} N"
+    return found, {"title": title, "speeds": speeds, "forces": forces, "loops": loops, "normal": normal}
+
+
+def target_of(asked: Path | None, name: str) -> Path:
+    """The file to draw into. Raises ValueError where none can be there."""
+    plain = re.sub(r"[^\w-]+", "-", name).strip("-") or "law"
+    target = asked if asked is not None else Path(f"{plain}.png")
+    if target.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise ValueError(f"-o {target}: the ending chooses the kind of picture; allowed: .png, .pdf, .svg")
+    if not target.absolute().parent.is_dir():
+        raise ValueError(f"-o {target}: there is no folder {target.absolute().parent}; make it first")
+    return target
+
+
+def materials(as_json: JsonOption = False) -> None:
+    """Materials that a model may name, with their numbers and where these are from."""
+    from ...report import laws
+
+    answer(laws.materials(), as_json)

@@ -1,0 +1,101 @@
+"""``vfife new`` and ``vfife schema``: model files to begin with, and what may stand in one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ...errors import suggestion
+from ...files import GALLERY, write_text
+from ..terminal import answer, fail, sentences, writing
+
+if TYPE_CHECKING:
+    from ...report.document import Document
+
+ROOM = Path(__file__).resolve().parents[2]
+FOLDERS = {"model": ROOM / "modelfile" / "templates", "model of the gallery": GALLERY}
+SCHEMA = ROOM / "modelfile" / "model.schema.json"
+NameArgument = Annotated[
+    str | None,
+    typer.Argument(metavar="[NAME]", help="Which one; without it all are listed.", show_default=False),
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option("-o", "--out", metavar="FILE", help="Write it into this file.", show_default=False),
+]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace a file that is there.")]
+
+
+def new(name: NameArgument = None, out: OutOption = None, force: ForceOption = False) -> None:
+    """A commented model file to start from, on standard output or into a file."""
+    if name is None:
+        if out is not None:
+            fail(f"nothing says what to write into {out}; name one of {', '.join(templates())}")
+        answer(listing())
+        return
+    text = started(name)
+    if out is None:
+        typer.echo(text, nl=False)
+        return
+    with sentences(str(out)), writing(str(out), "What was there is as it was."):
+        if out.exists() and not force:
+            raise ValueError("there is such a file already; choose another name, or replace it with --force")
+        write_text(out, text)
+
+
+def templates() -> dict[str, Path]:
+    """Model files to start from, by name: those whose lines are explained, then the gallery."""
+    return {path.stem: path for folder in FOLDERS.values() for path in sorted(folder.glob("*.toml"))}
+
+
+def started(name: str) -> str:
+    """Text of a template; its first line tells editors where the schema is."""
+    known = templates()
+    name = (
+        name
+        if name in known
+        else next((one for one in known if one.replace("_", "-") == name.replace("_", "-")), name)
+    )
+    if name not in known:
+        fail(
+            f"there is no model {name!r} to start from;"
+            f" {suggestion(name, known, 'name one of those there are')}"
+        )
+    return f"#:schema {SCHEMA.as_uri()}\n{known[name].read_text(encoding='utf-8')}"
+
+
+def about(path: Path) -> str:
+    """What a template is: its first line."""
+    return path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
+
+
+def listing() -> Document:
+    """All models with a line each, in two tables."""
+    from ...report.document import Document, Paragraph, Table
+
+    kinds = ((title, sorted(folder.glob("*.toml"))) for title, folder in FOLDERS.items())
+    tables = [
+        Table((title, "what it is"), [(path.stem, about(path)) for path in paths]) for title, paths in kinds
+    ]
+    return Document([*tables, Paragraph("Write one with: vfife new NAME -o FILE")])
+
+
+StudyOption = Annotated[bool, typer.Option("--study", help="The schema of study files instead.")]
+
+
+def schema(out: OutOption = None, study: StudyOption = False) -> None:
+    """JSON Schema of model files, for completion and checks in an editor: every key with its meaning, unit
+    and limits.
+    """
+    if study:
+        from ...studies.engine.study_file import text
+    else:
+        from ...modelfile.jsonschema import text
+
+    if out is None:
+        typer.echo(text(), nl=False)
+        return
+    with writing(str(out), "What was there is as it was."):
+        write_text(out, text())

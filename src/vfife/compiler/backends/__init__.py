@@ -1,0 +1,1 @@
+"""The step as text: LLVM, PTX, JavaScript, Python."""

@@ -1,0 +1,390 @@
+"""Expressions of plain functions, one instruction an operation, in Python's order."""
+
+from __future__ import annotations
+
+import ast
+
+from .blocks import TYPES, Array, Blocks, External, Kind, Value, answered, joined, members, named, types_of
+from .llvm import BINARY, ORDER, literal
+
+INTEGER = {"+": "add nsw", "-": "sub nsw", "*": "mul nsw"}
+SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
+WHOLE = {">": "sgt", "<": "slt", ">=": "sge", "<=": "sle", "==": "eq", "!=": "ne"}
+
+
+TURNED = {">": "<", "<": ">", ">=": "<=", "<=": ">="}  # the same with its sides exchanged
+
+
+class Expressions(Blocks):
+    """Writes expressions. Names have places in memory, arrays are what they were handed in as."""
+
+    places: dict[str, Value]
+    bound: dict[str, Value]
+    given: set[str]  # names that have a value on every way to here
+
+    def known(
+        self, node: ast.AST, name: str, kinds: tuple[Kind, ...]
+    ) -> tuple[str, Kind | None] | External | None:
+        """Name in LLVM's text of another function, and the kind of its answer; None where there is no such
+        function.
+        """
+        raise NotImplementedError
+
+    def truth(self, node: ast.expr) -> str:
+        """Whether an expression holds."""
+        value = self.value(node)
+        if value.kind == "b":
+            return value.parts[0]
+        if value.kind == "i":
+            return self.fresh(f"icmp ne i64 {value.parts[0]}, 0")
+        return self.refuse(node, f"{named(value.kind)} is no condition; write a comparison")
+
+    def integer(self, node: ast.expr) -> str:
+        """An expression that is an integer."""
+        value = self.value(node)
+        return (
+            value.parts[0]
+            if value.kind == "i"
+            else self.refuse(node, f"this is {named(value.kind)}, and an integer is needed")
+        )
+
+    def number(self, node: ast.AST, value: Value) -> str:
+        """A value as a number; an integer becomes one as in Python, rounded beyond 2^53."""
+        part, *_ = value.parts
+        if value.kind == "i":
+            return (
+                literal(float(part))
+                if part.lstrip("-").isdigit()
+                else self.fresh(f"sitofp i64 {part} to double")
+            )
+        return (
+            part
+            if value.kind == "d"
+            else self.refuse(node, f"this is {named(value.kind)}, and a number is needed")
+        )
+
+    def value(self, node: ast.expr) -> Value:
+        """What an expression gives."""
+        return getattr(self, f"_{type(node).__name__.lower()}", self._unknown)(node)  # type: ignore[no-any-return]
+
+    def _constant(self, node: ast.Constant) -> Value:
+        if isinstance(node.value, bool):
+            return Value("b", ("true" if node.value else "false",))
+        if isinstance(node.value, int):
+            if abs(node.value) >= 1 << 63:
+                self.refuse(node, "an integer has 64 bits")
+            return Value("i", (str(node.value),))
+        return Value("d", (literal(node.value),)) if isinstance(node.value, float) else self._unknown(node)
+
+    def _name(self, node: ast.Name) -> Value:
+        if node.id in self.bound:
+            return self.bound[node.id]
+        if node.id not in self.given:
+            self.refuse(node, f"{node.id} may be used before it has a value")
+        return self.load(self.places[node.id])
+
+    def _tuple(self, node: ast.Tuple) -> Value:
+        return joined([self.value(one) for one in node.elts])
+
+    def _attribute(self, node: ast.Attribute) -> Value:
+        value = self.value(node.value)
+        if node.attr != "shape" or not isinstance(value.kind, Array):
+            self._unknown(node)
+        return Value(("i",) * value.kind.dimensions, value.parts[1:])
+
+    def _subscript(self, node: ast.Subscript) -> Value:
+        value = (
+            self.value(node.value)
+            if not isinstance(node.value, ast.Name) or node.value.id not in self.bound
+            else None
+        )
+        if value is None or isinstance(value.kind, Array):
+            return self.item(*self.place(node))
+        parts, at = members(value), node.slice
+        where = written(at)
+        if not parts or where is None or not -len(parts) <= where < len(parts):
+            self.refuse(node, "of a tuple one item is taken, by a number that is written there")
+        return parts[where]
+
+    def place(self, node: ast.Subscript) -> tuple[str, str]:
+        """Kind and address of an item of an array."""
+        array = self.value(node.value)
+        if not isinstance(array.kind, Array):
+            self.refuse(node, "this is no array")
+        indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        if len(indices) != array.kind.dimensions:
+            self.refuse(node, f"this array has {array.kind.dimensions} dimensions")
+        if any(isinstance(one, ast.UnaryOp) for one in indices):
+            self.refuse(node, "an index counts from 0 on; -1 is not the last item")
+        where = self.integer(indices[0])
+        for size, one in zip(array.parts[2:], indices[1:], strict=True):
+            where = self.fresh(
+                f"add nsw i64 {self.fresh(f'mul nsw i64 {where}, {size}')}, {self.integer(one)}"
+            )
+        return array.kind.item, self.fresh(
+            f"getelementptr inbounds {TYPES[array.kind.item]}, ptr {array.parts[0]}, i64 {where}"
+        )
+
+    def item(self, kind: str, place: str) -> Value:
+        """What lies at an address."""
+        found = self.fresh(f"load {TYPES[kind]}, ptr {place}")
+        if kind == "u":
+            return Value("i", (self.fresh(f"zext i32 {found} to i64"),))
+        return Value("i" if kind == "l" else kind, (found,))
+
+    def _unaryop(self, node: ast.UnaryOp) -> Value:
+        if isinstance(node.op, ast.Not):
+            return Value("b", (self.fresh(f"xor i1 {self.truth(node.operand)}, true"),))
+        if (
+            isinstance(node.op, ast.USub)
+            and isinstance(node.operand, ast.Constant)
+            and type(node.operand.value) in (int, float)
+        ):
+            return self._constant(ast.copy_location(ast.Constant(-node.operand.value), node))  # type: ignore[operator]
+        value = self.value(node.operand)
+        if value.kind not in ("i", "d") or not isinstance(node.op, ast.USub | ast.UAdd):
+            self.refuse(node, f"this is no sign of {named(value.kind)}")
+        if isinstance(node.op, ast.UAdd):
+            return value
+        return Value(
+            value.kind,
+            (
+                self.fresh(
+                    f"sub nsw i64 0, {value.parts[0]}"
+                    if value.kind == "i"
+                    else f"fneg double {value.parts[0]}"
+                ),
+            ),
+        )
+
+    def _binop(self, node: ast.BinOp) -> Value:
+        return self.binary(node, node.op, self.value(node.left), self.value(node.right), node.right)
+
+    def binary(
+        self, node: ast.AST, operator: ast.operator, left: Value, right: Value, divisor: ast.expr
+    ) -> Value:
+        """One operation on two numbers; an integer beside a number becomes one, as in Python."""
+        sign = SIGNS.get(type(operator))
+        whole = left.kind == right.kind == "i"
+        if sign is not None and whole and sign != "/":
+            return Value("i", (self.fresh(f"{INTEGER[sign]} i64 {left.parts[0]}, {right.parts[0]}"),))
+        if sign is not None:
+            return Value(
+                "d",
+                (self.fresh(f"{BINARY[sign]} double {self.number(node, left)}, {self.number(node, right)}"),),
+            )
+        if not isinstance(operator, ast.FloorDiv | ast.Mod):
+            self._unknown(node)
+        if not whole or not positive(divisor):
+            self.refuse(
+                node,
+                "// and % are of integers, by one that is written there or by max(..., 1), so that it is"
+                " above zero",
+            )
+        # Rounded down, as Python does, where LLVM rounds towards zero.
+        a, b = left.parts[0], right.parts[0]
+        quotient, rest = self.fresh(f"sdiv i64 {a}, {b}"), self.fresh(f"srem i64 {a}, {b}")
+        below = self.fresh(f"icmp slt i64 {rest}, 0")
+        found, other = (
+            (quotient, f"add i64 {quotient}, -1")
+            if isinstance(operator, ast.FloorDiv)
+            else (rest, f"add i64 {rest}, {b}")
+        )
+        return Value("i", (self.fresh(f"select i1 {below}, i64 {self.fresh(other)}, i64 {found}"),))
+
+    def _compare(self, node: ast.Compare) -> Value:
+        """In a chain Python leaves out what follows a comparison that fails; here all is computed, so that
+        has to be without effect.
+        """
+        left, found = self.value(node.left), ""
+        for k, (operator, other) in enumerate(zip(node.ops, node.comparators, strict=True)):
+            if k and not isinstance(other, ast.Name | ast.Constant) and not _length(other):
+                self.refuse(node, "the last part of a chain is a name or a number; write `a < b and b < c`")
+            right = self.value(other)
+            one = self.compared(
+                node,
+                COMPARED[type(operator)] if type(operator) in COMPARED else self._unknown(node),
+                left,
+                right,
+            )
+            found = self.fresh(f"and i1 {found}, {one}") if found else one
+            left = right
+        return Value("b", (found,))
+
+    def compared(self, node: ast.AST, sign: str, left: Value, right: Value) -> str:
+        """Whether two numbers compare so."""
+        if left.kind == right.kind and left.kind in ("b", "i"):
+            if left.kind == "b" and sign not in ("==", "!="):
+                self.refuse(node, "truths are equal or not, and neither is the larger")
+            return self.fresh(f"icmp {WHOLE[sign]} {TYPES[str(left.kind)]} {left.parts[0]}, {right.parts[0]}")
+        if left.kind == "d" and right.kind == "i":
+            return self.compared(node, TURNED.get(sign, sign), right, left)
+        if left.kind == "i" and right.kind == "d" and not small(left):
+            return self._exactly(sign, left.parts[0], right.parts[0])
+        return self.fresh(f"fcmp {ORDER[sign]} double {self.number(node, left)}, {self.number(node, right)}")
+
+    def _exactly(self, sign: str, whole: str, number: str) -> str:
+        """Whether an integer and a number compare so, as Python has it: where the integer rounds to the
+        number, what it rounds to decides.
+        """
+        rounded = self.fresh(f"sitofp i64 {whole} to double")
+        back = self.fresh(f"call i64 @llvm.fptosi.sat.i64.f64(double {rounded})")
+        equal, tie = (
+            self.fresh(f"fcmp oeq double {rounded}, {number}"),
+            self.fresh(f"icmp {WHOLE[sign]} i64 {whole}, {back}"),
+        )
+        if sign == "!=":
+            return self.fresh(f"or i1 {self.fresh(f'xor i1 {equal}, true')}, {tie}")
+        both = self.fresh(f"and i1 {equal}, {tie}")
+        return (
+            both
+            if sign == "=="
+            else self.fresh(
+                f"or i1 {both}, {self.fresh(f'fcmp {ORDER[sign[0]]} double {rounded}, {number}')}"
+            )
+        )
+
+    def _boolop(self, node: ast.BoolOp) -> Value:
+        """The second is not looked at where the first decides: it may be beyond the end of an array."""
+        place, after = self.room("b"), self.label("known")
+        for k, one in enumerate(node.values):
+            value = self.value(one)
+            if value.kind != "b":
+                self.refuse(
+                    node, f"`and` and `or` take truths, and {ast.unparse(one)} is {named(value.kind)}"
+                )
+            (truth,) = value.parts
+            self.store(place, value)
+            if k < len(node.values) - 1:
+                more = self.label("more")
+                self.fork(truth, *((more, after) if isinstance(node.op, ast.And) else (after, more)))
+                self.begin(more)
+        self.go(after)
+        self.begin(after)
+        return self.load(place)
+
+    def _ifexp(self, node: ast.IfExp) -> Value:
+        yes, no, after = (self.label(name) for name in ("yes", "no", "chosen"))
+        self.fork(self.truth(node.test), yes, no)
+        ends, values = [], []
+        for label, arm in ((yes, node.body), (no, node.orelse)):
+            self.begin(label)
+            values.append(self.value(arm))
+            ends.append(len(self.out))
+            self.ended = False
+        place = self.room(self.same(node, values[0].kind, values[1].kind))
+        tail = self.out[ends[0] :]
+        del self.out[ends[0] :]
+        self.store(place, values[0])
+        self.go(after)
+        self.out += tail
+        self.ended = False
+        self.store(place, values[1])
+        self.go(after)
+        self.begin(after)
+        return self.load(place)
+
+    def _call(self, node: ast.Call) -> Value:
+        found = self.call(node)
+        return found if found is not None else self.refuse(node, "this function returns nothing")
+
+    def call(self, node: ast.Call) -> Value | None:
+        """Calls a function; None where it returns nothing."""
+        name = ast.unparse(node.func)
+        if node.keywords:
+            self.refuse(node, "arguments are given by their place, not by name")
+        values = [self.value(one) for one in node.args]
+        found = self.known(node, name, tuple(value.kind for value in values))
+        if isinstance(found, External):
+            parts = [part for value in values for part in value.parts]
+            types = [one for value in values for one in types_of(value.kind)]
+            return self._called(name, found.answer, ", ".join(f"{types[k]} {parts[k]}" for k in found.passed))
+        if found is not None:
+            given = ", ".join(
+                f"{one} {part}"
+                for value in values
+                for one, part in zip(types_of(value.kind), value.parts, strict=True)
+            )
+            return self._called(*found, given)
+        if name in ("min", "max") and len(values) > 1:
+            return self._best(node, ">" if name == "max" else "<", values)
+        if name not in ("len", "float", "int", "abs", "math.sqrt") or len(values) != 1:
+            self.refuse(node, "no such function, or not with so many arguments")
+        return self._builtin(node, name, values[0])
+
+    def _builtin(self, node: ast.Call, name: str, value: Value) -> Value:
+        """A function of Python's of one argument."""
+        kind, one = value.kind, value.parts[0] if value.parts else ""
+        if name == "len":
+            if isinstance(kind, str):
+                self.refuse(node, f"{named(kind)} has no length")
+            return Value("i", (value.parts[1] if isinstance(kind, Array) else str(len(kind)),))
+        if name in ("float", "int") and kind == "b":
+            return (
+                Value("d", (self.fresh(f"uitofp i1 {one} to double"),))
+                if name == "float"
+                else Value("i", (self.fresh(f"zext i1 {one} to i64"),))
+            )
+        if name == "int" and kind == "d":
+            return Value("i", (self.fresh(f"call i64 @llvm.fptosi.sat.i64.f64(double {one})"),))
+        if name == "abs" and kind == "i":
+            return Value("i", (self.fresh(f"call i64 @llvm.abs.i64(i64 {one}, i1 false)"),))
+        if name == "int" and kind == "i":
+            return value
+        number = self.number(node, value)
+        if name == "float":
+            return Value("d", (number,))
+        return Value(
+            "d",
+            (
+                self.fresh(
+                    f"call double @llvm.{'sqrt' if name == 'math.sqrt' else 'fabs'}.f64(double {number})"
+                ),
+            ),
+        )
+
+    def _best(self, node: ast.AST, sign: str, values: list[Value]) -> Value:
+        """The first of those that no other exceeds, as Python has it."""
+        best = values[0]
+        for other in values[1:]:
+            kind = self.same(node, best.kind, other.kind)
+            better, (one,) = self.compared(node, sign, other, best), types_of(kind)
+            best = Value(
+                kind, (self.fresh(f"select i1 {better}, {one} {other.parts[0]}, {one} {best.parts[0]}"),)
+            )
+        return best
+
+    def _called(self, symbol: str, answer: Kind | None, given: str) -> Value | None:
+        if answer is None:
+            self.out.append(f"  call void @{symbol}({given})")
+            return None
+        whole, size = self.fresh(f"call {answered(answer)} @{symbol}({given})"), len(types_of(answer))
+        if size == 1:
+            return Value(answer, (whole,))
+        return Value(
+            answer, tuple(self.fresh(f"extractvalue {answered(answer)} {whole}, {k}") for k in range(size))
+        )
+
+
+def positive(node: ast.expr) -> bool:
+    """Whether an integer is above zero as it is written: a number, or max(..., 1)."""
+    if isinstance(node, ast.Call) and ast.unparse(node.func) == "max":
+        return any(isinstance(one, ast.Constant) and positive(one) for one in node.args)
+    return isinstance(node, ast.Constant) and type(node.value) is int and node.value > 0
+
+
+def written(node: ast.expr) -> int | None:
+    """An integer that is written as such; None for anything else."""
+    sign = -1 if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) else 1
+    one = node.operand if isinstance(node, ast.UnaryOp) else node
+    return sign * one.value if isinstance(one, ast.Constant) and type(one.value) is int else None
+
+
+def small(value: Value) -> bool:
+    """Whether a value is a written integer that is a number exactly."""
+    return value.parts[0].lstrip("-").isdigit() and abs(int(value.parts[0])) <= 1 << 53
+
+
+def _length(node: ast.expr) -> bool:
+    return isinstance(node, ast.Call) and ast.unparse(node.func) == "len"

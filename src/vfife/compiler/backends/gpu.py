@@ -1,0 +1,283 @@
+"""The straight-line step for graphics cards: one simulation a thread, in the language and by the lines of
+``llvm.py``.
+
+Members lie in tiles of 32, as many as threads go together: row r of member m is S[(m // 32 rows + r) 32 + m %
+32]. Threads that go together read neighbours then, and where a row begins is a constant of the text. The lean
+step has its rows in registers for as long as nothing rare wants another step: what a processor's nearest
+cache holds for eight lanes does not fit there for thousands of threads.
+
+The same text, but for the two lines that ask a card which thread this is, runs on a processor, member by
+member: that is how its bits are known.
+
+The text of a thread as PTX, the language that the drivers of NVIDIA's cards compile.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+
+from ...kernels.arrays import Layout
+from ...kernels.topology import Topology
+from ..runtime import cache
+from ..runtime.loops import origin
+from ..runtime.modules import STEPS, brief, llvm_text
+from ..runtime.native import llvmlite_version, simplified
+from ..trace.functiontext import WRITING
+from ..trace.schedule import streamed
+from ..trace.straight_line import Function, functions, resizing, trace
+from ..trace.tape import STEP_NUMBER, Operand, Trace, is_row, rows_used
+from .llvm import Lane, Writer, operators, resize, searched, whole
+
+LEAST = 70  # compute capability (7.0) for which programs are written; later cards run them
+TILE = 32
+# What a kernel is given, and how many numbers of those that are addresses a member has: whole rows where
+# members lie side by side, else one after
+# the other; None where all members share them. N has the numbers of a run, as the driver takes them.
+SHARED = None
+ARGUMENTS: dict[str, str | None] = {
+    "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "", "kept": SHARED, "keeping": "",
+    "extremes": SHARED, "resetting": "", "sound": SHARED, "finite": "", "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1",
+    "due": "1", "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
+}  # fmt: skip
+# Arguments of ``stream`` in their order: arrays with their length, or 0 where the driver does not ask for it.
+# A card's lean step has its rows in
+# registers and needs no copy R; I is the topology of the data-driven loop.
+PASSED = (
+    *(
+        "ptr %S.own, i64 0",
+        "ptr %Q.own, i64 0",
+        "ptr %Q.own, i64 0",
+        "ptr %C.own, i64 0",
+        "ptr %T.own, i64 %stride",
+        "ptr %N, i64 0",
+    ),
+    *(
+        "ptr %N, i64 0",
+        "ptr %kept, i64 %keeping",
+        "ptr %extremes, i64 %resetting",
+        "ptr %sound, i64 %finite",
+        "ptr %limited, i64 %limiting",
+    ),
+    *(f"ptr %{name}.own, i64 0" for name in ("limits", "broken", "due", "every", "at", "stop", "out")),
+    *("i64 %room", "i64 %until", "i64 %n", "i64 %count"),
+)
+SIDE_BY_SIDE = ("S", "Q", "C", "limits")
+
+
+class Thread(Lane):
+    """Instructions for one simulation whose rows have names that all functions share."""
+
+    def value(self, operand: Operand) -> str:
+        """An operand as it is written."""
+        return f"%{operand}" if is_row(operand) else super().value(operand)
+
+    def row(self, row: int, copy: str = "S") -> str:
+        """Address of a row."""
+        return Writer.row(self, row, copy)
+
+    def function(self, f: Function) -> tuple[str, ...]:
+        """Value, two derivatives, kinks and value one step later of a function."""
+        self.truths = frozenset(Trace(f.operations, {}).truths)
+        for operation in f.operations:
+            self.operation(operation)
+        values = self.polynomial(str(f.table), self.value(f.argument))
+        return values + (self.polynomial(str(f.table), "%after")[0] if f.of_time else values[0],)
+
+    def phi(self, name: str, first: str, second: str, blocks: tuple[str, str]) -> None:
+        """A number that is one thing coming from one block and another from the other."""
+        self.out.append(f"  {name} = phi double [ {first}, %{blocks[0]} ], [ {second}, %{blocks[1]} ]")
+
+
+def lean(step: Trace, found: list[Function], layout: Layout) -> str:
+    """``lean(S, Q, T, numbers, n0, count)`` as that of ``llvm.py``, with rows in registers: read before the
+    first step, written after the last.
+    """
+    w = Thread(TILE)
+    own = {
+        row for f in found for row in f.rows
+    }  # made before a step, not by it: of these, %p is what the step before had
+    after = {row: f"%v{row}" for row in own} | {row: w.value(value) for row, value in step.stores.items()}
+    before = {row: f"%{'p' if row in own else 'v'}{row}" for row in after}
+    names = {
+        *rows_used([*step.operations, *(o for f in found for o in f.operations)]),
+        *filter(is_row, step.stores.values()),
+    }
+    still = {int(str(name)[1:]) for name in names} - after.keys() | {layout.row("step"), layout.row("shift")}
+    for row, name in [*((row, f"%e{row}") for row in after), *((row, f"%v{row}") for row in sorted(still))]:
+        w.out.append(f"  {name} = load double, ptr {w.row(row)}, align 8")
+    w.out += ["  br label %body", "body:", "  %step = phi i64 [ %n0, %entry ], [ %next, %common ]"]
+    for row in after:
+        w.phi(before[row], f"%e{row}", after[row], ("entry", "common"))
+    _search(w, found, layout)
+    w.truths = frozenset(step.truths)
+    for operation in streamed(step, False):
+        w.operation(operation)
+    w.out += [f"  br i1 {w.value(step.rare)}, label %home, label %common"]
+    w.out += [
+        "common:",
+        "  %next = add i64 %step, 1",
+        "  %more = icmp slt i64 %next, %end",
+        "  br i1 %more, label %body, label %home",
+        "home:",
+    ]
+    w.out.append("  %reached = phi i64 [ %step, %body ], [ %next, %common ]")
+    for row in after:
+        w.phi(f"%h{row}", before[row], after[row], ("body", "common"))
+    for row in after:
+        w.out.append(f"  store double %h{row}, ptr {w.row(row)}, align 8")
+    body = "\n".join(w.out)
+    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline {{
+entry:
+  %end = add i64 %n0, %count
+{body}
+  %clean = sub i64 %reached, %n0
+  ret i64 %clean
+}}
+"""
+
+
+def _search(w: Thread, found: list[Function], layout: Layout) -> None:
+    """Number of the step, and functions there."""
+    w.out += [f"  %{STEP_NUMBER} = sitofp i64 %step to double"]
+    if not found:
+        return
+    dt, shift = (f"%v{layout.row(name)}" for name in ("step", "shift"))
+    ahead = w.fresh(f"sitofp i64 {w.fresh('add i64 %step, 1')} to double")
+    for name, n in (("time", f"%{STEP_NUMBER}"), ("after", ahead)):
+        w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double {n}, {shift}')}, {dt}")
+    w.out += [f"  %ahead = select i1 true, double {dt}, double 0.0"]
+    for number, f in enumerate(found):
+        w.mark = f"f{number}"
+        for row, value in zip(f.rows, w.function(f), strict=True):
+            w.out.append(f"  %v{row} = select i1 true, double {value}, double 0.0")
+    w.mark = ""
+
+
+def member(layout: Layout) -> str:
+    """``member(..., m)``: ``stream`` for member m, given the addresses of all, from the step it has
+    ``reached``; one that has its outputs rests.
+    """
+    lines = [f"  %tile = lshr i64 %m, {TILE.bit_length() - 1}", f"  %lane = and i64 %m, {TILE - 1}"]
+    lines += ["  %handed = mul i64 %room, %keeping", "  %bounds = mul i64 %limiting, 2"]
+    for name, size in ARGUMENTS.items():
+        if not size:
+            continue
+        rows = size.replace("ROWS", str(layout.rows))
+        if name in SIDE_BY_SIDE:
+            lines += [
+                f"  %{name}.rows = mul i64 %tile, {rows}",
+                f"  %{name}.tile = mul i64 %{name}.rows, {TILE}",
+            ]
+            lines.append(f"  %{name}.first = add i64 %{name}.tile, %lane")
+        else:
+            lines.append(f"  %{name}.first = mul i64 %m, {rows}")
+        lines.append(f"  %{name}.own = getelementptr double, ptr %{name}, i64 %{name}.first")
+    given = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
+    body = "\n".join(lines)
+    return f"""define void @member({given}, i64 %m) {{
+entry:
+{body}
+  %has = load i64, ptr %at.own, align 8
+  %wants = load i64, ptr %stop.own, align 8
+  %n = load i64, ptr %reached.own, align 8
+  %past = urem i64 %n, %look
+  %until = sub i64 %look, %past
+  %more = icmp slt i64 %has, %wants
+  br i1 %more, label %steps, label %done
+steps:
+  %made = call i64 @stream({", ".join(PASSED)})
+  store i64 %made, ptr %reached.own, align 8
+  br label %done
+done:
+  ret void
+}}
+"""
+
+
+@lru_cache(maxsize=1)
+def stream() -> str:
+    """The driver's ``stream`` with what it calls but the steps, without variables in memory: on a card these
+    would lie elsewhere than the rows.
+    """
+    text = str(simplified(llvm_text("stream")))
+    steps = "|".join(STEPS)
+    text = re.sub(rf"^declare [^@]*@({steps})\(.*\n", "", text, flags=re.M)
+    return re.sub(r"^(; ModuleID|source_filename|target ).*\n", "", text, flags=re.M)
+
+
+def kind(size: str | None) -> str:
+    """Type of an argument."""
+    return "i64" if size == "" else "ptr"
+
+
+def written(topology: Topology) -> str:
+    """Text of a module with ``member``."""
+    found, layout, step, long = functions(topology), Layout(topology), trace(topology), trace(topology, True)
+    return "\n".join(
+        [
+            searched(found, 1, layout, (), stride=TILE),
+            lean(step, found, layout),
+            whole(long, 1, bool(found), brief(step, long), TILE),
+            resize(resizing(topology), 1, TILE),
+            operators(1),
+            stream(),
+            member(layout),
+        ]
+    )
+
+
+TRIPLE = "nvptx64-nvidia-cuda"
+
+
+def kernel() -> str:
+    """``simulate(...)``: ``member`` for each thread."""
+    given = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
+    return f"""declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
+declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+define ptx_kernel void @simulate({given}) {{
+  %block = call i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
+  %thread = call i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+  %block.long = zext i32 %block to i64
+  %thread.long = zext i32 %thread to i64
+  %before = mul i64 %block.long, {TILE}
+  %m = add i64 %before, %thread.long
+  call void @member({given}, i64 %m)
+  ret void
+}}
+"""
+
+
+def ptx(text: str, capability: int = LEAST) -> str:
+    """A text with ``member`` as PTX for cards of a compute capability (70: 7.0) and all later ones."""
+    return assembly(text, kernel(), capability)
+
+
+def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
+    """A text as PTX, with the kernels that call its functions."""
+    import llvmlite.binding as llvm
+
+    with WRITING:
+        llvm.initialize_all_targets()
+        llvm.initialize_all_asmprinters()
+        # Whatever is read or written lies in the card's own memory, which is quicker than an address that may
+        # be of any kind.
+        text = re.sub(r"^define (?!internal)", "define internal ", text, flags=re.M) + kernels
+        module = llvm.parse_assembly(re.sub(r"\bptr\b", "ptr addrspace(1)", text))
+        machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=f"sm_{capability}", opt=3)
+        module.triple, module.data_layout = TRIPLE, str(machine.target_data)
+        module.verify()
+        return str(machine.emit_assembly(module))
+
+
+@lru_cache(maxsize=16)
+def program(topology: Topology) -> str:
+    """PTX of a topology for all cards, from the cache or written."""
+    name = f"step-{cache.digest([*origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
+    found = cache.read(name)
+    if found is not None:
+        return found.decode()
+    cache.missed()
+    text = ptx(written(topology))
+    cache.keep(name, text.encode())
+    return text

@@ -1,0 +1,271 @@
+"""The straight-line step as JavaScript: a page that is opened from disk, without a server, runs a mechanism
+with the same bits.
+
+Its numbers are IEEE 754 doubles, its four operations, ``Math.sqrt`` and comparisons are rounded as
+everywhere, and a trace uses nothing else.
+
+Plain functions as JavaScript: those that :mod:`~vfife.compiler.backends.plain` compiles, as far as the loop
+driver needs them.
+
+A number and an integer are both a double there, so integers stay below 2^53. What would be another thing in
+JavaScript is refused with its line: conditions that are no truths, ``%``, powers, and whatever else is not
+listed here.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterable
+from typing import NoReturn
+
+from ...errors import SourceError
+from ...kernels.arrays import Layout
+from ...kernels.topology import Topology
+from ..runtime import modules
+from ..trace.schedule import Line, Load, Store, Test, ordered, streamed, woven
+from ..trace.straight_line import Function, functions, resizing, trace
+from ..trace.tape import Operand, rows_used
+from .expressions import written as written_integer
+
+OPERATORS: dict[type[ast.AST], str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.And: "&&", ast.Or: "||", ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=",
+    ast.Eq: "===", ast.NotEq: "!==", ast.USub: "-", ast.UAdd: "+", ast.Not: "!",
+}  # fmt: skip
+CALLS = {
+    "len": "{}.length",
+    "float": "{}",
+    "int": "Math.trunc({})",
+    "abs": "Math.abs({})",
+    "math.sqrt": "Math.sqrt({})",
+}
+
+
+def script(text: str, others: Iterable[str] = ()) -> str:
+    """The functions of a text as JavaScript; they may call each other and the ``others``. SourceError for
+    what cannot be said there.
+    """
+    trees = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
+    names = {*(tree.name for tree in trees), *others}
+    return "\n".join(_Function(tree, names).text() for tree in trees)
+
+
+class _Function:
+    def __init__(self, tree: ast.FunctionDef, functions: set[str]) -> None:
+        self.tree, self.functions, self.loops = tree, functions, 0
+
+    def text(self) -> str:
+        arguments = [one.arg for one in self.tree.args.args]
+        nodes = [
+            node
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        ]
+        own = sorted({node.id for node in nodes} - set(arguments))
+        lines = [f"let {', '.join(own)};"] if own else []
+        lines += self.block(self.tree.body)
+        return "\n".join(
+            [
+                f"function {self.tree.name}({', '.join(arguments)}) {{",
+                *(f"  {line}" for line in lines),
+                "}",
+                "",
+            ]
+        )
+
+    def refuse(self, node: ast.AST) -> NoReturn:
+        line = getattr(node, "lineno", self.tree.lineno) - self.tree.lineno + 1
+        raise SourceError(
+            f"{self.tree.name}, line {line}: {ast.unparse(node).splitlines()[0]!r}: this is not translated to"
+            " JavaScript"
+        )
+
+    def block(self, statements: list[ast.stmt]) -> list[str]:
+        """Lines of statements."""
+        return [line for one in statements for line in self.statement(one)]
+
+    def statement(self, node: ast.stmt) -> list[str]:
+        """Lines of a statement."""
+        match node:
+            case ast.Assign(targets=[target]):
+                return [f"{self.target(target)} = {self.value(node.value)};"]
+            case ast.AugAssign(op=ast.Add() | ast.Sub() | ast.Mult()):
+                return [f"{self.target(node.target)} {OPERATORS[type(node.op)]}= {self.value(node.value)};"]
+            case ast.Expr(value=ast.Call()):
+                return [f"{self.value(node.value)};"]
+            case ast.Return():
+                return [f"return {self.value(node.value)};" if node.value else "return;"]
+            case ast.If():
+                other = ["} else {", *self.block(node.orelse)] if node.orelse else []
+                return [f"if ({self.condition(node.test)}) {{", *self.block(node.body), *other, "}"]
+            case ast.While(orelse=[]):
+                return [f"while ({self.condition(node.test)}) {{", *self.block(node.body), "}"]
+            case ast.For(
+                orelse=[],
+                target=ast.Name(),
+                iter=ast.Call(func=ast.Name(id="range"), args=bounds, keywords=[]),
+            ):
+                return self.counted(node, bounds)
+            case ast.Break() | ast.Continue():
+                return [f"{type(node).__name__.lower()};"]
+        return self.refuse(node)
+
+    def counted(self, node: ast.For, bounds: list[ast.expr]) -> list[str]:
+        """A loop over a range: its end is computed once, and its name keeps the last value."""
+        self.loops += 1
+        at, end = f"at{self.loops}$", f"end{self.loops}$"
+        first, last = ("0", bounds[0]) if len(bounds) == 1 else (self.value(bounds[0]), bounds[1])
+        step = written_integer(bounds[2]) if len(bounds) > 2 else 1
+        if not step:
+            self.refuse(node)
+        head = (
+            f"for (let {at} = {first}, {end} = {self.value(last)}; {at} {'<' if step > 0 else '>'} {end};"
+            f" {at} += {step}) {{"
+        )
+        return [head, f"{self.target(node.target)} = {at};", *self.block(node.body), "}"]
+
+    def target(self, node: ast.expr) -> str:
+        """What a value is given to."""
+        if isinstance(node, ast.Tuple):
+            return f"[{', '.join(map(self.target, node.elts))}]"
+        return self.value(node) if isinstance(node, ast.Name | ast.Subscript) else self.refuse(node)
+
+    def condition(self, node: ast.expr) -> str:
+        """A comparison, a truth or several of them: other values count as true or false in other ways than in
+        Python.
+        """
+        truth = isinstance(node, ast.Compare | ast.BoolOp | ast.Name | ast.Call | ast.UnaryOp)
+        return (
+            self.value(node)
+            if truth and not (isinstance(node, ast.UnaryOp) and not isinstance(node.op, ast.Not))
+            else self.refuse(node)
+        )
+
+    def value(self, node: ast.expr) -> str:
+        """An expression."""
+        match node:
+            case ast.Name():
+                return node.id
+            case ast.Constant(value=bool()):
+                return str(node.value).lower()
+            case ast.Constant(value=int() | float() as number) if math.isfinite(number) and (
+                isinstance(number, float) or abs(number) < 1 << 53
+            ):
+                return repr(number)
+            case ast.Tuple():
+                return f"[{', '.join(map(self.value, node.elts))}]"
+            case ast.Subscript() if not isinstance(node.slice, ast.Slice | ast.Tuple | ast.UnaryOp):
+                return f"{self.value(node.value)}[{self.value(node.slice)}]"
+            case ast.UnaryOp(op=ast.USub() | ast.UAdd()):
+                return f"({OPERATORS[type(node.op)]}{self.value(node.operand)})"
+            case ast.UnaryOp(op=ast.Not()):
+                return f"!({self.condition(node.operand)})"
+            case ast.BinOp(op=ast.FloorDiv(), right=ast.Constant()):
+                return f"Math.floor({self.value(node.left)} / {self.value(node.right)})"
+            case ast.BinOp() if type(node.op) in OPERATORS:
+                return f"({self.value(node.left)} {OPERATORS[type(node.op)]} {self.value(node.right)})"
+            case ast.BoolOp():
+                return f"({f' {OPERATORS[type(node.op)]} '.join(map(self.condition, node.values))})"
+            case ast.Compare(ops=[operator], comparators=[other]) if type(operator) in OPERATORS:
+                return f"({self.value(node.left)} {OPERATORS[type(operator)]} {self.value(other)})"
+            case ast.IfExp():
+                return f"({self.condition(node.test)} ? {self.value(node.body)} : {self.value(node.orelse)})"
+            case ast.Call(keywords=[]):
+                return self.call(node)
+        return self.refuse(node)
+
+    def call(self, node: ast.Call) -> str:
+        """A function; the first of two that are equal is the least, and what is no number is never the less,
+        as in Python.
+        """
+        name, values = ast.unparse(node.func), [self.value(one) for one in node.args]
+        if name in self.functions:
+            return f"{name}({', '.join(values)})"
+        if name in CALLS and len(values) == 1:
+            return CALLS[name].format(*values)
+        if (
+            name in ("min", "max")
+            and len(values) == 2
+            and not any(isinstance(part, ast.Call) for one in node.args for part in ast.walk(one))
+        ):
+            first, second = values
+            return f"({second} {'<' if name == 'min' else '>'} {first} ? {second} : {first})"
+        return self.refuse(node)
+
+
+PATTERNS = {
+    "sqrt": "Math.sqrt({})", "neg": "-({})", "abs": "Math.abs({})", "and": "{} && {}", "or": "{} || {}", "select": "{} ? {} : {}",
+    "round": "({} + 6755399441055744) - 6755399441055744", "==": "{} === {}", "!=": "{} !== {}",
+}  # fmt: skip
+
+
+def operand(value: Operand) -> str:
+    """A name, or a number that reads back to the same bits."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float) and not math.isfinite(value):
+        return "(0 / 0)" if value != value else "(1 / 0)" if value > 0.0 else "(-1 / 0)"
+    return value if isinstance(value, str) else f"({value!r})"
+
+
+def line(one: Line) -> str:
+    """A line."""
+    if isinstance(one, Load):
+        return f"const v{one.row} = S[{one.row}];"
+    if isinstance(one, Store):
+        return f"S[{one.row}] = {operand(one.value)};"
+    if isinstance(one, Test):
+        return f"if ({operand(one.condition)}) return false;"
+    pattern = PATTERNS.get(one.operator, f"{{}} {one.operator} {{}}")
+    return f"const {one.name} = {pattern.format(*map(operand, one.operands))};"
+
+
+def searched(found: list[Function], layout: Layout) -> Iterable[str]:
+    """Functions at step n, as the data-driven loop has them."""
+    step, shift = (layout.row(name) for name in ("step", "shift"))
+    yield (
+        f"const dt = S[{step}], ahead = n === 0 ? 0 : dt, time = (n + S[{shift}]) * dt, after = (n + 1 +"
+        f" S[{shift}]) * dt;"
+    )
+    for f in found:
+        yield "{"
+        yield from (f"const {name} = S[{name[1:]}];" for name in rows_used(f.operations))
+        yield from map(line, f.operations)
+        value, rate, acceleration, kinks, following = (f"S[{row}]" for row in f.rows)
+        yield f"[{value}, {rate}, {acceleration}, {kinks}] = polynomial(T, {f.table}, {operand(f.argument)});"
+        yield f"{following} = polynomial(T, {f.table}, after)[0];" if f.of_time else f"{following} = {value};"
+        yield "}"
+
+
+def definition(head: str, lines: Iterable[str]) -> str:
+    """A function."""
+    return "\n  ".join([f"function {head} {{", *lines]) + "\n}\n"
+
+
+def written(topology: Topology, also: Iterable[int] = ()) -> str:
+    """Text with ``advance`` of :mod:`vfife.kernels.advance` for one simulation, whose arrays are typed
+    arrays.
+
+    ``also`` are scratch rows that it leaves.
+    """
+    also = tuple(also)
+    lean, whole, layout, resize = (
+        trace(topology, also=also),
+        trace(topology, True, also),
+        Layout(topology),
+        resizing(topology),
+    )
+    text = modules.gathered("advance") + modules.ONE_LANE
+    parts = [
+        script(text, (*modules.STEPS, "clean")),
+        definition("functions(S, T, I, n)", searched(functions(topology), layout)),
+        definition(
+            "resize(S, I, C)",
+            ["const [size, shift, repeated] = C;", *map(line, woven(resize, streamed(resize)))],
+        ),
+        definition("clean(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
+        definition(
+            "whole(S, T, I, n)", ["functions(S, T, I, n);", *map(line, woven(whole, streamed(whole)))]
+        ),
+    ]
+    return "\n".join(parts)

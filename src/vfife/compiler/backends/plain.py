@@ -1,0 +1,392 @@
+"""Plain functions as text of LLVM's language: what the kernels and laws are written in, and no more of
+Python.
+
+That is numbers, integers, truths, tuples of them and arrays that are handed in; + - * / // %, comparisons,
+``and``, ``or``, ``not``, conditional expressions; ``abs``, ``min``, ``max``, ``int``, ``float``, ``len``,
+``math.sqrt``, each other; ``if``, ``while``, ``for`` over a range, an array or a tuple. A function is written
+once for all kinds of arguments that it is called with, as Python would run it: no operation is reordered or
+fused.
+
+What would not be translated exactly is refused, with the line and the reason: a name, the arms of a condition
+or the returns of a function that are of several kinds, a name that may have no value, // and % by what may be
+zero, arguments that are the same array, functions that lead back to themselves. What depends on the data
+cannot be seen here: an index is not compared with the size of its array, integers have 64 bits, and where
+Python raises for a division by zero or a root of a negative number, infinity or NaN follows.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+
+from ...errors import SourceError
+from .blocks import TYPES, Array, External, Kind, Value, answered, members, named, types_of
+from .expressions import Expressions, written
+
+# Called from several places: written into each, they would be compiled as often.
+APART = (
+    "step",
+    "functions",
+    "resize",
+    "newton",
+    "residual",
+    "lean",
+    "whole",
+    "event",
+    "displace",
+    "watch",
+    "polynomial",
+)
+DECLARED = (
+    "declare double @llvm.sqrt.f64(double)\ndeclare double @llvm.fabs.f64(double)\ndeclare i64"
+    " @llvm.abs.i64(i64, i1)\n"
+)
+DECLARED += "declare i64 @llvm.fptosi.sat.i64.f64(double)\n"
+
+
+class Module:
+    """The functions of a text, and those that were written so far; ``external`` are functions of other
+    modules, which come before its own.
+    """
+
+    def __init__(self, text: str, external: dict[str, External] | None = None, attributes: str = "") -> None:
+        self.external, self.attributes = external or {}, attributes
+        self.trees: dict[str, ast.FunctionDef] = {}
+        self.texts: list[str] = []
+        self.known: dict[tuple[str, tuple[Kind, ...]], tuple[str, Kind | None]] = {}
+        self.under_way: list[str] = []
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.FunctionDef):
+                self.trees[node.name] = node
+            elif (
+                isinstance(node, ast.Assign)
+                and isinstance(node.targets[0], ast.Name)
+                and isinstance(node.value, ast.Name)
+            ):
+                self.trees[node.targets[0].id] = self.trees[node.value.id]
+            else:
+                raise SourceError(f"line {node.lineno}: no function: {ast.unparse(node)}")
+
+    def function(self, name: str, kinds: tuple[Kind, ...]) -> tuple[str, Kind | None]:
+        """Name in LLVM's text of a function for arguments of these kinds, and the kind of its answer, None
+        where there is none.
+        """
+        if name in self.under_way:
+            raise SourceError(f"{name} calls itself")
+        if (name, kinds) not in self.known:
+            self.under_way.append(name)
+            made = Function(self, name, kinds, f'"{name}.{len(self.known) + len(self.under_way)}"')
+            self.under_way.pop()
+            self.texts.append(made.text())
+            self.known[name, kinds] = made.symbol, made.answer
+        return self.known[name, kinds]
+
+
+def library_text(
+    text: str,
+    entries: dict[str, tuple[str, list[Kind]]],
+    external: dict[str, External] | None = None,
+    attributes: str = "",
+) -> str:
+    """LLVM's text of several functions, and of all that they call; by the names that they are called by from
+    outside.
+    """
+    module, calls = Module(text, external, attributes), []
+    for entry, (name, kinds) in entries.items():
+        symbol, kind = module.function(name, tuple(kinds))
+        places = [
+            f"{one} {'noalias ' if one == 'ptr' else ''}%a{k}"
+            for k, one in enumerate(one for kind in kinds for one in types_of(kind))
+        ]
+        answer, names = (
+            "void" if kind is None else answered(kind),
+            ", ".join(place.replace(" noalias", "") for place in places),
+        )
+        given, back = ("", "void") if kind is None else ("%x = ", f"{answer} %x")
+        head = f'define {answer} @{entry}({", ".join(places)}) "stackrealign" {attributes}'
+        calls.append(f"{head} {{\n  {given}call {answer} @{symbol}({names})\n  ret {back}\n}}\n")
+    return "\n".join(
+        [DECLARED, *(one.declared(name) for name, one in module.external.items()), *module.texts, *calls]
+    )
+
+
+class Function(Expressions):
+    """One function for one list of kinds."""
+
+    def __init__(self, module: Module, name: str, kinds: tuple[Kind, ...], symbol: str) -> None:
+        super().__init__(name)
+        self.module, self.tree, self.kinds, self.symbol = module, module.trees[name], kinds, symbol
+        self.line = self.tree.lineno
+        self.answer: Kind | None = None
+        self.returns: list[str] = []
+        self._write()
+
+    def text(self) -> str:
+        """Its definition."""
+        inlined = "noinline" if self.name in APART else "alwaysinline"
+        answer = "void" if self.answer is None else answered(self.answer)
+        return (
+            f"define internal {answer} @{self.symbol}({self.arguments}) {inlined} {self.module.attributes}"
+            " {\nentry:\n" + "\n".join([*self.first, *self.out]) + "\n}\n"
+        )
+
+    def _write(self) -> None:
+        self.places: dict[str, Value] = {}
+        self.bound: dict[str, Value] = {}  # arrays, which are never assigned again
+        self.loops: list[tuple[str, str]] = []
+        self.given: set[str] = set()
+        given, form = self.tree.args.args, self.tree.args
+        if form.vararg or form.kwarg or form.kwonlyargs or form.posonlyargs or form.defaults:
+            self.refuse(form, "a function takes plain arguments without defaults")
+        if len(given) != len(self.kinds):
+            self.refuse(form, f"{self.name} takes {len(given)} arguments and was given {len(self.kinds)}")
+        apart, texts = self.name in APART, []
+        for argument, kind in zip(given, self.kinds, strict=True):
+            parts = []
+            for one in types_of(kind):
+                self.count += 1
+                parts.append(f"%a{self.count}")
+                texts.append(f"{one} {'noalias ' if one == 'ptr' and apart else ''}%a{self.count}")
+            self.assign(argument, argument.arg, Value(kind, tuple(parts)))
+        self.arguments = ", ".join(texts)
+        self.block(self.tree.body)
+        if not self.ended:
+            if self.answer is not None:
+                self.refuse(
+                    self.tree.body[-1],
+                    "behind this line the function ends without the value that it returns elsewhere",
+                )
+            self.out.append("  ret void")
+        self.first.append(f"  br label %{self.label('start')}")
+        self.out.insert(0, f"{self.first[-1].rpartition('%')[2]}:")
+
+    def known(
+        self, node: ast.AST, name: str, kinds: tuple[Kind, ...]
+    ) -> tuple[str, Kind | None] | External | None:
+        """A function of the same text or of another module."""
+        external = self.module.external.get(name)
+        if external is not None:
+            if kinds != external.kinds:
+                self.refuse(node, f"{name} takes {named(external.kinds)} and was given {named(kinds)}")
+            return external
+        if name not in self.module.trees:
+            return None
+        arrays = [
+            ast.unparse(one)
+            for one, kind in zip(getattr(node, "args", []), kinds, strict=True)
+            if isinstance(kind, Array)
+        ]
+        if name in APART and len(set(arrays)) < len(arrays):
+            self.refuse(
+                node,
+                "the same array is given twice, and the function is compiled for arrays that do not overlap",
+            )
+        return self.module.function(name, kinds)
+
+    def block(self, statements: list[ast.stmt]) -> None:
+        """Statements, up to one that leaves."""
+        for statement in statements:
+            if self.ended:
+                return
+            getattr(self, f"_{type(statement).__name__.lower()}", self._unknown)(statement)
+
+    def _pass(self, statement: ast.Pass) -> None:
+        pass
+
+    def _expr(self, statement: ast.Expr) -> None:
+        if isinstance(statement.value, ast.Call):
+            self.call(statement.value)
+        elif not isinstance(statement.value, ast.Constant):
+            self.refuse(statement, "this line has no effect")
+
+    def _assign(self, statement: ast.Assign) -> None:
+        value = self.value(statement.value)
+        for target in statement.targets:
+            self.give(target, value)
+
+    def _augassign(self, statement: ast.AugAssign) -> None:
+        if isinstance(statement.target, ast.Subscript):
+            item, place = self.place(statement.target)
+            now = self.item(item, place)
+            self.put(
+                statement,
+                item,
+                place,
+                self.binary(statement, statement.op, now, self.value(statement.value), statement.value),
+            )
+        else:
+            read = ast.copy_location(ast.parse(ast.unparse(statement.target), mode="eval").body, statement)
+            now = self.value(read)
+            self.give(
+                statement.target,
+                self.binary(statement, statement.op, now, self.value(statement.value), statement.value),
+            )
+
+    def give(self, target: ast.expr, value: Value) -> None:
+        """Assigns to a name, an item of an array or several of these."""
+        if isinstance(target, ast.Tuple):
+            parts = members(value)
+            if len(parts) != len(target.elts):
+                self.refuse(target, f"{len(target.elts)} names are given {named(value.kind)}")
+            for one, part in zip(target.elts, parts, strict=True):
+                self.give(one, part)
+        elif isinstance(target, ast.Subscript):
+            self.put(target, *self.place(target), value)
+        elif isinstance(target, ast.Name):
+            self.assign(target, target.id, value)
+        else:
+            self._unknown(target)
+
+    def put(self, node: ast.AST, item: str, place: str, value: Value) -> None:
+        """Stores an item of an array; an integer in an array of numbers becomes a number, as in numpy."""
+        if item == "l" and value.kind == "i":
+            self.out.append(f"  store i64 {value.parts[0]}, ptr {place}")
+        elif item != "d":
+            self.refuse(
+                node, f"{named(value.kind)} is put into an array of {'unsigned ' * (item == 'u')}integers"
+            )
+        else:
+            self.out.append(f"  store double {self.number(node, value)}, ptr {place}")
+
+    def assign(self, node: ast.AST, name: str, value: Value) -> None:
+        """Gives a name a value."""
+        if isinstance(value.kind, Array):
+            if self.bound.setdefault(name, value) != value or name in self.places:
+                self.refuse(node, f"{name} stands for two arrays")
+            return
+        if name in self.bound:
+            self.refuse(node, f"{name} is an array")
+        if name not in self.places:
+            self.places[name] = self.room(value.kind)
+        self.same(node, self.places[name].kind, value.kind)
+        self.store(self.places[name], value)
+        self.given.add(name)
+
+    def _if(self, statement: ast.If) -> None:
+        yes, no, after = (self.label(name) for name in ("then", "else", "after"))
+        self.fork(self.truth(statement.test), yes, no)
+        before, given = set(self.given), []
+        for label, statements in ((yes, statement.body), (no, statement.orelse)):
+            self.given = set(before)
+            self.begin(label)
+            self.block(statements)
+            given += [] if self.ended else [self.given]
+            self.go(after)
+        if given:
+            self.given = set.intersection(*given)
+            self.begin(after)
+
+    def _while(self, statement: ast.While) -> None:
+        again, body, after = (self.label(name) for name in ("while", "body", "done"))
+        self.go(again)
+        self.begin(again)
+        self.fork(self.truth(statement.test), body, after)
+        self.begin(body)
+        before = set(self.given)
+        self._body(statement, again, after)
+        self.given = before
+        self.begin(after)
+
+    def _body(self, statement: ast.While | ast.For, again: str, after: str) -> None:
+        """The body of a loop; ``break`` goes to ``after``, ``continue`` and its end go ``again``."""
+        if statement.orelse:
+            self.refuse(statement, "a loop has no else")
+        self.loops.append((again, after))
+        self.block(statement.body)
+        self.loops.pop()
+        self.go(again)
+
+    def _break(self, statement: ast.Break) -> None:
+        self.go(self.loops[-1][1])
+
+    def _continue(self, statement: ast.Continue) -> None:
+        self.go(self.loops[-1][0])
+
+    def _for(self, statement: ast.For) -> None:
+        """Counts in a place of its own: what the body does to the name changes nothing."""
+        start, end, step, item = self._counted(statement)
+        place = self.room("i")
+        test, body, again, after = (self.label(name) for name in ("for", "body", "next", "done"))
+        self.store(place, Value("i", (start,)))
+        self.go(test)
+        self.begin(test)
+        now = self.load(place).parts[0]
+        self.fork(self.fresh(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {end}"), body, after)
+        self.begin(body)
+        before = set(self.given)
+        self.give(statement.target, item(now))
+        self._body(statement, again, after)
+        # A loop with a first turn, and no way around what its body says, leaves values in its names.
+        turns = _digits(start) and _digits(end) and len(range(int(start), int(end), step)) > 0
+        self.given = (
+            self.given
+            if turns and not any(isinstance(node, ast.Break | ast.Continue) for node in ast.walk(statement))
+            else before
+        )
+        self.begin(again)
+        self.store(place, Value("i", (self.fresh(f"add nsw i64 {now}, {step}"),)))
+        self.go(test)
+        self.begin(after)
+
+    def _counted(self, statement: ast.For) -> tuple[str, str, int, Callable[[str], Value]]:
+        """First number, end, step, and what the name of a loop is given at a number."""
+        over = statement.iter
+        if isinstance(over, ast.Call) and isinstance(over.func, ast.Name) and over.func.id == "range":
+            if over.keywords or not 1 <= len(over.args) <= 3:
+                self.refuse(over, "a range has one to three arguments")
+            first, *more = [self.integer(one) for one in over.args[:2]]
+            step = written(over.args[2]) if len(over.args) == 3 else 1
+            if not step:
+                return self.refuse(over, "the step of a range is an integer that is written there, and not 0")
+            return first if more else "0", more[0] if more else first, step, lambda now: Value("i", (now,))
+        value = self.value(over)
+        if isinstance(value.kind, Array) and value.kind.dimensions == 1:
+            return "0", value.parts[1], 1, self._items(value.kind.item, value.parts[0])
+        if not isinstance(value.kind, tuple) or value.kind not in (
+            ("i",) * len(value.kind),
+            ("d",) * len(value.kind),
+        ):
+            self.refuse(statement, f"{named(value.kind)} is nothing to go through")
+        kind, size = str(value.kind[0]), len(value.parts)
+        self.count += 1
+        space = f"%p{self.count}"
+        self.first.append(f"  {space} = alloca [{size} x {TYPES[kind]}]")
+        for k, part in enumerate(value.parts):
+            self.out.append(
+                f"  store {TYPES[kind]} {part}, ptr"
+                f" {self.fresh(f'getelementptr {TYPES[kind]}, ptr {space}, i64 {k}')}"
+            )
+        return "0", str(size), 1, self._items(kind, space)
+
+    def _items(self, kind: str, space: str) -> Callable[[str], Value]:
+        """What gives the item at a number."""
+        return lambda now: self.item(
+            kind, self.fresh(f"getelementptr inbounds {TYPES[kind]}, ptr {space}, i64 {now}")
+        )
+
+    def _return(self, statement: ast.Return) -> None:
+        value = None if statement.value is None else self.value(statement.value)
+        kind = None if value is None else value.kind
+        if self.returns and kind != self.answer:
+            self.refuse(
+                statement,
+                f"elsewhere the function returns {named(self.answer) if self.answer else 'nothing'}; write"
+                " one kind, such as 0.0 for 0",
+            )
+        self.answer = kind
+        self.returns.append(ast.unparse(statement))
+        self.ended = True
+        if value is None or kind is None:
+            self.out.append("  ret void")
+            return
+        types = types_of(kind)
+        whole = value.parts[0]
+        if len(types) > 1:
+            whole = "poison"
+            for k, (one, part) in enumerate(zip(types, value.parts, strict=True)):
+                whole = self.fresh(f"insertvalue {answered(kind)} {whole}, {one} {part}, {k}")
+        self.out.append(f"  ret {answered(kind)} {whole}")
+
+
+def _digits(text: str) -> bool:
+    return text.lstrip("-").isdigit()

@@ -1,0 +1,87 @@
+"""The straight-line step as plain Python, one lane: slow, and the same bits; to read, to step through, to try
+a trace without a compiler.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from ...kernels.arrays import Layout
+from ...kernels.topology import Topology
+from ..runtime import modules
+from ..runtime.loops import ENTRIES, Interpreted, Memory, Stepped, Take
+from ..trace.schedule import Line, Load, Store, Test, ordered, streamed, woven
+from ..trace.straight_line import Function, functions, resizing, trace
+from ..trace.tape import Operand, rows_used
+
+PATTERNS = {
+    "sqrt": "sqrt({})", "neg": "-{}", "abs": "abs({})", "and": "{} & {}", "or": "{} | {}", "select": "{1} if {0} else {2}", "round": "nearest({})",
+}  # fmt: skip
+
+
+def operand(value: Operand) -> str:
+    """A name, or a number that reads back to the same bits."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return "(1e999 - 1e999)" if value != value else "1e999" if value > 0.0 else "-1e999"
+    return value if isinstance(value, str) else repr(value)
+
+
+def line(one: Line) -> str:
+    """A line."""
+    if isinstance(one, Load):
+        return f"v{one.row} = S[{one.row}]"
+    if isinstance(one, Store):
+        return f"S[{one.row}] = {operand(one.value)}"
+    if isinstance(one, Test):
+        return f"if {operand(one.condition)}: return False"
+    pattern = PATTERNS.get(one.operator, f"{{}} {one.operator} {{}}")
+    return (
+        f"{one.name} ="
+        f" {pattern.format(*(f'({o})' if o[0] == '-' else o for o in map(operand, one.operands)))}"
+    )
+
+
+def searched(found: list[Function], layout: Layout) -> Iterable[str]:
+    """Functions at step n, as the data-driven loop has them."""
+    yield f"dt, shift = S[{layout.row('step')}], S[{layout.row('shift')}]"
+    yield "ahead = 0.0 if n == 0 else dt"
+    yield "time, after = (n + shift) * dt, (n + 1 + shift) * dt"
+    for f in found:
+        yield from (f"{name} = S[{name[1:]}]" for name in rows_used(f.operations))
+        yield from map(line, f.operations)
+        value, rate, acceleration, kinks, following = (f"S[{row}]" for row in f.rows)
+        yield f"{value}, {rate}, {acceleration}, {kinks} = polynomial(T, {f.table}, {operand(f.argument)})"
+        yield f"{following} = polynomial(T, {f.table}, after)[0]" if f.of_time else f"{following} = {value}"
+
+
+def definition(head: str, lines: Iterable[str]) -> str:
+    """A function."""
+    return "\n    ".join([f"def {head}:", *lines]) + "\n"
+
+
+def written(topology: Topology) -> str:
+    """Text with ``advance`` and ``stream``; it wants ``sqrt``."""
+    lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
+    change = ["size, shift, repeated = C[0], C[1], C[2]", *map(line, woven(resize, streamed(resize)))]
+    parts = [
+        modules.gathered(*ENTRIES),
+        modules.ONE_LANE,
+        definition("functions(S, T, I, n)", searched(functions(topology), layout)),
+        definition("resize(S, I, C)", change),
+        definition("clean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
+        definition("whole(S, T, I, n)", ["functions(S, T, I, n)", *map(line, woven(whole, streamed(whole)))]),
+    ]
+    return "\n\n".join(parts)
+
+
+def straight_line(topology: Topology) -> Callable[[Memory], Take]:
+    """``advance`` of a topology as plain Python, called as :class:`~vfife.compiler.runtime.runner.Runner`
+    calls its loops.
+    """
+    space: dict[str, Any] = {"sqrt": math.sqrt}
+    exec(
+        compile(written(topology), "<vfife straight line>", "exec"), space
+    )  # the text is our own and the user's laws, never a model file's
+    return Stepped({name: Interpreted(space[name]) for name in ENTRIES}, 1)

@@ -1,0 +1,1 @@
+"""Compiled code: cache, loading, the loops and streams that call it."""

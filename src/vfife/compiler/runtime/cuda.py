@@ -1,0 +1,333 @@
+"""NVIDIA's driver behind a few words: a card, memory on it, a program, a launch. Whatever fails is told as a
+sentence.
+
+Members on a graphics card, one a thread: a stream with thousands of lanes, of which each goes its own way.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import weakref
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import DeviceError
+from ...kernels.arrays import Layout
+from ...kernels.topology import Topology
+from ..backends.gpu import ARGUMENTS, LEAST, TILE, program
+from .loops import Integers, Rows
+from .runner import PARTS, STREAM_LOOK, Begun
+
+SAID = {
+    2: "its memory is full; run fewer members at once, or end what else runs on it",
+    100: (
+        "the driver sees no card; nvidia-smi lists those there are, and CUDA_VISIBLE_DEVICES says which of"
+        " them a process may use"
+    ),
+    101: "the driver sees no card of that number",
+    209: f"it is too old: it needs compute capability {LEAST / 10} or more",
+    218: "the driver refused the program; update the driver",
+    222: "the driver is too old for the program; update the driver",
+    700: "the program reached beyond its memory, which is a fault of vfife; please report the model",
+    702: "the system ended a launch that took too long; close what else shows pictures with this card",
+    803: "driver and kernel module are of two versions; restart the machine after an update of the driver",
+}
+WITHOUT = "without it the processor gives the same numbers"
+
+
+class Card:
+    """The first card that this process may use. ``driver`` is the module ``cuda.bindings.driver``, or what
+    behaves as it does.
+
+    Raises DeviceError with one sentence where there is no such module, no driver, no card, or one that is too
+    old.
+    """
+
+    def __init__(self, driver: Any = None) -> None:
+        self.driver, self.programs = driver or _bindings(), dict[str, Any]()
+        try:
+            self.call("cuInit", 0)
+        except RuntimeError as error:  # the bindings look for the driver when they are first used
+            raise DeviceError(
+                f"device cuda: there is no NVIDIA driver on this machine ({_line(error)}); install one;"
+                f" {WITHOUT}"
+            ) from error
+        self._examine_driver()
+        self.device = self.call("cuDeviceGet", 0)
+        attributes = self.driver.CUdevice_attribute
+        major, minor = (
+            int(
+                self.call(
+                    "cuDeviceGetAttribute",
+                    getattr(attributes, f"CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_{part}"),
+                    self.device,
+                )
+            )
+            for part in ("MAJOR", "MINOR")
+        )
+        if 10 * major + minor < LEAST:
+            raise DeviceError(
+                f"device cuda: the card has compute capability {major}.{minor}; it needs {LEAST / 10} or"
+                f" more; {WITHOUT}"
+            )
+        self.context = self.call("cuDevicePrimaryCtxRetain", self.device)
+        self.enter()
+
+    def _examine_driver(self) -> None:
+        has, wants = int(self.call("cuDriverGetVersion")), int(self.driver.CUDA_VERSION)
+        if has // 1000 < wants // 1000:
+            raise DeviceError(
+                f"device cuda: the NVIDIA driver is too old: it knows CUDA {_version(has)}, and the"
+                f" cuda-bindings here want {_version(wants)}; update the driver, or pip install"
+                f" 'cuda-bindings<{wants // 1000}'"
+            )
+
+    def call(self, name: str, *arguments: Any) -> Any:
+        """What a function of the driver gives beside its error code, which is zero."""
+        code, *values = getattr(self.driver, name)(*arguments)
+        if int(code):
+            word = self.driver.cuGetErrorName(code)[1]
+            word = word.decode() if isinstance(word, bytes) else str(word)
+            said = SAID.get(
+                int(code), "it is not known why; update the driver, and see whether nvidia-smi answers"
+            )
+            raise DeviceError(f"device cuda: the card could not do {name} ({word}): {said}; {WITHOUT}")
+        return values[0] if values else None
+
+    def enter(self) -> None:
+        """Makes the card that of the calling thread."""
+        self.call("cuCtxSetCurrent", self.context)
+
+    def free(self) -> int:
+        """Bytes that are free."""
+        code, free, _ = self.driver.cuMemGetInfo()
+        return int(free) if not int(code) else 0
+
+    def program(self, ptx: str, name: str) -> Any:
+        """A kernel of a text. The driver makes machine code of it, which takes seconds, once in this process,
+        and keeps it for others.
+        """
+        if ptx not in self.programs:
+            self.programs[ptx] = self.call("cuModuleLoadData", ptx.encode() + b"\0")
+        return self.call("cuModuleGetFunction", self.programs[ptx], name.encode())
+
+    def memory(self, size: int) -> int:
+        """Address of so many bytes, at least one."""
+        return int(self.call("cuMemAlloc", max(size, 1)))
+
+    def drop(self, address: int) -> None:
+        """Gives memory back."""
+        self.call("cuMemFree", address)
+
+    def put(self, address: int, values: NDArray[Any]) -> None:
+        """Copies an array to the card."""
+        if values.nbytes:
+            self.call("cuMemcpyHtoD", address, values.ctypes.data, values.nbytes)
+
+    def fetch(self, address: int, values: NDArray[Any]) -> None:
+        """Fills an array from the card."""
+        if values.nbytes:
+            self.call("cuMemcpyDtoH", values.ctypes.data, address, values.nbytes)
+
+    def launch(self, kernel: Any, blocks: int, threads: int, arguments: list[int]) -> None:
+        """Runs a kernel, whose arguments are integers or addresses, and waits for its end."""
+        values = np.array(arguments, dtype=np.uint64)
+        places = values.ctypes.data + 8 * np.arange(len(values), dtype=np.uint64)
+        self.call("cuLaunchKernel", kernel, blocks, 1, 1, threads, 1, 1, 0, 0, places.ctypes.data, 0)
+        self.call("cuCtxSynchronize")
+
+
+@lru_cache(maxsize=1)
+def card() -> Card:
+    """The card of this process, opened when it is first asked for."""
+    return Card()
+
+
+def _bindings() -> Any:
+    try:
+        from cuda.bindings import driver
+    except ImportError as error:
+        raise DeviceError(
+            "device cuda: an NVIDIA card is reached by NVIDIA's bindings, which are not here: pip install"
+            f" 'vfife[gpu]'; {WITHOUT}"
+        ) from error
+    return driver
+
+
+def _version(number: int) -> str:
+    return f"{number // 1000}.{number % 1000 // 10}"
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split()).rstrip(".")
+
+
+MEMBERS = 1 << 15  # side by side: as many as an H100 has in work at once
+SHARE = 0.75  # of the free memory; the driver wants some for what registers do not hold
+MOST = 1 << 30  # bytes of what members have here, too
+
+
+class DeviceStream:
+    """What :class:`~vfife.compiler.runtime.runner.Stream` is, on a card: the same rows, to the bit.
+
+    There are as many of the ``lanes`` asked for as the card's memory holds, in whole tiles. Each counts its
+    own steps, none waits for another: one that has its outputs rests until a call is over. A call is one
+    launch, which nothing interrupts: callers pace their calls. States and outputs stay on the card; tiles of
+    32 lanes are copied here when one of them is asked for, and back when one was given a simulation. Raises
+    DeviceError.
+    """
+
+    beat = 0  # a lane may be filled at any time
+    done = 1  # steps of the lane that has made most, call by call
+
+    def __init__(
+        self, topology: Topology, lanes: int, loop: str, handed: Integers, room: int, sound: Integers, limited: Integers, tables: int,
+        parts: int = PARTS, own: Card | None = None,
+    ) -> None:  # fmt: skip
+        if loop != "generated":
+            raise DeviceError(
+                f"device cuda: a card steps straight-line code, and one of these needs the {loop} loop;"
+                f" {WITHOUT}"
+            )
+        self.card, self.layout, self.room = own or card(), Layout(topology), room
+        self.card.enter()
+        self.kernel = self.card.program(program(topology), "simulate")
+        rows, bounds = self.layout.rows, 2 * len(limited)
+        sizes = {
+            "S": rows,
+            "Q": rows,
+            "C": 3,
+            "T": tables,
+            "limits": bounds,
+            "out": room * len(handed),
+        } | dict.fromkeys(COUNTS, 1)
+        tiles = min(-(-lanes // TILE), self._room_for(8 * TILE * sum(sizes.values())))
+        self.lanes = lanes = TILE * tiles
+        self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
+        self.places: dict[str, int] = {}
+        weakref.finalize(self, _drop, self.card, self.places)
+        for name, size in sizes.items():
+            self.places[name] = self.card.memory(8 * lanes * size)
+        numbers = np.array([1, TILE, rows, parts, STREAM_LOOK], dtype=np.int64)
+        shared: dict[str, NDArray[Any]] = {
+            "N": numbers,
+            "kept": handed,
+            "extremes": self.extremes,
+            "sound": sound,
+            "limited": limited,
+        }
+        for name, given in shared.items():
+            self.places[name] = self.card.memory(given.nbytes)
+            self.card.put(self.places[name], given)
+        self.numbers = {
+            "stride": tables, "keeping": len(handed), "resetting": len(self.extremes), "look": STREAM_LOOK, "finite": len(sound),
+            "limiting": len(limited), "room": room,
+        }  # fmt: skip
+        # What lies on the card, here: of these a tile is as it is there where it is ``known``, and goes there
+        # where it is ``changed``.
+        self.S, self.T, self.limits = (
+            np.zeros((tiles, rows, TILE)),
+            np.zeros((tiles, TILE, tables)),
+            np.zeros((tiles, bounds, TILE)),
+        )
+        self.handed = np.zeros((tiles, TILE, room, len(handed)))
+        self.known, self.changed, self.told = (np.zeros(tiles, dtype=bool) for _ in range(3))
+        self.broken = np.full(lanes, -1.0)
+        self.due, self.every, self.at, self.stop, self.reached = (
+            np.zeros(lanes, dtype=np.int64) for _ in range(5)
+        )
+        self.known[:] = True
+
+    def _room_for(self, tile: int) -> int:
+        free = self.card.free()
+        if SHARE * free < tile:
+            raise DeviceError(
+                f"device cuda: {TILE} members take {tile} bytes of the card, of which {free} are free; end"
+                f" what else runs on it; {WITHOUT}"
+            )
+        return int(min(SHARE * free, max(MOST, tile)) / tile)
+
+    def put(self, lane: int, simulation: Begun, every: int, outputs: int) -> int:
+        """A simulation that begins in a lane; 0 steps were made there before its own."""
+        tile, at = divmod(lane, TILE)
+        state = self._tile(tile)[:, at]
+        state[:] = simulation.state
+        state[self.extremes] = 0.0
+        self.T[tile, at] = simulation.tables
+        self.limits[tile, :, at] = simulation.bounds.T.reshape(-1)
+        self.broken[lane], self.every[lane], self.due[lane], self.reached[lane] = 0.0, every, 1 + every, 1
+        self.at[lane], self.stop[lane] = 0, outputs
+        self.changed[tile] = True
+        return 0
+
+    def go_on(self, lane: int, outputs: int) -> None:
+        """So many outputs more, from the first place on."""
+        self.at[lane], self.stop[lane] = 0, outputs
+
+    def leave(self, lane: int) -> None:
+        """Nobody waits for a lane any more: it rests."""
+        self.broken[lane], self.at[lane], self.stop[lane] = -1.0, 0, 0
+
+    def repeat(self, lane: int, other: int) -> None:
+        """A lane that nobody waits for rests."""
+
+    def state(self, lane: int) -> Rows:
+        """Present state of a lane, (rows,)."""
+        tile, at = divmod(lane, TILE)
+        return self._tile(tile)[:, at].copy()
+
+    def rows(self, lane: int) -> Rows:
+        """What a lane has handed out since it went on, (outputs, handed)."""
+        tile, at = divmod(lane, TILE)
+        if not self.told[tile]:
+            self.card.enter()
+            self.card.fetch(self.places["out"] + tile * self.handed[tile].nbytes, self.handed[tile])
+            self.told[tile] = True
+        found: Rows = self.handed[tile, at, : self.at[lane]] + 0.0
+        return found
+
+    def _tile(self, tile: int) -> Rows:
+        """States of a tile."""
+        if not self.known[tile]:
+            self.card.enter()
+            self.card.fetch(self.places["S"] + tile * self.S[tile].nbytes, self.S[tile])
+            self.known[tile] = True
+        found: Rows = self.S[tile]
+        return found
+
+    def advance(self, count: int) -> None:
+        """So many steps of each lane, or fewer: up to where it has its outputs, or breaks."""
+        there = self.card
+        there.enter()
+        for tile in np.flatnonzero(self.changed):
+            for name, all_tiles in (("S", self.S), ("T", self.T), ("limits", self.limits)):
+                there.put(self.places[name] + int(tile) * all_tiles[tile].nbytes, all_tiles[tile])
+        self.changed[:] = self.known[:] = self.told[:] = False
+        for name in COUNTS:
+            there.put(self.places[name], getattr(self, name))
+        before = self.reached.copy()
+        given = self.numbers | {"count": count} | self.places
+        there.launch(self.kernel, self.lanes // TILE, TILE, [given[name] for name in ARGUMENTS])
+        for name in COUNTS:
+            there.fetch(self.places[name], getattr(self, name))
+        self.done += int((self.reached - before).max())
+
+
+COUNTS = (
+    "broken",
+    "due",
+    "every",
+    "at",
+    "stop",
+    "reached",
+)  # a number of each lane, copied there and back with each call
+
+
+def _drop(there: Card, places: dict[str, int]) -> None:
+    with contextlib.suppress(DeviceError):  # at the end of a process the driver may have gone first
+        there.enter()
+        for address in places.values():
+            there.drop(address)

@@ -1,0 +1,246 @@
+"""The functions of laws by themselves in every loop: a law is compared with Python before a step is made with
+it.
+
+A *part* of a law is one of its functions. Its arguments and answers are rows of a small state, laid out as
+``PARTS`` says. The choice between laws that a step makes (:mod:`~vfife.compiler.trace.source`) calls it, and
+what traces, schedules, writes and compiles it also makes steps of it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Sequence
+from types import FunctionType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..backends import javascript, python
+from ..backends.gpu import TILE, assembly
+from ..backends.llvm import operators, whole
+from ..trace.functiontext import WRITING
+from ..trace.schedule import ordered, streamed, woven
+from ..trace.source import Gathered, choices
+from ..trace.straight_line import give_laws_of
+from ..trace.tape import Rows as TracedRows
+from ..trace.tape import Symbol, Tape, Trace
+from ..trace.traceable import Traceable
+from .loops import aligned
+from .native import Code, compiled, interpreted, object_code
+
+Rows = NDArray[np.float64]
+WIDTHS = (1, 2, 4, 8)
+
+
+class Part(NamedTuple):
+    """Rows of a part: its answers (with memory, which is an argument as well), its other arguments, the first
+    slot; and what calls it.
+    """
+
+    answers: tuple[int, ...]
+    arguments: tuple[int, ...]
+    memory: int
+    slots: int
+    text: str
+
+
+PARTS = {
+    "contact": Part((0, 1), (2, 3), 0, 4, "S[at], S[at + 1] = contact_law(kind, S[at + 2], S[at + 3], S, at + 4)"),
+    "friction": Part((0,), (1, 2, 3, 4), 5, 8, "S[at] = friction_law(kind, S[at + 1], S[at + 2], S[at + 3], S[at + 4], S, at + 8, at + 5)"),
+    "film": Part(
+        (0, 1, 2, 3, 4), (5, 6, 7), 0, 8,
+        "S[at], S[at + 1], S[at + 2], S[at + 3], S[at + 4] = film_law(kind, S[at + 5], S[at + 6], S[at + 7], S, at + 8)",
+    ),
+    "regime": Part((0,), (1,), 0, 2, "S[at] = friction_regime(kind, S[at + 1], S, at + 2)"),
+}  # fmt: skip
+
+
+class Single(NamedTuple):
+    """A part of a law."""
+
+    part: str
+    law: Any
+
+    @property
+    def rows(self) -> int:
+        """Rows of its state."""
+        return PARTS[self.part].slots + max(len(self.law.slots), 1)
+
+    @property
+    def answers(self) -> list[int]:
+        """Rows of its answers, memory last."""
+        part = PARTS[self.part]
+        remembers = len(self.law.memory) if self.part == "friction" else 0
+        return [*part.answers, *range(part.memory, part.memory + remembers)]
+
+    @property
+    def both(self) -> tuple[tuple[type, ...], tuple[type, ...]]:
+        """Contact laws and friction laws of a step with this law alone."""
+        return ((self.law,), ()) if self.part in ("contact", "film") else ((), (self.law,))
+
+
+def traced(single: Single) -> Trace:
+    """Its operations, as a step takes them; raises what the law's own text does with constants, such as
+    ZeroDivisionError.
+    """
+    tape = Tape()
+    rows = TracedRows(tape, {}, set(single.answers))
+    with WRITING:
+        traceable = Traceable(tape)
+        give_laws_of(traceable, *single.both)
+        function = traceable.written(f"def single(kind, S, at):\n    {PARTS[single.part].text}\n", {})
+        function(0, rows, 0)
+    stores = {
+        row: value.name if isinstance(value, Symbol) else float(value) for row, value in rows.stores().items()
+    }
+    return Trace(tape.needed(rows.stores().values()), stores)
+
+
+def data_driven_text(singles: Sequence[Single]) -> str:
+    """Text of the data-driven loop's choice between laws of one part, called for so many states one after the
+    other.
+    """
+    (name,) = {single.part for single in singles}
+    contacts, frictions = (tuple(law for single in singles for law in single.both[k]) for k in range(2))
+    gathered = Gathered()
+    with WRITING:
+        texts = choices(contacts, frictions, gathered)
+    own = {
+        "contact": "contact_law",
+        "friction": "friction_law",
+        "film": "film_law",
+        "regime": "friction_regime",
+    }[name]
+    driver = f"def single(kind, S, at):\n    {PARTS[name].text}\n"
+    driver += (
+        "def states(S, kind, rows, count):\n    for m in range(count):\n        single(kind, S, rows * m)\n"
+    )
+    return "\n\n".join([gathered.text(), texts[own], driver])
+
+
+def text_of(single: Single) -> str:
+    """All that decides its bits: its text, those of the functions that it calls, and the numbers of their
+    files.
+    """
+    return data_driven_text([single])
+
+
+class Loops:
+    """Laws of one part in every loop that this machine can run; each takes the place of a law and its states,
+    (states, rows), and returns them.
+    """
+
+    def __init__(self, singles: Sequence[Single], widths: Sequence[int] = WIDTHS) -> None:
+        self.singles = tuple(singles)
+        self.traces = [traced(single) for single in singles]
+        text = data_driven_text(singles)
+        self.compiled: dict[str, Callable[[int, Rows], Rows]] = {
+            "data-driven": _states(compiled(text, "states", "f1 i i i")),
+            "interpreted": _listed(interpreted(text, "states")),
+            "straight line as Python": self._python(),
+            **{
+                f"generated, {width} lane{'s' * (width > 1)}": self._generated(width, width)
+                for width in widths
+            },
+            "text for graphics cards, on this processor": self._generated(1, TILE),
+        }
+
+    def _generated(self, width: int, stride: int) -> Callable[[int, Rows], Rows]:
+        texts = [whole(trace, width, False, stride == width, stride) for trace in self.traces]
+        names = [f"@law{k}(" for k in range(len(texts))]
+        named = [
+            one.replace("@whole(", name).replace("define internal ", "define ")
+            for one, name in zip(texts, names, strict=True)
+        ]
+        code = Code(object_code("\n".join([operators(width), *named])))
+        functions = [code.named(f"law{k}", STEP) for k in range(len(texts))]
+
+        def run(place: int, states: Rows) -> Rows:
+            count, rows = states.shape
+            groups = -(-count // width)
+            memory = aligned(groups * rows * stride)
+            room = memory.reshape(groups, rows, stride)
+            padded = np.concatenate([states, np.repeat(states[-1:], groups * width - count, axis=0)])
+            room[:, :, :width] = padded.reshape(groups, width, rows).transpose(0, 2, 1)
+            for group in range(groups):
+                functions[place](memory.ctypes.data + 8 * group * rows * stride, None, 0, 0)
+            _ = code  # it lives as long as somebody may call it
+            return room[:, :, :width].transpose(0, 2, 1).reshape(-1, rows)[:count].copy()
+
+        return run
+
+    def _python(self) -> Callable[[int, Rows], Rows]:
+        import math
+
+        from ...kernels.elementary import nearest
+
+        functions = []
+        for trace in self.traces:
+            space: dict[str, Any] = {"sqrt": math.sqrt, "nearest": nearest}
+            text = python.definition(
+                "whole(S, n)", [*map(python.line, woven(trace, ordered(trace))), "return True"]
+            )
+            exec(
+                compile(text, "<vfife law>", "exec"), space
+            )  # the text is our own and the user's laws, never a model file's
+            functions.append(space["whole"])
+        return _listed(lambda S, place, rows, count: functions[place](S, 0))
+
+    def javascript(self) -> str:
+        """Text of functions ``law0(S)``, ``law1(S)`` ... as pages have them."""
+        texts = [
+            javascript.definition(f"law{k}(S)", map(javascript.line, woven(trace, streamed(trace))))
+            for k, trace in enumerate(self.traces)
+        ]
+        return "\n".join(texts)
+
+    def ptx(self) -> str:
+        """PTX of kernels ``card0``, ``card1`` ..., for one thread each."""
+        texts = [
+            whole(trace, 1, False, True, TILE).replace("@whole(", f"@law{k}(")
+            for k, trace in enumerate(self.traces)
+        ]
+        kernels = [
+            f"define ptx_kernel void @card{k}(ptr %S) {{\n  call void @law{k}(ptr %S, ptr %S, i64 0, i64 0)\n"
+            "  ret void\n}\n"
+            for k in range(len(texts))
+        ]
+        return assembly("\n".join([operators(1), *texts]), "\n".join(kernels))
+
+
+STEP = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64)
+
+
+def _states(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
+    """A compiled loop over all states at once."""
+
+    def run(place: int, states: Rows) -> Rows:
+        flat = np.ascontiguousarray(states).reshape(-1).copy()
+        function(flat, place, states.shape[1], len(states))
+        return flat.reshape(states.shape)
+
+    return run
+
+
+def _listed(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
+    """Plain Python, state by state; NaN in all rows of one at which Python raises."""
+
+    def run(place: int, states: Rows) -> Rows:
+        found = []
+        for state in states.tolist():
+            try:
+                function(state, place, len(state), 1)
+                found.append(state)
+            except (ArithmeticError, ValueError):
+                found.append([np.nan] * len(state))
+        return np.array(found)
+
+    return run
+
+
+def plain_function(single: Single) -> FunctionType:
+    """The function of the law itself."""
+    name = {"contact": "force", "friction": "force", "film": "film_force", "regime": "regime"}[single.part]
+    function: FunctionType = getattr(single.law, name)
+    return function

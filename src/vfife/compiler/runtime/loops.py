@@ -1,0 +1,362 @@
+"""The loops that step simulations under one driver: straight-line code of a topology, the data-driven loop,
+and both as plain Python.
+
+The driver is the text of :mod:`vfife.kernels.advance`. For straight-line code it is compiled once for all
+mechanisms and widths, and calls the steps of a mechanism through their names; the data-driven loop is
+compiled with it, once for all mechanisms with the same laws.
+
+Lines of a processor's cache: copies of a state are taken in whole ones, and vectors that straddle two cost a
+quarter of the speed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import gc
+import platform
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kernels.topology import Topology
+from ..trace.functiontext import WRITING
+from ..trace.source import data_driven
+from ..trace.tables import tables
+from . import cache, native
+from .native import Called, interpreted, library, stored_code
+
+if TYPE_CHECKING:
+    from .modules import Pieces
+
+
+LINE = 8  # numbers in a line
+
+
+def padded(count: int) -> int:
+    """So many numbers in whole lines."""
+    return -(-count // LINE) * LINE
+
+
+def aligned(count: int) -> NDArray[np.float64]:
+    """Zeros that begin a line, with room to the end of the last one's."""
+    space = np.zeros(padded(count) + LINE)
+    skip = (-space.ctypes.data // 8) % LINE
+    return space[skip : skip + count]
+
+
+Rows = NDArray[np.float64]
+Integers = NDArray[np.uint32]
+Counts = NDArray[np.int64]
+
+NEVER = 2**62  # steps between two looks
+NONE: Integers = np.zeros(0, dtype=np.uint32)
+# Kinds of the arguments of the driver's functions.
+ENTRIES = {
+    "advance": "f1 f1 f1 f1 f1 u1 l1 f1 u1 u1 u1 f1 f1 i i i i i f1",
+    "stream": "->f1 f1 f1 f1 f1 u1 l1 u1 u1 u1 u1 f1 f1 l1 l1 l1 l1 f1 i i i i",
+}
+
+
+class Memory(NamedTuple):
+    """What a loop works on.
+
+    S (rows x lanes) is the state; Q, R (as S, in whole lines of the cache) and C (3 x lanes) are scratch; T
+    holds the tables of all lanes. Steps with events are taken again in ``parts``; ``shares`` (lanes) are
+    first steps that come beside those that are counted, where they are not zero. The rows ``kept`` are
+    recorded, ``extremes`` are rows that start anew before each output. A number of the rows ``limited`` lies
+    between two of ``limits`` (limited x 2 x lanes), and those that are kept are finite, or the lane breaks:
+    ``broken`` (lanes) then says after how many steps that was seen. It is 0 before, and negative in lanes
+    that are not watched.
+    """
+
+    S: Rows
+    Q: Rows
+    R: Rows
+    C: Rows
+    T: Rows
+    parts: int
+    shares: Rows
+    kept: Integers
+    extremes: Integers
+    limited: Integers
+    limits: Rows
+    broken: Rows
+
+
+def memory_of(
+    size: int,
+    lanes: int,
+    T: Rows,
+    parts: int,
+    kept: Integers,
+    extremes: Integers,
+    limited: Integers,
+    limits: Rows | None = None,
+) -> Memory:
+    """A memory for a state of ``size`` numbers, all lanes counted; nothing is out of phase or broken."""
+    S, Q, R = aligned(size), aligned(padded(size)), aligned(padded(size))
+    bounds = aligned(2 * len(limited) * lanes) if limits is None else limits
+    return Memory(
+        S, Q, R, aligned(3 * lanes), T, parts, aligned(lanes), kept, extremes, limited, bounds, aligned(lanes)
+    )
+
+
+class Lanes(NamedTuple):
+    """Outputs of a stream of simulations, lane by lane.
+
+    ``due``: the step of the next output; ``every``: steps between two; ``at``: outputs so far; ``stop``:
+    those after which it ends. ``out`` (lanes, room, kept) takes them; the rows ``sound`` are checked every
+    ``look`` steps.
+    """
+
+    due: Counts
+    every: Counts
+    at: Counts
+    stop: Counts
+    out: Rows
+    sound: Integers
+    look: int
+
+
+# (n0, steps, out, anew, look): len(out) times so many steps from step n0, out[m] filled with the rows kept
+# after each, or of no rows; whether
+# extremes begin anew before each; lanes are looked at where look divides the number of steps made.
+Take = Callable[..., None]
+
+
+class Stepped:
+    """A loop whose lanes lie side by side: ``advance`` and ``stream`` of the driver, for so many lanes."""
+
+    def __init__(self, functions: Mapping[str, Any], lanes: int, integers: Integers = NONE) -> None:
+        self.functions, self.lanes, self.integers = functions, lanes, integers
+
+    def _copies(self, m: Memory, rows: int, look: int) -> tuple[Any, ...]:
+        """The first arguments of the driver's functions."""
+        numbers = np.array([self.lanes, self.lanes, rows, m.parts, look], dtype=np.int64)
+        return m.S, m.Q, m.R, m.C, m.T, self.integers, numbers
+
+    def __call__(self, m: Memory, rows: int = 0) -> Take:
+        """Steps on a memory; ``rows`` of a state where there is scratch behind them."""
+        copies = self._copies(m, rows or len(m.S) // self.lanes, NEVER)
+        numbers = copies[-1]
+        advance = self.functions["advance"].bound(
+            *copies, m.shares, m.kept, m.extremes, m.limited, m.limits, m.broken
+        )
+
+        def take(n0: int, steps: int, out: Rows, anew: bool = True, look: int = NEVER) -> None:
+            numbers[-1] = look
+            advance(int(anew), look - n0 % look, n0, steps, len(out), out.reshape(-1))
+
+        return take
+
+    def streaming(self, m: Memory, lanes: Lanes, rows: int = 0) -> Callable[[int, int], int]:
+        """What steps lanes of which each records its own rows: from a step on, so many or fewer; the number
+        of steps made is returned.
+        """
+        due, every, at, stop, out, sound, look = lanes
+        copies = self._copies(m, rows or len(m.S) // self.lanes, look)
+        watched = m.kept, m.extremes, sound, m.limited, m.limits, m.broken
+        stream = self.functions["stream"].bound(
+            *copies, *watched, due, every, at, stop, out.reshape(-1), out.shape[1]
+        )
+        return lambda n0, count: int(stream(look - n0 % look, n0, count))
+
+
+class Straight(Stepped):
+    """Straight-line code in memory, of :func:`step_code`."""
+
+    def __init__(self, code: bytes, lanes: int) -> None:
+        self.code = native.Code(driver_code(), *_apart(code))
+        super().__init__({name: self.function(name) for name in ENTRIES}, lanes)
+
+    def function(self, name: str) -> Called:
+        """A function of the driver."""
+        return Called(self.code, name, ENTRIES[name])
+
+
+class DataDriven:
+    """The data-driven loop, compiled or as plain Python, lane by lane."""
+
+    def __init__(self, topology: Topology, lanes: int, interpret: bool) -> None:
+        integers, self.layout, self.size = tables(topology)
+        self.lanes = lanes
+        self.one = Stepped(
+            data_driven_loop(topology.contact_laws, topology.friction_laws, interpret), 1, integers
+        )
+
+    def _own(self, memory: Memory, lane: int) -> Memory:
+        """The memory of one lane: the loop needs scratch behind the rows of a state."""
+        rows, lanes = self.layout.rows, self.lanes
+        limits = np.ascontiguousarray(memory.limits.reshape(-1, 2, lanes)[:, :, lane]).reshape(-1)
+        shares, broken = (one[lane : lane + 1] for one in (memory.shares, memory.broken))
+        S, Q, R, C = (np.zeros(size) for size in (self.size, self.size, rows, 3))
+        T = memory.T.reshape(lanes, -1)[lane]
+        return memory._replace(S=S, Q=Q, R=R, C=C, T=T, shares=shares, limits=limits, broken=broken)
+
+    def __call__(self, memory: Memory) -> Take:
+        """Steps on a memory."""
+        rows = self.layout.rows
+        states, owns = (
+            memory.S.reshape(rows, self.lanes),
+            [self._own(memory, lane) for lane in range(self.lanes)],
+        )
+        takes = [self.one(own, rows) for own in owns]
+
+        def take(n0: int, steps: int, out: Rows, anew: bool = True, look: int = NEVER) -> None:
+            for lane, (own, advance) in enumerate(zip(owns, takes, strict=True)):
+                if own.broken[0] > 0.0:
+                    continue
+                own.S[:rows] = states[:, lane]
+                found = np.zeros((*out.shape[:2], 1))
+                advance(n0, steps, found, anew, look)
+                states[:, lane], out[:, :, lane] = own.S[:rows], found[:, :, 0]
+
+        return take
+
+    def streaming(self, memory: Memory, lanes: Lanes) -> Callable[[int, int], int]:
+        """What steps the one lane of a stream, see :meth:`Stepped.streaming`."""
+        own, rows = self._own(memory, 0), self.layout.rows
+        stream = self.one.streaming(own, lanes, rows)
+
+        def take(n0: int, count: int) -> int:
+            own.S[:rows] = memory.S
+            made = stream(n0, count)
+            memory.S[:] = own.S[:rows]
+            return made
+
+        return take
+
+
+class Interpreted:
+    """A function of plain Python, called as one that is compiled."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+
+    def bound(self, *first: Any) -> Callable[..., Any]:
+        """The function with its first arguments given."""
+        return partial(self.function, *first)
+
+
+@lru_cache(maxsize=16)
+def data_driven_loop(
+    contact: tuple[type, ...], friction: tuple[type, ...], interpret: bool
+) -> dict[str, Any]:
+    """``advance`` and ``stream`` of the data-driven loop for these laws."""
+    with WRITING:
+        text = data_driven(contact, friction)
+        return (
+            {name: Interpreted(interpreted(text, name)) for name in ENTRIES}
+            if interpret
+            else dict(library(text, ENTRIES))
+        )
+
+
+def driver_code() -> bytes:
+    """Object code of the driver for straight-line code, from the cache or compiled."""
+
+    def text() -> str:
+        from . import modules  # what writes code is loaded where some is written
+
+        return str(native.simplified(modules.text()))
+
+    return stored_code(("driver",), text, native.object_code)
+
+
+@contextmanager
+def all_kept() -> Iterator[None]:
+    """Nobody looks for what could be thrown away: a text is made of a hundred thousand small things that stay
+    until it is done.
+    """
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
+
+
+def step_code(pieces: Pieces) -> bytes:
+    """Object code of a step, each piece behind its length."""
+    codes = (
+        native.object_code(pieces.often),
+        native.object_code(pieces.seldom, native.SELDOM if pieces.hurried else native.EFFORT),
+    )
+    return b"".join(len(code).to_bytes(8, "little") + code for code in codes)
+
+
+def _apart(code: bytes) -> list[bytes]:
+    """Object codes behind their lengths."""
+    found, at = [], 0
+    while at < len(code):
+        end = at + 8 + int.from_bytes(code[at : at + 8], "little")
+        found.append(code[at + 8 : end])
+        at = end
+    return found
+
+
+def origin(topology: Topology) -> list[bytes]:
+    """All that the text of a topology's step is made from."""
+    laws = topology.contact_laws + topology.friction_laws
+    numbers = {field.name: getattr(topology, field.name) for field in dataclasses.fields(topology)}
+    numbers |= {"contact_laws": "", "friction_laws": ""}
+    own = not all(law.__module__.startswith("vfife.laws.") for law in laws)  # these may call anything
+    names = "" if not own else data_driven(topology.contact_laws, topology.friction_laws)
+    return [
+        cache.sources(),
+        repr(numbers).encode(),
+        repr([f"{law.__module__}.{law.__qualname__}" for law in laws]).encode(),
+        names.encode(),
+    ]
+
+
+def name_of(topology: Topology, width: int, directions: int = 0) -> str:
+    """File of the cache with a topology's machine code."""
+    parts = (native.llvmlite_version(), platform.machine(), *native.processor(), str(width), str(directions))
+    return f"step-{cache.digest([*origin(topology), *(part.encode() for part in parts)])}.o"
+
+
+@lru_cache(maxsize=64)
+def straight_line(topology: Topology, width: int, directions: int = 0) -> Straight:
+    """The step of a topology in so many lanes, with its derivatives in so many directions, from the cache or
+    compiled.
+    """
+    with WRITING:
+        name = name_of(topology, width, directions)
+        code = cache.read(name)
+        if code is not None:
+            return Straight(code, width)
+        from .modules import pieces
+
+        cache.missed()
+        with all_kept():
+            made = pieces(topology, width, directions)
+        code = step_code(made)
+        cache.keep(name, code)
+        return Straight(code, width)
+
+
+def loop_of(topology: Topology, loop: str, lanes: int, directions: int = 0) -> Stepped | DataDriven:
+    """A loop by its name: "generated", "data-driven" or "interpreted"."""
+    if loop == "generated":
+        return straight_line(topology, lanes, directions)
+    return DataDriven(topology, lanes, loop == "interpreted")
+
+
+def forget_steps() -> None:
+    """Drops all steps that this process has traced, compiled or loaded: the text of a law is another one."""
+    from ..backends.gpu import program
+    from .modules import _traced  # what writes steps is loaded where one is written
+
+    for cached in (data_driven_loop, straight_line, _traced, program):
+        cached.cache_clear()
+
+
+def compiler_of(loop: str) -> dict[str, str]:
+    """What compiles a loop, and its version."""
+    return {} if loop == "interpreted" else {"llvmlite": native.llvmlite_version()}

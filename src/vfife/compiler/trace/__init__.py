@@ -1,0 +1,1 @@
+"""The step as data: traced, ordered, differentiated."""

@@ -1,0 +1,68 @@
+"""The text of a function, found in the syntax tree of its file: a file is parsed once, where
+``inspect.getsource`` reads it word by word.
+
+One thread at a time reads, writes and compiles code: Python 3.11 loses count when two parse or compile syntax
+trees at once.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import linecache
+import textwrap
+import threading
+from typing import Any
+
+WRITING = threading.RLock()
+
+
+_files: dict[str, tuple[list[str], dict[int, int]]] = {}
+
+
+def function_text(function: Any) -> str:
+    """Text of a plain function's definition, without the indentation of its class; OSError where it cannot be
+    found.
+    """
+    code = function.__code__
+    with WRITING:
+        lines = linecache.getlines(code.co_filename, function.__globals__)
+        known = _files.get(code.co_filename)
+        if known is None or known[0] is not lines:
+            known = _files[code.co_filename] = lines, _ends(lines)
+    end = known[1].get(code.co_firstlineno)
+    text = inspect.getsource(function) if end is None else "".join(lines[code.co_firstlineno - 1 : end])
+    return textwrap.dedent(text)
+
+
+def function_tree(function: Any) -> ast.AST:
+    """Syntax tree of its definition, without decorators and annotations."""
+    tree = parsed(function_text(function))
+    if isinstance(tree, ast.FunctionDef):
+        tree.decorator_list, tree.returns = [], None
+        for argument in [*tree.args.args, *tree.args.kwonlyargs, *tree.args.posonlyargs]:
+            argument.annotation = None
+    return tree
+
+
+def parsed(text: str) -> ast.AST:
+    """Syntax tree of the one statement of a text."""
+    with WRITING:
+        return ast.parse(text).body[0]
+
+
+def _ends(lines: list[str]) -> dict[int, int]:
+    """Last line of each definition by its first line, decorators counted."""
+    try:
+        tree = ast.parse("".join(lines))
+    except SyntaxError:
+        return {}
+    ends: dict[int, int] = {}
+    waiting: list[Any] = list(tree.body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.FunctionDef) and node.end_lineno is not None:
+            ends[min([node.lineno, *(d.lineno for d in node.decorator_list)])] = node.end_lineno
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.If | ast.Try | ast.With):
+            waiting += node.body
+    return ends

@@ -1,0 +1,295 @@
+"""One text per compiled step: the physics functions, the laws at hand and a loop, gathered into a single
+module.
+
+The text is compiled (:mod:`~vfife.compiler.backends.plain`) or run as plain Python. Because everything that
+decides its bits is in it, its hash is a complete cache key.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from types import FunctionType
+from typing import Any, Protocol
+
+from ...errors import SourceError
+from ...kernels import advance as loop
+from ...kernels.arrays import Fields
+from ...kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
+from .functiontext import WRITING, function_text, function_tree
+
+_DEFINITIONS: dict[tuple[object, ...], str] = {}  # known ones: to write them takes most of the time of a text
+
+
+class Collector(Protocol):
+    """Takes the functions that a text calls."""
+
+    def add(self, function: Callable[..., Any], name: str | None = None) -> str:
+        """Takes a function; returns the name by which the text calls it."""
+
+
+class Gathered:
+    """Source texts of functions by the name they go by, each after those it calls."""
+
+    def __init__(self) -> None:
+        self.texts: dict[str, str] = {}
+        self.origin: dict[str, object] = {}
+        self.given: dict[str, str] = {}
+
+    def add(self, function: Callable[..., Any], name: str | None = None) -> str:
+        """Adds a function, under another name if asked, and all it calls; returns the name it goes by."""
+        require_plain(function)
+        name = name or function.__name__
+        if name in self.origin:
+            if self.origin[name] is not function:
+                raise SourceError(f"two different functions are called {name!r}; rename one of them")
+            return name
+        self.origin[name] = function
+        for used in global_names(function):
+            if function.__module__.startswith("vfife.") or used in names_of(function):
+                self._resolve(function, used)
+        self.texts.pop(name, None)
+        self.texts[name] = definition(function, name)
+        return name
+
+    def _resolve(self, function: Callable[..., Any], used: str) -> None:
+        if used in self.given:
+            if used not in self.texts:
+                self.texts[used] = self.given[used]
+            return
+        value = function.__globals__.get(used, math)
+        if value is math or isinstance(value, Fields):
+            return
+        if isinstance(value, FunctionType):
+            known = self.add(value)
+            if known != used:
+                self.texts[used] = f"{used} = {known}\n"
+        elif not isinstance(value, (bool, int, float)):
+            raise SourceError(
+                f"{function.__module__}.{function.__qualname__} uses {used!r}, a {type(value).__name__}; a"
+                " law's function may use its arguments, math.sqrt, numbers and plain functions of numbers"
+            )
+
+    def text(self) -> str:
+        """All texts in order of need."""
+        return "\n\n".join(self.texts.values())
+
+
+def require_plain(function: Callable[..., Any]) -> None:
+    """Raises SourceError unless ``function`` is a plain Python function without closure, whose text can be
+    read.
+    """
+    if not isinstance(function, FunctionType):
+        raise SourceError(f"{function!r} is not a plain function")
+    if function.__closure__:
+        raise SourceError(
+            f"{function.__qualname__} closes over {', '.join(function.__code__.co_freevars)}; pass numbers as"
+            " parameters"
+        )
+
+
+def global_names(function: Callable[..., Any]) -> list[str]:
+    """Names a function takes from its module, in order of first use."""
+    code = function.__code__
+    space = function.__globals__
+    return [name for name in code.co_names if name in space]
+
+
+@lru_cache(maxsize=512)
+def names_of(function: Callable[..., Any]) -> frozenset[str]:
+    """Names that stand by themselves in a function's text: the ``sqrt`` of ``math.sqrt`` is none, whatever
+    the file calls so.
+    """
+    return frozenset(node.id for node in ast.walk(function_tree(function)) if isinstance(node, ast.Name))
+
+
+def definition(function: Callable[..., Any], name: str) -> str:
+    """Source of a function as a definition called ``name``, without decorators, annotations and docstring."""
+    key = function_text(function), name, _said(function)
+    if key not in _DEFINITIONS:
+        _DEFINITIONS[key] = _definition(function, name)
+    return _DEFINITIONS[key]
+
+
+def _said(function: Callable[..., Any]) -> tuple[object, ...]:
+    """What a definition says beside its text: the numbers of the function's module, and whose rows its fields
+    are.
+    """
+    space = function.__globals__
+    found = [(used, space[used]) for used in global_names(function)]
+    return tuple(
+        (used, value if isinstance(value, Fields) else repr(value))
+        for used, value in found
+        if not isinstance(value, FunctionType)
+    )
+
+
+def _definition(function: Callable[..., Any], name: str) -> str:
+    tree = function_tree(function)
+    if not isinstance(tree, ast.FunctionDef):
+        raise SourceError(f"{function.__qualname__} is no def")
+    tree.name = name
+    if ast.get_docstring(tree) is not None:
+        tree.body = tree.body[1:] or [ast.Pass()]
+    tree = ast.fix_missing_locations(_Literal(function).visit(tree))
+    return ast.unparse(tree) + "\n"
+
+
+class _Literal(ast.NodeTransformer):
+    """Writes the row of a field, ``P.x``, a number of the function's module and one of the module math as the
+    numbers they are.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.space = function.__globals__
+        self.local = set(function.__code__.co_varnames)
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        owner = self.space.get(node.value.id) if isinstance(node.value, ast.Name) else None
+        if owner is math:
+            value = getattr(math, node.attr, None)
+            if isinstance(value, float):
+                return ast.Constant(value)
+            if node.attr != "sqrt":
+                raise SourceError(
+                    f"math.{node.attr} differs between machines in its last bits; math.sqrt alone does not"
+                )
+            return ast.Attribute(ast.Name("math", ast.Load()), "sqrt", ast.Load())
+        return (
+            ast.Constant(getattr(owner, node.attr)) if isinstance(owner, Fields) else self.generic_visit(node)
+        )
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
+        return node if node.value is None else ast.Assign([node.target], self.visit(node.value))
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        whole = [
+            one.value
+            for one in (node.left, node.right)
+            if isinstance(one, ast.Constant) and type(one.value) is int
+        ]
+        return (
+            ast.Constant(whole[0] ** whole[1])
+            if isinstance(node.op, ast.Pow) and len(whole) == 2
+            else self.generic_visit(node)
+        )
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        value = (
+            self.space.get(node.id) if isinstance(node.ctx, ast.Load) and node.id not in self.local else None
+        )
+        if not isinstance(value, (bool, int, float)):
+            return node
+        return ast.UnaryOp(ast.USub(), ast.Constant(-value)) if value < 0 else ast.Constant(value)
+
+
+def law_name(kind: str, law: type) -> str:
+    """Name of the function of a form of law in a gathered text."""
+    return f"{kind}_{(law.__dict__.get('name') or law.__name__).replace('-', '_')}"
+
+
+def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
+    """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or
+    ``friction_law(kind, ..., S, base, memory)``.
+
+    The friction law's memory lies in the rows from ``memory`` and is wiped where no normal force holds the
+    surfaces together.
+    """
+    friction = kind == "friction"
+    given = "normal, free, mobility, dt" if friction else "depth, slowness"
+    lines = [
+        f"def {kind}_law(kind, {given}, S, base{', memory' if friction else ''}):",
+        "    first = 0.0",
+        "    second = 0.0",
+    ]
+    for number, law in enumerate(laws):
+        if getattr(law, "tabled", False):  # its table is not among the slots: kernels/tabled.py
+            lines += [f"    {'el' if number else ''}if kind == {number}:", "        first, second = 0.0, 0.0"]
+            continue
+        count, rows = room(kind, law)
+        name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
+        slots = "".join(f"S[base + {k}], " for k in range(count))
+        held = [f"S[memory + {k}]" for k in range(rows)]
+        one = held[0] if rows == 1 else f"({', '.join(held)})" if held else "0.0"
+        arguments = f"normal, free, mobility, {one}, dt" if friction else given
+        lines += [
+            f"    {'el' if number else ''}if kind == {number}:",
+            f"        first, second = {name}({arguments}, ({slots}))",
+        ]
+        if rows > 1:
+            lines[-1] = lines[-1].replace("second", f"kept{number}", 1)
+        values = ["second"] if rows == 1 else [f"kept{number}[{k}]" for k in range(rows)]
+        lines += [
+            f"        {row} = {value} if normal > 0.0 else 0.0"
+            for row, value in zip(held, values, strict=True)
+        ]
+    lines.append("    return first" if friction else "    return first, second")
+    return "\n".join(lines) + "\n"
+
+
+def room(kind: str, law: Any) -> tuple[int, int]:
+    """How many parameters and rows of memory a law takes; SourceError where there are not that many."""
+    slots, memory = {"contact": (CONTACT_SLOTS, 0), "friction": (FRICTION_SLOTS, FRICTION_MEMORY)}[kind]
+    count, rows = len(law.slots), len(law.memory) if kind == "friction" else 0
+    if count > slots:
+        raise SourceError(f"law {law.name or law.__name__!r} has {count} parameters; a law may have {slots}")
+    if rows > memory:
+        raise SourceError(
+            f"law {law.name or law.__name__!r} remembers {rows} numbers; a law may remember {memory}"
+        )
+    return count, rows
+
+
+def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
+    """An if-chain over friction laws whose curves have kinks: ``friction_regime(kind, sliding, S, base)``."""
+    lines = ["def friction_regime(kind, sliding, S, base):", "    regime = 0.0"]
+    for number, law in enumerate(laws):
+        if getattr(law, "regime", None) is not None:
+            name = gathered.add(law.regime, f"regime_{law_name('friction', law)}")  # type: ignore[attr-defined]
+            slots = "".join(f"S[base + {k}], " for k in range(len(law.slots)))  # type: ignore[attr-defined]
+            lines += [f"    if kind == {number}:", f"        regime = {name}(sliding, ({slots}))"]
+    return "\n".join([*lines, "    return regime"]) + "\n"
+
+
+def films(laws: tuple[type, ...], gathered: Collector) -> str:
+    """An if-chain over contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
+    signature, answer = "penetration, turning, sense", ("radial", "across", "damping", "along", "cross")
+    lines = [f"def film_law(kind, {signature}, S, base):", *(f"    {one} = 0.0" for one in answer)]
+    for number, law in enumerate(laws):
+        if getattr(law, "film", False):
+            name = gathered.add(law.film_force, f"film_{law_name('contact', law)}")  # type: ignore[attr-defined]
+            slots = "".join(f"S[base + {k}], " for k in range(len(law.slots)))  # type: ignore[attr-defined]
+            lines += [
+                f"    if kind == {number}:",
+                f"        {', '.join(answer)} = {name}({signature}, ({slots}))",
+            ]
+    lines.append(f"    return {', '.join(answer)}")
+    return "\n".join(lines) + "\n"
+
+
+def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
+    """Text of the data-driven loop with an if-chain over the given laws."""
+    with WRITING:
+        return _data_driven(contact_laws, friction_laws)
+
+
+def _data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
+    gathered = Gathered()
+    gathered.given = choices(contact_laws, friction_laws, gathered)
+    gathered.add(loop.advance)
+    gathered.add(loop.stream)
+    return gathered.text()
+
+
+def choices(
+    contact_laws: tuple[type, ...], friction_laws: tuple[type, ...], gathered: Collector
+) -> dict[str, str]:
+    """Texts of the choices between laws, by the names by which the kernels ask for them."""
+    return {
+        "contact_law": dispatch("contact", contact_laws, gathered),
+        "friction_law": dispatch("friction", friction_laws, gathered),
+        "friction_regime": regimes(friction_laws, gathered),
+        "film_law": films(contact_laws, gathered),
+    }

@@ -1,0 +1,217 @@
+"""The straight-line step of one topology, traced from the data-driven one.
+
+There are two of it. The **lean** step leaves rare branches out (a contact that begins, the start): it tells
+where one is needed and changes nothing then. The **whole** step has them as selects and is right everywhere.
+What is not rare has the same bits in both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from ...kernels import step as loop
+from ...kernels.arrays import PARTICLE, Layout
+from ...kernels.data_driven import change_step
+from ...kernels.topology import AIMED, FREE, TIME, Topology
+from .functiontext import WRITING
+from .graph import derive
+from .source import choices
+from .tables import tables
+from .tape import STEP_NUMBER, Operand, Operation, Rows, Seldom, Symbol, Tape, Trace, either
+from .traceable import Traceable
+
+STEP = ("step_x", "step_y", "step_turn", "step_sine", "step_versine")
+
+
+def known_rows(topology: Topology, layout: Layout) -> dict[int, float]:
+    """Rows whose value follows from the topology: what never moves, and what a body without arms does not
+    feel.
+    """
+    known: dict[int, float] = {}
+    free, driven, armed, bound = (
+        set(topology.free),
+        set(topology.driven),
+        set(topology.trig),
+        set(topology.bound),
+    )
+    for i in range(topology.particles):
+        base = layout.record("particle", i)
+        if i in bound:
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("vu", "vv", "vw", "s", *STEP)}
+            known |= {base + getattr(PARTICLE, name): 1.0 for name in ("c",)}
+        if topology.weightless:
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("load_x", "load_y", "load_m")}
+        if i not in free:
+            known |= {
+                base + getattr(PARTICLE, name): 0.0
+                for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")
+            }
+        if i not in free | driven:
+            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("x", "y", "theta", "w", "aw")}
+    if topology.weightless:
+        known |= {
+            layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"
+        }
+    known |= _on_particles(topology, layout, armed)
+    return known
+
+
+def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[int, float]:
+    """Arms of joints and springs that are zero because the particle itself is the pin; offsets of joints that
+    have none.
+    """
+    known: dict[int, float] = {}
+    pairs = (
+        ("contact", "bearing"),
+        ("contact", "journal"),
+        ("joint", "bearing"),
+        ("joint", "journal"),
+        ("spring", "first"),
+        ("spring", "second"),
+    )
+    for kind, side in pairs:
+        for joint, body in enumerate(getattr(topology, f"{kind}_{side}")):
+            if body not in armed and body != 0:
+                known |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
+    for joint, (place, turn) in enumerate(topology.held):
+        if place not in AIMED and turn == FREE:
+            known[layout.row("joint_offset", joint)] = 0.0
+    return known
+
+
+class _Laws:
+    """Takes the functions of laws that a choice between laws calls."""
+
+    def __init__(self) -> None:
+        self.functions: dict[str, Callable[..., Any]] = {}
+
+    def add(self, function: Callable[..., Any], name: str | None = None) -> str:
+        """Takes a function."""
+        self.functions[name or function.__name__] = function
+        return name or function.__name__
+
+
+def give_laws(traceable: Traceable, topology: Topology) -> None:
+    """Puts the choice between a topology's laws where the kernels ask for one."""
+    give_laws_of(traceable, topology.contact_laws, topology.friction_laws)
+
+
+def give_laws_of(
+    traceable: Traceable, contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]
+) -> None:
+    """Puts the choice between laws where the kernels ask for one."""
+    laws = _Laws()
+    for name, text in choices(contact_laws, friction_laws, laws).items():
+        traceable.given[name] = traceable.written(text, laws.functions)
+
+
+def trace(topology: Topology, whole: bool = False, also: Iterable[int] = ()) -> Trace:
+    """One step of a topology, lean or whole; it leaves the scratch rows ``also`` beside those that the next
+    step needs.
+
+    Raises :class:`~vfife.compiler.trace.tape.Branch` for a law that branches.
+    """
+    if topology.path_unit != 1:
+        raise ValueError("path units of several steps use the data-driven loop")
+    integers, layout, _ = tables(topology)
+    tape = Tape()
+    rows = Rows(tape, known_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *also})
+    traceable = Traceable(tape, Seldom(tape, rows, whole))
+    with WRITING:
+        give_laws(traceable, topology)
+        step = traceable(loop.step)
+    n = Symbol(tape, STEP_NUMBER)
+    step(rows, integers.tolist(), n, n == 0.0 if whole else False)
+    stores = rows.stores()
+    rare: Any = False
+    for condition in tape.rare:
+        rare = either(rare, condition)
+    operations = tape.needed([*stores.values(), rare])
+    return Trace(operations, {row: _operand(value) for row, value in stores.items()}, _operand(rare))
+
+
+def resizing(topology: Topology) -> Trace:
+    """The change from steps of one size to another, as the symbols ``size``, ``shift`` and ``repeated`` say."""
+    integers, layout, _ = tables(topology)
+    tape = Tape()
+    rows = Rows(
+        tape,
+        known_rows(topology, layout),
+        {*layout.of("state", "memory", "extreme"), *(layout.row(name) for name in ("step", "shift"))},
+    )
+    with WRITING:
+        resize = Traceable(tape)(change_step)
+    resize(rows, integers.tolist(), *(Symbol(tape, name) for name in ("size", "shift", "repeated")))
+    stores = rows.stores()
+    return Trace(tape.needed(stores.values()), {row: _operand(value) for row, value in stores.items()})
+
+
+def _operand(value: Any) -> str | float | bool:
+    return value.name if isinstance(value, Symbol) else value if isinstance(value, bool) else float(value)
+
+
+def about(topology: Topology) -> int:
+    """About how many lines a step has, to within a half where it has a thousand, known without tracing it.
+
+    Constraints that meet at a body couple: their lines grow with the square of the profile's width.
+    """
+    graph = derive(topology)
+    bands = [row - first for row, first in enumerate(graph.first)]
+    bound = len(set(topology.bound) & set(topology.free))
+    own = (
+        50 * len(topology.frame_nodes)
+        + 15 * (len(topology.free) + bound)
+        + 60 * len(topology.trig)
+        + 50 * len(bands)
+    )
+    joined = (
+        150 * len(topology.contact_bearing)
+        + 40 * len(topology.spring_first)
+        + sum(band * band + 8 * band for band in bands)
+    )
+    return (
+        own
+        + joined
+        + sum(graph.constrained) * (sum(5 * band + 55 for band in bands) + 15 * len(graph.jointed))
+    )
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function that must be there before a step: where its table starts, the rows of its value, two
+    derivatives, kinks and value one step later.
+
+    What it depends on is the last of its ``operations``, or the operand ``argument`` where there are none.
+    They use rows before the step, ``time`` and ``ahead``, the step that leads to t_n.
+    """
+
+    table: int
+    rows: tuple[int, int, int, int, int]
+    of_time: bool
+    operations: tuple[Operation, ...]
+    argument: Operand
+
+
+def functions(topology: Topology) -> list[Function]:
+    """Functions of a topology; they are searched in tables, which is no straight line."""
+    layout, found = Layout(topology), []
+    for f, start in enumerate(topology.function_start):
+        kind, *bodies = topology.function_argument[f] if topology.function_argument else (TIME, 0, 0)
+        tape = Tape()
+        rows = Rows(tape, known_rows(topology, layout), set())
+        first, second = (layout.record("particle", p) for p in bodies)
+        record = layout.record("function", f)
+        with WRITING:
+            argument = Traceable(tape)(loop.argument)
+        x = argument(rows, kind, first, second, record, Symbol(tape, "time"), Symbol(tape, "ahead"))
+        value, rate, acceleration, kinks, after = (
+            layout.row(f"function_{name}", f) for name in ("value", "rate", "acceleration", "kinks", "next")
+        )
+        found.append(
+            Function(
+                start, (value, rate, acceleration, kinks, after), kind == TIME, tape.needed([x]), _operand(x)
+            )
+        )
+    return found

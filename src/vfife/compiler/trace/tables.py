@@ -1,0 +1,315 @@
+"""The integer array of the data-driven loop for a topology: records of rows of S and kinds, list by list."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kernels.arrays import (
+    BODY_INDEX,
+    CONSTRAINT,
+    CONSTRAINT_INDEX,
+    CONTACT_INDEX,
+    COUPLE_INDEX,
+    DRIVEN_INDEX,
+    FRAME_INDEX,
+    FUNCTION_INDEX,
+    GUIDE_INDEX,
+    HEADER,
+    JOINT_INDEX,
+    LOAD_INDEX,
+    SPRING_INDEX,
+    TILE_INDEX,
+    Fields,
+    Layout,
+)
+from ...kernels.topology import BEARING, CURRENT, FREE, PINNED, STOP, Topology
+from .graph import derive
+
+LEVERS = (
+    CONSTRAINT.jb,
+    CONSTRAINT.jk,
+    CONSTRAINT.jc,
+)  # of bearing, journal and carrier in a row of constraints
+JOURNAL = 1  # the side whose lever counts the other way than that of the two others
+COARSEST = (
+    3  # of the levels of coarse steps, that in which the rows turned to the end of the step are always used
+)
+TILE = 1024  # elements whose particles stay in the cache between drift and kick
+
+
+def records(fields: Fields, **columns: Any) -> NDArray[np.int64]:
+    """Records of the integer array, (count, fields), from a column of each of their fields."""
+    names = list(fields.names)
+    if names != list(columns):
+        raise ValueError(f"fields {names} are given as {list(columns)}")
+    return np.column_stack([np.asarray(one, dtype=np.int64).reshape(-1) for one in columns.values()])
+
+
+def tiles(topology: Topology, layout: Layout) -> list[tuple[int, int, int, int, int, int]]:
+    """Ranges of plain particles to drift, elements, and plain particles to kick, so that few lines of the
+    cache are needed at a time.
+    """
+    count = len(topology.frame_nodes)
+    plain = np.full(topology.particles, -1, dtype=np.intp)
+    loose = np.flatnonzero(np.isin(np.arange(topology.particles), topology.bound, invert=True))
+    plain[loose] = np.arange(len(loose))
+    if not count:
+        return [(0, len(loose), 0, 0, 0, len(loose))] if len(loose) else []
+    nodes = plain[np.asarray(topology.frame_nodes, dtype=np.intp)]
+    drifted = np.maximum.accumulate(nodes.max(axis=1)) + 1
+    needed = np.where(nodes >= 0, nodes, len(loose)).min(axis=1)
+    waiting = np.minimum.accumulate(needed[::-1])[::-1]
+    found, drift, kick = [], 0, 0
+    for low in range(0, count, TILE):
+        high = min(low + TILE, count)
+        last = high == count
+        drift_end = len(loose) if last else max(drift, int(drifted[high - 1]))
+        kick_end = len(loose) if last else max(kick, int(min(waiting[high], drift_end)))
+        found.append((drift, drift_end, low, high, kick, kick_end))
+        drift, kick = drift_end, kick_end
+    return found
+
+
+class Lists:
+    """The lists of the integer array for one topology: records of rows of S and kinds."""
+
+    def __init__(self, topology: Topology) -> None:
+        self.t, self.graph, self.layout = topology, derive(topology), Layout(topology)
+        self.body = self.layout.records["particle"]
+        self.low, self.count = self.layout.rows, topology.constraint_starts[-1]
+        self.y = self.low + self.graph.size + self.count
+
+    def bodies(self, indices: Iterable[int]) -> NDArray[np.intp]:
+        """Rows of particles."""
+        return self.body[np.asarray(indices, dtype=np.intp)]
+
+    def function(self, indices: Iterable[int]) -> list[int]:
+        """Rows of functions, 0 for none."""
+        return [0 if k < 0 else self.layout.record("function", k) for k in indices]
+
+    def row(self, k: int, lever: int = 0) -> int:
+        """Row of a constraint, or of one of its levers."""
+        return self.layout.record("constraint", k) + lever
+
+    def particles(self) -> dict[str, Any]:
+        """Particles that are treated one by one, tiles of the others, elements."""
+        t, free = self.t, set(self.t.free)
+        nodes = np.asarray(t.frame_nodes, dtype=np.intp).reshape(-1, 2)
+        units = self.layout.records["unit"] if t.path_unit > 1 else np.zeros(len(nodes), dtype=np.intp)
+        chosen = {
+            "bound": [p for p in t.bound if p in free],
+            "trig": t.trig,
+            "jointed": self.graph.jointed,
+            "pinned": self.graph.pinned,
+        }
+        found: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
+        found["tile"] = tiles(t, self.layout)
+        found["frame"] = records(
+            FRAME_INDEX, row=self.layout.records["frame"], first=self.bodies(nodes[:, 0]), second=self.bodies(nodes[:, 1]),
+            release=t.frame_release, unit=units, strain=t.strains,
+        )  # fmt: skip
+        return found
+
+    def contacts(self) -> NDArray[np.int64]:
+        """Contacts with what their laws ask for."""
+        t = self.t
+        ahead = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
+        kinked = [int(getattr(t.friction_laws[kind], "regime", None) is not None) for kind in t.friction_form]
+        film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.contact_form]
+        piece, pieces = self.paths(t.contact_path, len(t.contact_bearing))
+        knot, knots = self.knots()
+        bearing_first, bearing_count, journal_first, journal_count = self.profiles()
+        return records(
+            CONTACT_INDEX, row=self.layout.records["contact"], bearing=self.bodies(t.contact_bearing), journal=self.bodies(t.contact_journal),
+            shared=self.graph.shared, constrained=self.graph.constrained, contact=t.contact_form, friction=t.friction_form, ahead=ahead,
+            kinked=kinked, film=film, simultaneous=self.graph.simultaneous, kind=t.contact_kind or [BEARING] * len(t.contact_bearing),
+            piece=piece, pieces=pieces, knot=knot, knots=knots, wear=self.wears(), bearing_first=bearing_first, bearing_count=bearing_count,
+            journal_first=journal_first, journal_count=journal_count,
+        )  # fmt: skip
+
+    def knots(self) -> tuple[list[int], list[int]]:
+        """First row and number of the pieces of the table of each contact's law, 0 for none."""
+        return [self.layout.record("knot", first) if many else 0 for first, many in self.t.knots], [
+            many for _, many in self.t.knots
+        ]
+
+    def wears(self) -> list[int]:
+        """Row of the wear of each contact, 0 where none is kept."""
+        return [
+            self.layout.record("wear", self.t.wears.index(k)) if k in self.t.wears else 0
+            for k in range(len(self.t.contact_bearing))
+        ]
+
+    def profiles(self) -> list[list[int]]:
+        """First row and number of the harmonics of each contact's bearing, and of its journal."""
+        found: list[list[int]] = [[], [], [], []]
+        at = 0
+        for counts in self.t.profiles or ((0, 0),) * len(self.t.contact_bearing):
+            for side, count in enumerate(counts):
+                found[2 * side].append(self.layout.record("harmonic", at) if count else 0)
+                found[2 * side + 1].append(count)
+                at += count
+        return found
+
+    def guides(self) -> list[tuple[int, int, int]]:
+        """Blocks in guides with play, with the contacts that are their corners."""
+        return [(self.layout.record("guide", k), first, end) for k, (first, end) in enumerate(self.t.guides)]
+
+    def paths(self, paths: tuple[int, ...], count: int) -> tuple[list[int], list[int]]:
+        """First row and number of the pieces of the path of each joint or contact, 0 for none."""
+        found = self.t.pieces(paths, count)
+        return [self.layout.record("piece", first) if many else 0 for first, many in found], [
+            many for _, many in found
+        ]
+
+    def constraints(self) -> dict[str, Any]:
+        """Ideal joints, their rows, and which rows meet at a body; two revolutes meet in one entry."""
+        t, graph, row = self.t, self.graph, self.row
+        starts, body, rows = t.constraint_starts, self.body, graph.rows
+        counts = np.diff(starts)
+        joints = [k for k in graph.order for _ in range(counts[k])]
+        # Both rows of a revolute have a number, 1 and 2. Of two revolutes one record, that of their first
+        # rows, stands for four entries of the
+        # matrix.
+        pins = [
+            part
+            for k in graph.order
+            for part in ((1, 2) if t.held[k] == (PINNED, FREE) else (0,) * int(counts[k]))
+        ]
+        carriers = np.array([0 if c == 0 else int(body[c]) for c in t.carriers], dtype=np.int64)
+        place = {number: k for k, number in enumerate(rows)}
+        places, turns = np.array(t.held, dtype=int).reshape(-1, 2).T
+        piece, pieces = self.paths(t.joint_path, len(t.joint_bearing))
+        bearing, journal = self.bodies(t.joint_bearing), self.bodies(t.joint_journal)
+        couples = [
+            couple
+            for couple in graph.couples
+            if not (pins[couple.row] and pins[couple.other]) or pins[couple.row] == pins[couple.other] == 1
+        ]
+        return {
+            "joint": records(
+                JOINT_INDEX, row=self.layout.records["joint"], bearing=bearing, journal=journal, place=places, turn=turns,
+                first=[row(k) if self.count else 0 for k in starts[:-1]], y=[self.y + place.get(k, 0) for k in starts[:-1]],
+                function=self.function(t.joint_function or [-1] * len(t.joint_bearing)), rows=counts, piece=piece, pieces=pieces, carrier=carriers,
+            ),
+            "constraint": records(
+                CONSTRAINT_INDEX, row=[row(k) for k in rows], bearing=bearing[joints], journal=journal[joints], start=graph.first,
+                at=[self.low + start for start in graph.start], closing=graph.closing, carrier=carriers[joints],
+            ),
+            "couple": records(
+                COUPLE_INDEX, first=[row(rows[one.row]) for one in couples], second=[row(rows[one.other]) for one in couples],
+                body=[int(body[one.body]) for one in couples], first_lever=[row(rows[one.row], LEVERS[one.side]) for one in couples],
+                second_lever=[row(rows[one.other], LEVERS[one.other_side]) for one in couples],
+                same=[(one.side == JOURNAL) == (one.other_side == JOURNAL) for one in couples],
+                at=[self.low + graph.start[one.row] + one.other for one in couples], pins=[pins[one.row] and pins[one.other] for one in couples],
+                lower=[self.low + graph.start[min(one.row + 1, self.count - 1)] + one.other for one in couples],
+            ),
+        }  # fmt: skip
+
+    def others(self) -> dict[str, Any]:
+        """Springs, drivers, loads, bodies and functions."""
+        t, layout, body = self.t, self.layout, self.body
+        ends = {(int(i), int(j)) for i, j in t.body_nodes if i != j} if t.path_unit == 1 else set()
+        present = [
+            (e, nodes) for e, nodes in enumerate(t.frame_nodes) if t.strains[e] == CURRENT and nodes in ends
+        ]
+        spans = {
+            nodes: layout.record("frame", e) for e, nodes in present
+        }  # whose inverse length is that of a body's chord
+        arguments = [_argument(t, k, body) for k in range(len(t.function_start))]
+        return {
+            "spring": records(
+                SPRING_INDEX, row=layout.records["spring"], first=self.bodies(t.spring_first), second=self.bodies(t.spring_second),
+                kind=t.spring_kind,
+            ),
+            "driven": records(
+                DRIVEN_INDEX, row=layout.records["driven"], body=self.bodies(t.driven), function=self.function(t.driven_function)
+            ),
+            "load": records(
+                LOAD_INDEX, row=layout.records["load"], body=self.bodies(t.load_particle), function=self.function(t.load_function),
+                follow=t.load_follow or [0] * len(t.load_particle),
+            ),
+            "body": records(
+                BODY_INDEX, row=layout.records["body"], first=[int(body[i]) for i, _ in t.body_nodes],
+                second=[int(body[j]) for _, j in t.body_nodes], frame=[spans.get(nodes, 0) for nodes in t.body_nodes],
+            ),
+            "function": records(
+                FUNCTION_INDEX, row=layout.records["function"], table=t.function_start, argument=[one[0] for one in arguments],
+                first=[one[1] for one in arguments], second=[one[2] for one in arguments],
+            ),
+        }  # fmt: skip
+
+
+SIZES = {
+    "tile": TILE_INDEX,
+    "frame": FRAME_INDEX,
+    "contact": CONTACT_INDEX,
+    "guide": GUIDE_INDEX,
+    "joint": JOINT_INDEX,
+    "constraint": CONSTRAINT_INDEX,
+    "couple": COUPLE_INDEX,
+    "spring": SPRING_INDEX,
+    "driven": DRIVEN_INDEX,
+    "load": LOAD_INDEX,
+    "body": BODY_INDEX,
+    "function": FUNCTION_INDEX,
+}
+
+
+@lru_cache(maxsize=16)
+def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
+    """The topology as the integer array of the data-driven loop, the layout of S, and the rows of S with that
+    loop's scratch.
+    """
+    made, t = Lists(topology), topology
+    lists = {
+        **made.particles(),
+        "contact": made.contacts(),
+        "guide": made.guides(),
+        **made.constraints(),
+        **made.others(),
+    }
+    integers = np.zeros(HEADER.SIZE + sum(int(np.size(values)) for values in lists.values()), dtype=np.uint32)
+    at = HEADER.SIZE
+    for name, values in lists.items():
+        flat = np.asarray(values, dtype=np.int64).reshape(-1)
+        integers[getattr(HEADER, name)] = at
+        integers[getattr(HEADER, f"{name}_count")] = len(flat) // (SIZES[name].SIZE if name in SIZES else 1)
+        integers[at : at + len(flat)] = flat
+        at += len(flat)
+    inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
+    integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = (
+        made.low,
+        made.graph.size,
+        inverse,
+        y,
+        gn,
+        gt,
+    )
+    worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
+    watched = bool(t.contact_bearing or t.function_start or t.coarse or STOP in t.spring_kind)
+    turned = gt + made.count
+    flags = {
+        "plain": made.layout.plain, "plain_count": t.particles - len(t.bound), "path_unit": t.path_unit, "damped": t.damped, "worked": worked,
+        "close_again": made.graph.close_again, "watched": watched, "closing": any(made.graph.closing), "redundant": t.redundant,
+        "coarse": t.coarse > 0, "simultaneous": any(made.graph.simultaneous), "turned": turned, "rows": made.layout.rows,
+        # Coarse steps correct the reactions more often; the coarsest use Newton's method in every step
+        # instead.
+        "corrections": 1 + t.coarse if t.coarse < COARSEST else 1, "velocity_corrections": 1 + 2 * t.coarse, "newton": t.coarse >= COARSEST,
+    }  # fmt: skip
+    for name, value in flags.items():
+        integers[getattr(HEADER, name)] = value
+    return integers, made.layout, turned + 2 * made.graph.size + made.count
+
+
+def _argument(topology: Topology, k: int, body: NDArray[np.intp]) -> tuple[int, int, int]:
+    """What function ``k`` depends on, and the two particles whose angle or speed it is."""
+    if not topology.function_argument:
+        return 0, 0, 0
+    kind, first, second = topology.function_argument[k]
+    return kind, int(body[first]), int(body[second])

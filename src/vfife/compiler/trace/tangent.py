@@ -1,0 +1,433 @@
+"""The derivative of a step: the operations of a trace, each followed by its derivative in so many directions.
+
+A direction is a way in which the numbers of a model may change; row r of the state has its derivative in
+direction k at row r + (k + 1) R, where R is the number of rows. What comes out is a trace like any other: it
+is ordered, written and compiled as one. Comparisons and choices are those of the numbers themselves, and
+rounding to a whole number has derivative zero, so what is differentiated is the step as it was taken; where a
+contact begins in another step, or a law passes a kink, the derivative is that from one side.
+
+The derivative of a straight line with what its directions share done once: slopes of results by few others,
+products of slopes on the way.
+
+The derivative of an operation is a sum of weights times the slopes of its operands, and the weights are the
+same in every direction. A result that few others are made of and that few are made with is left out: each of
+those that need it gets the product of the two weights for what it was made of (vertex elimination in the
+order of least cost: Griewank and Walther, Evaluating Derivatives, 2008, chapter 9). A choice stays: it is
+that of slopes, so that what is not chosen may be infinite.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from .schedule import ordered
+from .tape import Operand, Operation, Symbol, Tape, Trace, choose, is_row
+
+Directions: TypeAlias = (
+    "tuple[Any, ...]"  # derivatives of one number, in each direction; 0.0 where it does not depend on it
+)
+
+
+class Tangents:
+    """Runs operations again with their derivatives, on a tape of its own; ``given`` are derivatives of names
+    that are no rows.
+    """
+
+    def __init__(
+        self, rows: int, count: int, given: Mapping[str, Directions] | None = None, tape: Tape | None = None
+    ) -> None:
+        self.tape, self.rows, self.count = tape or Tape(), rows, count
+        self.zero: Directions = (0.0,) * count
+        self.values: dict[str, Any] = {}
+        self.slopes: dict[str, Directions] = dict(given or {})
+
+    def value(self, operand: Operand) -> Any:
+        """A number, a truth or a symbol on the new tape."""
+        if not isinstance(operand, str):
+            return operand
+        if operand not in self.values:
+            self.values[operand] = (
+                self.tape.load(int(operand[1:])) if is_row(operand) else Symbol(self.tape, operand)
+            )
+        return self.values[operand]
+
+    def slope(self, operand: Operand) -> Directions:
+        """Its derivatives."""
+        if not isinstance(operand, str):
+            return self.zero
+        if operand not in self.slopes:
+            row = int(operand[1:]) if is_row(operand) else None
+            self.slopes[operand] = (
+                self.zero
+                if row is None
+                else tuple(self.tape.load(row + k * self.rows) for k in range(1, self.count + 1))
+            )
+        return self.slopes[operand]
+
+    def run(self, operations: Iterable[Operation]) -> None:
+        """Takes operations in their order."""
+        for name, operator, operands in operations:
+            values = [self.value(operand) for operand in operands]
+            self.values[name] = result = self.tape.emit(operator, *values)  # unfolded: it has the same bits
+            rule = RULES.get(operator)
+            self.slopes[name] = (
+                rule(result, values, [self.slope(operand) for operand in operands]) if rule else self.zero
+            )
+
+
+def _sum(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
+    return tuple(da + db for da, db in zip(*slopes, strict=True))
+
+
+def _difference(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
+    return tuple(da - db for da, db in zip(*slopes, strict=True))
+
+
+def _product(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
+    a, b = values
+    return tuple(da * b + a * db for da, db in zip(*slopes, strict=True))
+
+
+def _quotient(quotient: Any, values: list[Any], slopes: list[Directions]) -> Directions:
+    """(da - q db) / b, with one division for all directions."""
+    if not any(isinstance(slope, Symbol) for both_slopes in slopes for slope in both_slopes):
+        return slopes[0]
+    each = 1.0 / values[1]
+    return tuple((da - quotient * db) * each for da, db in zip(*slopes, strict=True))
+
+
+def _root(root: Any, values: list[Any], slopes: list[Directions]) -> Directions:
+    """da / (2 root), and zero at zero, where a magnitude begins."""
+    (slope,) = slopes
+    if not any(isinstance(one, Symbol) for one in slope):
+        return slope
+    half = choose(root > 0.0, 0.5 / root, 0.0)
+    return tuple(da * half for da in slope)
+
+
+def _negative(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
+    return tuple(-da for da in slopes[0])
+
+
+def _magnitude(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
+    below = values[0] < 0.0
+    return tuple(choose(below, -da, da) if isinstance(da, Symbol) else da for da in slopes[0])
+
+
+def _choice(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
+    return tuple(choose(values[0], da, db) for da, db in zip(slopes[1], slopes[2], strict=True))
+
+
+RULES: dict[str, Callable[[Any, list[Any], list[Directions]], Directions]] = {
+    "+": _sum, "-": _difference, "*": _product, "/": _quotient, "sqrt": _root, "neg": _negative, "abs": _magnitude, "select": _choice,
+}  # fmt: skip
+"""Derivatives by operator; comparisons, truths and rounding have none."""
+
+
+def tangent(
+    step: Trace, rows: int, count: int, given: Callable[[Tangents], Mapping[str, Directions]] | None = None
+) -> Trace:
+    """A trace with its derivatives in ``count`` directions, for a state of ``rows`` rows; ``given`` says
+    those of names that are no rows.
+    """
+    run = Tangents(rows, count)
+    run.slopes |= given(run) if given else {}
+    run.run(step.operations)
+    return with_slopes(run, step)
+
+
+def with_slopes(run: Tangents, step: Trace) -> Trace:
+    """What a run leaves of a trace: its stores, and behind them their slopes."""
+    stores: dict[int, Any] = {}
+    for row, operand in step.stores.items():
+        stores[row] = run.value(operand)
+        stores |= {row + k * run.rows: slope for k, slope in enumerate(run.slope(operand), 1)}
+    rare = run.value(step.rare)
+    operations = run.tape.needed([*stores.values(), rare])
+    return Trace(operations, {row: named(value) for row, value in stores.items()}, named(rare))
+
+
+def named(value: Any) -> Operand:
+    """The name of a symbol, or a constant."""
+    return value.name if isinstance(value, Symbol) else value if isinstance(value, bool) else float(value)
+
+
+def of_size(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
+    """Derivative of ``size``, which is a part of the size in row ``step``, or that size again."""
+
+    def given(run: Tangents) -> Mapping[str, Directions]:
+        ratio = run.value("size") / run.value(f"v{step}")
+        return {"size": tuple(slope * ratio for slope in run.slope(f"v{step}"))}
+
+    return given
+
+
+def of_time(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
+    """Derivatives of times, which are multiples of the step in row ``step``."""
+
+    def given(run: Tangents) -> Mapping[str, Directions]:
+        each = 1.0 / run.value(f"v{step}")
+        return {
+            name: tuple(run.value(name) * (slope * each) for slope in run.slope(f"v{step}"))
+            for name in ("time", "ahead", "after")
+        }
+
+    return given
+
+
+Sum: TypeAlias = "dict[str, Any]"  # weights, symbols or constants, by the name of what has the slope
+
+
+@dataclass
+class Node:
+    """A result's slope: a sum, or a choice of two by the truth of ``condition``."""
+
+    sums: list[Sum]
+    condition: Any = None
+    users: set[str] = field(default_factory=set)
+
+
+class Elimination:
+    """The sums that slopes are made of, for ``count`` directions."""
+
+    def __init__(self, run: Tangents, operations: Iterable[Operation], kept: set[str]) -> None:
+        self.run, self.kept = run, kept
+        self.nodes: dict[str, Node] = {}
+        self.chains: dict[str, tuple[str, Any]] = {}  # slopes that are multiples of one other, and which
+        for operation in operations:
+            self._note(operation)
+
+    def _note(self, operation: Operation) -> None:
+        """An operation on the new tape and, where slopes reach it, its node."""
+        name, operator, operands = operation
+        values = [self.run.value(operand) for operand in operands]
+        result = self.run.values[name] = self.run.tape.emit(operator, *values)
+        if operator not in PARTIALS and operator != "select":
+            return
+        moving = [
+            isinstance(operand, str) and (is_row(operand) or operand in self.nodes) for operand in operands
+        ]
+        if not any(moving):
+            return
+        if operator == "select":
+            node = self._chosen(values[0], [str(operands[k]) if moving[k] else None for k in (1, 2)])
+        else:
+            total: Sum = {}
+            for operand, weight, moves in zip(
+                operands, PARTIALS[operator](result, values), moving, strict=True
+            ):
+                if moves:
+                    total[str(operand)] = total[str(operand)] + weight if operand in total else weight
+            node = Node([total])
+        self.nodes[name] = node
+        if node.condition is None:
+            self._join(name, node.sums[0])
+        self._used(name, node)
+
+    def _join(self, name: str, own: Sum) -> None:
+        """Notes a slope that is a multiple of one other, whatever lies between them."""
+        before = {one: self._chain(one) for one in own}
+        first = {root for root, _ in before.values()}
+        if len(first) == 1:
+            products = [_scaled(weight, before[one][1]) for one, weight in own.items()]
+            self.chains[name] = first.pop(), sum(products[1:], start=products[0])
+
+    def _chain(self, name: str) -> tuple[str, Any]:
+        """What a slope is a multiple of, as far back as there is one such thing, and of which factor."""
+        return self.chains.get(name, (name, 1.0))
+
+    def _chosen(self, condition: Any, arms: list[str | None]) -> Node:
+        """A choice of slopes; of multiples of one slope, or of one that is finite in any case, it is a choice
+        of factors.
+        """
+        both = [None if arm is None else self._chain(arm) for arm in arms]
+        if both[0] is not None and both[1] is not None and both[0][0] == both[1][0]:
+            return Node([{both[0][0]: choose(condition, both[0][1], both[1][1])}])
+        (one,) = {arm for arm in arms if arm is not None} if arms.count(None) == 1 else (None,)
+        if one is not None and (is_row(one) or one in self.kept):
+            return Node([{one: choose(condition, *(0.0 if arm is None else 1.0 for arm in arms))}])
+        return Node([{arm: 1.0} if arm is not None else {} for arm in arms], condition)
+
+    def _used(self, name: str, node: Node) -> None:
+        for total in node.sums:
+            for operand in total:
+                if operand in self.nodes:
+                    self.nodes[operand].users.add(name)
+
+    def eliminate(self) -> None:
+        """Leaves out results as long as that makes fewer operations."""
+        waiting = [
+            (-gain, place, name)
+            for place, name in enumerate(self.nodes)
+            if (gain := self._gain(name)) is not None and gain >= 0
+        ]
+        places = {name: place for place, name in enumerate(self.nodes)}
+        heapq.heapify(waiting)
+        while waiting:
+            expected, place, name = heapq.heappop(waiting)
+            gain = self._gain(name)
+            if gain is None or gain < 0:
+                continue
+            if -gain > expected:
+                heapq.heappush(waiting, (-gain, place, name))
+                continue
+            for near in self._leave_out(name):
+                if (better := self._gain(near)) is not None and better >= 0:
+                    heapq.heappush(waiting, (-better, places[near], near))
+
+    def _gain(self, name: str) -> int | None:
+        """Operations saved by leaving a result out; None where it has to stay."""
+        node = self.nodes.get(name)
+        if node is None or name in self.kept or node.condition is not None:
+            return None
+        (own,) = node.sums
+        directions, shared = _cost(own), 0
+        for user in node.users:
+            for total in self.nodes[user].sums:
+                if name in total:
+                    outer, plain = total[name], {one: weight for one, weight in total.items() if one != name}
+                    directions += _cost(total)
+                    for one, weight in own.items():
+                        shared += (not _unit(weight) and not _unit(outer)) + (one in plain)
+                        plain[one] = OTHER if one in plain or not (_unit(weight) and _unit(outer)) else 1.0
+                    directions -= _cost(plain)
+        return SHARED_BY * directions - shared
+
+    def _leave_out(self, name: str) -> set[str]:
+        """Gives what a result was made of to its users; what stands around it now is returned."""
+        node = self.nodes.pop(name)
+        (own,) = node.sums
+        for user in node.users:
+            for total in self.nodes[user].sums:
+                if name in total:
+                    outer = total.pop(name)
+                    for one, weight in own.items():
+                        product = _scaled(outer, weight)
+                        total[one] = total[one] + product if one in total else product
+            self._used(user, self.nodes[user])
+        near = set(node.users)
+        for one in own:
+            if one in self.nodes:
+                self.nodes[one].users.discard(name)
+                near.add(one)
+        return near
+
+    def slopes(self) -> None:
+        """Says the slopes of all that is left, in each direction."""
+        place = {name: k for k, name in enumerate(self.nodes)}
+        for name, node in self.nodes.items():
+            parts = [
+                self._sum(dict(sorted(total.items(), key=lambda item: place.get(item[0], -1))))
+                for total in node.sums
+            ]
+            if node.condition is None:
+                self.run.slopes[name] = parts[0]
+            else:
+                self.run.slopes[name] = tuple(
+                    choose(node.condition, a, b) for a, b in zip(*parts, strict=True)
+                )
+
+    def _sum(self, total: Sum) -> Directions:
+        found: list[Any] = [0.0] * self.run.count
+        for one, weight in total.items():
+            for k, slope in enumerate(self.run.slope(one)):
+                if _unit(weight) or not isinstance(slope, Symbol) or not isinstance(found[k], Symbol):
+                    found[k] = found[k] - slope if _minus(weight) else found[k] + _scaled(weight, slope)
+                else:
+                    found[k] = self.run.tape.emit("fused", weight, slope, found[k])
+        return tuple(found)
+
+
+# directions, for which operations are counted: not their number, so that slopes do not depend on what is
+# beside them
+SHARED_BY = 4
+HUGE = 1e150  # a factor beyond which its square is no number
+OTHER = None  # a weight that is neither 1 nor -1
+
+
+def _minus(weight: Any) -> bool:
+    return isinstance(weight, float) and weight == -1.0
+
+
+def _unit(weight: Any) -> bool:
+    return isinstance(weight, float) and abs(weight) == 1.0
+
+
+def _scaled(a: Any, b: Any) -> Any:
+    return -b if _minus(a) else -a if _minus(b) else a * b
+
+
+def _cost(total: Sum) -> int:
+    """Operations of a sum, in each direction."""
+    return max(0, len(total) - 1) + sum(not _unit(weight) for weight in total.values())
+
+
+def _of_quotient(quotient: Any, values: list[Any]) -> tuple[Any, ...]:
+    """Nothing where the divisor is all but zero, as where it was kept from being zero: products of such
+    factors would be beyond all numbers.
+    """
+    each = 1.0 / values[1]
+    each = choose(abs(each) < HUGE, each, 0.0)
+    return each, -(quotient * each)
+
+
+def _of_root(root: Any, values: list[Any]) -> tuple[Any, ...]:
+    return (choose(root > 1.0 / HUGE, 0.5 / root, 0.0),)
+
+
+PARTIALS: dict[str, Callable[[Any, list[Any]], tuple[Any, ...]]] = {
+    "+": lambda result, values: (1.0, 1.0),
+    "-": lambda result, values: (1.0, -1.0),
+    "*": lambda result, values: (values[1], values[0]),
+    "/": _of_quotient,
+    "sqrt": _of_root,
+    "neg": lambda result, values: (-1.0,),
+    "abs": lambda result, values: (choose(values[0] < 0.0, -1.0, 1.0),),
+}
+"""Derivatives of a result by each of its operands."""
+
+
+def shared_tangent(step: Trace, rows: int, count: int) -> Trace:
+    """What :func:`~vfife.compiler.trace.tangent.tangent` makes of a trace, in fewer operations, to rounding;
+    they are in the order that is quickest.
+
+    The numbers come first, then slopes one after the other, each in all directions at once, so that a factor
+    is read once for all of them.
+    """
+    run = Tangents(rows, count)
+    kept = {operand for operand in step.stores.values() if isinstance(operand, str)}
+    found = Elimination(run, step.operations, kept)
+    found.eliminate()
+    shared = len(run.tape.operations)
+    found.slopes()
+    whole = with_slopes(run, step)
+    stores = {row: value for row, value in whole.stores.items() if row < rows}
+    values = run.tape.needed([run.value(operand) for operand in [*step.stores.values(), step.rare]])
+    first = ordered(Trace(values, stores, whole.rare))
+    slopes = [operation.name for operation in run.tape.operations[shared:]]
+    return Trace((*first, *_lazily(whole.operations, first, slopes)), whole.stores, whole.rare)
+
+
+def _lazily(
+    operations: Iterable[Operation], first: Iterable[Operation], slopes: Iterable[str]
+) -> list[Operation]:
+    """Operations that are not done ``first``: ``slopes`` in their order, each factor just before the first
+    slope that needs it.
+    """
+    made, done = {one.name: one for one in operations}, {one.name for one in first}
+    order: list[Operation] = []
+    for name in slopes:
+        waiting = [name] if name in made and name not in done else []
+        while waiting:
+            one = waiting[-1]
+            missing = [use for use in made[one].uses if use in made and use not in done]
+            waiting += reversed(missing)
+            if not missing:
+                waiting.pop()
+                if one not in done:
+                    done.add(one)
+                    order.append(made[one])
+    return order

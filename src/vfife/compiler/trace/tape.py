@@ -1,0 +1,361 @@
+"""The step as data: the kernels are run once with symbols for numbers, and every operation that they do is
+noted.
+
+Integers (the topology) are known, so every loop over entities and every choice of a kind is carried out; what
+remains is one long list of additions, products, roots and selects in the very order of the data-driven loop,
+hence the same bits. Terms that the topology makes zero (the ground's velocity, the arm of an elastic link's
+end) drop out, which can change the sign of a zero and nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
+
+Operand: TypeAlias = "str | float | bool"  # the name of a symbol, or a constant
+
+COMPARISONS = frozenset((">", "<", ">=", "<=", "==", "!="))
+TRUTHS = COMPARISONS | {"and", "or"}
+OPERATORS = TRUTHS | {"+", "-", "*", "/", "sqrt", "neg", "abs", "select", "round"}
+STEP_NUMBER = "n"  # the name of the number of the step, a whole number as a double
+
+
+class Branch(ValueError):
+    """A statement chose its way by a number that is only known in the run; write it as
+    ``a if condition else b``.
+    """
+
+
+class Operation(NamedTuple):
+    """One line: a name is given to what an operator makes of its operands.
+
+    ``round`` gives the nearest whole number (x + 1.5 2^52 - 1.5 2^52), ``select`` its second operand where
+    the first is true, else the third. ``fused``, of derivatives alone, is a b + c in one line, rounded twice,
+    since not every processor can round it once.
+    """
+
+    name: str
+    operator: str
+    operands: tuple[Operand, ...]
+
+    @property
+    def uses(self) -> tuple[str, ...]:
+        """Names of the operands that are symbols."""
+        return tuple(
+            [o for o in self.operands if type(o) is str]
+        )  # asked for five times a line: a list is made in half the time
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A step: its operations in an order in which they can be done, what each row is afterwards, and the
+    condition ``rare``.
+
+    Names: ``v7`` is row 7 before the step, ``n`` the number of the step, ``t...`` the result of an operation.
+    Where ``rare`` is true, the step must not be taken; it is False where that cannot be.
+    """
+
+    operations: tuple[Operation, ...]
+    stores: dict[int, Operand]
+    rare: Operand = False
+
+    @cached_property
+    def uses(self) -> dict[str, tuple[str, ...]]:
+        """What each operation uses, by its name: asked for by whoever orders or writes it."""
+        return {operation.name: operation.uses for operation in self.operations}
+
+    @property
+    def truths(self) -> set[str]:
+        """Names that are true or false; all others are numbers."""
+        found: set[str] = set()
+        for name, operator, operands in self.operations:
+            chosen = operator == "select" and all(isinstance(o, bool) or o in found for o in operands[1:])
+            if chosen or operator in TRUTHS:
+                found.add(name)
+        return found
+
+
+def is_row(name: Operand) -> bool:
+    """Whether an operand is a row as it was before the step."""
+    return isinstance(name, str) and name[0] == "v"
+
+
+def rows_used(operations: Iterable[Operation]) -> list[str]:
+    """Names of the rows that operations read."""
+    return sorted({name for operation in operations for name in operation.uses if is_row(name)})
+
+
+NEW = tuple.__new__  # of an operation, in a third of the time that its own takes
+
+
+class Tape:
+    """Operations as they are noted; equal ones are noted once.
+
+    While it is ``exact`` nothing is left out that could change a bit: not the product with zero, which
+    infinity makes NaN, and not a sum with zero, which has a sign. Of the kernels' own text neither is asked;
+    a law of the user's is traced so.
+    """
+
+    def __init__(self) -> None:
+        self.exact = False
+        self.operations: list[Operation] = []
+        self.known: dict[tuple[Any, ...], Symbol] = {}
+        self.loads: dict[int, Symbol] = {}
+        self.opposites: dict[str, Symbol] = {}
+        self.rare: list[Any] = []
+
+    def emit(self, operator: str, *operands: Any) -> Symbol:
+        """A symbol for what an operator makes of its operands."""
+        given: tuple[Operand, ...] = tuple([o.name for o in operands if type(o) is Symbol])
+        key: tuple[Any, ...] = (operator, *given)
+        if len(given) < len(operands):
+            given = tuple(
+                [o.name if type(o) is Symbol else o if type(o) is bool else float(o) for o in operands]
+            )
+            key = (
+                operator,
+                *[o if o and o is not True else repr(o) for o in given],
+            )  # 0.0 is not -0.0, 1.0 not True
+        symbol = self.known.get(key)
+        if symbol is None:
+            name = f"t{len(self.operations)}"
+            symbol = self.known[key] = Symbol(self, name)
+            self.operations.append(NEW(Operation, (name, operator, given)))
+        return symbol
+
+    def load(self, row: int) -> Symbol:
+        """The value a row has before the step."""
+        if row not in self.loads:
+            self.loads[row] = Symbol(self, f"v{row}")
+        return self.loads[row]
+
+    def needed(self, wanted: Iterable[Any]) -> tuple[Operation, ...]:
+        """The operations that ``wanted`` depends on."""
+        used = {value.name for value in wanted if isinstance(value, Symbol)}
+        kept: list[Operation] = []
+        for operation in reversed(self.operations):
+            name, _, operands = operation
+            if name in used:
+                used.update([o for o in operands if type(o) is str])
+                kept.append(operation)
+        return tuple(kept[::-1])
+
+
+def _tape(a: Any, b: Any) -> Tape:
+    """The tape of two operands, one of which is a symbol."""
+    tape: Tape = a.tape if type(a) is Symbol else b.tape
+    return tape
+
+
+def _opposite(x: Any) -> Any:
+    """What a symbol is the negative of, None of others. A sign goes through products to a sum, which takes it
+    in and is exact as before.
+    """
+    return x.tape.opposites.get(x.name) if type(x) is Symbol else None
+
+
+# Of each operator two rules: what is simpler where one of the two is a number, and where one is the negative
+# of another.
+
+
+def _add(a: Any, b: Any) -> Any:
+    if type(a) is not Symbol or type(b) is not Symbol:
+        number, other = (b, a) if type(a) is Symbol else (a, b)
+        if number == 0 and (
+            not _tape(a, b).exact or math.copysign(1.0, number) < 0.0
+        ):  # x + -0.0 is x, whatever x is
+            return other
+    first, second = _opposite(a), _opposite(b)
+    return a - second if second is not None else b - first if first is not None else None
+
+
+def _subtract(a: Any, b: Any) -> Any:
+    if type(b) is not Symbol and b == 0 and (not a.tape.exact or math.copysign(1.0, b) > 0.0):  # x - 0.0 is x
+        return a
+    if (
+        type(a) is not Symbol and a == 0 and (not b.tape.exact or math.copysign(1.0, a) < 0.0)
+    ):  # -0.0 - x is -x
+        return -b
+    second = _opposite(b)
+    return a + second if second is not None else None
+
+
+def _multiply(a: Any, b: Any) -> Any:
+    if type(a) is not Symbol or type(b) is not Symbol:
+        number, other = (b, a) if type(a) is Symbol else (a, b)
+        if number == 0 and not _tape(a, b).exact:
+            return 0.0
+        if number == 1:
+            return other
+        if type(a) is not Symbol and number == -1:
+            return -b
+    first, second = _opposite(a), _opposite(b)
+    return -(first * b) if first is not None else -(a * second) if second is not None else None
+
+
+def _divide(a: Any, b: Any) -> Any:
+    if type(a) is not Symbol and a == 0 and not b.tape.exact:
+        return 0.0
+    if type(b) is not Symbol and b == 1:
+        return a
+    first, second = _opposite(a), _opposite(b)
+    return -(first / b) if first is not None else -(a / second) if second is not None else None
+
+
+def _operator(
+    operator: str, fold: Callable[[Any, Any], Any] | None = None, swap: bool = False
+) -> Callable[[Symbol, Any], Any]:
+    def method(self: Symbol, other: Any) -> Any:
+        a, b = (other, self) if swap else (self, other)
+        folded = fold(a, b) if fold else None
+        return self.tape.emit(operator, a, b) if folded is None else folded
+
+    return method
+
+
+class Symbol:
+    """A number of the run, or a truth."""
+
+    __slots__ = ("name", "tape")
+
+    def __init__(self, tape: Tape, name: str) -> None:
+        self.tape, self.name = tape, name
+
+    __add__ = _operator("+", _add)
+    __radd__ = _operator("+", _add, swap=True)
+    __sub__ = _operator("-", _subtract)
+    __rsub__ = _operator("-", _subtract, swap=True)
+    __mul__ = _operator("*", _multiply)
+    __rmul__ = _operator("*", _multiply, swap=True)
+    __truediv__ = _operator("/", _divide)
+    __rtruediv__ = _operator("/", _divide, swap=True)
+    __gt__ = _operator(">")
+    __lt__ = _operator("<")
+    __ge__ = _operator(">=")
+    __le__ = _operator("<=")
+    __eq__ = _operator("==")
+    __ne__ = _operator("!=")
+    __hash__ = object.__hash__
+
+    def __mod__(self, other: int) -> int:
+        return 0 if other == 1 else NotImplemented
+
+    def __neg__(self) -> Symbol:
+        opposite: Symbol | None = _opposite(self)
+        if opposite is not None:
+            return opposite
+        result = self.tape.emit("neg", self)
+        self.tape.opposites[result.name] = self
+        return result
+
+    def __abs__(self) -> Symbol:
+        opposite: Symbol | None = _opposite(self)
+        return self.tape.emit("abs", self if opposite is None else opposite)
+
+    def __bool__(self) -> bool:
+        raise Branch(
+            "a branch on a number of the run cannot be written into straight-line code; use a conditional"
+            " expression"
+        )
+
+
+class Rows:
+    """The array S during a trace: the present value of each row, a symbol where it is only known in the run."""
+
+    def __init__(self, tape: Tape, known: dict[int, float], state: set[int]) -> None:
+        self.tape, self.values, self.state = tape, dict(known), state
+
+    def __getitem__(self, row: int) -> Any:
+        return self.values[row] if row in self.values else self.tape.load(row)
+
+    def __setitem__(self, row: int, value: Any) -> None:
+        self.values[row] = value
+
+    def stores(self) -> dict[int, Any]:
+        """Rows that a step leaves changed."""
+        same = {row: symbol.name for row, symbol in self.tape.loads.items()}
+        return {
+            row: value
+            for row, value in self.values.items()
+            if row in self.state and not (isinstance(value, Symbol) and same.get(row) == value.name)
+        }
+
+
+class Mathematics:
+    """Stands for the module math."""
+
+    pi, e, tau, inf, nan = math.pi, math.e, math.tau, math.inf, math.nan
+
+    @staticmethod
+    def sqrt(x: Any) -> Any:
+        """Square root."""
+        return x.tape.emit("sqrt", x) if isinstance(x, Symbol) else math.sqrt(x)
+
+
+def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) -> Any:
+    """``first if condition else second``; both are carried out where the condition is only known in the run."""
+    if not isinstance(condition, Symbol):
+        return first() if condition else second()
+    a, b = first(), second()
+    if isinstance(a, tuple):
+        return tuple(choose(condition, x, y) for x, y in zip(a, b, strict=True))
+    return choose(condition, a, b)
+
+
+def choose(condition: Symbol, a: Any, b: Any) -> Any:
+    """``a`` where the condition is true, else ``b``."""
+    same = a is b or (not isinstance(a, Symbol) and not isinstance(b, Symbol) and a == b)
+    if (
+        same and a is not b and a == 0 and math.copysign(1.0, a) != math.copysign(1.0, b)
+    ):  # 0.0 and -0.0 are equal
+        same = False
+    return a if same else condition.tape.emit("select", condition, a, b)
+
+
+def both(a: Any, b: Any) -> Any:
+    """``a and b``."""
+    if isinstance(a, Symbol) and isinstance(b, Symbol):
+        return a.tape.emit("and", a, b)
+    return (b if a else False) if not isinstance(a, Symbol) else (a if b else False)
+
+
+def either(a: Any, b: Any) -> Any:
+    """``a or b``."""
+    if isinstance(a, Symbol) and isinstance(b, Symbol):
+        return a.tape.emit("or", a, b)
+    return (True if a else b) if not isinstance(a, Symbol) else (True if b else a)
+
+
+class Seldom:
+    """What stands for ``if seldom(condition): ...`` in a trace.
+
+    Left out: the condition is noted on the tape. Written out: the branch is taken, and what it changed is
+    kept where the condition holds.
+    """
+
+    def __init__(self, tape: Tape, rows: Rows, taken: bool) -> None:
+        self.tape, self.rows, self.taken = tape, rows, taken
+        self.before: list[tuple[Any, dict[int, Any]]] = []
+
+    def begin(self, condition: Any) -> bool:
+        """Whether the branch is run through; where it is, :meth:`end` follows it."""
+        if isinstance(condition, Symbol) and not self.taken:
+            self.tape.rare.append(condition)
+            return False
+        if isinstance(condition, Symbol) or condition:
+            self.before.append((condition, dict(self.rows.values)))
+            return True
+        return False
+
+    def end(self) -> None:
+        """Chooses between the rows after and before the branch."""
+        condition, before = self.before.pop()
+        if not isinstance(condition, Symbol):
+            return
+        for row, value in list(self.rows.values.items()):
+            old = before[row] if row in before else self.tape.load(row)
+            if value is not old:
+                self.rows[row] = choose(condition, value, old)

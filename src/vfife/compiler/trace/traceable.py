@@ -1,0 +1,159 @@
+"""Kernels and laws made ready to be run with symbols: their own code in another namespace, conditional
+expressions turned into calls.
+
+A function without conditions keeps its compiled code; in the others, conditional expressions, ``and``, ``or``
+and ``if seldom(...)`` are rewritten.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import math
+import re
+from collections.abc import Callable
+from functools import lru_cache
+from types import CodeType, FunctionType
+from typing import Any
+
+from ...kernels.elementary import nearest
+from .functiontext import WRITING, function_text, function_tree, parsed
+from .tape import Mathematics, Seldom, Symbol, Tape, both, either, select
+
+TEXTS = re.compile(r'"""(.|\n)*?"""|#.*')  # docstrings and comments
+CONDITION = re.compile(r"\band\b|\bor\b|\bseldom\(|\belse\b(?!:)")
+
+
+class _Conditions(ast.NodeTransformer):
+    """Turns conditional expressions, boolean operators and rare branches into what symbols can pass through."""
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
+        self.generic_visit(node)
+        nothing = ast.arguments([], [], None, [], [], None, [])
+        arms = [ast.copy_location(ast.Lambda(nothing, arm), arm) for arm in (node.body, node.orelse)]
+        return _call("select", node, [node.test, *arms])
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        self.generic_visit(node)
+        result = node.values[0]
+        for value in node.values[1:]:
+            result = _call("both" if isinstance(node.op, ast.And) else "either", node, [result, value])
+        return result
+
+    def visit_If(self, node: ast.If) -> ast.AST:
+        self.generic_visit(node)
+        test = node.test
+        if isinstance(test, ast.Call) and isinstance(test.func, ast.Name) and test.func.id == "seldom":
+            end = _call("seldom_ends", test, [])
+            node.body = [*node.body, ast.copy_location(ast.Expr(end), test)]
+        return node
+
+
+def _call(name: str, node: ast.AST, arguments: list[ast.expr]) -> ast.Call:
+    return ast.copy_location(
+        ast.Call(ast.copy_location(ast.Name(name, ast.Load()), node), arguments, []), node
+    )
+
+
+def _code(tree: ast.AST) -> CodeType:
+    """Code of a function whose conditions are rewritten."""
+    if isinstance(tree, ast.FunctionDef):
+        tree.args.defaults = []
+    with WRITING:
+        module = compile(ast.Module([_Conditions().visit(tree)], []), "<vfife trace>", "exec")
+    return next(constant for constant in module.co_consts if isinstance(constant, CodeType))
+
+
+@lru_cache(maxsize=512)
+def function_code(function: FunctionType) -> CodeType:
+    """Code of a function ready for symbols: its own where nothing has to be rewritten."""
+    if CONDITION.search(TEXTS.sub("", function_text(function))):
+        return _code(function_tree(function))
+    return function.__code__
+
+
+@lru_cache(maxsize=64)
+def text_code(text: str) -> CodeType:
+    """Code of the function that a text defines, ready for symbols."""
+    return _code(parsed(text))
+
+
+def own(function: Callable[..., Any]) -> bool:
+    """Whether a function is one of vfife's."""
+    return function.__module__.startswith("vfife.")
+
+
+def symbolic(tape: Tape, value: Any) -> Any:
+    """A value as symbols: a number less nothing, which is that number with its sign."""
+    if isinstance(value, tuple):
+        return tuple(symbolic(tape, one) for one in value)
+    return value if isinstance(value, Symbol) else tape.emit("-", float(value), 0.0)
+
+
+class Traceable:
+    """Makes functions traceable, each once; ``given`` holds what is put in the place of a name wherever it is
+    called.
+    """
+
+    def __init__(self, tape: Tape, seldom: Seldom | None = None) -> None:
+        self.tape = tape
+        self.given: dict[str, Any] = {
+            "nearest": lambda x: tape.emit("round", x) if isinstance(x, Symbol) else nearest(x)
+        }
+        self.ends: Callable[[], None] = lambda: None
+        if seldom is not None:
+            self.given["seldom"], self.ends = seldom.begin, seldom.end
+        self.made: dict[FunctionType, Any] = {}
+
+    def __call__(self, function: Any) -> Any:
+        """The function in a namespace in which all it calls is traceable."""
+        if function in self.made:
+            return self.made[function]
+        space = self._space()
+        made = self.made[function] = FunctionType(
+            function_code(function), space, function.__name__, function.__defaults__
+        )
+        for name in function.__code__.co_names:
+            if name in self.given:
+                space[name] = self.given[name]
+            elif name in function.__globals__:
+                value = function.__globals__[name]
+                space[name] = (
+                    Mathematics
+                    if value is math
+                    else self(value)
+                    if isinstance(value, FunctionType)
+                    else value
+                )
+        return made
+
+    def written(self, text: str, calls: dict[str, Any]) -> Any:
+        """The function that a text defines, which calls those given."""
+        named = {
+            name: self(function) if own(function) else self.exactly(self(function))
+            for name, function in calls.items()
+        }
+        return FunctionType(text_code(text), self._space() | self.given | named)
+
+    def exactly(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """A function of which every operation is noted, to the signs of zeros: numbers that the topology
+        knows are symbols to it.
+        """
+
+        def run(*arguments: Any) -> Any:
+            former, self.tape.exact = self.tape.exact, True
+            try:
+                return function(*(symbolic(self.tape, one) for one in arguments))
+            finally:
+                self.tape.exact = former
+
+        return run
+
+    def _space(self) -> dict[str, Any]:
+        return {
+            "__builtins__": builtins,
+            "select": select,
+            "both": both,
+            "either": either,
+            "seldom_ends": self.ends,
+        }

@@ -1,0 +1,3 @@
+"""What a motion is over values: bifurcation diagrams, sections, basins, waterfalls, and the companions that
+say so.
+"""

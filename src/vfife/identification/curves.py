@@ -1,0 +1,199 @@
+"""Curves of a mechanism with other numbers: members stepped in lanes, of each the channels that were
+measured, over time or the crank's angle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assemble import Reassembler, assemble
+from ..assembly.assembled import Assembly
+from ..errors import VfifeError
+from ..measures.guides import point_motion
+from ..measures.motion import times
+from ..model.functions import turn_of
+from ..model.mechanism import Mechanism
+from ..results.channels import MADE, Channel, recorded
+from ..results.series import Column, columns
+from ..results.view import View, standing
+from ..solvers.record import Record
+from ..solvers.streaming import Lane, stepped
+from ..studies.engine.cases import CaseModel, Cases, NoLane, Numbers, Wanted
+from .measurements import Over
+
+Array = NDArray[np.float64]
+MOVED = {
+    "x": "m",
+    "y": "m",
+    "velocity_x": "m/s",
+    "velocity_y": "m/s",
+    "acceleration_x": "m/s^2",
+    "acceleration_y": "m/s^2",
+}
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Channels of one member: times (s) or angles (rad) of its outputs, ascending, values of shape (outputs,
+    channels), its turn (s), if any.
+    """
+
+    places: Array
+    values: Array
+    turn: float | None
+
+    @cached_property
+    def slopes(self) -> Array:
+        """Derivatives by the places."""
+        return np.asarray(np.gradient(self.values, self.places, axis=0), dtype=float)
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How long members run and how finely: ``turns`` for a turn (s), None without one, or a ``duration`` (s);
+    outputs and steps of a turn, or in all; the largest ``step`` (s).
+    """
+
+    over: Over
+    turns: Callable[[float], float] | None
+    duration: float
+    outputs: int
+    every: int
+    step: float
+
+
+class Channels:
+    """Reads channels of records: those of a result by the names that measures have, and
+    ``body.pin.acceleration_x`` of a point.
+    """
+
+    def __init__(self, mechanism: Mechanism, names: Sequence[str]) -> None:
+        series = standing(assemble(mechanism)).series
+        self.columns = [series.column(name) if name in series else None for name in names]
+        self.names = tuple(names)
+
+    def read(self, record: Record) -> Array:
+        """Values of shape (outputs, channels)."""
+        known: dict[str, Mapping[str, Channel]] = {}
+        return np.stack(
+            [
+                self._one(record, name, column, known)
+                for name, column in zip(self.names, self.columns, strict=True)
+            ],
+            axis=1,
+        )
+
+    def _one(
+        self, record: Record, name: str, column: Column | None, known: dict[str, Mapping[str, Channel]]
+    ) -> Array:
+        if column is None:
+            point, _, what = name.rpartition(".")
+            return point_values(record, point, what)
+        variable, entity = column.variable, column.entity
+        if entity is None:
+            return np.asarray(View(record).channels[variable].values, dtype=float)
+        if entity not in known:
+            known[entity] = recorded(record, entity)
+        if variable not in known[entity]:
+            known[entity] = {**known[entity], **MADE[entity](record)}
+        return np.asarray(known[entity][variable].values[:, column.index], dtype=float)
+
+
+def point_values(record: Record, point: str, what: str) -> Array:
+    """A component of the position, velocity or acceleration of a point of a body."""
+    quantity, _, axis = what.rpartition("_")
+    found = point_motion(record, point)
+    values = {"": found.position, "velocity": found.velocity, "acceleration": found.acceleration}[quantity]
+    return np.asarray(values[:, "xy".index(axis)], dtype=float)
+
+
+def units_of(mechanism: Mechanism) -> dict[str, str]:
+    """Unit of every channel that a curve may be of."""
+    assembly = assemble(mechanism)
+    found = {
+        one.name: one.unit for one in columns(standing(assembly)) if one.name not in ("time", "crank_angle")
+    }
+    for name, where in assembly.bodies.items():
+        for pin in where.nodes if where.elements else where.pins:
+            found |= {f"{name}.{pin}.{what}": unit for what, unit in MOVED.items()}
+    return found
+
+
+class FitCases(Cases):
+    """Assembles cases of a fit for as long as the curves need."""
+
+    def __init__(self, base: Mechanism, timing: Timing) -> None:
+        super().__init__(base, Wanted(("*",), 1))
+        self.timing = timing
+
+    def make(self, numbers: Numbers) -> CaseModel:
+        """A mechanism with other numbers, assembled."""
+        mechanism, timing = self.mechanism(numbers), self.timing
+        turn = turn_of(mechanism)
+        run: dict[str, Any] = {"outputs": timing.outputs, "force_step": True}
+        if timing.turns is not None and turn is not None:
+            step = turn / (timing.outputs * timing.every)
+            run["turns"] = math.ceil(timing.turns(turn) - 1e-9)
+        else:
+            step, run["duration"] = timing.step, timing.duration
+        assembly = assemble(mechanism, step, **run)
+        return CaseModel(Reassembler(assembly, step, {}, **run), None, None, lambda *_: assembly)  # type: ignore[arg-type]
+
+    def assembled(self, numbers: Numbers) -> Assembly:
+        """The assembly of a case. Raises VfifeError."""
+        clearance = {path: value for path, value in numbers.items() if self.of_clearance(path)}
+        model = cast(
+            CaseModel, self.model({path: value for path, value in numbers.items() if path not in clearance})
+        )
+        found = self.reassembled(model, clearance) if clearance else model.assembly
+        return found if found is not None else self.make(numbers).assembly
+
+
+class Curves:
+    """Makes traces of a mechanism at any numbers; ``channels`` are those that were measured."""
+
+    def __init__(
+        self, mechanism: Mechanism, channels: Sequence[str], timing: Timing, workers: int | None = None
+    ) -> None:
+        self.cases = FitCases(mechanism, timing)
+        self.channels, self.timing, self.workers = Channels(mechanism, channels), timing, workers
+
+    def beside(self, finer: int, turns: float) -> Curves:
+        """The same with so many more steps between two outputs, and so many more turns."""
+        timing = self.timing
+        every, last = timing.every + finer, timing.turns
+        longer = None if last is None else lambda turn: last(turn) + turns
+        changed = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
+        return Curves(self.cases.base, self.channels.names, changed, self.workers)
+
+    def each(self, every: Sequence[Numbers]) -> list[Trace | str]:
+        """The trace of each member; where it has none, why."""
+        found: list[Trace | str] = [""] * len(every)
+        for one in stepped(self._lanes(every), len(every), workers=self.workers):
+            if isinstance(one, NoLane):
+                found[one.number] = one.reason or ""
+            else:
+                found[one.number] = "numbers left all bounds" if one.doubtful else self.trace(one.record)
+        return found
+
+    def _lanes(self, every: Sequence[Numbers]) -> Iterator[Lane | NoLane]:
+        for k, numbers in enumerate(every):
+            try:
+                yield Lane(k, self.cases.assembled(numbers))
+            except VfifeError as error:
+                yield NoLane(k, " ".join(str(error).split()))
+
+    def trace(self, record: Record) -> Trace:
+        """The channels of a record."""
+        places = times(record)
+        if self.timing.over == "angle":
+            angle = record.block("particle_theta")[:, record.assembly.topology.driven[0]]
+            places = angle if angle[-1] >= angle[0] else -angle
+        return Trace(places, self.channels.read(record), record.assembly.choice.turn)

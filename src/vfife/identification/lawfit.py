@@ -1,0 +1,317 @@
+"""Numbers of a contact law from a measured force over penetration: stiffness and exponent, and the
+restitution where the way back was measured.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Fault, ModelError, VfifeError, suggestion
+from ..laws import ContactLaw, Pair
+from ..measures.impact import free_impact
+from ..model.reading import read_law
+from ..modelfile.paths import parsed
+from ..results.fit import Fit, Laid, Value
+from ..schema import Measure, value_of
+from ..studies.spec.sampling import sobol
+from .measurements import factor, numbers, split, table
+from .sought import Sought
+from .step_uncertainty import Confident, confident
+
+Array = NDArray[np.float64]
+SURFACES = Pair(0.01, 2e-4, 0.02)  # those of `vfife laws`, where a law asks for them
+UNITS = {"penetration": "m", "force": "N", "loading": "N", "unloading": "N"}
+AROUND = 1e3  # how far about a first guess a stiffness is looked for
+LARGEST = 9e13  # of a bare number in a model
+STARTS = 8
+AGREE, EXACT = (
+    1e-4,
+    1e-6,
+)  # of the cost by which two searches agree; a cost for each sample that cannot be much less
+RESTITUTION = "restitution"
+SLOW = {"damping_coefficient": 0.0, "effective_mass": 1.0}
+TURNED = 0.05  # of the deepest: how far a loop has to come back to have a way back
+STEPS = 120  # of an impact, to its deepest point
+SPEEDS = 3  # corrections of the speed of an impact that goes as deep as the data
+
+
+@dataclasses.dataclass(frozen=True)
+class Loop:
+    """Force over penetration (m, N) while the surfaces approach, and while they part; the latter may be
+    empty.
+    """
+
+    loading: tuple[Array, Array]
+    unloading: tuple[Array, Array]
+    name: str = "curve"
+
+    @property
+    def deepest(self) -> float:
+        """The largest penetration (m)."""
+        return float(max(self.loading[0].max(), self.unloading[0].max(initial=0.0)))
+
+
+def fit_law(
+    law: str, data: str | Path | Loop, given: Mapping[str, Any] | None = None, *, pair: Pair = SURFACES, confidence: float = 0.95,
+    seed: int = 0,
+) -> Fit:  # fmt: skip
+    """Fits a contact law to a measured curve: a CSV file with penetration and force, up and back down as it
+    was measured, or with the columns penetration, loading and unloading.
+
+    Looked for are the numbers that the law has no default for or derives from the surfaces (a stiffness, an
+    exponent), and its restitution where there is a way back: that of a free impact as deep as the data.
+    ``given`` fixes numbers. Raises ModelError and VfifeError.
+    """
+    began = time.monotonic()
+    loop = data if isinstance(data, Loop) else loop_of(Path(data))
+    kind = known(law)
+    holder = {
+        "law": kind.name,
+        **{key: parsed(value) if isinstance(value, str) else value for key, value in (given or {}).items()},
+    }
+    back = len(loop.unloading[0]) > 0
+    if not back:  # what acts by the rate alone is not there in a slow curve
+        holder = {
+            name: value
+            for name, value in (SLOW | {"full_damping_depth": 0.1 * loop.deepest}).items()
+            if name in names_of(kind)
+        } | holder
+    sought = sought_of(kind, holder, loop, back)
+    if not sought:
+        raise VfifeError(
+            f'the law "{law}" has no number that this curve could'
+            f" tell{'' if back else ', without a way back'}; name another"
+        )
+    speeds = [1.0]
+    scale = max(float(loop.loading[1].std()), 1e-300)
+    wanted = np.concatenate([loop.loading[1], loop.unloading[1]])
+
+    def made(shares: Array) -> ContactLaw:
+        values = {one.name: one.value(float(x)) for one, x in zip(sought, shares, strict=True)}
+        found, faults = read_law("contact", {**holder, **values})
+        if found is None or not isinstance(found, ContactLaw):
+            raise ModelError(faults, f'law "{law}"')
+        return found
+
+    def residuals(shares: Array) -> Array:
+        left: Array = (forces(made(shares), pair, loop, speeds) - wanted) / scale
+        return left
+
+    best, ended = searched(residuals, sought, seed)
+    share = best.x
+    told = confidence_of(best, sought, share, loop, confidence)
+    values = [
+        Value(
+            s.name,
+            (s.name,),
+            s.unit,
+            s.value(float(x)),
+            float(e),
+            low,
+            high,
+            (s.low, s.high),
+            None,
+            s.logarithmic,
+        )
+        for s, x, e, (low, high) in zip(sought, share, told.errors, told.limits, strict=True)
+    ]
+    model, count = forces(made(share), pair, loop, speeds), len(loop.loading[0])
+    curves = [Laid("loading", "force", "N", "penetration", loop.loading[0], loop.loading[1], model[:count])]
+    if back:
+        curves.append(
+            Laid(
+                "unloading", "force", "N", "penetration", loop.unloading[0], loop.unloading[1], model[count:]
+            )
+        )
+    return Fit(
+        f"law {kind.name}", loop.name, "complete", values, told.correlation, told.directions, 0.0, 0.0, "penetration", curves, ended, 0, 0,
+        "differences", told.autocorrelation, confidence, time.monotonic() - began,
+    )  # fmt: skip
+
+
+def names_of(law: type[ContactLaw]) -> set[str]:
+    """The names of its numbers."""
+    return {one.name for one in dataclasses.fields(law)}
+
+
+def known(law: str) -> type[ContactLaw]:
+    """The law of a name. Raises VfifeError."""
+    registry = ContactLaw.known()
+    if law not in registry:
+        raise VfifeError(f"there is no contact law {law!r}: {suggestion(law, registry, 'name one of them')}")
+    if registry[law].tabled:  # type: ignore[attr-defined]
+        raise VfifeError(
+            'the law "table" takes measured points as they are: name the file in the model, loading ='
+            ' "curve.csv"'
+        )
+    return registry[law]  # type: ignore[return-value]
+
+
+def sought_of(law: type[ContactLaw], given: Mapping[str, Any], loop: Loop, back: bool) -> list[Sought]:
+    """What is looked for, between bounds about a first guess."""
+    found = []
+    for field in dataclasses.fields(law):
+        held = value_of(field)
+        open_ = field.default is None or field.default is dataclasses.MISSING
+        if (
+            field.name in given
+            or not isinstance(held, Measure)
+            or not (open_ or (back and field.name == RESTITUTION))
+        ):
+            continue
+        limits = (held.above if held.above is not None else held.low, held.high)
+        if field.name == RESTITUTION or (limits[0] is not None and limits[1] is not None):
+            low = limits[0] or 0.01
+            found.append(
+                Sought(field.name, (field.name,), str(field.metadata.get("unit", "1")), low, limits[1] or 1.0)
+            )
+        elif field.name == "stiffness":
+            guess = float(loop.loading[1].max()) / loop.deepest ** exponent_of(law)
+            wide = AROUND * (AROUND if "exponent" in {one.name for one in dataclasses.fields(law)} else 1.0)
+            found.append(
+                Sought(
+                    field.name,
+                    (field.name,),
+                    str(field.metadata.get("unit", "1")),
+                    guess / wide,
+                    min(guess * wide, LARGEST),
+                )
+            )
+        elif back and field.name == "damping_coefficient":
+            size = float(loop.loading[1].max())
+            found.append(Sought(field.name, (field.name,), "N s/m", 1e-3 * size, 1e3 * size))
+        else:
+            remedy = f"give it, as in --set {field.name}=..."
+            raise VfifeError(
+                f'the law "{law.name}" needs {field.name}, which a curve of force over penetration does not'
+                f" tell; {remedy}"
+            )
+    return found
+
+
+def exponent_of(law: type[ContactLaw]) -> float:
+    """The exponent of a law's force, as its stiffness has it in its unit; 1.5 where it is a number of its
+    own.
+    """
+    unit = next(
+        (str(one.metadata.get("unit", "")) for one in dataclasses.fields(law) if one.name == "stiffness"), ""
+    )
+    text = unit.partition("^")[2]
+    try:
+        return float(text)
+    except ValueError:
+        return 1.0 if unit == "N/m" else 1.5
+
+
+def searched(
+    residuals: Callable[[Array], Array], sought: Sequence[Sought], seed: int
+) -> tuple[Any, list[tuple[float, tuple[float, ...]]]]:
+    """The best of searches from several starts."""
+    from scipy.optimize import least_squares
+
+    found = []
+    for start in (np.full(len(sought), 0.5), *sobol(STARTS, len(sought), seed)):
+        one = least_squares(
+            residuals,
+            np.clip(start, 1e-3, 0.999),
+            bounds=(0.0, 1.0),
+            diff_step=1e-5,
+            xtol=1e-8,
+            ftol=1e-8,
+            max_nfev=40,
+        )
+        found.append(one)
+        found.sort(key=lambda one: float(one.cost))
+        exact = found[0].cost <= EXACT * len(found[0].fun)
+        if exact or (len(found) > 1 and found[1].cost <= (1.0 + AGREE) * found[0].cost):
+            break  # two searches came to one point, or one to the curve itself
+    return found[0], [
+        (float(one.cost), tuple(float(s.value(x)) for s, x in zip(sought, one.x, strict=True)))
+        for one in found
+    ]
+
+
+def confidence_of(
+    best: Any, sought: Sequence[Sought], shares: Array, loop: Loop, confidence: float
+) -> Confident:
+    """Errors of a fitted law."""
+    parts = [best.fun[: len(loop.loading[0])], best.fun[len(loop.loading[0]) :]]
+    return confident(
+        [one for one in parts if len(one) > 2], sought, shares, best.jac, len(sought), confidence
+    )
+
+
+def forces(law: ContactLaw, pair: Pair, loop: Loop, speeds: list[float]) -> Array:
+    """The law's forces (N) on the places of a loop: its elastic ones, or those of a free impact as deep where
+    there is a way back.
+
+    ``speeds`` holds the speed (m/s) of the last one, from which that of the next is looked for.
+    """
+    if not len(loop.unloading[0]):
+        p = law.parameters(pair)
+        return np.array([law.force(max(float(depth), 0.0), 0.0, p)[0] for depth in loop.loading[0]])
+    speed = speeds[0]
+    found = free_impact(law, pair, 1.0, speed, STEPS)
+    for _ in range(SPEEDS):
+        if abs(found.deepest / loop.deepest - 1.0) < 1e-6 or not found.deepest > 0.0:
+            break
+        speed *= (loop.deepest / found.deepest) ** (
+            0.5 * (1.0 + max(law.exponent_at(0.5 * found.deepest, pair), 1.0))
+        )
+        found = free_impact(law, pair, 1.0, speed, STEPS)
+    speeds[0] = speed
+    turn = int(np.argmax(found.penetration))
+    up = np.interp(loop.loading[0], found.penetration[: turn + 1], found.force[: turn + 1])
+    down = np.interp(loop.unloading[0], found.penetration[turn:][::-1], found.force[turn:][::-1])
+    return np.concatenate([up, down])
+
+
+def loop_of(path: Path) -> Loop:
+    """A measured curve from its file. Raises ModelError with all faults."""
+    faults: list[Fault] = []
+    heads, rows = table(path, faults)
+    columns = {name.lower(): (k, unit) for k, (name, unit) in enumerate(map(split, heads))}
+    chosen = {name: columns[name] for name in UNITS if name in columns}
+    if not faults and ("penetration" not in chosen or not {"force", "loading"} & chosen.keys()):
+        near = suggestion("penetration", columns, 'begin with a line such as "penetration (um), force (N)"')
+        faults.append(
+            Fault(
+                "line 1", "a column is missing", ", ".join(heads), "penetration, and force or loading", near
+            )
+        )
+    factors = {
+        k: factor(unit, UNITS[name], f"line 1, column {k + 1}", faults) for name, (k, unit) in chosen.items()
+    }
+    values = numbers(rows, heads, sorted(factors), faults)
+    if faults:
+        raise ModelError(faults, str(path))
+    seen = {name: factors[k] * values[k] for name, (k, _) in chosen.items()}
+    depth, force = seen["penetration"], seen["force"] if "force" in seen else seen["loading"]
+    if "unloading" in seen:
+        return Loop((depth, force), (depth, seen["unloading"]), path.name)
+    turn = int(np.argmax(depth))
+    back = depth[turn:].min() < (1.0 - TURNED) * depth[turn]
+    nothing = np.zeros(0)
+    loading = (depth[: turn + 1], force[: turn + 1]) if back else (depth, force)
+    if not depth.max() > 0.0 or not force.max() > 0.0 or math.isclose(float(np.ptp(depth)), 0.0):
+        raise ModelError(
+            [
+                Fault(
+                    "data",
+                    "nothing is pressed in",
+                    "",
+                    "penetrations and forces above 0",
+                    "check signs and columns",
+                )
+            ],
+            str(path),
+        )
+    return Loop(loading, (depth[turn:], force[turn:]) if back else (nothing, nothing), path.name)

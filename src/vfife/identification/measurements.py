@@ -1,0 +1,410 @@
+"""Measured curves: a CSV file whose columns are time or the crank's angle and channels of a result, in any
+units.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Fault, ModelError, VfifeError, shown, suggestion
+from ..files import read_bytes
+from ..units import number
+
+Array = NDArray[np.float64]
+Over = Literal["time", "angle"]
+
+HEAD = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))?\s*")
+ABSCISSAE: Mapping[str, tuple[Over, str]] = {
+    "time": ("time", "s"),
+    "t": ("time", "s"),
+    "crank_angle": ("angle", "rad"),
+    "angle": ("angle", "rad"),
+}
+LARGEST, MOST_ROWS = 64_000_000, 500_000  # bytes; rows
+LEAST = 8  # samples
+TOLD = 10  # faults of one kind; more are counted
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A measured curve: the ``channel`` it is of, its ``head`` in the file, values in the channel's unit; of
+    one that is only ``proportional`` to it, as a sound pressure is to an acceleration, in whatever unit it
+    has.
+    """
+
+    channel: str
+    head: str
+    values: Array
+    proportional: bool = False
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Curves over times (s) or angles of the crank (rad), ascending, shape (samples,)."""
+
+    over: Over
+    places: Array
+    curves: tuple[Curve, ...]
+    name: str = "data"
+
+    @property
+    def span(self) -> float:
+        """From the first sample to the last (s or rad)."""
+        return float(self.places[-1] - self.places[0])
+
+    @property
+    def spacing(self) -> float:
+        """The median distance of two samples."""
+        return float(np.median(np.diff(self.places)))
+
+
+@dataclass(frozen=True)
+class CsvSpec:
+    """Which channel a column is: ``channel``, and whether only ``proportional`` to it."""
+
+    channel: str
+    proportional: bool = False
+
+
+def measured(
+    path: str | Path,
+    units: Mapping[str, str],
+    asked: Mapping[str, CsvSpec] | None = None,
+    weights: Mapping[str, float] | None = None,
+) -> Measured:
+    """The curves of a file. ``units`` are those of the channels that the mechanism has; ``asked`` says of
+    columns which channels they are: without it every column counts whose name is that of a channel.
+    ``weights`` are by the names of columns. Raises ModelError with all faults of the file.
+    """
+    path = Path(path)
+    faults: list[Fault] = []
+    heads, rows = table(path, faults)
+    columns = [split(one) for one in heads]
+    place = next((k for k, (name, _) in enumerate(columns) if name.lower() in ABSCISSAE), None)
+    if heads and place is None:
+        faults.append(
+            Fault(
+                "line 1",
+                "no column says when",
+                shown(", ".join(heads)),
+                "time or crank_angle",
+                "name the first column time (s)",
+            )
+        )
+    before = len(faults)
+    chosen = choice(columns, units, asked, faults) if heads else {}
+    if heads and len(faults) == before and not chosen:
+        remedy = (
+            "name columns as channels are, or say which is which with --column; the mechanism has"
+            f" {', '.join(list(units)[:8])} ..."
+        )
+        faults.append(
+            Fault("line 1", "no column is a channel of the mechanism", shown(", ".join(heads)), "", remedy)
+        )
+    for name, weight in (weights or {}).items():
+        if name not in {columns[k][0] for k in chosen} and chosen:
+            faults.append(
+                Fault(
+                    f"weight of {name}",
+                    "there is no such column among those that count",
+                    "",
+                    "",
+                    suggestion(name, heads, "name one"),
+                )
+            )
+        elif not 0.0 < weight < math.inf:
+            faults.append(
+                Fault(
+                    f"weight of {name}", "this is no weight", shown(weight), "a number above 0", "correct it"
+                )
+            )
+    factors: dict[int, float] = {}
+    for k, one in chosen.items():
+        factors[k] = (
+            1.0
+            if one.proportional
+            else factor(columns[k][1], units[one.channel], f"line 1, column {k + 1}", faults)
+        )
+    if place is not None:
+        over, unit = ABSCISSAE[columns[place][0].lower()]
+        factors[place] = factor(columns[place][1], unit, f"line 1, column {place + 1}", faults)
+    values = numbers(rows, heads, sorted(factors), faults)
+    if place is not None:
+        check_places(values[place], [line for line, _ in rows], heads[place], faults)
+    flat = [heads[k] for k in chosen if len(rows) and float(np.ptp(values[k])) == 0.0]
+    faults += [
+        Fault(f"column {head}", "every value is the same", remedy="leave the column out") for head in flat
+    ]
+    if faults or place is None:
+        raise ModelError(faults, str(path))
+    told = weights or {}
+    curves = tuple(
+        Curve(
+            one.channel,
+            heads[k],
+            factors[k] * values[k],
+            one.proportional,
+            float(told.get(columns[k][0], 1.0)),
+        )
+        for k, one in chosen.items()
+    )
+    return Measured(over, factors[place] * values[place], curves, path.name)
+
+
+def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Heads, and rows with the numbers of their lines."""
+    try:
+        if path.stat().st_size > LARGEST:
+            faults.append(
+                Fault(
+                    "file",
+                    "it is too large",
+                    f"{path.stat().st_size:,} bytes",
+                    f"{LARGEST // 1_000_000} MB",
+                    "thin it out",
+                )
+            )
+            return [], []
+        text = read_bytes(path, LARGEST).decode("utf-8-sig")
+    except OSError as error:
+        near = (
+            [one.name for one in path.absolute().parent.glob("*.csv")]
+            if path.absolute().parent.is_dir()
+            else []
+        )
+        missing = isinstance(error, FileNotFoundError)
+        remedy = suggestion(path.name, near, "check the name") if missing else "name a file that can be read"
+        faults.append(Fault("file", f"it cannot be read ({error.strerror})", remedy=remedy))
+        return [], []
+    except UnicodeDecodeError as error:
+        faults.append(
+            Fault(f"byte {error.start}", "the text is not UTF-8", remedy="save the file in this encoding")
+        )
+        return [], []
+    first = next(
+        (line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), ""
+    )
+    delimiter = max(",;\t", key=first.count)
+    reader = csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True)
+    rows: list[tuple[int, list[str]]] = []
+    try:
+        rows += [
+            (reader.line_num, row)
+            for row in reader
+            if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+        ]
+    except csv.Error as error:
+        faults.append(
+            Fault(f"line {reader.line_num}", f"this is no CSV ({error})", remedy="close every quote")
+        )
+    if not rows:
+        faults.append(
+            Fault(
+                "file", "there is nothing in it", remedy='begin with a line such as "time (s), C.force (N)"'
+            )
+        )
+        return [], []
+    heads = [cell.strip() for cell in rows[0][1]]
+    if len(rows) - 1 < LEAST:
+        faults.append(
+            Fault(
+                "file",
+                f"it has {len(rows) - 1} rows of numbers",
+                "",
+                f"{LEAST} or more",
+                "measure more, or check the file",
+            )
+        )
+    if len(rows) - 1 > MOST_ROWS:
+        faults.append(
+            Fault("file", f"it has {len(rows) - 1:,} rows of numbers", "", f"{MOST_ROWS:,}", "thin it out")
+        )
+    uneven = [(line, row) for line, row in rows if len(row) != len(heads)]
+    some(
+        faults,
+        [fault_of_row(line, row, len(heads)) for line, row in uneven[:TOLD]],
+        len(uneven),
+        "lines have another number of values",
+    )
+    return heads, [(line, row) for line, row in rows[1:] if len(row) == len(heads)]
+
+
+def fault_of_row(line: int, row: Sequence[str], count: int) -> Fault:
+    """A line with more or fewer values than columns."""
+    return Fault(
+        f"line {line}", f"it has {len(row)} values", "", f"{count}, as the first line", "give each column one"
+    )
+
+
+def some(faults: list[Fault], first: Sequence[Fault], count: int, what: str) -> None:
+    """Tells the first few faults of one kind, and how many more there are."""
+    faults += first
+    if count > len(first):
+        faults.append(Fault("file", f"{count - len(first):,} more {what}"))
+
+
+def split(head: str) -> tuple[str, str]:
+    """Name and unit of a column's head, ``C.force [N]`` or ``C.force (N)``."""
+    found = HEAD.fullmatch(head)
+    return (found[1].strip(), (found[2] or found[3] or "").strip()) if found is not None else (head, "")
+
+
+def choice(
+    columns: Sequence[tuple[str, str]],
+    units: Mapping[str, str],
+    asked: Mapping[str, CsvSpec] | None,
+    faults: list[Fault],
+) -> dict[int, CsvSpec]:
+    """Which columns count, by their numbers."""
+    names = [name for name, _ in columns]
+    if asked is None:
+        for name in dict.fromkeys(one for one in names if one in units and names.count(one) > 1):
+            faults.append(
+                Fault(
+                    f"column {name}",
+                    "there are several columns of this name",
+                    "",
+                    "one",
+                    "rename all but one of them",
+                )
+            )
+        return {k: CsvSpec(name) for k, name in enumerate(names) if name in units}
+    found = {}
+    for name, one in asked.items():
+        if name not in names:
+            faults.append(
+                Fault(
+                    f"column {name}", "there is no such column", "", "", suggestion(name, names, "name one")
+                )
+            )
+        elif one.channel not in units:
+            near = f"there are {', '.join(list(units)[:8])} ..."
+            faults.append(
+                Fault(
+                    f"column {name}",
+                    "the mechanism has no such channel",
+                    shown(one.channel),
+                    "",
+                    suggestion(one.channel, units, near),
+                )
+            )
+        else:
+            if names.count(name) > 1:
+                faults.append(
+                    Fault(
+                        f"column {name}",
+                        "there are several columns of this name",
+                        "",
+                        "one",
+                        "rename all but one of them",
+                    )
+                )
+            found[names.index(name)] = one
+    return found
+
+
+def factor(unit: str, wanted: str, where: str, faults: list[Fault]) -> float:
+    """From the unit of a column to that of its channel; nothing said is the same unit."""
+    try:
+        return number(f"1 {unit}", wanted) if unit and unit != "1" else 1.0
+    except Fault as error:
+        what = (
+            error.what.removeprefix("a text whose ")
+            if error.what.startswith("a text whose ")
+            else f"unit is that of {error.what}"
+        )
+        faults.append(Fault(where, f"its {what}", shown(unit), error.limit, f"for example [{wanted}]"))
+        return 1.0
+
+
+def numbers(
+    rows: Sequence[tuple[int, list[str]]], heads: Sequence[str], which: Collection[int], faults: list[Fault]
+) -> dict[int, Array]:
+    """Columns as numbers; the first few cells that are none are told, line by line, and how many more there
+    are.
+    """
+    found = {k: np.full(len(rows), np.nan) for k in which}
+    bad: list[Fault] = []
+    count = 0
+    for at, (line, row) in enumerate(rows):
+        for k, column in found.items():
+            try:
+                column[at] = float(row[k])
+            except ValueError:
+                column[at] = math.nan
+            if not math.isfinite(column[at]):
+                count += 1
+                if len(bad) < TOLD:
+                    bad.append(Fault(f"line {line}, column {k + 1} ({heads[k]})", *said_of(row[k])))
+    some(faults, bad, count, "cells are no numbers")
+    return found
+
+
+def said_of(cell: str) -> tuple[str, str, str, str]:
+    """What is wrong with a cell, its text, what is allowed, and what to do."""
+    text = cell.strip()
+    if not text:
+        return "there is no value", "", "a number in each cell", "leave the row out, or fill it in"
+    if re.fullmatch(r"[+-]?\d*,\d+(e[+-]?\d+)?", text, re.IGNORECASE):
+        return "this is a text with a comma", shown(text), "a decimal point", "write 1.5 for 1,5"
+    what = (
+        "this is not a finite number"
+        if re.fullmatch(r"[+-]?(nan|inf\w*)", text, re.IGNORECASE)
+        else "this is no number"
+    )
+    return what, shown(text), "a number", "leave the row out, or correct it"
+
+
+def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fault]) -> None:
+    """Times or angles ascend; cells that are no numbers are told elsewhere."""
+    sound = np.flatnonzero(np.isfinite(places))
+    back = np.flatnonzero(np.diff(places[sound]) <= 0.0)
+    found = [
+        Fault(
+            f"line {lines[sound[at + 1]]}, column {head}",
+            f"it is not after line {lines[sound[at]]}",
+            f"{places[sound[at + 1]]:g} after {places[sound[at]]:g}",
+            "ascending values",
+            "sort the rows",
+        )
+        for at in back[:TOLD]
+    ]
+    some(faults, found, len(back), "lines are not after the line before them")
+
+
+def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, CsvSpec] | None:
+    """Columns as they are asked for: ``"acc=C.force"``, or ``"mic~rod.angular_acceleration"`` for one that is
+    only proportional to a channel.
+
+    Raises VfifeError for a text that is neither.
+    """
+    pairs = (
+        [f"{name}={channel}" for name, channel in texts.items()]
+        if isinstance(texts, Mapping)
+        else list(texts or ())
+    )
+    return dict(_columns(pairs)) or None
+
+
+def _columns(texts: Sequence[str]) -> Iterator[tuple[str, CsvSpec]]:
+    for text in texts:
+        sign = next((one for one in text if one in "=~"), "")
+        name, _, channel = text.partition(sign) if sign else (text, "", text)
+        channel = channel.strip()
+        proportional = sign == "~" or channel.startswith("~")
+        if not name.strip() or not channel.strip("~ "):
+            raise VfifeError(
+                f"column {shown(text)}: write COLUMN, COLUMN=CHANNEL, or COLUMN~CHANNEL where it is only"
+                " proportional to the channel"
+            )
+        yield name.strip(), CsvSpec(channel.strip("~ "), proportional)

@@ -1,0 +1,1 @@
+"""The page that runs a mechanism: its numbers, sliders, strokes and scripts."""

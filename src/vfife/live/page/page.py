@@ -1,0 +1,154 @@
+"""The page: its skeleton, style and scripts put together with what it is given, in one file that asks for
+nothing else.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from functools import lru_cache
+from html import escape
+from pathlib import Path
+
+from ...compiler.backends import javascript
+from ...files import write_text
+from ...kernels.arrays import Layout
+from ...kernels.topology import Topology
+from ...model.mechanism import Mechanism
+from ...simulation.result import Result
+from ...simulation.simulate import simulate
+from .page_model import PageModel
+from .patches import Patched, patched
+from .payload import Json, left, payload, static_payload
+from .sliders import Slide, asked_slides, default_slides
+
+BROWSER = Path(__file__).parents[1] / "browser"
+WORKER = ("stepper.js",)
+SCRIPTS = (
+    "pieces.js", "numbers.js", "store.js", "running.js", "path.js", "theme.js", "svg.js", "pen.js", "pose.js", "scene.js", "axes.js", "charts.js",
+    "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js", "looks.js",
+)  # fmt: skip
+LARGEST = 2_000_000  # bytes
+HEIGHT = 720  # pixels of a cell
+
+
+class Live:
+    """A page in which a mechanism runs: shown by a notebook as the last line of a cell, kept by :meth:`save`.
+    ``page`` is its text.
+    """
+
+    def __init__(self, page: str, name: str) -> None:
+        self.page, self.name = page, name
+
+    def __repr__(self) -> str:
+        return (
+            f"{self.name}, running, in {len(self.page.encode('utf-8')):,} bytes: the last line of a"
+            " notebook's cell shows it, save(path) keeps it"
+        )
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the page in a frame that has no access to the notebook."""
+        words = f"{self.name}, running"
+        look = f"width: 100%; height: {HEIGHT}px; border: 1px solid #8884; border-radius: 6px"
+        inside = f'sandbox="allow-scripts allow-downloads" srcdoc="{escape(self.page)}"'
+        return f'<iframe title="{escape(words)}" style="{look}" {inside}></iframe>'
+
+    def save(self, path: str | Path) -> None:
+        """Writes the page; what is there gives way when it is whole. Raises OSError where it cannot be
+        written.
+        """
+        write_text(Path(path), self.page)
+
+
+def live(mechanism: Mechanism, slide: Iterable[str] | None = None, step: float | None = None) -> Live:
+    """The mechanism running. ``slide``: ranges as in "joint.C.clearance=0.01..0.5mm", None for the usual
+    sliders; ``step`` (s) is that of a run.
+
+    Raises VfifeError for what cannot run in a page, ModelError and AssemblyError for what cannot run at all,
+    ValueError for a slide that is none.
+    """
+    still = mechanism.settings.analysis == "static" and not slide
+    slides = (
+        []
+        if still
+        else (
+            default_slides(mechanism)
+            if slide is None
+            else asked_slides(mechanism, [slide] if isinstance(slide, str) else slide)
+        )
+    )
+    return Live(live_page(mechanism, slides, step), str(mechanism.name))
+
+
+def live_result(result: Result, slide: Iterable[str] | None = ()) -> Live:
+    """The mechanism of a result, running with its step; of a static analysis its equilibria. Raises as
+    :func:`live` does.
+    """
+    assembly = result.record.assembly
+    if result.record.static and not slide:
+        return Live(result_page(result), str(assembly.mechanism.name))
+    return live(assembly.mechanism, slide, assembly.choice.step)
+
+
+def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | None = None) -> str:
+    """A page in which a mechanism runs, as one HTML text without any reference to elsewhere.
+
+    The step that it runs is the traced one as JavaScript, with the bits of
+    :func:`~vfife.simulation.simulate.simulate` without companions. ``slides`` become sliders
+    (:func:`~vfife.live.page.sliders.default_slides` for the usual ones); ``step`` (s) is that of a run, or
+    None for the automatic one. A static analysis is carried out, and the page holds its equilibria. Raises
+    VfifeError for a mechanism that cannot run in a page, ModelError and AssemblyError for one that cannot run
+    at all.
+    """
+    if mechanism.settings.analysis == "static" and not (slides := list(slides)):
+        return still(simulate(mechanism, reference=False))
+    return written(patched(mechanism, list(slides), step))
+
+
+def result_page(result: Result) -> str:
+    """The page of a result: its mechanism running with its step, without sliders; of a static analysis its
+    equilibria. Raises VfifeError.
+    """
+    assembly = result.record.assembly
+    return still(result) if result.record.static else live_page(assembly.mechanism, step=assembly.choice.step)
+
+
+def still(result: Result) -> str:
+    """The page of the equilibria of a static analysis. Raises VfifeError where there are none but the start."""
+    return put_together(
+        static_payload(result) | {"worker": '"use strict";\n' + (BROWSER / "still.js").read_text("utf-8")}
+    )
+
+
+def written(found: Patched) -> str:
+    """The page of a mechanism with its sliders."""
+    return put_together(payload(found.base) | found.json() | {"worker": worker(found.base)})
+
+
+def put_together(data: Json) -> str:
+    """The page with its data, as one text."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    safe = text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+    parts = {
+        "title": escape(data["name"]), "style": (BROWSER / "page.css").read_text("utf-8"), "given": safe,
+        "script": "\n".join((BROWSER / name).read_text("utf-8") for name in SCRIPTS),
+    }  # fmt: skip
+    page = (BROWSER / "page.html").read_text("utf-8")
+    for name, part in parts.items():
+        page = page.replace(f"<!-- {name} -->", part, 1)
+    return page
+
+
+@lru_cache(maxsize=16)
+def step_of(topology: Topology) -> str:
+    """The text of a step, kept for the next model that differs in numbers alone."""
+    return javascript.written(topology, left(Layout(topology)))
+
+
+def worker(found: PageModel) -> str:
+    """What the worker runs: the step of the mechanism, that of its ideal reference, and what drives them."""
+    texts = [step_of(one.topology) for one in (found.own, found.ideal) if one is not None]
+    steps = ",\n".join(f"(() => {{\n{text}\nreturn advance;\n}})()" for text in texts)
+    return f'"use strict";\nconst steps = [{steps}];\n' + "\n".join(
+        (BROWSER / name).read_text("utf-8") for name in WORKER
+    )

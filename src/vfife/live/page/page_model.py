@@ -1,0 +1,165 @@
+"""A mechanism and its ideal reference as a page steps them: assembled with one step, all their numbers in one
+vector.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...assembly.assemble import assemble
+from ...assembly.assembled import Assembly
+from ...compiler.trace.straight_line import about
+from ...errors import RunFileError, VfifeError
+from ...laws.elasticity import elastic_energy
+from ...model.mechanism import Mechanism
+from ...modelfile import load
+from ...simulation.result import Result
+from ...simulation.start import comparable
+from ...solvers.transient import LONGEST_STRAIGHT_LINE, choose_loop
+from ...store.schemas import RUN_FILE, is_run_file
+
+Array = NDArray[np.float64]
+DEPTHS = np.geomspace(
+    1e-9, 1e-2, 29
+)  # m: the energy of a contact is told at these, and is a power of the depth between two of them
+NO_ENERGY = -300.0  # logarithm of what counts as none
+
+
+@dataclass(frozen=True)
+class PageModel:
+    """A mechanism and, where it is comparable turn by turn, its ideal reference, both assembled."""
+
+    own: Assembly
+    ideal: Assembly | None
+
+    @cached_property
+    def parts(self) -> dict[str, Array]:
+        """What the vector is made of, in this order: states and tables of both, and what only a drawing or
+        the ledger asks for.
+        """
+        found = {"state": started(self.own), "tables": self.own.tables}
+        if self.ideal is not None:
+            found |= {"ideal_state": started(self.ideal), "ideal_tables": self.ideal.tables}
+        return found | {
+            "turn": np.array([self.own.choice.turn or 0.0]),
+            "plays": plays(self.own),
+            "energies": energies(self.own),
+        }
+
+    @cached_property
+    def vector(self) -> Array:
+        """All numbers that a slider may change."""
+        return np.concatenate(list(self.parts.values()))
+
+    def same_kind(self, other: PageModel) -> bool:
+        """Whether the other runs by the same text, and differs in numbers alone."""
+        if (self.ideal is None) != (other.ideal is None) or len(self.vector) != len(other.vector):
+            return False
+        pairs = [(self.own, other.own)] + ([(self.ideal, other.ideal)] if self.ideal and other.ideal else [])
+        return all(
+            one.topology == two.topology
+            and (one.choice.outputs_every, one.choice.outputs)
+            == (two.choice.outputs_every, two.choice.outputs)
+            for one, two in pairs
+        )
+
+
+def started(assembly: Assembly) -> Array:
+    """The state before the first step, as a runner has it."""
+    state = assembly.state.copy()
+    state[assembly.layout["c"]] = 1.0
+    return state
+
+
+def plays(assembly: Assembly) -> Array:
+    """The clearance of each contact (m), 0 where its joint has none, shape (contacts,)."""
+    joints = assembly.mechanism.contacts
+    return np.array([float(getattr(joints[name], "clearance", 0.0)) for name in assembly.contact_joints])
+
+
+def energies(assembly: Assembly) -> Array:
+    """Common logarithm of the elastic energy (J) of each contact at DEPTHS, shape (contacts * depths,)."""
+    found = np.zeros((len(assembly.contacts), len(DEPTHS)))
+    for index, name in enumerate(assembly.contact_joints):
+        energy = elastic_energy(
+            assembly.mechanism.contacts[name].contact, DEPTHS, assembly.contact_slots(index)
+        )
+        found[index] = np.where(energy > 0.0, np.log10(np.maximum(energy, 10.0**NO_ENERGY)), NO_ENERGY)
+    return found.reshape(-1)
+
+
+def model_of(path: Path, settings: list[tuple[str, str]]) -> tuple[Mechanism, float | None]:
+    """The mechanism of a model file, or of a run with the step (s) that it was run with. Raises ModelError or
+    RunFileError.
+    """
+    if not (path.is_dir() or is_run_file(path)):
+        return load(path, set=settings), None
+    if path.is_dir() and not (path / RUN_FILE).is_file():
+        raise RunFileError(f"{path}: there is no run in this folder; name a run's folder or a model file")
+    if settings:
+        raise ValueError(
+            "--set changes a model file, and this is a run; name its model, or move a slider in the page"
+        )
+    record = Result.load(path).record
+    return record.assembly.mechanism, record.assembly.choice.step
+
+
+def refuse_unfit(mechanism: Mechanism) -> None:
+    """Raises VfifeError for a mechanism that has nothing to run in a page."""
+    if mechanism.settings.analysis == "static":
+        raise VfifeError("a static analysis has no motion to run in a page; see vfife run and vfife plot")
+
+
+def page_model(
+    mechanism: Mechanism,
+    step: float | None = None,
+    ideal_step: float | None = None,
+    *,
+    force: bool = False,
+    known: list[Assembly] | None = None,
+) -> PageModel:
+    """Both, with steps (s) or the automatic ones. Raises ModelError and AssemblyError for what cannot be run.
+
+    ``known`` are ideal references that were assembled before, and takes another one: play changes none.
+    """
+    refuse_unfit(mechanism)
+    own = assemble(mechanism, step, force_step=force)
+    if choose_loop(own, "auto") != "generated":
+        raise VfifeError(
+            f"a page runs models whose step is written out, and that of this one is not: {why_not(own)}"
+        )
+    if not comparable(mechanism) or any(
+        driver.steady_speed is None for driver in mechanism.drivers.values() if driver.moves
+    ):
+        return PageModel(own, None)
+    without, known = mechanism.ideal(), [] if known is None else known
+    for one in known:
+        if one.mechanism == without and ideal_step in (None, one.choice.step):
+            return PageModel(own, one)
+    known.append(assemble(without, ideal_step, beside=mechanism, turns=1.0))
+    return PageModel(own, known[-1])
+
+
+def why_not(assembly: Assembly) -> str:
+    """Why a step is not written out, with the numbers."""
+    if assembly.topology.path_unit != 1:
+        return f"its path units have {assembly.topology.path_unit} steps; leave path_unit at 1"
+    lines, count = about(assembly.topology), len(assembly.topology.frame_nodes)
+    most = f"{LONGEST_STRAIGHT_LINE:,} are the most, which is some 380 elements"
+    return (
+        f"it would have some {lines:,} lines, and {most}; there are {count:,} here, so take fewer, or vfife"
+        " run and vfife plot"
+    )
+
+
+def turned(assembly: Assembly, turn: float | None) -> float:
+    """The step (s) with which another mechanism, whose crank takes ``turn`` (s), has as many steps in a turn;
+    the same one without a crank.
+    """
+    choice = assembly.choice
+    return choice.step if turn is None or choice.turn is None else turn / round(choice.turn / choice.step)

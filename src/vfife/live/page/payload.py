@@ -1,0 +1,334 @@
+"""Data of a page as JSON: names, places of numbers, outlines of bodies, strokes, equilibria of static
+analyses.
+"""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import __version__
+from ...assembly.assembled import Assembly, BodyMap
+from ...errors import VfifeError
+from ...kernels.arrays import Layout
+from ...kernels.blocks import BLOCKS
+from ...kernels.topology import CURRENT
+from ...measures.forces import KINDS, joint_rows, normals, peaks
+from ...model.bodies import PointMass
+from ...model.drawing.strokes import PairSeen
+from ...model.joints import Gear
+from ...model.outlines import FEW, axis_between, corners, drawn_pins, loose_pins, wheels_at
+from ...model.springs import AnySpring
+from ...modelfile import dump
+from ...simulation.result import Result
+from ...solvers.record import Record, recorded_rows
+from . import strokes
+from .page_model import DEPTHS, PageModel
+
+Pin = list[float]  # particle, x and y (m) in its frame
+
+
+def pin_of(assembly: Assembly, end: str) -> Pin:
+    """Where ``body.pin`` or ``ground.point`` is found."""
+    body, _, pin = end.partition(".")
+    if body == "ground":
+        return [0, *assembly.mechanism.points[pin]]
+    where = assembly.bodies[body]
+    if where.elements:
+        return [where.nodes[pin], 0.0, 0.0]
+    return [where.particles[0], *map(float, np.subtract(where.pins[pin], where.reference))]
+
+
+def centre_of(assembly: Assembly, body: str) -> Pin:
+    """The centre of mass of a rigid body; of others their middle node."""
+    where = assembly.bodies[body]
+    if where.elements:
+        return [where.particles[len(where.particles) // 2], 0.0, 0.0]
+    return [where.particles[0], *map(float, np.subtract(where.center, where.reference))]
+
+
+def axis_of(assembly: Assembly, first: str, second: str) -> Pin:
+    """Where two bodies turn against each other: at a pin, else at the centre of mass of the second."""
+    end = axis_between(assembly.mechanism, first, second)
+    return centre_of(assembly, second) if end is None else pin_of(assembly, end)
+
+
+def ends_of(assembly: Assembly, spring: AnySpring) -> tuple[Pin, Pin]:
+    """The pins of a spring, or twice the axis about which its bodies turn."""
+    if spring.between_pins:
+        return pin_of(assembly, spring.first), pin_of(assembly, spring.second)
+    axis = axis_of(assembly, spring.first, spring.second)
+    return axis, axis
+
+
+def axes_of(assembly: Assembly, gear: Gear) -> tuple[Pin, Pin]:
+    """Where the two wheels of a gear turn."""
+
+    def same(one: Pin, two: Pin) -> bool:
+        return bool(np.allclose(place(assembly, one), place(assembly, two)))
+
+    return wheels_at(assembly.mechanism, gear, lambda first, second: axis_of(assembly, first, second), same)
+
+
+def place(assembly: Assembly, pin: Pin) -> tuple[float, float]:
+    """Where a pin is at the start (m)."""
+    particle, x, y = int(pin[0]), pin[1], pin[2]
+    px, py, angle = (
+        float(assembly.state[assembly.layout.row(f"particle_{axis}", particle)])
+        for axis in ("x", "y", "theta")
+    )
+    c, s = np.cos(angle), np.sin(angle)
+    return float(px + c * x - s * y), float(py + s * x + c * y)
+
+
+def outline(assembly: Assembly, body: BodyMap) -> dict[str, Any]:
+    """The line of a body as pins, one list for each piece that hangs together; whether it is a plate, and has
+    nodes to show.
+    """
+    if body.model == "frame":
+        pairs = [assembly.topology.frame_nodes[e][:2] for e in body.elements]
+        return {
+            "pieces": [[[first, 0.0, 0.0], [second, 0.0, 0.0]] for first, second in pairs],
+            "plate": False,
+            "dots": False,
+        }
+    if body.elements:
+        return {
+            "pieces": [[[p, 0.0, 0.0] for p in body.particles]],
+            "plate": False,
+            "dots": len(body.particles) <= FEW,
+        }
+    pins = drawn_pins(assembly.mechanism, body.name)
+    at = np.array([body.pins[pin] for pin in pins] or [body.center], dtype=float)
+    order, plate = corners(at)
+    points = at[order] - np.asarray(body.reference)
+    return {
+        "pieces": [[[body.particles[0], float(x), float(y)] for x, y in points]],
+        "plate": plate,
+        "dots": False,
+    }
+
+
+Json = dict[str, Any]
+ROLES = ("state", "extreme", "parameter")
+ALSO = ("reference_inverse_length",)  # of what the next step alone needs, what the ledger reads
+LEFT = (
+    "nx",
+    "ny",
+)  # scratch of contacts that a page's step leaves, so that no page says again which way a contact presses
+
+
+def packed(values: NDArray[Any]) -> str:
+    """Numbers as their little-endian bits, in base64."""
+    return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode("ascii")
+
+
+def payload(found: PageModel) -> Json:
+    """All that a page knows of a mechanism, but the text of its step and its sliders."""
+    own = found.own
+    names = [name for name, body in own.bodies.items() if body.driven == 0]
+    return {
+        "version": __version__, "name": own.mechanism.name, "note": own.mechanism.note, "model": dump(own.mechanism),
+        "crank": names[0] if names else None, "outputs": own.choice.outputs, "perTurn": per_turn(own), "step": own.choice.step,
+        "damped": own.topology.damped, "parts": {name: len(values) for name, values in found.parts.items()}, "vector": packed(found.vector),
+        "depths": DEPTHS.tolist(), "own": stepped(own), "ideal": stepped(found.ideal) if found.ideal else None, "bodies": bodies(own),
+        "joints": joints(own), "contacts": contacts(own), "springs": springs(own), "loads": loads(own), "points": points(own),
+    }  # fmt: skip
+
+
+def left(layout: Layout) -> list[int]:
+    """Scratch rows that the step of a page leaves, behind those that a run records."""
+    return [int(row) for name in LEFT for row in layout[name]]
+
+
+def per_turn(assembly: Assembly) -> int | None:
+    """Outputs of a turn; None without a crank."""
+    turn, choice = assembly.choice.turn, assembly.choice
+    return None if turn is None else round(turn / choice.step / choice.outputs_every)
+
+
+def stepped(assembly: Assembly) -> Json:
+    """What it takes to step an assembly and to find its numbers: rows by block, those that are kept, those
+    that begin anew.
+    """
+    layout, topology = assembly.layout, assembly.topology
+    told = [block.name for block in BLOCKS if block.role in ROLES or block.name in (*ALSO, *LEFT)]
+    rows = {name: layout[name].tolist() for name in told if len(layout[name])}
+    record = _record(assembly)
+    most = {name: {"block": block, "at": at} for name, (block, at) in peaks(record).items()}
+    own = {
+        name: {"block": block, "at": at, "most": most[name]}
+        for name, (block, at) in joint_rows(record).items()
+    }
+    return {
+        "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows, "joints": own,
+        "kept": [*recorded_rows(assembly).tolist(), *left(layout)], "extremes": layout.of("extreme"),
+        "free": list(topology.free), "driven": list(topology.driven),
+        "present": [kind == CURRENT for kind in topology.strains], "perTurn": per_turn(assembly),
+        "torques": {body.name: body.driven for body in assembly.bodies.values() if body.driven is not None},
+        "alphas": {name: body.row for name, body in assembly.bodies.items()},
+    }  # fmt: skip
+
+
+def _record(assembly: Assembly) -> Record:
+    kept = recorded_rows(assembly)
+    return Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept)
+
+
+def bodies(assembly: Assembly) -> list[Json]:
+    """Bodies: how they are drawn, and where their motion is found."""
+    return [_body(assembly, body) for body in assembly.bodies.values()]
+
+
+def _body(assembly: Assembly, body: BodyMap) -> Json:
+    noun = assembly.mechanism.bodies[body.name]
+    inverse = assembly.state[assembly.layout["particle_inverse_mass"][list(body.particles)]]
+    mass = [1.0 / float(value) if value > 0.0 else 0.0 for value in inverse]
+    held = sum(value == 0.0 for value in mass)
+    left = (body.mass - sum(mass)) / held if held else 0.0
+    loose = loose_pins(assembly.mechanism, body.name, bool(body.elements))
+    return {
+        "name": body.name, "chord": bool(body.elements), "particles": list(body.particles), "masses": [value or left for value in mass],
+        "centre": centre_of(assembly, body.name), "driven": body.driven, "row": body.row,
+        "turns": not (isinstance(noun, PointMass) and noun.inertia == 0.0), "outline": outline(assembly, body),
+        "loose": [pin_of(assembly, f"{body.name}.{pin}") for pin in loose],
+    }  # fmt: skip
+
+
+def joints(assembly: Assembly) -> list[Json]:
+    """Joints with their pins and strokes."""
+    size, found = extent(assembly), []
+    for name, joint in assembly.mechanism.joints.items():
+        pins = pin_of(assembly, joint.bearing), pin_of(assembly, joint.journal)
+        sides = joint.sides[0][0], joint.sides[1][0]
+        angles = (_angle(assembly, pins[0]), _angle(assembly, pins[1]))
+        at = strokes.Asked(place(assembly, pins[0]), place(assembly, pins[1]), angles, size)
+        drawn, tilt = strokes.of_joint(joint, at, angles, (sides[0] == "ground", sides[1] == "ground"))
+        around, *reaches = joint.drawn
+        words = {
+            "reaches": [reach or 0.0 for reach in reaches],
+            "around": [list(point) for point in around],
+            "words": joint.words,
+            "bodies": sides,
+            "turned": sides[0] != "ground",
+        }
+        found.append(
+            {"name": name, "bearing": pins[0], "journal": pins[1], "strokes": drawn, "tilt": tilt, **words}
+        )
+    return found
+
+
+def contacts(assembly: Assembly) -> list[Json]:
+    """Contacts: their joint, kind and bodies."""
+    topology = assembly.topology
+    pairs = zip(topology.contact_kind, topology.contact_bearing, topology.contact_journal, strict=True)
+    return [
+        {"name": name, "joint": joint, "kind": KINDS[kind], "bearing": bearing, "journal": journal}
+        for name, joint, (kind, bearing, journal) in zip(
+            assembly.contacts, assembly.contact_joints, pairs, strict=True
+        )
+    ]
+
+
+def springs(assembly: Assembly) -> list[Json]:
+    """Springs and gears: their pins and strokes."""
+    size, found = extent(assembly), []
+    pairs: list[tuple[Any, tuple[Pin, Pin], tuple[str, str]]] = [
+        (spring, ends_of(assembly, spring), ("ground" if spring.between_pins else spring.first, "ground"))
+        for spring in assembly.mechanism.springs.values()
+    ]
+    pairs += [
+        (gear, axes_of(assembly, gear), (gear.first, gear.second))
+        for gear in assembly.mechanism.gears.values()
+    ]
+    for noun, (first, second), sides in pairs:
+        one, two = place(assembly, first), place(assembly, second)
+        turner = 0 if sides[0] == "ground" else assembly.bodies[sides[0]].particles[0]
+        drawn = strokes.of_pair(noun, strokes.Asked(one, two, (_angle(assembly, [turner]), 0.0), size))
+        wheels = (
+            noun.wheels(PairSeen(np.array(one), np.array(two), 0.0, size)) if isinstance(noun, Gear) else ()
+        )
+        turned = [
+            [0 if side == "ground" else assembly.bodies[side].particles[0], float(r)]
+            for side, (_, r) in zip(sides, wheels, strict=False)
+        ]
+        found.append(
+            {
+                "name": noun.name,
+                "words": noun.words,
+                "wheels": turned,
+                "bearing": first,
+                "journal": second,
+                "turner": turner,
+                "bodies": sides,
+                "strokes": drawn,
+            }
+        )
+    return found
+
+
+def loads(assembly: Assembly) -> list[Json]:
+    """Forces and moments that are given: where they act on a body that can move, and which particle turns
+    their direction (the ground: none).
+    """
+    found = []
+    for load in assembly.mechanism.loads.values():
+        for push in load.pushes(assembly.mechanism.joints):
+            if push.body == "ground":
+                continue
+            at = pin_of(assembly, f"{push.body}.{push.pin}") if push.pin else centre_of(assembly, push.body)
+            turner = push.aligned or (push.body if push.follow else "ground")
+            particle = 0 if turner == "ground" else assembly.bodies[turner].particles[0]
+            found.append({"name": load.name, "at": at, "acts": list(push.acts), "turner": particle})
+    return found
+
+
+def points(assembly: Assembly) -> list[list[float]]:
+    """Points of the ground (m)."""
+    return [[float(x), float(y)] for x, y in assembly.mechanism.points.values()]
+
+
+def _angle(assembly: Assembly, pin: Pin) -> float:
+    return float(assembly.state[assembly.layout.row("particle_theta", int(pin[0]))])
+
+
+def extent(assembly: Assembly) -> float:
+    """About the size of a drawing (m): the largest side of what the mechanism spans at its start."""
+    at = [
+        place(assembly, pin)
+        for body in assembly.bodies.values()
+        for piece in outline(assembly, body)["pieces"]
+        for pin in piece
+    ]
+    for joint in assembly.mechanism.joints.values():
+        for end, reach in zip((joint.bearing, joint.journal), joint.drawn[1:], strict=True):
+            x, y = place(assembly, pin_of(assembly, end))
+            at += [(x - reach, y - reach), (x + reach, y + reach)] if reach else []
+    spread = np.ptp(np.array([*at, *assembly.mechanism.points.values()], dtype=float).reshape(-1, 2), axis=0)
+    return float(spread.max(initial=0.0)) or 1.0
+
+
+def static_payload(result: Result) -> Json:
+    """What the page of a static result is given: all rows of its equilibria, with the directions in which
+    contacts press.
+
+    Raises VfifeError where there is none but the start.
+    """
+    record = result.record
+    if len(record.steps) < 2:
+        raise VfifeError(
+            f"no equilibrium but the start was found, so there is no load path to show. {record.message}".rstrip()
+        )
+    pressed = normals(record)
+    rows = np.hstack([record.rows, pressed[..., 0], pressed[..., 1]])
+    notes = (
+        []
+        if record.status == "complete"
+        else [f"the analysis ended {record.status} at load factor {result.time[-1]:g}"]
+    )
+    return payload(PageModel(record.assembly, None)) | {
+        "outputs": len(rows) - 1, "factors": result.time.tolist(), "path": packed(rows), "slides": [], "groups": [], "notes": notes, "texts": True,
+    }  # fmt: skip

@@ -1,0 +1,199 @@
+"""Reports of runs and studies with the mechanism running in them; a member of a study is a position of
+sliders.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...errors import VfifeError
+from ...files import write_text
+from ...laws.stored import standing_in
+from ...model.functions import turn_of
+from ...model.mechanism import Mechanism
+from ...modelfile import loads
+from ...plots.notebook import pictures as run_pictures
+from ...plots.study import pictures
+from ...report import pages
+from ...report.study import where
+from ...results.studied import Study
+from ...simulation.result import Result
+from ...solvers.status import Status
+from ...store.studyfile import StudyCase
+from .page import result_page, written
+from .patches import GROUP_COMBINATIONS, Patched, patched
+from .sliders import Slide
+
+LARGEST_REPORT = 4_000_000  # bytes
+MEMBER = "member"
+MOST_MEMBERS = 60  # of a slider over members
+Places = dict[int, dict[str, int]]
+
+
+@dataclass(frozen=True)
+class Members(Slide):
+    """A slider whose positions are members: ``values`` are places in ``picked``, and each sets all the
+    numbers of its member.
+    """
+
+    picked: tuple[Mapping[str, Any], ...] = ()
+    words: tuple[str, ...] = ()
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """The values of its parameters."""
+        return tuple(self.words[int(value)] for value in self.values)
+
+    def set(self, position: int) -> list[tuple[str, Any]]:
+        """The numbers of the member."""
+        return list(self.picked[int(self.values[position])].items())
+
+
+def study_page(study: Study) -> tuple[str, Places, tuple[str, ...]]:
+    """The page, at which positions of its sliders each member runs, and notes.
+
+    All run with as many steps a turn as the finest of them had, so that what a page shows of a coarser one
+    may differ from the study's numbers as far as these depend on the step. Raises VfifeError where no member
+    can run in a page.
+    """
+    done = [one for one in study.done if study.outcomes[one.number]["status"] == Status.COMPLETE]
+    if not done:
+        raise VfifeError("no member is complete yet")
+    base = mechanism(study, done[0])
+    turn = turn_of(base)
+    steps = max(
+        study.outcomes[one.number]["steps"] / max(study.outcomes[one.number]["turns"], 1) for one in done
+    )
+    if turn is None or not steps:
+        raise VfifeError("its members do not turn a crank evenly")
+    slides: list[Slide] = list(by_parameters(study, done)) or [over_members(study, chosen(study, done))]
+    with standing_in(study.asked["own_laws"]):
+        found = patched(base, slides, turn / math.ceil(steps))
+    return written(found), places(study, found), found.notes
+
+
+def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
+    """The report of a study, and sentences about what is not in it."""
+    drawn = pictures(study)
+    page = pages.study_page(study, drawn)
+    if not live:
+        return page, ()
+    try:
+        whole = pages.study_page(study, drawn, *study_page(study))
+    except VfifeError as error:
+        return page, (f"no member runs in the report: {str(error).rstrip(chr(46))}.",)
+    if len(whole.encode("utf-8")) > LARGEST_REPORT:
+        return page, ("the page in which a member runs is left out: with it the report would be too large.",)
+    return whole, ()
+
+
+def mechanism(study: Study, member: StudyCase) -> Mechanism:
+    """A member as a mechanism; laws of the user's own are those that the file tells of."""
+    with standing_in(study.asked["own_laws"]):
+        return loads(study.asked["text"], list(member.numbers.items()))
+
+
+def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:
+    """A slider for each parameter, where members fill a grid of numbers that is not too large; else none."""
+    axes = study.axes
+    numbers = all(
+        one.name in axes and not any(isinstance(value, str) for value in axes[one.name])
+        for one in study.parameters
+    )
+    if not numbers or math.prod(len(values) for values in axes.values()) > GROUP_COMBINATIONS:
+        return []
+    first = dict(zip((one.name for one in study.parameters), study.at(done[0]), strict=True))
+    return [
+        Slide(
+            one.name,
+            one.paths,
+            one.unit,
+            tuple(axes[one.name]),
+            axes[one.name].index(first[one.name]),
+            whole=True,
+        )
+        for one in study.parameters
+        if len(axes[one.name]) > 1
+    ]
+
+
+def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
+    """Members of a slider: the first one, those with the least and the largest of each measure, the others
+    evenly.
+    """
+    if len(done) <= MOST_MEMBERS:
+        return done
+    wanted = {done[0].number}
+    for name in study.measures:
+        values = [(study.outcomes[one.number]["measures"].get(name, math.nan), one.number) for one in done]
+        known = [pair for pair in values if math.isfinite(pair[0])]
+        wanted |= {min(known)[1], max(known)[1]} if known else set()
+    for k in range(MOST_MEMBERS):
+        if len(wanted) < MOST_MEMBERS:
+            wanted.add(done[k * (len(done) - 1) // (MOST_MEMBERS - 1)].number)
+    return [one for one in done if one.number in wanted]
+
+
+def over_members(study: Study, picked: list[StudyCase]) -> Slide:
+    """One slider over members."""
+    words = tuple(f"{one.number}: {where(study, one)}" for one in picked)
+    return Members(
+        MEMBER,
+        (),
+        "1",
+        tuple(float(k) for k in range(len(picked))),
+        0,
+        True,
+        tuple(one.numbers for one in picked),
+        words,
+    )
+
+
+def places(study: Study, found: Patched) -> Places:
+    """Positions of the page's sliders by members, of those that it can run."""
+    told: Places = {}
+    slides = {one.name: one for one in found.slides}
+    if isinstance(slides.get(MEMBER), Members):
+        slide: Any = slides[MEMBER]
+        numbers = {tuple(sorted(one.numbers.items())): one.number for one in study.members}
+        return {
+            numbers[tuple(sorted(slide.picked[int(value)].items()))]: {MEMBER: k}
+            for k, value in enumerate(slide.values)
+        }
+    free = [
+        one.name
+        for one in study.parameters
+        if one.name not in slides and len(study.axes.get(one.name, ())) > 1
+    ]
+    for one in study.members if not free else ():
+        at = dict(zip((two.name for two in study.parameters), study.at(one), strict=True))
+        if all(at[name] in slide.values for name, slide in slides.items()):
+            told[one.number] = {name: slide.values.index(float(at[name])) for name, slide in slides.items()}
+    return told
+
+
+def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:
+    """The report of a result as one page, and sentences why the mechanism does not run in it where it was to."""
+    mechanism, notes, page = result.record.assembly.mechanism, [], None
+    if running:
+        try:
+            page = result_page(result)  # sliders take long to find: vfife live has them
+        except VfifeError as error:
+            notes.append(f"the mechanism does not run in the report: {error}.")
+    drawn = run_pictures(result)
+    text = pages.run_page(result, drawn, page, mechanism.source)
+    if len(text.encode("utf-8")) > LARGEST_REPORT and page is not None:
+        notes.append(
+            "the page in which the mechanism runs is left out: with it the report would be too large."
+        )
+        text = pages.run_page(result, drawn, None, mechanism.source)
+    return text, notes
+
+
+def report(result: Result, path: str | Path, running: bool = True) -> None:
+    """Writes the report; what is there gives way when it is whole."""
+    write_text(Path(path), run_report(result, running)[0])

@@ -1,0 +1,308 @@
+"""Addresses of a session, what they answer, and the guard before them: browsers on this machine that know the
+secret, and pages of our own.
+
+The secret is a part of every address. A cookie would go to whatever else listens on another port of this
+machine, too.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import secrets
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+from contextlib import asynccontextmanager
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import Headers
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response, StreamingResponse
+from starlette.routing import Route
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from ...errors import VfifeError
+from .documents import LARGEST, Conflict, Draft, Json, text_in, told
+from .session import MOST_BROWSERS, Mailbox, Session
+
+BROWSER = Path(__file__).resolve().parents[1] / "browser" / "served"
+SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
+KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
+FILES = ("shell.html", "shell.js", "form.js", "shell.css")
+BEAT = 10.0  # s between two signs of life to a browser
+FAULT = "<!doctype html><meta charset=utf-8><body data-said=1><pre style='white-space: pre-wrap'>{}</pre>"
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:;"
+    " frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+# of a page in which a mechanism runs, which says itself what it may ask for: nothing
+WITHIN = "frame-ancestors 'self'"
+HEADERS = {
+    "referrer-policy": "no-referrer",
+    "x-content-type-options": "nosniff",
+    "cross-origin-resource-policy": "same-origin",
+    "cross-origin-opener-policy": "same-origin",
+    "cache-control": "no-store",
+}
+
+Answer = Callable[[Request], Awaitable[Response]]
+
+
+def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
+    """The application, behind its guard."""
+
+    @asynccontextmanager
+    async def alive(_: Starlette) -> AsyncIterator[None]:
+        watching = asyncio.create_task(session.watch())
+        yield
+        watching.cancel()
+        session.close()
+
+    def doing(act: Callable[[Request, Json], Any]) -> Answer:
+        async def answer(request: Request) -> Response:
+            return await done(request, act)
+
+        return answer
+
+    async def running(request: Request) -> Response:
+        return await page(request, session)
+
+    async def shown(request: Request) -> Response:
+        return await drawn(request, session)
+
+    def of(request: Request) -> str:
+        return str(request.path_params["which"])
+
+    def taken(request: Request, new: str, version: Any) -> Json:
+        return session.change(of(request), lambda document: document.take(new, version))
+
+    routes = [
+        Route("/", lambda _: file("shell.html")),
+        Route("/{name}.js", lambda request: file(f"{request.path_params['name']}.js")),
+        Route("/shell.css", lambda _: file("shell.css")),
+        Route("/schema", lambda _: Response(SCHEMA.read_bytes(), media_type="application/json")),
+        Route("/events", lambda _: listening(session)),
+        Route("/shelf", doing(lambda *_: session.shelf.json())),
+        Route("/model/{which}", doing(lambda request, _: session.shelf[of(request)].json())),
+        Route("/model/{which}/page", running),
+        Route("/drawing/{name}", shown),
+        Route("/open", doing(lambda _, asked: session.open(asked)), methods=["POST"]),
+        Route(
+            "/model/{which}/text",
+            doing(lambda r, a: taken(r, text_in(a, "text"), a["version"])),
+            methods=["POST"],
+        ),
+        Route(
+            "/model/{which}/set",
+            doing(lambda r, a: session.change(of(r), lambda d: d.set(changes(a), a["version"]))),
+            methods=["POST"],
+        ),
+        Route(
+            "/model/{which}/undo",
+            doing(lambda r, _: session.change(of(r), lambda d: d.undo())),
+            methods=["POST"],
+        ),
+        Route("/model/{which}/save", doing(lambda r, a: session.save(of(r), name_in(a))), methods=["POST"]),
+        Route("/model/{which}/run", doing(lambda r, _: session.run(of(r))), methods=["POST"]),
+        Route("/model/{which}/stop", doing(lambda r, _: session.runs.stop(of(r))), methods=["POST"]),
+    ]
+    return Guard(Starlette(routes=routes, lifespan=alive), secret, hosts)
+
+
+def file(name: str) -> Response:
+    """One of the files that the page is made of."""
+    if name not in FILES:
+        return Response(status_code=404)
+    return Response((BROWSER / name).read_bytes(), media_type=KINDS[Path(name).suffix])
+
+
+def name_in(asked: Json) -> str | None:
+    """The name under which a model is to be saved, None for the one it has. Raises TypeError for anything but
+    a text.
+    """
+    return None if asked.get("name") is None else text_in(asked, "name")
+
+
+def changes(asked: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
+    """Paths of values and what each becomes, as they were sent. Raises ValueError for what are none."""
+    found = []
+    for one in asked["changes"]:
+        path, value = one["path"], one["value"]
+        if (
+            not isinstance(path, list)
+            or not path
+            or not all(isinstance(part, str | int) for part in path)
+            or not isinstance(value, str | None)
+        ):
+            raise ValueError("a change is a path, which is a list of names, and a text or nothing")
+        found.append((tuple(path), value))
+    return found
+
+
+async def done(request: Request, act: Callable[[Request, Json], Any]) -> Response:
+    """The answer to what was asked, or the faults of it: 404 for what there is not, 409 for what has changed,
+    422 for what cannot be.
+    """
+    try:
+        asked = json.loads(await body(request)) if request.method == "POST" else {}
+        if not isinstance(asked, dict):
+            raise TypeError
+    except (ValueError, TypeError, RecursionError):
+        return JSONResponse({"faults": [{"where": "", "said": "what was sent is no object of JSON"}]}, 400)
+    try:
+        return JSONResponse(await run_in_threadpool(act, request, asked))
+    except Conflict as error:
+        return JSONResponse({"faults": told(error)}, 409)
+    except Draft as error:
+        return JSONResponse(
+            {"faults": told(error), "draft": {"text": error.text, "values": error.values}}, 422
+        )
+    except (KeyError, LookupError):
+        return JSONResponse(
+            {"faults": [{"where": "", "said": "this model is not open here; choose one"}]}, 404
+        )
+    except OSError as error:
+        return JSONResponse(
+            {"faults": [{"where": "", "said": f"it cannot be written: {error.strerror or error}"}]}, 422
+        )
+    except (VfifeError, ValueError, TypeError) as error:
+        return JSONResponse({"faults": told(error)}, 422)
+
+
+async def body(request: Request) -> bytes:
+    """What was sent. Raises ValueError where it is more than any model."""
+    found = b""
+    async for part in request.stream():
+        found += part
+        if len(found) > 2 * LARGEST:
+            raise ValueError
+    return found
+
+
+async def page(request: Request, session: Session) -> Response:
+    """The page in which a model runs, or a sentence why it does not."""
+    headers = {"content-security-policy": WITHIN}
+    try:
+        document = session.shelf[request.path_params["which"]]
+        made = await run_in_threadpool(
+            session.pages.page, document, request.query_params.get("sliders") == "1"
+        )
+        return HTMLResponse(made, headers=headers)
+    except LookupError:
+        return HTMLResponse(FAULT.format("This model is not open here; choose one."), 404, headers)
+    except (VfifeError, ValueError, ArithmeticError) as error:
+        return HTMLResponse(FAULT.format(escape(str(error))), 422, headers)
+    except Exception as error:  # a fault of ours is told, too: the browser waits for a page
+        return HTMLResponse(
+            FAULT.format(escape(f"This cannot be shown: {type(error).__name__}: {error}")), 500, headers
+        )
+
+
+async def drawn(request: Request, session: Session) -> Response:
+    """A drawing of the gallery: one at a time, after pages that somebody waits for, and none that nobody
+    waits for any more.
+    """
+    async with session.drawing:
+        while session.pages.building.locked():
+            await asyncio.sleep(0.02)
+        if await request.is_disconnected():
+            return Response(status_code=204)
+        from .pages import drawing
+
+        try:
+            return Response(
+                await run_in_threadpool(drawing, request.path_params["name"]), media_type="image/svg+xml"
+            )
+        except LookupError:
+            return Response(status_code=404)
+
+
+def listening(session: Session) -> Response:
+    """The events of a session, as they happen; refused where so many browsers listen that it must be a
+    mistake.
+    """
+    if len(session.listeners) >= MOST_BROWSERS:
+        return Response("vfife live: too many browsers listen; close some\n", 503, {"retry-after": "10"})
+    return StreamingResponse(events(session), media_type="text/event-stream")
+
+
+async def events(session: Session) -> AsyncIterator[str]:
+    """What happens, as it happens, with a sign of life now and then."""
+    mailbox = Mailbox()
+    if len(session.listeners) >= MOST_BROWSERS:
+        return
+    session.listeners.add(mailbox)
+    try:
+        yield "retry: 500\n\n"
+        while True:
+            try:
+                (kind, _), event = await mailbox.take(BEAT)
+            except TimeoutError:
+                yield ": here\n\n"
+                continue
+            yield event
+            if kind == "end":
+                return
+    finally:
+        session.listeners.discard(mailbox)
+
+
+class Guard:
+    """Refuses, with 403, whoever calls by another name (a name of a foreign page that leads here), comes from
+    a foreign page, or has no secret.
+    """
+
+    def __init__(self, app: ASGIApp, secret: str, hosts: Iterable[str]) -> None:
+        self.app, self.secret, self.hosts = app, secret, frozenset(hosts)
+        self.origins = frozenset(f"http://{host}" for host in self.hosts)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answers a request, or refuses it."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        if (why := self.refusal(scope)) is not None:
+            await PlainTextResponse(f"vfife live: {why}\n", 403, HEADERS)(scope, receive, send)
+            return
+
+        async def marked(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                given = list(message.get("headers", ()))
+                known = {name for name, _ in given}
+                ours = {**HEADERS, "content-security-policy": POLICY}
+                message["headers"] = given + [
+                    (k.encode(), v.encode()) for k, v in ours.items() if k.encode() not in known
+                ]
+            await send(message)
+
+        _, secret, rest = scope["path"].split("/", 2)
+        root = f"/{secret}"
+        await self.app({**scope, "path": f"{root}/{rest}", "root_path": root}, receive, marked)
+
+    def refusal(self, scope: Scope) -> str | None:
+        """Why a request is refused; None for one that is answered."""
+        headers = Headers(scope=scope)
+        if headers.get("host", "") not in self.hosts:
+            return "this name is not that of this machine"
+        origin = headers.get("origin")
+        if origin is not None and origin not in self.origins:
+            return "a page from elsewhere asks"
+        followed = (
+            scope["method"] == "GET" and headers.get("sec-fetch-dest") == "document"
+        )  # a link, as in a terminal that is a page itself
+        if headers.get("sec-fetch-site", "none") not in ("same-origin", "none") and not followed:
+            return "a page from elsewhere asks"
+        if (
+            scope["method"] not in ("GET", "HEAD")
+            and headers.get("content-type", "").partition(";")[0] != "application/json"
+        ):
+            return "what is sent is no JSON"
+        parts = scope["path"].split("/", 2)
+        if len(parts) < 3 or not secrets.compare_digest(parts[1].encode(), self.secret.encode()):
+            return (
+                "the address is not the one that was printed when it was started; the secret in it is another"
+            )
+        return None

@@ -1,0 +1,199 @@
+"""What browsers ask of a session, and what they are told without asking."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import subprocess
+import sys
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from .documents import Conflict, Document, Json, text_in
+from .pages import Pages
+from .shelf import Shelf
+
+INTERVAL = 0.2  # s between two looks at files
+MOST_BROWSERS = (
+    64  # that listen at once; each may hold one event of each kind and document, and what the system buffers
+)
+Key = tuple[str, str]
+
+
+class Mailbox:
+    """The events that a browser has not got yet. An event supersedes the one of the same kind and document
+    before it.
+    """
+
+    def __init__(self) -> None:
+        self.events: OrderedDict[Key, str] = OrderedDict()
+        self.filled = asyncio.Event()
+
+    def put(self, key: Key, text: str) -> None:
+        """Add an event; in the loop's thread."""
+        self.events[key] = text
+        self.events.move_to_end(key)
+        self.filled.set()
+
+    async def take(self, seconds: float) -> tuple[Key, str]:
+        """Return the oldest event, or wait for one. Raises TimeoutError after ``seconds``."""
+        if not self.events:
+            self.filled.clear()
+            await asyncio.wait_for(self.filled.wait(), seconds)
+        return self.events.popitem(last=False)
+
+
+def text_of(event: dict[str, Any]) -> tuple[Key, str]:
+    """What an event is about, and its text, which all browsers share."""
+    return (
+        str(event["kind"]),
+        str(event.get("id", "")),
+    ), f"data: {json.dumps(event, ensure_ascii=False)}\n\n"
+
+
+class Runs:
+    """Runs of saved models, one at a time each; ``told`` is called at their end."""
+
+    def __init__(self, told: Callable[[dict[str, Any]], None], folder: Path, options: list[str]) -> None:
+        self.told, self.folder, self.options = told, folder, options
+        self.processes: dict[str, subprocess.Popen[str]] = {}
+
+    def begin(self, document: Document) -> None:
+        """Runs the file of a document. Raises Conflict where it is being run."""
+        process = self.processes.get(document.id)
+        if process is not None and process.poll() is None:
+            raise Conflict("this model is being run; wait for its end")
+        command = [sys.executable, "-m", "vfife", "run", str(document.path), *self.options]
+        pipe = subprocess.PIPE
+        process = subprocess.Popen(
+            command, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=pipe, stderr=subprocess.STDOUT, text=True, encoding="utf-8",
+            start_new_session=True,
+        )  # fmt: skip
+        self.processes[document.id] = process
+        threading.Thread(target=self._wait, args=(document.id, process), daemon=True).start()
+
+    def _wait(self, which: str, process: subprocess.Popen[str]) -> None:
+        said, _ = process.communicate()
+        self.told({"kind": "run", "id": which, "code": process.returncode, "said": said.strip()})
+
+    def stop(self, which: str) -> None:
+        """Ends a run as Ctrl-C does: what was computed is kept."""
+        process = self.processes.get(which)
+        if process is not None and process.poll() is None:
+            process.send_signal(2)
+
+    def close(self) -> None:
+        """Ends all of them."""
+        for which in self.processes:
+            self.stop(which)
+
+
+class Session:
+    """Documents, their pages and runs; whatever changes is told to every browser that listens."""
+
+    def __init__(
+        self,
+        folder: Path,
+        slide: Sequence[str] | None = None,
+        sliders: bool = True,
+        options: Sequence[str] = (),
+    ) -> None:
+        self.shelf = Shelf(folder)
+        self.pages = Pages(self.tell, slide, sliders)
+        self.runs = Runs(self.tell, self.shelf.folder, list(options))
+        self.lock = threading.RLock()
+        self.drawing = asyncio.Lock()  # matplotlib draws for one thread at a time
+        self.listeners: set[Mailbox] = set()
+        self.loop: asyncio.AbstractEventLoop | None = None
+
+    # --------------------------------------------------------------------------------------------------------- telling
+
+    def tell(self, event: Json) -> None:
+        """Tells all browsers, from whatever thread."""
+        if self.loop is not None:
+            with suppress(RuntimeError):  # it is over
+                self.loop.call_soon_threadsafe(self._put, event)
+
+    def _put(self, event: Json) -> None:
+        key, text = text_of(event)
+        for mailbox in self.listeners:
+            mailbox.put(key, text)
+
+    async def watch(self) -> None:
+        """Follows the files of what is open, as long as the session lasts."""
+        self.loop = asyncio.get_running_loop()
+        while True:
+            await asyncio.sleep(INTERVAL)
+            await asyncio.to_thread(self.look)
+
+    def look(self) -> None:
+        """Looks once at the files of what is open."""
+        for document in list(self.shelf.documents.values()):
+            seen = document.look()  # without the lock: a slow disk must not stop what browsers ask
+            with self.lock:
+                what = document.follow(seen)
+            if what == "gone":
+                name = document.path.name if document.path else document.name
+                self.tell(
+                    {
+                        "kind": "gone",
+                        "id": document.id,
+                        "said": f"{name} is not there any more. Its text stays here; Save writes it anew.",
+                    }
+                )
+            elif what is not None:
+                self.tell({"kind": "model", **document.json(), "by": "file"})
+
+    # ---------------------------------------------------------------------------------------------------------- asking
+
+    def open(self, asked: Json) -> Json:
+        """Opens a mechanism of the gallery, a model file of the folder, or a text. Raises LookupError and
+        ModelError.
+        """
+        with self.lock:
+            if "gallery" in asked:
+                document = self.shelf.from_gallery(text_in(asked, "gallery"))
+            elif "file" in asked:
+                document = self.shelf.from_folder(text_in(asked, "file"))
+            else:
+                document = self.shelf.from_text(text_in(asked, "name"), text_in(asked, "text"))
+            return document.json()
+
+    def change(self, which: str, change: Callable[[Document], object]) -> Json:
+        """Changes a document, and tells all browsers. Raises LookupError, Conflict and ModelError."""
+        with self.lock:
+            document = self.shelf[which]
+            before = document.version, document.saved, document.faults
+            change(document)
+            found = document.json()
+            if (document.version, document.saved, document.faults) != before:
+                self.tell({"kind": "model", **found, "by": "browser"})
+            if document.version != before[0]:
+                self.pages.ahead(document)
+        return found
+
+    def save(self, which: str, name: str | None) -> Json:
+        """Saves a document, under a name where it has no file yet. Raises Conflict, OSError."""
+        return self.change(which, lambda document: document.save(self.shelf.place(name) if name else None))
+
+    def run(self, which: str) -> None:
+        """Runs a saved document. Raises Conflict."""
+        document = self.shelf[which]
+        if not document.saved:
+            raise Conflict("save the model first: what is run is its file")
+        self.runs.begin(document)
+
+    def close(self) -> None:
+        """Ends what is under way; browsers that listen are told."""
+        self.tell({"kind": "end"})
+        self.pages.close()
+        self.runs.close()
+
+    @property
+    def unsaved(self) -> list[str]:
+        """Names of what was changed and not saved."""
+        return [one.name for one in self.shelf.documents.values() if one.text != one.opened and not one.saved]

@@ -1,0 +1,454 @@
+"""What happens at the surfaces of joints with clearance: losses, sliding, pressure, what a surface bears over
+its angle, impacts one by one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..laws import Pair
+from ..model.surfaces import surfaces
+from ..numerics.elementwise import atan2, sincos
+from ..solvers.record import Record
+from .forces import eccentricity, normals
+from .motion import times, velocities
+
+Array = NDArray[np.float64]
+KINDS = {
+    "friction": "contact_friction",
+    "impact": "contact_damping",
+}  # blocks of work and power by what is lost; impacts lose in normal damping
+
+
+def lost(record: Record, kind: str) -> Array:
+    """Energy (J) that each contact has lost to ``friction`` or ``impact`` since the start, shape (outputs,
+    contacts).
+
+    The step sums up span * power up to t_(n+1/2); at t_n that is the sum less dt/2 power. Over all contacts
+    it is the ledger's loss.
+    """
+    half, name = 0.5 * record.assembly.choice.step, KINDS[kind]
+    return np.asarray(record.block(f"{name}_work") - half * record.block(f"{name}_power"), dtype=float)
+
+
+def mean_power(record: Record, kind: str) -> Array:
+    """Power (W) lost in each contact, the mean since the output before, so that nothing between outputs is
+    missed; (outputs, contacts).
+    """
+    return between(lost(record, kind), times(record))
+
+
+def between(work: Array, time: Array) -> Array:
+    """Mean rate of what was summed up, over the interval that ends with each output; 0 at the first one."""
+    found = np.zeros_like(work)
+    np.divide(np.diff(work, axis=0), np.diff(time)[:, None], out=found[1:])
+    return found
+
+
+def of_window(record: Record, window: NDArray[np.bool_]) -> tuple[Record, slice]:
+    """The outputs of a window with the one before it, as a record of their own, and which of them are the
+    window's: what a measure of a turn needs is then as long as that turn, however long the run.
+    """
+    inside = np.flatnonzero(window)
+    first, last = max(int(inside[0]) - 1, 0), int(inside[-1]) + 1
+    part = dataclasses.replace(
+        record, steps=record.steps[first:last], source=record.rows[first:last], companions=None
+    )
+    return part, slice(int(inside[0]) - first, None)
+
+
+def per_joint(record: Record, values: Array) -> dict[str, Array]:
+    """Sums over the contacts of each joint, ``values`` having them along its last axis; a block in a guide
+    has four.
+    """
+    found: dict[str, Array] = {}
+    for k, name in enumerate(record.assembly.contact_joints):
+        found[name] = found.get(name, 0.0) + values[..., k]
+    return found
+
+
+def losses(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<joint>.friction_energy.total``, ``.impact_energy.total`` (J) over the window,
+    ``.friction_power.mean``, ``.impact_power.mean`` (W).
+    """
+    found: dict[str, float] = {}
+    if not record.assembly.contacts or not record.keeps("contact_friction_work"):
+        return found
+    part, _ = of_window(record, window)
+    length = float(times(part)[-1] - times(part)[0])
+    for kind in KINDS:
+        work = lost(part, kind)
+        for name, energy in per_joint(record, work[-1] - work[0]).items():
+            found[f"{name}.{kind}_energy.total"] = float(energy)
+            if length > 0.0:
+                found[f"{name}.{kind}_power.mean"] = float(energy) / length
+    return found
+
+
+def arms(record: Record, stepped: bool = False) -> tuple[Array, Array]:
+    """Distances (m) of the surfaces of bearing and journal from their pins along the contact's normal, shape
+    (outputs, contacts) each.
+
+    Radii, and half the overlap; where friction acts without a moment (``friction_moment`` off, films) the
+    surfaces slide all the same. ``stepped``: the arms of friction instead, as the step has them.
+    """
+    mechanism, assembly = record.assembly.mechanism, record.assembly
+    if stepped:
+        change = record.parameter("contact_arm_overlap") * record.block("contact_penetration")
+        return (
+            record.parameter("contact_arm_bearing") + change,
+            record.parameter("contact_arm_journal") - change,
+        )
+    depth = np.maximum(record.block("contact_penetration"), 0.0) * 0.5
+    own = [
+        one.arms
+        for name in dict.fromkeys(assembly.contact_joints)
+        for one in mechanism.contacts[name].touchings(0.0)
+    ]
+    bearing, journal = np.array(own).reshape(-1, 2).T
+    return bearing + depth, journal - depth
+
+
+def places(record: Record, stepped: bool = False) -> tuple[Array, Array]:
+    """Vectors (m) from the pins of bearing and journal to the place of contact (where friction acts in the
+    step if ``stepped``).
+
+    Global axes, shape (outputs, contacts, 2) each.
+    """
+    n, away = normals(record), eccentricity(record)
+    on_bearing, on_journal = arms(record, stepped)
+    t = np.stack([-n[..., 1], n[..., 0]], axis=2)
+    along = (away * t).sum(axis=2)
+    beyond = np.zeros_like(along)
+    slots = [k for k, path in enumerate(record.assembly.contact_paths) if path is not None]
+    if slots:  # the middle of a slot lies beside the bearing's pin
+        middle = (away * n).sum(axis=2) - (
+            record.block("contact_penetration") + record.parameter("contact_size")
+        )
+        beyond[:, slots] = middle[:, slots]
+    return (on_bearing + beyond)[..., None] * n + along[..., None] * t, on_journal[..., None] * n
+
+
+def sliding_speed(record: Record) -> Array:
+    """Velocity (m/s) of the journal's surface on the bearing's at the place of contact, along t = n turned
+    anticlockwise, (outputs, contacts).
+
+    n is that of the normal force (:func:`~vfife.measures.forces.normals`). With friction F_T along t,
+    friction takes the power -F_T v. It is 0 where the surfaces are apart and no film is between them.
+    """
+    topology, moving = record.assembly.topology, velocities(record)
+    if not record.assembly.contacts:
+        return np.zeros((len(record.steps), 0))
+    n = normals(record)
+    t = np.stack([-n[..., 1], n[..., 0]], axis=2)
+    total = np.zeros_like(t)
+    for sign, side, reach in zip((-1.0, 1.0), ("bearing", "journal"), places(record), strict=True):
+        body = list(getattr(topology, f"contact_{side}"))
+        angle = record.block("particle_theta")[:, body]
+        x, y = (record.parameter(f"contact_{side}_{axis}") for axis in "xy")
+        s, c = sincos(angle)
+        rx, ry, w = c * x - s * y + reach[..., 0], s * x + c * y + reach[..., 1], moving["w"][:, body]
+        total += sign * np.stack([moving["u"][:, body] - w * ry, moving["v"][:, body] + w * rx], axis=2)
+    contacts = record.assembly.mechanism.contacts
+    film = np.array([contacts[name].contact.film for name in record.assembly.contact_joints])
+    return np.where(film | (record.block("contact_penetration") > 0.0), (total * t).sum(axis=2), 0.0)
+
+
+def contact_time(record: Record) -> Array:
+    """Time (s) in contact within the interval up to each output, counted step by step in the run, shape
+    (outputs, contacts).
+    """
+    return np.diff(record.block("contact_duration"), axis=0, prepend=0.0)
+
+
+def largest_sliding(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<contact>.sliding_velocity.max`` (m/s), the largest size at an output, and
+    ``<joint>.sliding_distance.total`` (m) over the window.
+
+    The distance is the sum of the sizes at the outputs times the time in contact before them.
+    """
+    found: dict[str, float] = {}
+    if not record.assembly.contacts or not record.keeps("particle_u"):
+        return found
+    part, inside = of_window(record, window)
+    speed = np.abs(sliding_speed(part))
+    for k, name in enumerate(record.assembly.contacts):
+        found[f"{name}.sliding_velocity.max"] = float(speed[inside, k].max())
+    way = speed[1:] * np.diff(part.block("contact_duration"), axis=0)
+    return found | {
+        f"{name}.sliding_distance.total": float(one)
+        for name, one in per_joint(record, way.sum(axis=0)).items()
+    }
+
+
+# half-width over journal radius: beyond, a half-space is no picture of the surfaces (Johnson 1985, Section
+# 5.3)
+CONFORMAL = 0.3
+
+
+def line_pressure(pair: Pair, force: Array) -> tuple[Array, Array]:
+    """Largest pressure (Pa) and half-width (m) of two cylinders pressed together over their axial length by a
+    force (N) of any shape.
+
+    a = sqrt(4 F R/(pi L E*)) and p_0 = 2 F/(pi a L), R = R_B R_J/(R_B -+ R_J), minus for a journal in its
+    bearing: Hertz' line contact; Johnson, Contact Mechanics (1985), Eq. 4.43 and 4.45. No contact is wider
+    than its journal: a is R_J at the most, where p_0 becomes 4 F/(pi d L), that of a snug pin whose pressure
+    goes with the cosine. From a = 0.3 R_J (``CONFORMAL``) on Hertz' half-spaces are a coarse picture, and p_0
+    is too low.
+    """
+    per_length, radius = np.maximum(force, 0.0) / pair.axial_length, pair.relative_radius
+    pressure = np.sqrt(per_length * pair.composite_modulus / (math.pi * radius))
+    half = np.sqrt(4.0 * per_length * radius / (math.pi * pair.composite_modulus))
+    journal = pair.journal_radius
+    return np.maximum(pressure, 2.0 * per_length / (math.pi * journal)), np.minimum(half, journal)
+
+
+def mean_pressure(pair: Pair, force: Array) -> Array:
+    """Load on a bearing (Pa): F/(2 R_J L), over the projected area of the journal; beside another round or on
+    a line F/(2 a L), over the contact.
+
+    The first is the p of the p v of plain bearings (ISO 4379, makers' tables).
+    """
+    half = np.maximum(line_pressure(pair, force)[1], 1e-300) if pair.external else pair.journal_radius
+    return np.asarray(np.maximum(force, 0.0) / (2.0 * half * pair.axial_length), dtype=float)
+
+
+def pairs(record: Record) -> list[Pair]:
+    """The surfaces of each contact; a corner of a block in a guide is a round on a line."""
+    mechanism = record.assembly.mechanism
+    return [surfaces(mechanism, mechanism.contacts[name]) for name in record.assembly.contact_joints]
+
+
+def pressures(record: Record) -> tuple[Array, Array, Array]:
+    """Largest pressure (Pa), half-width (m) and load on the bearing (Pa) of each contact at the outputs,
+    shape (outputs, contacts) each.
+    """
+    force = record.block("contact_normal_force")
+    found = np.zeros((3, *force.shape))
+    for k, pair in enumerate(pairs(record)):
+        found[0, :, k], found[1, :, k] = line_pressure(pair, force[:, k])
+        found[2, :, k] = mean_pressure(pair, force[:, k])
+    return found[0], found[1], found[2]
+
+
+def load_times_speed(record: Record) -> Array:
+    """p v (W/m^2) of each contact at the outputs: load on the bearing times size of the sliding velocity,
+    shape (outputs, contacts).
+    """
+    return np.asarray(pressures(record)[2] * np.abs(sliding_speed(record)), dtype=float)
+
+
+def hertz_extremes(record: Record, window: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Largest pressure (Pa) and half-width (m) of each contact over a window, shape (contacts,) each.
+
+    From the extremes of its force between outputs, friction counted with it: with a coefficient of 0.1 a
+    pressure 0.25 % too high.
+    """
+    force = np.sqrt(record.block("contact_force_squared_max")[window].max(axis=0))
+    found = [line_pressure(pair, one) for pair, one in zip(pairs(record), force, strict=True)]
+    return np.array([float(p) for p, _ in found]), np.array([float(a) for _, a in found])
+
+
+def largest_pressures(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<contact>.contact_pressure.max`` (Pa), ``.contact_half_width.max`` (m), extremes between outputs with
+    them, and ``.pressure_velocity.max`` and ``.mean`` (W/m^2), at the outputs; the mean is that over time,
+    the time apart with it.
+    """
+    found: dict[str, float] = {}
+    if not record.assembly.contacts:
+        return found
+    pressure, width = hertz_extremes(record, window)
+    for k, name in enumerate(record.assembly.contacts):
+        found |= {
+            f"{name}.contact_pressure.max": float(pressure[k]),
+            f"{name}.contact_half_width.max": float(width[k]),
+        }
+    if not record.keeps("particle_u"):
+        return found
+    part, inside = of_window(record, window)
+    product, time = load_times_speed(part), times(part)
+    for k, name in enumerate(record.assembly.contacts):
+        found[f"{name}.pressure_velocity.max"] = float(product[inside, k].max())
+        if len(time) > 1:
+            found[f"{name}.pressure_velocity.mean"] = float(
+                np.trapezoid(product[:, k], time) / (time[-1] - time[0])
+            )
+    return found
+
+
+SIDES = ("bearing", "journal")
+
+
+def contact_angle(record: Record, side: str = "bearing") -> Array:
+    """Angle (rad, from -pi to pi) of the place of contact seen from the pin of a ``side``, in the frame of
+    that side's body, (outputs, contacts).
+
+    It counts from the x axis of the body, of a link from start to end; of the ground it is the global one.
+    Apart, the place nearest to contact.
+    """
+    assembly = record.assembly
+    if not assembly.contacts:
+        return np.zeros((len(record.steps), 0))
+    place = places(record)[SIDES.index(side)]
+    turned = record.block("particle_theta")[:, list(getattr(assembly.topology, f"contact_{side}"))]
+    x, y = place[..., 0], place[..., 1]
+    s, c = sincos(turned)
+    return np.asarray(atan2(c * y - s * x, c * x + s * y), dtype=float)
+
+
+@dataclass(frozen=True)
+class Around:
+    """What a joint's surface bears over its angle, in the frame of its body: ``edges`` (rad, bins + 1), and
+    per contact and bin, (contacts, bins), ``time`` in contact (s), ``impulse`` of the normal force (N s) and
+    ``friction`` energy (J).
+    """
+
+    side: str
+    names: tuple[str, ...]
+    edges: Array
+    time: Array
+    impulse: Array
+    friction: Array
+
+    @property
+    def middles(self) -> Array:
+        """Middle of each bin (rad), shape (bins,)."""
+        return np.asarray(0.5 * (self.edges[1:] + self.edges[:-1]), dtype=float)
+
+
+def around(
+    record: Record, side: str = "bearing", bins: int = 72, window: NDArray[np.bool_] | None = None
+) -> Around:
+    """The surface of a ``side`` ("bearing" or "journal") over its angle, in all or over a window of
+    intervals.
+
+    Time in contact and friction energy are counted step by step in the run and laid at the angle of the
+    output that ends their interval, so that over all bins they are those of the run; the impulse is the
+    normal force at the outputs times that time. Raises ValueError for another side.
+    """
+    if side not in SIDES:
+        raise ValueError(f'side = "{side}"; allowed: "bearing" or "journal"')
+    edges = np.linspace(-np.pi, np.pi, bins + 1)
+    angle, touching = contact_angle(record, side), contact_time(record)
+    rubbed = np.diff(lost(record, "friction"), axis=0, prepend=0.0) if record.assembly.contacts else touching
+    every = (touching, touching * record.block("contact_normal_force"), rubbed)
+    inside = np.ones(len(record.steps), dtype=bool) if window is None else window
+    found = np.zeros((3, len(record.assembly.contacts), bins))
+    for k in range(len(record.assembly.contacts)):
+        for row, values in zip(found, every, strict=True):
+            row[k] = np.bincount(bin_of(angle[inside, k], edges), values[inside, k], bins)
+    return Around(side, tuple(record.assembly.contacts), edges, *found)
+
+
+def bin_of(angle: Array, edges: Array) -> NDArray[np.intp]:
+    """Which bin an angle (rad) lies in; the last one has both its edges. A histogram of NumPy adds weights of
+    one angle in an order of its own.
+    """
+    return np.asarray(
+        np.clip(np.searchsorted(edges, angle, side="right") - 1, 0, len(edges) - 2), dtype=np.intp
+    )
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A contact that began in a joint with play, or ``count`` of them where several began between two
+    outputs.
+
+    It came after ``since`` (s) and up to ``time`` (s), the output that shows it, where the crank stands at
+    ``crank`` (degrees, None without one). ``speed`` (m/s) is that of approach along the normal, located
+    inside the step; of several their mean. ``energy`` (J) is what normal damping took and ``depth`` (m) the
+    deepest penetration, both from there to the next entry of the joint.
+    """
+
+    joint: str
+    since: float
+    time: float
+    crank: float | None
+    count: int
+    speed: float | None
+    energy: float
+    depth: float
+
+
+@dataclass(frozen=True)
+class Impacts:
+    """All of them in the order of time, and how many the outputs tell apart: ``alone`` of ``count``.
+    ``before`` (J): lost before any began.
+    """
+
+    entries: tuple[Impact, ...]
+    before: float
+
+    @property
+    def count(self) -> int:
+        """Contacts that began."""
+        return sum(one.count for one in self.entries)
+
+    @property
+    def alone(self) -> int:
+        """Those that have an entry of their own."""
+        return sum(one.count == 1 for one in self.entries)
+
+    def hardest(self, most: int) -> tuple[Impact, ...]:
+        """The entries that lost most energy, the hardest first."""
+        return tuple(sorted(self.entries, key=lambda one: -one.energy)[:most])
+
+
+def impacts(record: Record) -> Impacts:
+    """The contacts that began in a run, by the counts, sums of speeds and works that the step keeps at every
+    onset.
+
+    None is missed, however short: those that began between the same two outputs share an entry that says how
+    many they are. More outputs tell more of them apart. Energies over all entries, with what was lost before
+    the first, are the ledger's loss in contacts. Records of an older version have no speeds.
+    """
+    assembly = record.assembly
+    if not assembly.contacts or not record.keeps("contact_onsets"):
+        return Impacts((), 0.0)
+    time, crank = times(record), crank_angle(record)
+    onsets, work = record.block("contact_onsets"), lost(record, "impact")
+    speeds = record.block("contact_approach") if record.keeps("contact_approach") else None
+    depths = record.block("contact_penetration_max")
+    found: list[Impact] = []
+    before = 0.0
+    for k, name in enumerate(assembly.contacts):
+        began = np.diff(onsets[:, k], prepend=0.0)
+        at = np.flatnonzero(began > 0.0)
+        before += (
+            float(work[at[0] - 1, k]) if len(at) and at[0] > 0 else 0.0 if len(at) else float(work[-1, k])
+        )
+        for row, following in zip(
+            at.tolist(), [*at.tolist(), len(time)][1:], strict=True
+        ):  # none, where a contact never began
+            spent = work[following - 1, k] - (work[row - 1, k] if row else 0.0)
+            mean = (
+                None
+                if speeds is None
+                else float((speeds[row, k] - (speeds[row - 1, k] if row else 0.0)) / began[row])
+            )
+            angle = None if crank is None else float(crank[row])
+            depth = max(float(depths[row:following, k].max()), 0.0)
+            found.append(
+                Impact(
+                    name,
+                    float(time[max(row - 1, 0)]),
+                    float(time[row]),
+                    angle,
+                    int(began[row]),
+                    mean,
+                    float(spent),
+                    depth,
+                )
+            )
+    return Impacts(tuple(sorted(found, key=lambda one: (one.time, one.joint))), before)
+
+
+def crank_angle(record: Record) -> np.ndarray | None:
+    """Angle of the first driven body (degrees, not reduced to one turn), or None without one."""
+    driven = record.assembly.topology.driven
+    return np.degrees(record.block("particle_theta")[:, driven[0]]) if driven else None

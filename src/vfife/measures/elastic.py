@@ -1,0 +1,195 @@
+"""Elastic links and frames: how they bend and stretch, and the stress in their outermost fibres."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels import frame
+from ..model.bodies import Body, Frame, Link, Section
+from ..model.lumping import mesh
+from ..numerics.elementwise import hypot, sincos
+from ..solvers.record import Record
+from .contacts import of_window
+
+Array = NDArray[np.float64]
+
+
+def elastic_links(record: Record) -> list[str]:
+    """Links that are made of elements."""
+    bodies = record.assembly.mechanism.bodies
+    return [
+        name
+        for name, where in record.assembly.bodies.items()
+        if where.elements and isinstance(bodies[name], Link)
+    ]
+
+
+def off_the_chord(record: Record, name: str) -> Array:
+    """Deflection (m) of a link's nodes, and of the middles of its elements, across the line through its ends,
+    positive to the left of the way from start to end, shape (outputs, 2 elements + 1); of a bent link,
+    against its own shape.
+
+    The middle of an element is l/8 (theta_1 - theta_2) off the line through its nodes, the cubic of its end
+    rotations.
+    """
+    where, parts = record.assembly.bodies[name], mesh(record.assembly.mechanism.bodies[name])
+    nodes, own = list(where.particles), list(where.elements)
+    x, y = (record.block(f"particle_{axis}")[:, nodes] for axis in "xy")
+    dx, dy = x - x[:, :1], y - y[:, :1]
+    length = hypot(dx[:, -1], dy[:, -1])
+    c, s = (dx[:, -1] / length)[:, None], (dy[:, -1] / length)[:, None]
+    across = c * dy - s * dx - parts.position[:, 1]
+    bending = parts.bending
+    m1, m2 = (record.block(f"frame_moment_{end}")[:, own] for end in (1, 2))
+    first, second = frame.end_rotations(m1, m2, 1.0 / parts.length, bending)
+    found = np.empty((len(x), 2 * len(own) + 1))
+    found[:, ::2] = across
+    found[:, 1::2] = 0.5 * (across[:, 1:] + across[:, :-1]) + 0.125 * parts.length * (first - second)
+    return found
+
+
+def largest_off_the_chord(record: Record, name: str) -> Array:
+    """The deflection (m) that is largest in size along the link at each output, with its sign, shape
+    (outputs,).
+    """
+    every = off_the_chord(record, name)
+    return np.asarray(every[np.arange(len(every)), np.abs(every).argmax(axis=1)], dtype=float)
+
+
+def elongation(record: Record, name: str) -> Array:
+    """Distance of the ends less that without forces (m), shape (outputs,)."""
+    link = record.assembly.mechanism.bodies[name]
+    first, last = record.assembly.bodies[name].particles[0], record.assembly.bodies[name].particles[-1]
+    dx, dy = (
+        record.block(f"particle_{axis}")[:, last] - record.block(f"particle_{axis}")[:, first]
+        for axis in "xy"
+    )
+    return np.asarray(hypot(dx, dy) - float(getattr(link, "length", 0.0)), dtype=float)
+
+
+def off_the_start(record: Record, name: str) -> Array:
+    """Deflection (m) of the end across the direction that the link has at its start, positive to the left:
+    that of a clamped beam, (outputs,).
+    """
+    first, last = record.assembly.bodies[name].particles[0], record.assembly.bodies[name].particles[-1]
+    dx, dy = (
+        record.block(f"particle_{axis}")[:, last] - record.block(f"particle_{axis}")[:, first]
+        for axis in "xy"
+    )
+    angle = record.block("particle_theta")[:, first]
+    s, c = sincos(angle)
+    return np.asarray(c * dy - s * dx, dtype=float)
+
+
+def largest_deflections(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<link>.deflection.max`` (m), the largest size across the line through the link's ends, at the
+    outputs.
+    """
+    names = elastic_links(record)
+    if not names or not record.keeps("frame_moment_1") or not record.keeps("particle_x"):
+        return {}
+    part, inside = of_window(record, window)
+    return {
+        f"{name}.deflection.max": float(np.abs(largest_off_the_chord(part, name))[inside].max())
+        for name in names
+    }
+
+
+def sections(body: Body) -> list[Section | None]:
+    """Section of each element of a body, in their order."""
+    if isinstance(body, Frame):
+        return [
+            section
+            for member in body.members
+            for section in [member.section or body.section] * member.elements
+        ]
+    return [body.section] * body.element_count if isinstance(body, Link) else []
+
+
+def known(record: Record) -> bool:
+    """Whether any element's extreme fibre is known."""
+    bodies = record.assembly.mechanism.bodies
+    return any(
+        section is not None and section.extreme_fibre is not None
+        for body in bodies.values()
+        for section in sections(body)
+    )
+
+
+def fibres(record: Record) -> tuple[Array, Array]:
+    """Largest tension and largest compression (Pa, tension positive) in the outermost fibres at both ends of
+    each element, (outputs, elements, 2).
+
+    N/A + |m| e/I and N/A - |m| e/I with the moment m at that end: between its ends an element's moment is linear, so the extremes are there. NaN
+    where the extreme fibre e is not given.
+    """
+    found = [section for body in record.assembly.mechanism.bodies.values() for section in sections(body)]
+    area, modulus = np.full(len(found), np.nan), np.full(len(found), np.nan)
+    for k, section in enumerate(found):
+        if section is not None and section.extreme_fibre is not None:
+            area[k], modulus[k] = section.area, section.second_moment / section.extreme_fibre
+    axial = record.block("frame_axial_force") / area
+    bent = np.stack([np.abs(record.block(f"frame_moment_{end}")) / modulus for end in (1, 2)], axis=2)
+    return axial[..., None] + bent, axial[..., None] - bent
+
+
+def stress(record: Record) -> Array:
+    """Largest stress |N|/A + max(|m_1|, |m_2|) e/I (Pa) in each element, NaN where the extreme fibre e is not given; (outputs, elements)."""
+    tension, compression = fibres(record)
+    return np.asarray(np.maximum(np.abs(tension), np.abs(compression)).max(axis=2), dtype=float)
+
+
+def along(record: Record) -> Array:
+    """Place (m) of both ends of each element, along its link from the start, or along its member of a frame,
+    shape (elements, 2).
+    """
+    found: list[tuple[float, float]] = []
+    for name, where in record.assembly.bodies.items():
+        if not where.elements:
+            continue
+        body = record.assembly.mechanism.bodies[name]
+        lengths = mesh(body).length
+        pieces = [member.elements for member in body.members] if isinstance(body, Frame) else [len(lengths)]
+        for piece in np.split(lengths, np.cumsum(pieces)[:-1]):
+            ends = np.concatenate([[0.0], np.cumsum(piece)])
+            found += zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)
+    return np.array(found).reshape(-1, 2)
+
+
+def extremes(record: Record, name: str) -> tuple[Array, Array]:
+    """Largest tension and largest compression (Pa, both positive, 0 where there is none) anywhere in an
+    elastic body, shape (outputs,) each.
+    """
+    own = list(record.assembly.bodies[name].elements)
+    tension, compression = (one[:, own] for one in fibres(record))
+    if np.isnan(tension).all():
+        return np.full(len(tension), np.nan), np.full(len(tension), np.nan)
+    return np.maximum(np.nanmax(tension, axis=(1, 2)), 0.0), np.maximum(
+        -np.nanmin(compression, axis=(1, 2)), 0.0
+    )
+
+
+def largest_stresses(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<body>.tension.max`` and ``<body>.compression.max`` (Pa) at the outputs, and ``<body>.stress.place``
+    (m): where the larger of both is along the link from its start, or along its member of a frame.
+    """
+    found: dict[str, float] = {}
+    if not record.keeps("frame_axial_force") or not known(record):
+        return found
+    part, inside = of_window(record, window)
+    tension, compression = (one[inside] for one in fibres(part))
+    places = along(record)
+    for name, where in record.assembly.bodies.items():
+        own = list(where.elements)
+        if not own or np.isnan(tension[:, own]).all():
+            continue
+        found |= {
+            f"{name}.{kind}.max": float(one[inside].max())
+            for kind, one in zip(("tension", "compression"), extremes(part, name), strict=True)
+        }
+        sizes = np.nan_to_num(
+            np.maximum(np.abs(tension[:, own]), np.abs(compression[:, own])).max(axis=0), nan=-1.0
+        )
+        found[f"{name}.stress.place"] = float(places[own][np.unravel_index(int(sizes.argmax()), sizes.shape)])
+    return found

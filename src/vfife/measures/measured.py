@@ -1,0 +1,114 @@
+"""A measure of a run as a number that knows what is not known of it and what varies, and the map of all of
+them by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ..errors import suggestion
+
+NOT_ESTIMATED = "not estimated"  # in the place of a range where the error of a number is unknown
+
+
+class Measured(float):
+    """A measure of a run: a number with what is not known of it, ``low`` to ``high``, and what varies,
+    ``lowest`` to ``highest``.
+
+    ``value`` is what it counts as wherever a number is expected. ``low`` and ``high`` are its range over the
+    run and its companions, or by its estimated error; ``lowest`` and ``highest`` those of the turns that it
+    is told of (:class:`~vfife.measures.turns.Turns`). ``estimated`` is False where the error of the value is
+    unknown: ``low`` and ``high`` are the value then and mean nothing. It is True where both are given, unless
+    it is said otherwise. ``unique`` is False of a reaction of redundant joints, which rigid bodies leave
+    open: its value is that of the distribution of least norm, one of infinitely many.
+    """
+
+    low: float
+    high: float
+    unique: bool
+    lowest: float
+    highest: float
+    estimated: bool
+
+    def __new__(
+        cls,
+        value: float,
+        low: float | None = None,
+        high: float | None = None,
+        unique: bool = True,
+        lowest: float | None = None,
+        highest: float | None = None,
+        estimated: bool | None = None,
+    ) -> Measured:
+        made = super().__new__(cls, value)
+        made.low, made.high, made.unique = (
+            (value if low is None else low),
+            (value if high is None else high),
+            unique,
+        )
+        made.lowest, made.highest = (
+            (value if lowest is None else lowest),
+            (value if highest is None else highest),
+        )
+        made.estimated = (low is not None and high is not None) if estimated is None else estimated
+        return made
+
+    def __getnewargs__(self) -> tuple[float, float, float, bool, float, float, bool]:  # type: ignore[override]
+        return self.value, self.low, self.high, self.unique, self.lowest, self.highest, self.estimated
+
+    def __repr__(self) -> str:
+        return f"{self} ({f'{self.low!r} to {self.high!r}' if self.estimated else NOT_ESTIMATED})"
+
+    def __str__(self) -> str:
+        return float.__repr__(self)
+
+    @property
+    def value(self) -> float:
+        """The plain number."""
+        return float(self)
+
+    @property
+    def width(self) -> float:
+        """``high`` - ``low``."""
+        return self.high - self.low
+
+    @property
+    def variation(self) -> float:
+        """``highest`` - ``lowest``."""
+        return self.highest - self.lowest
+
+
+class MissingMeasure(KeyError):
+    """A name that no measure has. It reads as a sentence, where a KeyError is shown in quotes."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class Measures(dict[str, Measured]):
+    """Measures by name, ``<joint or body>.<quantity>.<statistic>``: ``C.force.max``, ``C.force.lip``; counts
+    have none, ``C.impacts``.
+    """
+
+    part = ""  # of the run that they are of, but for counts, which are those of all of it
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} measures, {self.part or 'of a run'}: {dict(self)}>"
+
+    def __missing__(self, name: str) -> Measured:
+        raise MissingMeasure(
+            f"there is no measure {name!r} here:"
+            f" {suggestion(str(name), self, 'their names are those of result.measures')}"
+        )
+
+    def of(self, name: str) -> Iterator[tuple[str, Measured]]:
+        """What is known of a joint or body: quantities with their statistics, and measures."""
+        for key, one in self.items():
+            if key.startswith(f"{name}."):
+                yield key.removeprefix(f"{name}."), one
+
+
+def lips(measures: dict[str, Any]) -> dict[str, Any]:
+    """The local influence parameters among measures, by ``<joint or body>.<quantity>``."""
+    return {name.removesuffix(".lip"): value for name, value in measures.items() if name.endswith(".lip")}

@@ -1,0 +1,143 @@
+"""Natural frequencies and shapes of a mechanism about its start, and of its elastic links by themselves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.linearised import Linearised, elements_of, linearised
+from ..errors import AssemblyError
+from ..model.bodies import Link
+from ..model.lumping import is_elastic, mesh
+from ..model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+MOST = 6000  # coordinates: beyond, matrices that are not sparse take minutes and gigabytes
+NOTHING = (
+    1e-13,
+    1e-11,
+)  # of the largest w^2: what is left of none by rounding, and by differences where there are springs
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A natural vibration: ``frequency`` (Hz), 0 of a motion that nothing holds, and w^2 (1/s^2), below 0
+    where the start is unstable.
+
+    ``shape`` (particles, 3) is the displacement (m, m, rad) of each particle, the ground first, its largest
+    way being 1 m (or turn 1 rad where nothing else moves). ``energy`` (1) is the share of each body in the
+    kinetic energy, by name.
+    """
+
+    frequency: float
+    square: float
+    shape: Array
+    energy: dict[str, float]
+
+    @property
+    def leading(self) -> tuple[str, float]:
+        """The body that moves most, and its share of the kinetic energy."""
+        return max(self.energy.items(), key=lambda one: one[1])
+
+
+@dataclass(frozen=True)
+class Modes:
+    """The lowest of a mechanism in the order of w^2, out of ``count`` that it has.
+
+    ``unbalanced`` is the share of weight and springs that nothing carries at the start: 0 in equilibrium.
+    ``links`` are the frequencies (Hz) of each elastic link alone, pinned at both ends; ``position``
+    (particles, 3) is where the particles are.
+    """
+
+    modes: tuple[Mode, ...]
+    count: int
+    unbalanced: float
+    links: dict[str, tuple[float, ...]]
+    position: Array
+
+    @property
+    def frequencies(self) -> tuple[float, ...]:
+        """Natural frequencies (Hz)."""
+        return tuple(mode.frequency for mode in self.modes)
+
+
+def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> Modes:
+    """The ``count`` lowest natural vibrations of a mechanism about its start, at rest, without damping.
+
+    Joints with play count as ideal and external contacts as open, loads are left out; drivers hold what they
+    drive, or are ``released``. Under weight and springs, what bends has bent. Eigenvalues of M q'' + K q = 0
+    in the motions that leave joints closed: see
+    :mod:`vfife.assembly.linearised`. Raises AssemblyError where the mechanism cannot be closed or is too
+    large.
+    """
+    from scipy.linalg import eigh
+
+    particles = 3 * sum(len(mesh(body).mass) if is_elastic(body) else 1 for body in mechanism.bodies.values())
+    if particles > MOST:
+        raise AssemblyError(
+            f"{particles} coordinates are too many for natural frequencies, of which {MOST} are taken; take"
+            " fewer elements"
+        )
+    linear = linearised(mechanism, released)
+    own = linear.motions.T @ linear.stiffness @ linear.motions
+    size, taken = len(own), min(count, len(own))
+    found: list[Mode] = []
+    if taken:
+        largest = float(eigh(own, eigvals_only=True, subset_by_index=[size - 1, size - 1])[0])
+        squares, vectors = eigh(own, subset_by_index=[0, taken - 1])
+        least = NOTHING[bool(mechanism.springs)] * abs(largest)
+        found = [
+            _mode(linear, 0.0 if abs(one) < least else float(one), linear.motions @ vectors[:, k])
+            for k, one in enumerate(squares)
+        ]
+    alone = {
+        name: link_frequencies(body)
+        for name, body in mechanism.bodies.items()
+        if isinstance(body, Link) and body.element_count
+    }
+    return Modes(tuple(found), size, linear.unbalanced, alone, linear.position)
+
+
+def _mode(linear: Linearised, square: float, weighted: Array) -> Mode:
+    """A mode from its vector in mass-weighted coordinates."""
+    shape = np.zeros(linear.mass.shape)
+    shape[linear.moving] = weighted / np.sqrt(linear.mass[linear.moving])
+    energy = np.zeros(linear.mass.shape)
+    energy[linear.moving] = weighted**2
+    ways = shape.reshape(-1, 3)
+    way = float(np.hypot(ways[:, 0], ways[:, 1]).max())
+    ways = ways / (way if way > 1e-12 * np.abs(ways).max() else np.abs(ways[:, 2]).max())
+    shares = {
+        name: float(energy.reshape(-1, 3)[list(body.particles)].sum())
+        for name, body in linear.numbering.bodies.items()
+    }
+    return Mode(math.sqrt(max(square, 0.0)) / (2.0 * math.pi), square, ways, shares)
+
+
+def link_frequencies(link: Link, count: int = 3) -> tuple[float, ...]:
+    """The lowest natural frequencies (Hz) of an elastic link by itself, straight or bent, pinned at its
+    start, and at its end free along its chord.
+
+    That of a slender straight one tends to (k pi)^2/(2 pi) sqrt(E I/(mu l^4)) with its elements, mu being
+    mass over length.
+    """
+    from scipy.linalg import eigh
+
+    part = mesh(link)
+    nodes = len(part.mass)
+    position = np.column_stack([part.position, np.zeros(nodes)])
+    force, stiffness = np.zeros(3 * nodes), np.zeros((3 * nodes, 3 * nodes))
+    for element in elements_of(part, 0):
+        element.put(position, force, stiffness)
+    mass = np.column_stack([part.mass, part.mass, part.inertia]).reshape(-1)
+    mass[[0, 1, 3 * nodes - 2]] = 0.0
+    idle = [3 * p + 2 for p in range(nodes) if not stiffness[3 * p + 2].any()]
+    moving = np.setdiff1d(np.flatnonzero(mass > 0.0), idle)
+    squares = eigh(stiffness[np.ix_(moving, moving)], np.diag(mass[moving]), eigvals_only=True)
+    return tuple(math.sqrt(max(float(one), 0.0)) / (2.0 * math.pi) for one in squares[:count])
+
+
+__all__ = ["Mode", "Modes", "link_frequencies", "modes"]

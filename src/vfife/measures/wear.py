@@ -1,0 +1,157 @@
+"""What joints with play lose by wear: volumes of bearing and journal, and their depth around the joint.
+
+A surface with the coefficient k loses V = k W, W being the sum of normal force times sliding distance
+(Archard 1953), which the step keeps with the direction in which it was done. Over the angle phi around a
+joint of length L the depth of a surface of radius R is h = k/(R L) dW/dphi.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.topology import BEARING
+from ..laws.materials import coefficient
+from ..model.surfaces import surfaces
+from ..numerics.elementwise import atan2, hypot, interpolate, sin
+from ..solvers.record import Record
+from .contacts import of_window
+
+Array = NDArray[np.float64]
+SIDES = ("bearing", "journal")
+PLACES = 360  # around a joint, at which depths are known
+WIDTH = 2.0 * np.pi / PLACES  # of one of them
+
+
+class Rubbed(NamedTuple):
+    """What a contact rubs in each interval between two outputs: ``work`` (N m), and where around bearing or
+    journal (rad), half of it within ``spread`` (rad) to both sides; shape (intervals,) each.
+    """
+
+    work: Array
+    angle: Array
+    spread: Array
+
+
+def worn_contacts(record: Record) -> dict[str, int]:
+    """Contacts of which wear is kept, by name, and their places among all contacts."""
+    return {record.assembly.contacts[k]: k for k in record.assembly.topology.wears}
+
+
+def work(record: Record) -> Array:
+    """Normal force times sliding distance (N m) of each such contact since the start, shape (outputs,
+    contacts).
+    """
+    return record.block("wear_work")
+
+
+def coefficients(record: Record, contact: int) -> tuple[float, float]:
+    """k (1/Pa) of bearing and journal of a contact."""
+    mechanism = record.assembly.mechanism
+    joint = mechanism.contacts[record.assembly.contact_joints[contact]]
+    pair = surfaces(mechanism, joint)
+    both = (coefficient(getattr(joint.wear, side), getattr(pair, side)) for side in SIDES)
+    first, second = (0.0 if one is None else one for one in both)
+    return first, second
+
+
+def rubbed(record: Record, contact: int, side: str) -> Rubbed:
+    """What one side of a contact feels between outputs, in the frame of its body, which counts with its angle
+    in the middle of the interval.
+
+    Parts of an interval lie on an arc whose mean direction has the length sin(a)/a, a its half; the
+    directions that were summed tell it.
+    """
+    place = record.assembly.topology.wears.index(contact)
+    done, x, y = (np.diff(record.block(f"wear_{name}")[:, place]) for name in ("work", "x", "y"))
+    particle = getattr(record.assembly.topology, f"contact_{side}")[contact]
+    turned = record.block("particle_theta")[:, particle]
+    angle = atan2(y, x) - 0.5 * (turned[1:] + turned[:-1])
+    length = np.divide(hypot(x, y), done, out=np.ones_like(done), where=done > 0.0)
+    return Rubbed(done, np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi, half_arc(length))
+
+
+def half_arc(length: Array) -> Array:
+    """a with sin(a)/a = ``length``, from 0 at 1 to pi at 0."""
+    arcs = np.linspace(np.pi, 0.0, 2001)
+    share = np.divide(sin(arcs), arcs, out=np.ones_like(arcs), where=arcs > 0.0)
+    return np.asarray(interpolate(np.clip(length, 0.0, 1.0), share, arcs), dtype=float)
+
+
+def around(part: Rubbed) -> Array:
+    """Work (N m) at each of ``PLACES`` around the joint, from -pi on; their sum is that of the intervals, to
+    rounding.
+    """
+    found, wide = np.zeros(PLACES), np.maximum(part.spread, 0.5 * WIDTH)
+    rubs = np.flatnonzero(part.work > 0.0)
+    reach = np.ceil(wide[rubs] / WIDTH).astype(int) + 1
+    part_of_two, exponent = np.frexp(np.maximum(reach, 1))
+    for most in np.unique(
+        1 << (exponent - (part_of_two == 0.5)).astype(int)
+    ):  # intervals of like spreads together
+        few = rubs[(reach <= most) & (reach > most // 2)]
+        middle = np.floor((part.angle[few] + np.pi) / WIDTH).astype(int)[:, None]
+        edges = (middle + np.arange(-most, most + 2)) * WIDTH - np.pi
+        below = np.clip((edges - (part.angle - wide)[few, None]) / (2.0 * wide[few, None]), 0.0, 1.0)
+        places = (middle + np.arange(-most, most + 1)) % PLACES
+        found += np.bincount(
+            places.reshape(-1), (part.work[few, None] * (below[:, 1:] - below[:, :-1])).reshape(-1), PLACES
+        )
+    return found
+
+
+def depths(record: Record, contact: int) -> tuple[Array, Array]:
+    """Depth (m) that bearing and journal of a contact lose over a record, at ``PLACES`` around each, in the
+    frame of its body.
+    """
+    found = []
+    for side, k, area in zip(SIDES, coefficients(record, contact), areas(record, contact), strict=True):
+        found.append(k / area * around(rubbed(record, contact, side)))
+    return found[0], found[1]
+
+
+def areas(record: Record, contact: int) -> tuple[float, float]:
+    """Area (m^2) of each of the ``PLACES`` on bearing and journal."""
+    joint = record.assembly.mechanism.contacts[record.assembly.contact_joints[contact]]
+    touching = joint.touchings(0.0)[0]
+    one, other = (abs(radius) * joint.axial_length * 2.0 * np.pi / PLACES for radius in touching.arms)
+    return one, other
+
+
+def is_round(record: Record, contact: int) -> bool:
+    """Whether a contact is of a journal in its bearing, which wear around."""
+    return record.assembly.topology.contact_kind[contact] == BEARING
+
+
+def worn_volumes(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<joint>.bearing_wear.total`` and ``.journal_wear.total`` (m^3) over the window; a block in a guide
+    has four contacts.
+    """
+    found: dict[str, float] = {}
+    if not record.assembly.topology.wears:
+        return found
+    part, _ = of_window(record, window)
+    done = work(part)[-1] - work(part)[0]
+    for place, contact in enumerate(record.assembly.topology.wears):
+        joint = record.assembly.contact_joints[contact]
+        for side, k in zip(SIDES, coefficients(record, contact), strict=True):
+            name = f"{joint}.{side}_wear.total"
+            found[name] = found.get(name, 0.0) + k * float(done[place])
+    return found
+
+
+def worn_depths(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
+    """``<joint>.bearing_wear_depth.max`` and ``.journal_wear_depth.max`` (m): what the place that loses most
+    loses over the window.
+    """
+    found: dict[str, float] = {}
+    if not record.assembly.topology.wears or not record.keeps("wear_x"):
+        return found
+    part, _ = of_window(record, window)
+    for name, contact in worn_contacts(record).items():
+        if is_round(record, contact):
+            for side, depth in zip(SIDES, depths(part, contact), strict=True):
+                found[f"{name}.{side}_wear_depth.max"] = float(depth.max())
+    return found

@@ -1,0 +1,1 @@
+"""Strokes by which joints, gears and springs are drawn."""

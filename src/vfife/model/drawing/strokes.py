@@ -1,0 +1,217 @@
+"""How joints, gears and springs are drawn, as data: strokes in the plane of the drawing. Who draws them knows
+no kinds.
+
+Places and lengths are in the units drawn; a noun's own sizes (m) times ``factor`` are in those too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+Array: TypeAlias = "NDArray[np.float64]"
+
+Colour = Literal["ink", "grey", "spring", "bearing", "journal"]
+Shape = Literal["ring", "dot", "pin", "square", "bearing"]
+COILS = 7
+GROUND_DEPTH = 0.065  # of the sign for the ground, as a share of the drawing
+BLOCK = (0.06, 0.036)  # length and height of an ideal slider's block, as shares of the drawing
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A line through points (n, 2); ``sign`` is what the legend calls it."""
+
+    points: Any
+    colour: Colour = "ink"
+    width: float = 1.2
+    rank: float = 5.0
+    dashes: Literal["-", "-.", ":"] = "-"
+    fade: float = 1.0
+    sign: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A straight surface, its material hatched to a ``depth`` on the side that ``inward`` points to."""
+
+    first: Array
+    second: Array
+    inward: Array
+    depth: float
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A rectangle with its length along a unit vector."""
+
+    centre: Array
+    along: Array
+    length: float
+    height: float
+    colour: Colour = "journal"
+    sign: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """A sign of one size in all drawings, in one place, or in the legend only."""
+
+    at: Array | None
+    shape: Shape
+    colour: Colour = "ink"
+    sign: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Label:
+    """Where a name stands: there if it is ``fixed``, else beside it, away from the middle of the drawing."""
+
+    at: Array
+    fixed: bool = False
+
+
+Stroke = Curve | Surface | Block | Mark
+
+
+@dataclass(frozen=True, eq=False)
+class JointSeen:
+    """A joint in a drawing: places of its pins, angles (rad) of its bodies there and at the start, ``ground``
+    where a side is the ground's.
+
+    ``size`` is that of the drawing. ``way`` gives the least and largest way of the journal over the run along
+    a direction (rad) in the bearing's frame; ``leaving`` the one of the four directions along the axes in
+    which a body leaves the ground.
+    """
+
+    bearing: Array
+    journal: Array
+    angles: tuple[float, float]
+    start_angles: tuple[float, float]
+    ground: tuple[bool, bool]
+    factor: float
+    size: float
+    way: Callable[[float], tuple[float, float]]
+    leaving: Callable[[], Array]
+
+    def along(self, direction: tuple[float, float]) -> Array:
+        """A direction of the bearing's frame as it is drawn, a unit vector."""
+        return facing(self.angles[0] + math.atan2(direction[1], direction[0]))
+
+    def space(self, points: Any) -> Array:
+        """Points (n, 2) in m, in the bearing's frame from its pin, as they are drawn."""
+        import numpy as np
+
+        x, y = self.factor * np.asarray(points, dtype=float).T
+        c, s = facing(self.angles[0])
+        return np.asarray(self.bearing + np.stack([c * x - s * y, s * x + c * y], axis=1), dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class PairSeen:
+    """A spring or gear in a drawing: places of its two ends (of bodies: where they turn), angle (rad) of the
+    first body, size of the drawing.
+    """
+
+    first: Array
+    second: Array
+    angle: float
+    size: float
+
+
+def facing(angle: float) -> Array:
+    """Unit vector at an angle (rad)."""
+    import numpy as np
+
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+def left_of(along: Array) -> Array:
+    """A vector turned by a right angle, anticlockwise."""
+    import numpy as np
+
+    return np.array([-along[1], along[0]])
+
+
+def ring(centre: Array, radius: float, **look: Any) -> Curve:
+    """A circle."""
+    import numpy as np
+
+    turn = np.linspace(0.0, 2.0 * np.pi, 121)
+    return Curve(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1), **look)
+
+
+def standing(seen: JointSeen) -> list[Stroke]:
+    """A triangle on a hatched strip where a pin is the ground's."""
+    import numpy as np
+
+    if not any(seen.ground):
+        return []
+    x, y = seen.bearing if seen.ground[0] else seen.journal
+    half, tall, deep = (part * seen.size for part in (0.028, 0.045, GROUND_DEPTH))
+    corners = [(x, y), (x - half, y - tall), (x + half, y - tall), (x, y)]
+    strip = np.array([x - 1.6 * half, y - tall]), np.array([x + 1.6 * half, y - tall])
+    return [Curve(corners, rank=2.0), Surface(*strip, np.array([0.0, -1.0]), deep - tall)]
+
+
+def under(seen: JointSeen) -> Label:
+    """The name of a pin: under the sign of the ground, else beside the pin."""
+    import numpy as np
+
+    if not seen.ground[0]:
+        return Label(seen.journal)
+    return Label(seen.bearing - np.array([0.0, (GROUND_DEPTH + 0.03) * seen.size]), fixed=True)
+
+
+def rails(seen: JointSeen, direction: tuple[float, float], length: float, gap: float) -> list[Stroke]:
+    """Two rails as far as the journal goes, hatched outside where the guide is the ground's."""
+    along = seen.along(direction)
+    across, reach = left_of(along), seen.way(math.atan2(direction[1], direction[0]))
+    ends = [
+        seen.bearing + (reach[0] - 0.8 * length) * along,
+        seen.bearing + (reach[1] + 0.8 * length) * along,
+    ]
+    found: list[Stroke] = []
+    for side in (1.0, -1.0):
+        rail = [end + side * gap * across for end in ends]
+        if seen.ground[0]:
+            found.append(Surface(rail[0], rail[1], side * across, 0.02 * seen.size))
+        else:
+            found.append(Curve(rail, "bearing", 1.6, 3.5))
+    return found
+
+
+def beside(seen: JointSeen, direction: tuple[float, float], gap: float) -> Label:
+    """The name of a guide: over its upper rail, or to the right of it."""
+    across = left_of(seen.along(direction))
+    across = across * (1.0 if across[1] > 0.3 or (abs(across[1]) <= 0.3 and across[0] > 0.0) else -1.0)
+    return Label(seen.journal + (gap + (0.05 + 0.03 * abs(across[0])) * seen.size) * across, fixed=True)
+
+
+def zigzag(first: Array, second: Array, width: float) -> Array:
+    """Corners of a spring drawn between two points, straight for an eighth at each end, shape (corners, 2)."""
+    import numpy as np
+
+    along = second - first
+    across = left_of(along) / (np.linalg.norm(along) or 1.0) * width
+    shares = np.concatenate([[0.0, 0.125], np.linspace(0.125, 0.875, 2 * COILS + 1)[1:-1], [0.875, 1.0]])
+    sides = np.zeros(len(shares))
+    sides[2:-2] = np.where(np.arange(len(shares) - 4) % 2 == 0, 1.0, -1.0)
+    return np.asarray(first + shares[:, None] * along + sides[:, None] * across, dtype=float)
+
+
+def tangent(first: tuple[Array, float], second: tuple[Array, float], side: float) -> Array:
+    """Ends of the outer tangent of two circles on one side, shape (2, 2)."""
+    import numpy as np
+
+    (p, r), (q, s) = first, second
+    along = (q - p) / (np.linalg.norm(q - p) or 1.0)
+    sine = (r - s) / (np.linalg.norm(q - p) or 1.0)
+    n = sine * along + np.sqrt(max(0.0, 1.0 - sine**2)) * side * left_of(along)
+    return np.array([p + r * n, q + s * n])

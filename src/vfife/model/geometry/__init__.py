@@ -1,0 +1,1 @@
+"""Geometry and functions as numbers: paths, polynomials, expressions, tables."""

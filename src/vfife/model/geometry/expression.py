@@ -1,0 +1,303 @@
+"""Expressions of one variable, in a grammar of our own: numbers, + - * / ^, parentheses, a few functions. A
+text is parsed, never executed.
+
+    sum      = product {("+" | "-") product}
+    product  = signed {("*" | "/") signed}
+    signed   = ["-" | "+"] signed | power
+    power    = value ["^" signed]
+    value    = number ["[" unit "]"] | "pi" | variable | function "(" sum {"," sum} ")" | "(" sum ")"
+
+A bare number is in SI units, ``2.5[kN]`` carries its own. ``-2^2`` is -4, and ``2^3^2`` is 2^9.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from ...errors import Fault, suggestion
+from ...units import quantity_in_si
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array: TypeAlias = NDArray[np.float64]
+
+LONGEST, DEEPEST = 1000, 40  # characters; parentheses and powers within each other
+VARIABLES = {"t": "times", "angle": "angles", "x": "travels", "v": "speeds"}
+FUNCTIONS = {
+    "sin": 1,
+    "cos": 1,
+    "tan": 1,
+    "exp": 1,
+    "log": 1,
+    "sqrt": 1,
+    "abs": 1,
+    "step": 1,
+    "min": 2,
+    "max": 2,
+}  # and how many arguments
+MEANT = {
+    "+": "add",
+    "-": "subtract",
+    "*": "multiply",
+    "/": "divide",
+    "min": "minimum",
+    "max": "maximum",
+}  # what numpy calls them
+OWN = {
+    "sin": "sin",
+    "cos": "cos",
+    "tan": "tan",
+    "exp": "exp",
+    "log": "log",
+    "^": "power",
+}  # the same bits on every machine: numerics.elementwise
+TOKEN = re.compile(
+    r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)|(?P<name>[A-Za-z_]+)|(?P<mark>[-+*/^(),\[])|(?P<other>\S)"
+)
+UNIT = re.compile(r"[^\[\]]{1,40}\]")
+
+
+class Token(NamedTuple):
+    """A word of the text, its kind ("number", "name", "mark", "end") and its column."""
+
+    kind: str
+    text: str
+    column: int
+
+    def fault(self, what: str, remedy: str) -> Fault:
+        """A fault at this word."""
+        return Fault(f"column {self.column}", what, remedy=remedy)
+
+
+@dataclass(frozen=True)
+class Node:
+    """A number, the variable, or what a function makes of others."""
+
+    word: str  # "number", "variable", an operator or a function
+    value: float = 0.0
+    parts: tuple[Node, ...] = ()
+
+    def at(self, x: Array) -> Array:
+        """Its values at many places."""
+        import numpy as np
+
+        if self.word in ("number", "variable"):
+            return x if self.word == "variable" else np.full_like(x, self.value)
+        parts = [part.at(x) for part in self.parts]
+        if self.word == "step":
+            return np.where(parts[0] < 0.0, 0.0, 1.0)
+        if self.word in OWN:
+            from ...numerics import elementwise
+
+            return np.asarray(getattr(elementwise, OWN[self.word])(*parts))
+        found: Array = getattr(np, MEANT.get(self.word, self.word))(*parts)
+        return found
+
+    def switches(self) -> Iterator[Node]:
+        """What changes its sign where a bend or a leap is: arguments of abs and step, differences of those of
+        min and max, denominators.
+        """
+        if self.word in ("abs", "step"):
+            yield self.parts[0]
+        elif self.word in ("min", "max"):
+            yield Node("-", parts=self.parts)
+        elif self.word == "/":
+            yield self.parts[1]
+        for part in self.parts:
+            yield from part.switches()
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A text that was parsed: its tree, and its variable, "" for a constant."""
+
+    text: str
+    tree: Node
+    variable: str
+
+    @property
+    def constant(self) -> float:
+        """Its value where it has no variable."""
+        import numpy as np
+
+        return float(self(np.zeros(1))[0])
+
+    def __call__(self, x: Array) -> Array:
+        """Its values at many places; not finite where it has none."""
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            return self.tree.at(np.asarray(x, dtype=float))
+
+
+@lru_cache(maxsize=64)
+def parse(text: str) -> Expression:
+    """The expression of a text. Raises Fault where it is none."""
+    if len(text) > LONGEST:
+        raise Fault(
+            f"column {LONGEST}",
+            f"an expression of {len(text)} characters",
+            remedy=f"write at most {LONGEST}, or give a table",
+        )
+    parser = _Parser(text)
+    tree = parser.sum(0)
+    if parser.here.kind != "end":
+        parser.refuse("an operator", "write * between factors, and close what was opened")
+    return Expression(text, tree, parser.variable)
+
+
+class _Parser:
+    """Reads one token after the other."""
+
+    def __init__(self, text: str) -> None:
+        self.text, self.at, self.variable = text, 0, ""
+        self.here = self.next()
+
+    def next(self) -> Token:
+        """The token that follows."""
+        while self.at < len(self.text) and self.text[self.at].isspace():
+            self.at += 1
+        found = TOKEN.match(self.text, self.at)
+        if found is None:
+            return Token("end", "", len(self.text) + 1)
+        self.at = found.end()
+        return Token(str(found.lastgroup), found[0], found.start() + 1)
+
+    def take(self) -> Token:
+        """This token, and on to the next."""
+        taken, self.here = self.here, self.next()
+        return taken
+
+    def refuse(self, wanted: str, remedy: str) -> None:
+        """Raises Fault: something else stands here."""
+        what = (
+            f"{wanted} is missing at the end"
+            if self.here.kind == "end"
+            else f'"{self.here.text}" stands where {wanted} should'
+        )
+        raise self.here.fault(what, remedy)
+
+    def shallow(self, depth: int) -> None:
+        """Refuses what is nested too deeply."""
+        if depth > DEEPEST:
+            what = f"more than {DEEPEST} parentheses, signs or powers within each other"
+            raise self.here.fault(what, "write it shorter, or give a table")
+
+    def sum(self, depth: int) -> Node:
+        """Terms."""
+        self.shallow(depth)
+        found = self.product(depth)
+        while self.here.text in ("+", "-") and self.here.kind == "mark":
+            found = Node(self.take().text, parts=(found, self.product(depth)))
+        return found
+
+    def product(self, depth: int) -> Node:
+        """Factors."""
+        found = self.signed(depth)
+        while self.here.text in ("*", "/") and self.here.kind == "mark":
+            found = Node(self.take().text, parts=(found, self.signed(depth)))
+        return found
+
+    def signed(self, depth: int) -> Node:
+        """A power with its sign."""
+        if self.here.text in ("+", "-"):
+            self.shallow(depth)
+            sign = self.take().text
+            found = self.signed(depth + 1)
+            return found if sign == "+" else Node("-", parts=(Node("number"), found))
+        return self.power(depth)
+
+    def power(self, depth: int) -> Node:
+        """A value, raised perhaps."""
+        self.shallow(depth)
+        found = self.value(depth)
+        if self.here.text == "^":
+            self.take()
+            return Node("^", parts=(found, self.signed(depth + 1)))
+        return found
+
+    def value(self, depth: int) -> Node:
+        """A number, the variable, a function, or what stands in parentheses."""
+        token = self.here
+        if token.kind == "number":
+            return self.number()
+        if token.text == "(":
+            self.take()
+            found = self.sum(depth + 1)
+            self.close()
+            return found
+        if token.kind != "name":
+            again = self.here.text == "*"
+            self.refuse(
+                "a number, a variable or a function",
+                "write ^ for a power, as in x^2" if again else "complete the expression",
+            )
+        self.take()
+        if token.text == "pi":
+            return Node("number", math.pi)
+        if token.text in FUNCTIONS:
+            return self.function(token, depth)
+        if token.text not in VARIABLES:
+            known = (*FUNCTIONS, *VARIABLES, "pi")
+            near = suggestion(token.text, known, "")
+            remedy = (
+                near
+                if near.startswith("did you mean")
+                else f"there are {', '.join(known)}; a unit goes in brackets"
+            )
+            raise token.fault(f'there is no "{token.text}"', remedy)
+        if self.variable not in ("", token.text):
+            what = f"{token.text} and {self.variable} in one expression"
+            raise token.fault(what, "a load depends on one of t, angle, x and v; make two loads of it")
+        self.variable = token.text
+        return Node("variable")
+
+    def number(self) -> Node:
+        """A number, with its unit perhaps."""
+        token, begin = self.here, self.at
+        if self.next_is_bracket():
+            found = UNIT.match(self.text, self.text.index("[", begin) + 1)
+            if found is None:
+                raise token.fault("the unit's bracket is not closed", "write it as in 2.5[kN]")
+            self.at = found.end()
+            unit = found[0][:-1].strip()
+            self.here = self.next()
+            try:
+                return Node("number", quantity_in_si(token.text, unit))
+            except ValueError as error:
+                raise token.fault(str(error), "write units as in 2.5[kN] or 30[deg]") from None
+        self.take()
+        return Node("number", float(token.text))
+
+    def next_is_bracket(self) -> bool:
+        """Whether a unit follows a number."""
+        return self.text[self.at :].lstrip().startswith("[")
+
+    def function(self, token: Token, depth: int) -> Node:
+        """A function of so many arguments."""
+        if self.here.text != "(":
+            raise token.fault(f"{token.text} has no argument", f"write {token.text}(...)")
+        self.take()
+        parts = [self.sum(depth + 1)]
+        while self.here.text == ",":
+            self.take()
+            parts.append(self.sum(depth + 1))
+        self.close()
+        wanted = FUNCTIONS[token.text]
+        if len(parts) != wanted:
+            what = f"{token.text} has {len(parts)} argument{'s' * (len(parts) > 1)}"
+            raise token.fault(what, f"give it {wanted}")
+        return Node(token.text, parts=tuple(parts))
+
+    def close(self) -> None:
+        """A closing parenthesis."""
+        if self.here.text != ")":
+            self.refuse('")"', "close what was opened, and write * between factors")
+        self.take()

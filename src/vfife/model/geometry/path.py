@@ -1,0 +1,173 @@
+"""Paths of straight and round pieces that turn no corner: circles, and polylines whose corners are rounded."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ...numerics.scalar import atan2, cos, distance, sin, tan
+
+Point = tuple[float, float]
+Rows = tuple[float, ...]
+SHARPEST = math.radians(175.0)  # turn of a corner, beyond which its arc would lie nowhere near it
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece from ``begin`` to ``end`` (m), with unit tangents at both and a ``curvature`` (1/m), positive
+    to the left.
+
+    ``opens`` and ``closes``: whether it has a begin and an end; else it goes on beyond it.
+    """
+
+    begin: Point
+    tangent: Point
+    curvature: float
+    end: Point
+    end_tangent: Point
+    opens: bool = True
+    closes: bool = True
+
+    def numbers(self) -> Rows:
+        """As the kernels read it."""
+        gate = self.end_tangent if self.closes else (0.0, 0.0)
+        return (*self.begin, *self.tangent, self.curvature, 1.0 if self.opens else 0.0, *self.end, *gate)
+
+    def mirrored(self) -> Piece:
+        """With y turned round."""
+        begin, tangent, end, last = (
+            (x, -y) for x, y in (self.begin, self.tangent, self.end, self.end_tangent)
+        )
+        return Piece(begin, tangent, -self.curvature, end, last, self.opens, self.closes)
+
+    def points(self, share: float = 0.1) -> list[Point]:
+        """Points on the piece, some ``share`` rad of its turn apart, its begin and its end among them."""
+        turn = atan2(_cross(self.tangent, self.end_tangent), _dot(self.tangent, self.end_tangent))
+        if self.curvature == 0.0:
+            return [self.begin, self.end]
+        if not self.opens and not self.closes:
+            turn = math.copysign(2.0 * math.pi, self.curvature)
+        elif turn * self.curvature < 0.0:
+            turn = -turn  # half a circle, whose turn has either sign
+        count, (x, y), (tx, ty), r = (
+            max(2, math.ceil(abs(turn) / share)),
+            self.begin,
+            self.tangent,
+            1.0 / self.curvature,
+        )
+        angles = [turn * k / count for k in range(count + 1)]
+        return [
+            (x + r * (sin(a) * tx - (1.0 - cos(a)) * ty), y + r * (sin(a) * ty + (1.0 - cos(a)) * tx))
+            for a in angles
+        ]
+
+
+@dataclass(frozen=True)
+class Path:
+    """Pieces one after the other, each beginning where and as the one before it ends."""
+
+    pieces: tuple[Piece, ...]
+
+    def numbers(self) -> list[Rows]:
+        """Of each piece, as the kernels read them."""
+        return [piece.numbers() for piece in self.pieces]
+
+    def mirrored(self) -> Path:
+        """With y turned round: left becomes right."""
+        return Path(tuple(piece.mirrored() for piece in self.pieces))
+
+    def points(self) -> list[Point]:
+        """A polyline near the path."""
+        return [point for piece in self.pieces for point in piece.points()]
+
+    def distance(self, x: float, y: float) -> float:
+        """Distance (m) of a point from the path, positive on its left."""
+        return self.seen(x, y)[0]
+
+    def seen(self, x: float, y: float) -> tuple[float, float, float]:
+        """Distance (m) of a point from the path, positive on its left, and the path's normal to the left at
+        the foot.
+        """
+        from ...kernels.geometry import (
+            from_path,  # with the arrays of the kernels, which `import vfife` does without
+        )
+
+        distance, nx, ny = from_path(
+            [number for piece in self.numbers() for number in piece], 0, len(self.pieces), x, y
+        )
+        return float(distance), float(nx), float(ny)
+
+    @property
+    def sharpest(self) -> float:
+        """Smallest radius (m) of its arcs, infinite where all is straight."""
+        return min((1.0 / abs(piece.curvature) for piece in self.pieces if piece.curvature), default=math.inf)
+
+
+def circle(centre: Point, radius: float) -> Path:
+    """A whole circle, run through anticlockwise: its left is inside. It has one piece without begin and end."""
+    start = (centre[0] + radius, centre[1])
+    return Path((Piece(start, (0.0, 1.0), 1.0 / radius, start, (0.0, 1.0), opens=False, closes=False),))
+
+
+def polyline(points: tuple[Point, ...], fillet: float) -> Path:
+    """Straight pieces through the points, each corner between them replaced by an arc of radius ``fillet``
+    (m) that touches both.
+
+    A corner has no tangent, so a pin could not pass it without a blow; of an arc the force is finite. First
+    and last piece go on beyond their ends. Raises ValueError where points coincide, a corner turns back, or a
+    fillet takes more than the pieces beside it have.
+    """
+    if len(points) < 2:
+        raise ValueError(f"a path needs two points at least, not {len(points)}; give more")
+    tangents, lengths = [], []
+    for number, (a, b) in enumerate(zip(points, points[1:], strict=False), start=1):
+        length = distance(a, b)
+        if not 0.0 < length < math.inf:
+            raise ValueError(
+                f"points {number} and {number + 1} of the path, {a} and {b}, make no straight piece; leave"
+                " one of them out"
+            )
+        tangents.append(((b[0] - a[0]) / length, (b[1] - a[1]) / length))
+        lengths.append(length)
+    turns = [atan2(_cross(t, u), _dot(t, u)) for t, u in zip(tangents, tangents[1:], strict=False)]
+    taken = [0.0, *(_taken(turn, fillet, number) for number, turn in enumerate(turns, start=2)), 0.0]
+    pieces, last = [], len(lengths) - 1
+    for k, (length, t) in enumerate(zip(lengths, tangents, strict=True)):
+        if taken[k] + taken[k + 1] > length * (1.0 + 1e-12):
+            raise ValueError(
+                f"the fillets of {fillet:.4g} m take {taken[k] + taken[k + 1]:.4g} m of the {length:.4g} m"
+                f" between points {k + 1} and {k + 2} of the path; take a smaller fillet, or points farther"
+                " apart"
+            )
+        begin, end = _moved(points[k], t, taken[k]), _moved(points[k + 1], t, -taken[k + 1])
+        pieces.append(Piece(begin, t, 0.0, end, t, opens=k > 0, closes=k < last))
+        if k < last and turns[k] != 0.0:
+            after = _moved(points[k + 1], tangents[k + 1], taken[k + 1])
+            pieces.append(Piece(end, t, math.copysign(1.0 / fillet, turns[k]), after, tangents[k + 1]))
+    return Path(tuple(pieces))
+
+
+def _taken(turn: float, fillet: float, number: int) -> float:
+    """Length (m) that the arc in a corner takes of both pieces beside it."""
+    if abs(turn) > SHARPEST:
+        raise ValueError(
+            f"the path turns back at point {number}, by {math.degrees(abs(turn)):.4g} degrees; at most 175"
+            " can be rounded; move the point"
+        )
+    if turn and not fillet > 0.0:
+        raise ValueError(
+            f"the path has a corner at point {number} and no fillet to round it; give it a radius above 0 m"
+        )
+    return fillet * tan(0.5 * abs(turn))
+
+
+def _moved(point: Point, along: Point, way: float) -> Point:
+    return point[0] + way * along[0], point[1] + way * along[1]
+
+
+def _cross(a: Point, b: Point) -> float:
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def _dot(a: Point, b: Point) -> float:
+    return a[0] * b[0] + a[1] * b[1]

@@ -1,0 +1,266 @@
+"""Piecewise polynomials, the form in which the kernels evaluate functions of time, of a speed or of an angle."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from ...kernels.polynomial import polynomial
+from ...numerics.scalar import sin, whole_power
+from ...numerics.splines import natural
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+KINK = (
+    1e-6  # jump, over the size of a piece's value, slope and curvature, from which two pieces meet in a kink
+)
+ENDS = (
+    *((at, order) for at in (0.0, 1.0) for order in (0, 1, 2)),
+    (0.5, 0),
+)  # where a piece of a sine has its value or a derivative
+# a period: of degree 6 through value, rate and second derivative, they are right to 1e-15 of the amplitude
+HARMONIC_PIECES = 128
+
+
+@dataclass(frozen=True)
+class Polynomials:
+    """Pieces: start times (s), ascending, and coefficients, seven each, constant first, time counted from the
+    piece's start.
+
+    With a ``period`` (s) the function repeats itself; the pieces then cover [0, period). A kink is where the
+    value jumps, or one of its derivatives up to ``order``: 2 for motions, whose acceleration must not jump
+    unseen; 0 for forces, of which steps take the sum as the trapezoidal rule does, to second order over bends
+    too. ``breaks``: pieces that begin with a kink whatever they are; ``edges``: those that may begin with a
+    kink or a bend, all unless said.
+    """
+
+    starts: tuple[float, ...]
+    coefficients: tuple[tuple[float, ...], ...]
+    period: float | None = None
+    order: int = 2
+    breaks: tuple[int, ...] = ()
+    edges: tuple[int, ...] | None = None
+
+    def table(self) -> NDArray[np.float64]:
+        """As the kernels read it."""
+        return self._table.copy()
+
+    @cached_property
+    def _table(self) -> NDArray[np.float64]:
+        import numpy as np
+
+        count, kinks = len(self.starts), np.cumsum(self._kinked)
+        head: tuple[float, ...] = (count,)
+        if self.period is not None:
+            head = (-count, self.period, float(kinks[-1]))
+        counts = kinks - kinks[0]  # that of the first piece is the period's
+        return np.array([*head, *self.starts, *self._rows.ravel().tolist(), *counts.tolist()], dtype=float)
+
+    @cached_property
+    def _rows(self) -> NDArray[np.float64]:
+        """Coefficients, shape (pieces, 7)."""
+        import numpy as np
+
+        return np.array([tuple(c) + (0.0,) * (7 - len(c)) for c in self.coefficients], dtype=float)
+
+    @cached_property
+    def _lengths(self) -> NDArray[np.float64]:
+        """Lengths of the pieces; of the last one that goes on for ever, that of all others together."""
+        import numpy as np
+
+        last = (
+            self.period + self.starts[0]
+            if self.period is not None
+            else 2.0 * self.starts[-1] - self.starts[0]
+        )
+        return np.diff(np.array([*self.starts, last], dtype=float))
+
+    @cached_property
+    def _jumps(self) -> NDArray[np.float64]:
+        """By how much value, slope and curvature jump where each piece begins, shape (pieces, 3); 0 for what
+        is next to nothing.
+
+        At the first piece that is where a function that repeats itself begins anew; of others nothing.
+        """
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            return self._jumped(np.roll(self._lengths, 1), np.roll(self._rows, 1, axis=0))
+
+    def _jumped(self, lengths: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The jumps, of the pieces before as they end."""
+        import numpy as np
+
+        value, rate, half = (np.zeros(len(self.starts)) for _ in range(3))
+        for k in range(6, -1, -1):
+            half, rate, value = half * lengths + rate, rate * lengths + value, value * lengths + ends[:, k]
+        before, after = np.stack([value, rate, 2.0 * half], axis=1), self._rows[:, :3] * (1.0, 1.0, 2.0)
+        scales = np.stack([np.ones_like(lengths), lengths, lengths * lengths], axis=1)
+        sizes = np.maximum(np.abs(before) * scales, np.abs(after) * scales).max(axis=1)
+        sizes = np.maximum(
+            sizes, 1e-300 if self.order else max(1e-300, float(np.abs(self._rows[:, 0]).max()))
+        )
+        apart: NDArray[np.float64] = np.abs(before - after)
+        apart[apart * scales <= KINK * sizes[:, None]] = 0.0
+        if self.period is None:
+            apart[0] = 0.0
+        if self.edges is not None:
+            apart[np.setdiff1d(np.arange(len(self.starts)), self.edges)] = 0.0
+        return apart
+
+    @cached_property
+    def _kinked(self) -> NDArray[np.bool_]:
+        """Whether each piece begins with a kink: a jump of the value, or of a derivative up to the ``order``,
+        or a break.
+        """
+        import numpy as np
+
+        found: NDArray[np.bool_] = np.asarray((self._jumps[:, : self.order + 1] > 0.0).any(axis=1))
+        found[list(self.breaks)] = True
+        return found
+
+    @cached_property
+    def bends(self) -> tuple[tuple[float, float], ...]:
+        """Where the slope jumps without a kink, with the jump over the mean length of the two pieces: a
+        second derivative for their sum.
+        """
+        import numpy as np
+
+        if self.order > 0:
+            return ()
+        value, slope, _ = self._jumps.T
+        mean = 0.5 * (self._lengths + np.roll(self._lengths, 1))
+        return tuple(
+            (self.starts[k], float(slope[k] / mean[k]))
+            for k in np.flatnonzero((slope > 0.0) & (value == 0.0)).tolist()
+        )
+
+    @cached_property
+    def kinks(self) -> tuple[float, ...]:
+        """Begins of the pieces that meet the one before in a kink, those of the first period only."""
+        counts = self._table[-len(self.starts) :]
+        inside = [
+            start
+            for start, before, after in zip(self.starts[1:], counts[:-1], counts[1:], strict=True)
+            if after > before
+        ]
+        again = self.period is not None and self._table[2] > counts[-1]
+        return (self.starts[0], *inside) if again else tuple(inside)
+
+    def sampled(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Value and first two derivatives at many times, shape (times, 3)."""
+        import numpy as np
+
+        if self.period is not None:
+            times = times - np.floor(times / self.period) * self.period
+        count = len(self.starts)
+        starts, c = self._table[-9 * count : -8 * count], self._table[-8 * count : -count].reshape(count, 7)
+        piece = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        x = times - starts[piece]
+        value, rate, half = (np.zeros(len(times)) for _ in range(3))
+        for k in range(6, -1, -1):
+            half, rate, value = half * x + rate, rate * x + value, value * x + c[piece, k]
+        return np.stack([value, rate, 2.0 * half], axis=1)
+
+    def __call__(self, time: float) -> tuple[float, float, float]:
+        """Value and first two derivatives, as the step evaluates them."""
+        value, rate, second, _ = polynomial(self._table, 0, time)
+        return float(value), float(rate), float(second)
+
+
+def moved(function: Polynomials, by: float) -> Polynomials:
+    """The function with its argument counted from ``by``: f(x - by). Pieces of one that repeats itself still
+    begin in [0, period).
+    """
+    if function.period is None:
+        return replace(function, starts=tuple(start + by for start in function.starts))
+    period, count = function.period, len(function.starts)
+    turned = [(start + by) - math.floor((start + by) / period) * period for start in function.starts]
+    turned = [0.0 if start >= period else start for start in turned]
+    first = min(range(count), key=turned.__getitem__)
+    order = [(first + k) % count for k in range(count)]
+    starts, rows = [turned[k] for k in order], [function.coefficients[k] for k in order]
+    edges = [(k - first) % count for k in (range(count) if function.edges is None else function.edges)]
+    if starts[0] > 0.0:  # the last piece goes on into the next period, whose begin is the table's
+        rows.insert(0, recentred(rows[-1], period - starts[-1]))
+        starts.insert(0, 0.0)
+        edges = [k + 1 for k in edges]
+    return replace(function, starts=tuple(starts), coefficients=tuple(rows), edges=tuple(sorted(edges)))
+
+
+def raised(function: Polynomials, by: float) -> Polynomials:
+    """The function with a constant added."""
+    return replace(function, coefficients=tuple((row[0] + by, *row[1:]) for row in function.coefficients))
+
+
+def recentred(coefficients: tuple[float, ...], at: float) -> tuple[float, ...]:
+    """The polynomial in x + at, for x."""
+    rows = list(coefficients)
+    for k in range(len(rows) - 1):
+        for m in range(len(rows) - 2, k - 1, -1):
+            rows[m] += at * rows[m + 1]
+    return tuple(rows)
+
+
+def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 0.0) -> Polynomials:
+    """Natural cubic spline through the points; a straight line through two. Needs ascending times."""
+    if len(times) == 2:
+        slope = (values[1] - values[0]) / (times[1] - times[0])
+        return Polynomials((times[0],), ((values[0] + offset, slope),))
+    rows = natural(times, values)
+    return Polynomials(tuple(map(float, times[:-1])), tuple((row[0] + offset, *row[1:]) for row in rows))
+
+
+def clamped(places: tuple[float, ...], values: tuple[float, ...]) -> Polynomials:
+    """The spline through the points, which keeps its end values beyond its ends."""
+    inside = spline(places, values)
+    starts = (float(places[0]) - 1.0, *inside.starts, float(places[-1]))
+    return Polynomials(starts, ((float(values[0]),), *inside.coefficients, (float(values[-1]),)))
+
+
+def constant(value: float) -> Polynomials:
+    """A constant."""
+    return Polynomials((0.0,), ((value,),))
+
+
+def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) -> Polynomials:
+    """offset + amplitude [sin(2 pi frequency t + phase) - sin(phase)].
+
+    Pieces of degree 6 with the value, rate and second derivative of the sine at both ends, and its value in
+    the middle.
+    """
+    import numpy as np
+
+    from ...numerics.dense import solve
+
+    amplitude, frequency, phase, offset = (
+        float(amplitude),
+        float(frequency),
+        float(phase),
+        float(offset),
+    )  # of one mechanism, not of many
+    h, time = 2.0 * math.pi / HARMONIC_PIECES, 1.0 / (frequency * HARMONIC_PIECES)
+    quarters = [0.5 * math.pi * order for _, order in ENDS]
+    matrix = np.array(
+        [
+            [math.perm(k, order) * whole_power(at, k - order) if k >= order else 0.0 for k in range(7)]
+            for at, order in ENDS
+        ]
+    )
+    shares, scales, wanted = [at * h for at, _ in ENDS], [whole_power(h, order) for _, order in ENDS], []
+    for piece in range(HARMONIC_PIECES):
+        begin = piece * h + phase
+        wanted.append(
+            [
+                scale * sin(begin + share + quarter)
+                for scale, share, quarter in zip(scales, shares, quarters, strict=True)
+            ]
+        )
+    c = amplitude * solve(matrix, np.array(wanted).T).T
+    c[:, 0] += offset - amplitude * sin(phase)
+    rows = tuple(map(tuple, (c / [whole_power(time, k) for k in range(7)]).tolist()))
+    return Polynomials(tuple(piece * time for piece in range(HARMONIC_PIECES)), rows, 1.0 / frequency)

@@ -1,0 +1,295 @@
+"""Functions given by tables or expressions, as pieces of polynomials."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from ...numerics import splines
+from .expression import Expression, parse
+from .polynomials import Polynomials, moved
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array: TypeAlias = NDArray[np.float64]
+
+Interpolation = Literal["monotone", "linear", "spline"]
+INTERPOLATIONS: tuple[Interpolation, ...] = ("monotone", "linear", "spline")
+JOINING = (
+    "how a table's values are joined: monotone (never beyond them), linear, or a spline, which is smoother"
+    " and may overshoot"
+)
+APART = 64.0  # ranges of a table by which that of the way back lies before that of the way out
+CLOSED = (
+    1e-8  # of the largest value, by which the first and the last value of a table that repeats may differ
+)
+
+Places = Sequence[float]
+Rows = tuple[tuple[float, ...], ...]
+
+
+def rows_between(
+    places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False
+) -> Rows:
+    """Coefficients, constant first, of the piece from each place to the next.
+
+    ``monotone``: cubic pieces after Fritsch and Carlson (1980), which rise only where the values do and never
+    leave them; ``linear``; ``spline``: a cubic spline with steady curvature, natural at its ends, which may
+    overshoot. Pieces of a table that is ``repeated`` meet at its ends as they do inside. Needs at least two
+    ascending places.
+    """
+    count = len(places) - 1
+    if how == "linear" or (count == 1 and not repeated):
+        slopes = [(values[k + 1] - values[k]) / (places[k + 1] - places[k]) for k in range(count)]
+        return tuple((float(values[k]), float(slopes[k])) for k in range(count))
+    if how == "spline":
+        return tuple(splines.periodic(places, values) if repeated else splines.natural(places, values))
+    if repeated:
+        period, more = places[-1] - places[0], min(count, 2)
+        around = (
+            *(p - period for p in places[-1 - more : -1]),
+            *places,
+            *(p + period for p in places[1 : 1 + more]),
+        )
+        there = splines.monotone(
+            around, (*values[-1 - more : -1], *values[:-1], values[0], *values[1 : 1 + more])
+        )
+        return tuple(there[more : more + count])
+    return tuple(splines.monotone(places, values))
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Polynomials over a range: where each begins, its coefficients from there, constant first, and where the
+    last one ends.
+
+    ``edges`` are those at whose begin the function may leap or bend; all but the first unless said.
+    """
+
+    starts: tuple[float, ...]
+    rows: Rows
+    end: float
+    edges: tuple[int, ...] | None = None
+
+    @property
+    def inner(self) -> tuple[int, ...]:
+        """The pieces at whose begin the function may leap or bend."""
+        return tuple(range(1, len(self.starts))) if self.edges is None else self.edges
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Its first and its last value."""
+        return self.rows[0][0], polynomial_at(self.rows[-1], self.end - self.starts[-1])
+
+    @property
+    def largest(self) -> float:
+        """Its largest absolute value where pieces begin and end."""
+        return max(abs(value) for value in (*(row[0] for row in self.rows), self.ends[1]))
+
+    @property
+    def span(self) -> float:
+        """Length of the range."""
+        return self.end - self.starts[0]
+
+
+def polynomial_at(row: tuple[float, ...], x: float) -> float:
+    """Value of a polynomial, constant first."""
+    value = 0.0
+    for c in reversed(row):
+        value = value * x + c
+    return value
+
+
+def table(
+    places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False
+) -> Pieces:
+    """A table's pieces, as :func:`rows_between` has them."""
+    return Pieces(
+        tuple(map(float, places[:-1])),
+        rows_between(places, values, how, repeated=repeated),
+        float(places[-1]),
+    )
+
+
+def held(pieces: Pieces) -> Polynomials:
+    """A force that keeps its end values beyond its ends."""
+    first, last = pieces.ends
+    starts, rows = (
+        (pieces.starts[0] - pieces.span, *pieces.starts, pieces.end),
+        ((first,), *pieces.rows, (last,)),
+    )
+    return Polynomials(starts, rows, order=0, edges=(1, *(k + 1 for k in pieces.inner), len(starts) - 1))
+
+
+def repeated(pieces: Pieces) -> Polynomials:
+    """A force that repeats itself, from the first place to the last."""
+    starts = tuple(start - pieces.starts[0] for start in pieces.starts)
+    return moved(
+        Polynomials(starts, pieces.rows, pieces.span, order=0, edges=(0, *pieces.inner)), pieces.starts[0]
+    )
+
+
+def two_ways(out: Pieces, back: Pieces) -> tuple[Polynomials, float]:
+    """A force over a travel on the way out and on the way back, and the gap (m) by which the second lies
+    before the first.
+
+    Each keeps its end values beyond its ends; between them is a kink, so that a step in which the way changes
+    is taken in parts.
+    """
+    gap = APART * out.span
+    before, after = moved(held(back), -gap), held(out)
+    halfway = 0.5 * (back.end - gap + out.starts[0])
+    starts = (*before.starts, halfway, *after.starts[1:])
+    turn = len(before.starts)
+    edges = (*(before.edges or ()), turn, *(turn + k for k in after.edges or ()))
+    return (
+        Polynomials(
+            starts, (*before.coefficients, *after.coefficients), order=0, breaks=(turn,), edges=edges
+        ),
+        gap,
+    )
+
+
+def closes(values: Places) -> bool:
+    """Whether a table's first and last values are the same."""
+    return abs(values[-1] - values[0]) <= CLOSED * max(abs(value) for value in values)
+
+
+def whole_turns(angles: Places) -> bool:
+    """Whether a table's angles (rad) go round once, or a whole number of times."""
+    turns = (angles[-1] - angles[0]) / (2.0 * math.pi)
+    return round(turns) >= 1 and abs(turns - round(turns)) < 1e-9
+
+
+RIGHT = 1e-9  # of the largest value: by how much a piece may miss the function
+ROUGH = 1e-6  # the same where halving comes to an end: beside the root of a square root, say
+GRID = 4001  # places at which a range is looked through for signs that change
+MOST = 4000  # pieces
+COUNT, LOOKED = 7, 23  # places in a piece that its polynomial goes through, and at which it is checked
+
+
+class SamplingError(ValueError):
+    """A function that polynomials cannot follow, and where."""
+
+
+@lru_cache(maxsize=64)
+def sampled(text: str, first: float, last: float) -> Pieces:
+    """An expression over a range as pieces. Raises Fault for a text that is none, and SamplingError where
+    pieces cannot follow it.
+    """
+    import numpy as np
+
+    expression = parse(text)
+    grid = np.linspace(first, last, GRID)
+    values = expression(grid)
+    if not np.isfinite(values).all():
+        raise SamplingError(
+            f"it has no finite value at {expression.variable or 'x'} = {grid[~np.isfinite(values)][0]:.6g}"
+        )
+    size = float(np.abs(values).max()) or 1.0
+    edges = [first, *breaks(expression, grid), last]
+    pending = [(low, high) for low, high in zip(edges, edges[1:], strict=False)][::-1]
+    starts: list[float] = []
+    rows: list[tuple[float, ...]] = []
+    while pending:
+        low, high = pending.pop()
+        row, missed = fitted(expression, low, high)
+        missed = max(
+            missed, missed_between(row, low, grid, values, *np.searchsorted(grid, (low, high)).tolist())
+        )
+        ended = high - low <= 8.0 * float(np.spacing(max(abs(low), abs(high))))
+        if missed <= RIGHT * size or (ended and missed <= ROUGH * size):
+            starts.append(low)
+            rows.append(row)
+        elif ended or len(starts) + len(pending) > MOST:
+            where = f"{expression.variable} = {0.5 * (low + high):.6g}"
+            raise SamplingError(
+                f"it cannot be followed near {where}: it leaps, grows beyond all bounds, or has too many"
+                " waves"
+            )
+        else:
+            pending += [(0.5 * (low + high), high), (low, 0.5 * (low + high))]
+    return Pieces(
+        tuple(starts), tuple(rows), last, tuple(k for k, start in enumerate(starts) if start in edges[1:-1])
+    )
+
+
+@lru_cache(maxsize=1)
+def scheme() -> tuple[Array, Array, Array, Array]:
+    """In a piece from 0 to 1: places of values, the matrix from these to coefficients, places of checks, that
+    from coefficients to values there.
+
+    No place is at its ends, where the function may leap.
+    """
+    import numpy as np
+
+    from ...numerics.dense import inverse
+    from ...numerics.elementwise import cos
+
+    nodes = 0.5 - 0.5 * cos(np.pi * (np.arange(COUNT) + 0.5) / COUNT)
+    checks = (np.arange(LOOKED) + 0.5) / LOOKED
+    fit: Array = inverse(np.vander(nodes, COUNT, increasing=True))
+    return nodes, fit, checks, np.vander(checks, COUNT, increasing=True)
+
+
+def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tuple[tuple[float, ...], float]:
+    """Coefficients of a polynomial from one place to another, and by how much it misses the function;
+    infinite where that has no value.
+    """
+    import numpy as np
+
+    from ...numerics.products import times
+
+    nodes, fit, checks, powers = scheme()
+    width = high - low
+    row: Array = times(fit, expression(low + width * nodes))
+    wanted: Array = expression(low + width * checks)
+    missed = float(np.abs(np.subtract(times(powers, row), wanted)).max())
+    return tuple(float(value) for value in row / np.vander([width], COUNT, increasing=True)[0]), (
+        missed if np.isfinite(missed) else np.inf
+    )
+
+
+def missed_between(
+    row: tuple[float, ...], low: float, grid: Array, values: Array, first: int, last: int
+) -> float:
+    """By how much a polynomial from ``low`` on misses values of the grid within its piece: a pulse may lie
+    between those of :func:`fitted`.
+    """
+    import numpy as np
+
+    inside = slice(first + (grid[first] == low), last)
+    return float(
+        np.abs(np.polynomial.polynomial.polyval(grid[inside] - low, row) - values[inside]).max(initial=0.0)
+    )
+
+
+def breaks(expression: Expression, grid: Array) -> list[float]:
+    """Where the function may bend or leap: between two places of the grid, to the last bit."""
+    import numpy as np
+
+    found = set()
+    with np.errstate(all="ignore"):
+        for switch in expression.tree.switches():
+            values = switch.at(grid)
+            for k in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0.0):
+                found.add(crossing(switch.at, float(grid[k]), float(grid[k + 1])))
+            found |= {float(grid[k]) for k in np.flatnonzero(values[1:-1] == 0.0) + 1}
+    return sorted(place for place in found if grid[0] < place < grid[-1])
+
+
+def crossing(function: Callable[[Array], Array], low: float, high: float) -> float:
+    """Where a function that changes its sign between two places does so, by bisection."""
+    import numpy as np
+
+    below = float(function(np.array([low]))[0]) < 0.0
+    while (middle := 0.5 * (low + high)) not in (low, high):
+        low, high = (
+            (middle, high) if (float(function(np.array([middle]))[0]) < 0.0) == below else (low, middle)
+        )
+    return high

@@ -1,0 +1,110 @@
+"""Whether a mechanism can be meant: every field within its limits, every name leading somewhere, nothing held
+or driven twice.
+
+Model files and Python hear the same sentences. A noun of which a field was refused is checked for the rest:
+see :func:`~vfife.schema.partial`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from ...errors import Fault, ModelError, Path, kind_of, shown
+from ...schema import Entries, Reading, described_fields, key_of, value_of
+from ..drivers import Driver
+from ..mechanism import Mechanism
+from .bodies import check_bodies
+from .checks import Checks
+from .drivers import check_drivers
+from .joints import check_gears, check_joints, check_springs
+from .loads import check_loads
+from .settings import check_laws, check_names, check_settings
+
+__all__ = ["Checks", "across", "check_laws", "faults", "validate"]
+
+
+def validate(mechanism: Mechanism) -> None:
+    """Raises ModelError with every fault of a mechanism."""
+    found = faults(mechanism)
+    if found:
+        raise ModelError(found, str(mechanism.name) or "mechanism")
+
+
+def faults(mechanism: Mechanism) -> list[Fault]:
+    """Every fault of a mechanism: of single fields, of what does not go together, of laws that do not suit
+    their surfaces.
+    """
+    reading = Reading()
+    known = read(mechanism, reading)
+    checks = Checks(
+        known, told={fault.path for fault in reading.faults}, written=lambda path: written(mechanism, path)
+    )
+    # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a
+    # speed.
+    found = reading.faults + across(checks, settings=mechanism.settings.analysis != "static")
+    return found or check_laws(mechanism)
+
+
+def across(checks: Checks, settings: bool = True) -> list[Fault]:
+    """Faults that no field shows alone, of a mechanism that may be known in part only."""
+    for check in (
+        check_names,
+        check_bodies,
+        check_joints,
+        check_gears,
+        check_springs,
+        check_drivers,
+        check_loads,
+    ):
+        check(checks)
+    if settings:
+        check_settings(checks)
+    return checks.faults
+
+
+def read(mechanism: Mechanism, reading: Reading) -> Mechanism:
+    """The mechanism with None in place of what is refused."""
+    known: dict[str, Any] = {}
+    for field in described_fields(Mechanism):
+        value, path, held = getattr(mechanism, field.name), (key_of(field),), value_of(field)
+        if isinstance(held, Entries):
+            known[field.name] = entries(value, path, held.base, reading)
+        else:
+            known[field.name] = held.read(value, path, reading)
+    return dataclasses.replace(mechanism, **known)
+
+
+def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, Any]:
+    """Nouns by name; None stands for what is none."""
+    if not isinstance(value, dict):
+        reading.refuse(path, f"this is {kind_of(value)}", shown(value), "a dict of nouns by name", "give one")
+        return {}
+    found = {}
+    for name, noun in value.items():
+        along = isinstance(noun, Driver) and noun.along
+        found[name] = (
+            reading.fields((*path, name), noun, along)
+            if isinstance(noun, base)
+            else reading.one_of((*path, name), base, noun)
+        )
+    return found
+
+
+def written(mechanism: Mechanism, path: Path) -> str:
+    """The value at a path, as a file would have it; nothing where the path names a noun."""
+    here: Any = mechanism
+    for part in path:
+        if isinstance(here, dict):
+            here = here.get(part)
+        elif isinstance(part, int):
+            here = here[part] if part < len(here) else None
+        else:
+            along = isinstance(here, Driver) and here.along
+            keys = (
+                {key_of(field, along): field.name for field in dataclasses.fields(here)}
+                if dataclasses.is_dataclass(here)
+                else {}
+            )
+            here = getattr(here, keys[part]) if part in keys else None
+    return "" if here is None or dataclasses.is_dataclass(here) else shown(here)

@@ -1,0 +1,177 @@
+"""What the checks know of a mechanism, and how they tell a fault."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from ...errors import Fault, Path, place, suggestion
+from ..joints import Contact
+from ..mechanism import Mechanism
+from ..rows import Coincide, Row
+
+NAME_LIMIT = 64
+MOST_SUGGESTIONS = 40  # looking for names that look alike takes time, and nobody reads so many
+
+
+class Checks:
+    """A mechanism, known in part perhaps, the paths at which something was ``told`` already, and the
+    ``faults`` found.
+
+    ``where`` gives the place of a path in words, ``written`` the value that stands there.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        told: Iterable[Path] = (),
+        where: Callable[[Path], str] = place,
+        written: Callable[[Path], str] = lambda path: "",
+    ) -> None:
+        self.mechanism, self.where, self.written = mechanism, where, written
+        self.refused = {path[:depth] for path in told for depth in range(2, len(path) + 1)}
+        self.faults: list[Fault] = []
+        self.suggestions = 0
+        self.bodies: dict[str, Any] = dict(mechanism.bodies)
+        self.joints = dict(known(mechanism.joints))
+        self.drivers = dict(known(mechanism.drivers))
+        self.turned = {
+            driver.body: name
+            for name, driver in self.drivers.items()
+            if driver.moves and driver.target == "body" and driver.body
+        }
+        self.pivots: dict[str, list[str]] = {}
+        for name, joint in self.joints.items():
+            held = held_by(joint)
+            if rows_of(joint) == (Coincide(),) and len(held) == 2 and "ground" in held:
+                self.pivots.setdefault(next(iter(held - {"ground"})), []).append(name)
+
+    def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
+        """One fault more, with the value that stands at the path."""
+        value = self.written(path) if path[-1] != "" else ""
+        fault = Fault(self.where(path), what, value, limit, remedy)
+        if self.faults[-1:] != [fault]:  # two tables over the same places hear of them once
+            self.faults.append(fault)
+
+    def take(self, path: Path, fault: Fault) -> None:
+        """Adds a fault that a noun at a path finds of itself."""
+        self.add((*path, *fault.path), fault.what, fault.remedy, fault.limit)
+
+    def told(self, path: Path) -> bool:
+        """Whether what stands at a path was refused already, or a part of it."""
+        return path in self.refused
+
+    def near(self, name: str, among: Iterable[str], advice: str) -> str:
+        """Did-you-mean, or the advice; only the first faults look for names that look alike."""
+        self.suggestions += 1
+        return suggestion(name, among, advice) if self.suggestions <= MOST_SUGGESTIONS else advice
+
+    def points(self, body: str) -> Iterable[str]:
+        """Names of the points of a body or of the ground."""
+        if body == "ground":
+            return self.mechanism.points
+        noun = self.bodies.get(body)
+        return () if noun is None else points_of(noun)
+
+    def side(self, path: Path, side: Any, ground: str = "") -> None:
+        """A text ``body.pin`` names a pin that exists; ``ground`` says why it must not be the ground's."""
+        if side is None or self.told(path):
+            return
+        body, _, pin = side.partition(".")
+        bodies = [*self.bodies, *([] if ground else ["ground"])]
+        if body not in bodies:
+            every = (f"{name}.{one}" for name in bodies for one in self.points(name))
+            what = f"there is no body {shown_name(body)}" if body != "ground" else ground
+            self.add(path, what, self.near(side, every, 'name a pin as "body.pin"'))
+        elif (body == "ground" or self.bodies[body] is not None) and pin not in self.points(body):
+            what = (
+                f"{body} has no {'point' if body == 'ground' else 'pin'} {shown_name(pin)}"
+                if pin
+                else "the pin is missing"
+            )
+            listed = (f"{body}.{one}" for one in self.points(body))
+            self.add(path, what, self.near(side, listed, "name one that is there, or add it"))
+
+    def body(self, path: Path, name: Any) -> bool:
+        """Whether a text names a body that exists, or the ground."""
+        if name is None or self.told(path):
+            return False
+        among = [*self.bodies, "ground"]
+        if name in among:
+            return True
+        remedy = self.near(name, among, "name a body")
+        if "." in name and name.partition(".")[0] in among:
+            remedy = f'name the body alone: "{name.partition(".")[0]}"'
+        self.add(path, f"there is no body {shown_name(name)}", remedy)
+        return False
+
+    def series(self, path: Path, values: tuple[str, Any], over: tuple[str, Any]) -> None:
+        """What a table is over ascends, has two values at least, and each has its value; both with their
+        keys.
+        """
+        (key, given), (axis, points) = values, over
+        if self.told((*path, key)) or self.told((*path, axis)):
+            return
+        for missing, other, value in ((axis, key, points), (key, axis, given)):
+            if value is None:
+                self.add(
+                    (*path, missing), f"{other} and {missing} go together, and {missing} is missing", "add it"
+                )
+        if points is None or given is None:
+            return
+        count = len(given) if isinstance(given, tuple | list) else 1
+        if count != len(points) or not isinstance(given, tuple | list):
+            self.add(
+                (*path, key),
+                f"{count} for {len(points)} {axis}",
+                f"give each of the {axis} its value",
+                f"{len(points)} values",
+            )
+        if len(points) < 2:
+            self.add(
+                (*path, axis), f"a table over {axis} needs at least two of them", "add more, or leave it out"
+            )
+        for k, (early, late) in enumerate(zip(points, points[1:], strict=False), 1):
+            if late <= early:
+                self.add((*path, axis), f"{axis} must ascend, and number {k + 1} does not", "sort them")
+                break
+
+
+def known(nouns: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Names and nouns, without those of which nothing is known."""
+    return ((name, noun) for name, noun in nouns.items() if noun is not None)
+
+
+def points_of(body: Any) -> Iterator[str]:
+    """Names of the points of a body, known in part perhaps."""
+    yield from type(body).own_points
+    for key in ("pins", "nodes"):
+        yield from given(body, key)
+
+
+def given(body: Any, key: str) -> Any:
+    """Pins or nodes that were given to a body; the body may be known in part."""
+    return vars(body).get(key) or ()
+
+
+def ends(joint: Any) -> tuple[str, str]:
+    """Bearing and journal, empty where they are not known."""
+    return joint.bearing or "", joint.journal or ""
+
+
+def held_by(joint: Any) -> set[str]:
+    """The bodies that a joint holds."""
+    return {side.partition(".")[0] for side in ends(joint)}
+
+
+def rows_of(joint: Any) -> tuple[Row, ...]:
+    """What a joint without play holds; nothing where its sizes are wrong, which is told elsewhere."""
+    try:
+        return () if isinstance(joint, Contact) else tuple(joint.rows())
+    except (TypeError, ValueError):
+        return ()
+
+
+def shown_name(name: str) -> str:
+    """A name in quotes, shortened."""
+    return repr(name if len(name) <= NAME_LIMIT else name[: NAME_LIMIT - 3] + "...")

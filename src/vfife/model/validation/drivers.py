@@ -1,0 +1,182 @@
+"""Checks of drivers: what they act on, tables that go together, drivers that fight."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...errors import Path
+from ...numerics.scalar import hypot
+from ..rows import Across, turn_row
+from .checks import Checks, held_by, rows_of, shown_name
+
+
+def check_drivers(checks: Checks) -> None:
+    """Every driver, and which of them fight."""
+    for name, driver in checks.drivers.items():
+        path: Path = ("driver", name)
+        check_target(checks, path, name, driver)
+        check_tables(checks, path, driver)
+    check_fights(checks)
+
+
+def check_target(checks: Checks, path: Path, name: str, driver: Any) -> None:
+    """What is driven exists, and can be driven so."""
+    both = [one for one in ("body", "slider", "point") if getattr(driver, one)]
+    if len(both) > 1:
+        checks.add(
+            (*path, both[1]),
+            f"it drives a {' and a '.join(both)}",
+            "name one of them, or write a driver for each",
+        )
+    elif driver.target not in driver.drives:
+        checks.add(
+            (*path, driver.target),
+            f"a {driver.lead_key} does not act on a {driver.target}",
+            f"name a {' or a '.join(driver.drives)}",
+        )
+    elif driver.target == "slider":
+        check_slider(checks, (*path, "slider"), driver.slider)
+    elif driver.target == "point":
+        checks.side((*path, "point"), driver.point, ground="a driver of the ground moves nothing")
+    elif driver.body is not None:
+        check_body(checks, path, name, driver)
+
+
+def check_body(checks: Checks, path: Path, name: str, driver: Any) -> None:
+    """The body exists, and is not driven against itself."""
+    body, against = driver.body, driver.against
+    if body not in checks.bodies:
+        remedy = checks.near(
+            body, checks.bodies, "name the table after the body that it drives, or give body, slider or point"
+        )
+        checks.add(
+            (*path, "body" if body != name else ""), f"there is no body {shown_name(body)} to drive", remedy
+        )
+    elif checks.body((*path, "against"), against) and against == body:
+        checks.add(
+            (*path, "against"),
+            "a body has no angle against itself",
+            "name another body, or leave it out for the ground",
+        )
+    elif driver.moves and against is not None:
+        check_angle(checks, path, body, against)
+
+
+def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
+    """The body is free to turn, about one ideal joint where it turns against the ground."""
+    for name, joint in checks.joints.items():
+        rows = rows_of(joint)
+        if held_by(joint) == {body, against} and turn_row(rows) is not None:
+            slides = any(isinstance(row, Across) for row in rows)
+            remedy = (
+                "drive the slider itself, with slider = ..., or set turning = true"
+                if slides
+                else "remove one of the two"
+            )
+            checks.add((*path, ""), f"the {joint.kind} {name} keeps the angle that is to be driven", remedy)
+            return
+    pivots = checks.pivots.get(body, [])
+    if against == "ground" and len(pivots) != 1 and not dangling(checks):
+        found = " and ".join(pivots) or "none"
+        remedy = 'hold the body by one joint of kind "ideal" whose other side is a point of the ground'
+        checks.add(
+            (*path, ""), f"a driven body turns about one ideal joint to the ground; here: {found}", remedy
+        )
+
+
+def dangling(checks: Checks) -> bool:
+    """Whether a joint names a body that does not exist, or is not known: which bodies it holds is not known
+    then.
+    """
+    among = {"ground", *checks.bodies}
+    return len(checks.joints) < len(checks.mechanism.joints) or any(
+        held_by(joint) - among for joint in checks.joints.values()
+    )
+
+
+def check_slider(checks: Checks, path: Path, slider: str) -> None:
+    """The joint exists and is a slider."""
+    sliders = [
+        name
+        for name, joint in checks.joints.items()
+        if any(isinstance(row, Across) for row in rows_of(joint))
+    ]
+    if slider in sliders or slider in checks.mechanism.joints.keys() - checks.joints.keys():
+        return
+    if slider in checks.joints:
+        what = f"joint {slider} is of kind {checks.joints[slider].kind}, which has no travel to drive"
+        remedy = (
+            f'name a joint of kind "slider": {", ".join(sliders[:12])}'
+            if sliders
+            else 'set its kind = "slider"'
+        )
+        checks.add(path, what, remedy)
+    else:
+        checks.add(
+            path,
+            f"there is no joint {shown_name(slider)}",
+            checks.near(slider, sliders, 'name a joint of kind "slider"'),
+        )
+
+
+def check_tables(checks: Checks, path: Path, driver: Any) -> None:
+    """Lists that go together are alike."""
+    places = "travels" if driver.along else "angles"
+    if driver.lead == "values" and None not in (driver.times, driver.values):
+        checks.series(path, (places, driver.values), ("times", driver.times))
+    if not driver.moves:
+        check_effort(checks, path, driver, places)
+
+
+def check_effort(checks: Checks, path: Path, driver: Any, places: str) -> None:
+    """A torque or a force is a number, or a table over one thing."""
+    effort, axes = driver.lead_key, {"times": driver.times, "speeds": driver.speeds, places: driver.angles}
+    over = [key for key, value in axes.items() if value is not None]
+    if len(over) > 1:
+        checks.add(
+            (*path, over[-1]),
+            f"a {effort} is a table over one of {' and '.join(over)}, not over all",
+            "keep one of them",
+        )
+    elif (over or isinstance(driver.value, tuple | list)) and not any(
+        checks.told((*path, key)) for key in axes
+    ):
+        axis = over[0] if over else "times"
+        checks.series(path, (effort, driver.value), (axis, axes[axis]))
+
+
+def check_fights(checks: Checks) -> None:
+    """No two drivers prescribe the same thing."""
+    held: dict[object, str] = {}
+    points: dict[str, list[tuple[str, Any]]] = {}
+    for name, driver in checks.drivers.items():
+        if not driver.moves:
+            continue
+        if driver.target == "point":
+            if driver.direction is None:
+                continue
+            before = points.setdefault(driver.point, [])
+            rival = next(
+                (one for one, other in before if parallel(driver.direction, other)),
+                before[0][0] if len(before) > 1 else "",
+            )
+            before.append((name, driver.direction))
+            along = f"driver {rival} moves {driver.point} along this direction already"
+            what = along if len(before) < 3 else f"{driver.point} has two drivers already"
+        else:
+            slider, thing = driver.slider, frozenset((driver.body, driver.against))
+            if not slider and driver.body not in checks.bodies:
+                continue
+            rival = held.setdefault(("slider", slider) if slider else thing, name)
+            rival = "" if rival == name else rival
+            what = (
+                f"driver {rival} drives {f'the slider {slider}' if slider else driver.body} already: the two"
+                " fight"
+            )
+        if rival:
+            checks.add(("driver", name, ""), what, "remove one of the two, or make one a torque or a force")
+
+
+def parallel(one: tuple[float, ...], two: tuple[float, ...]) -> bool:
+    """Whether two directions are alike but for their sign."""
+    return abs(one[0] * two[1] - one[1] * two[0]) <= 1e-9 * hypot(*one) * hypot(*two)

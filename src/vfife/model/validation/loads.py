@@ -1,0 +1,249 @@
+"""Checks of loads: what they act on, the guide or the crank by which they go, tables that go together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...errors import Fault, Path
+from ..bodies import PointMass
+from ..functions import turning_speed
+from ..geometry.expression import VARIABLES, parse
+from ..geometry.tabulated import SamplingError, closes, sampled
+from ..loads.load import OVER
+from ..loads.tabular import Tabular
+from ..rows import Across, place_row, turn_row
+from .checks import Checks, known, rows_of, shown_name
+
+REPEATS = ("times", "angles")
+
+
+def check_loads(checks: Checks) -> None:
+    """Every load."""
+    for name, load in known(checks.mechanism.loads):
+        path: Path = ("load", name)
+        if load.along:
+            check_guide(checks, path, load.slider)
+            check_straight(checks, path, load)
+        elif load.at is not None:
+            follows = "a load that follows the ground stays where it is, and moves nothing"
+            checks.side(
+                (*path, "at"),
+                load.at,
+                ground=follows if load.follow is True else "a load on the ground moves nothing",
+            )
+        check_alone(checks, path, load)
+        if isinstance(load, Tabular) and load.axis == "angles":
+            check_crank(checks, path, load)
+        if isinstance(load, Tabular) and load.axis in ("travels", "speeds") and not load.along:
+            check_guide(checks, path, load.slider)
+
+
+def check_alone(checks: Checks, path: Path, load: Any) -> None:
+    """What can be wrong with a load by itself."""
+    if not checks.told(path):
+        for one in load.conflicts():
+            checks.take(path, one)
+    if isinstance(load, Tabular) and load.expression:
+        check_expression(checks, path, load)
+    elif isinstance(load, Tabular):
+        check_table(checks, path, load)
+
+
+def check_expression(checks: Checks, path: Path, load: Any) -> None:
+    """It can be read, goes over a range that is given, and can be followed there; nothing else says how large
+    the load is.
+    """
+    value, back = load.keys
+    for key in (value, back):
+        if getattr(load, key) is not None:
+            checks.add((*path, key), f"an expression and {key} exclude each other", "keep one of them")
+            return
+    for key in ("expression", "expression_back"):
+        text = getattr(load, key)
+        if not text or checks.told((*path, key)):
+            continue
+        try:
+            variable = parse(text).variable
+        except Fault as error:
+            checks.add((*path, key), f"{error.where}: {error.what}", error.remedy)
+            return
+        if key == "expression_back" and (variable not in ("", "x") or load.axis != "travels"):
+            checks.add(
+                (*path, key),
+                "only an expression of x has a way back",
+                "remove it, or make both expressions of the travel x",
+            )
+        elif ranged(checks, path, load, variable or load.variable):
+            follow(checks, path, load, key)
+
+
+def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
+    """Whether the range of an expression is given, as two places, in what it depends on."""
+    wanted = VARIABLES.get(variable, "")
+    others = [key for key in OVER if getattr(load, key) is not None and key != wanted]
+    if others:
+        what = (
+            f"an expression of {variable} goes over {wanted}"
+            if wanted
+            else "a constant expression goes over nothing"
+        )
+        checks.add(
+            (*path, others[0]),
+            f"{what}, not over {others[0]}",
+            f"give {wanted} = [first, last]" if wanted else "remove it",
+        )
+    elif wanted and not load.places:
+        what = f"an expression of {variable} needs the range over which it is meant"
+        checks.add(
+            (*path, wanted), what, f"give {wanted} = [first, last]; beyond them it keeps its end values"
+        )
+    elif wanted and (len(load.places) != 2 or load.places[1] <= load.places[0]):
+        checks.add(
+            (*path, wanted),
+            "the range of an expression is its first and its last place",
+            f"give {wanted} = [first, last]",
+        )
+    else:
+        return bool(wanted) and not any(checks.told((*path, key)) for key in OVER)
+    return False
+
+
+def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
+    """Polynomials can follow an expression over its range."""
+    try:
+        ends = sampled(getattr(load, key), load.places[0], load.places[1]).ends
+    except SamplingError as error:
+        checks.add((*path, key), str(error), "narrow the range, or keep it from that place, with min or max")
+        return
+    if load.repeat is True and load.axis not in REPEATS:
+        checks.add((*path, "repeat"), "only what goes over times or angles repeats itself", "remove it")
+    elif load.repeat is True and not closes(ends):
+        what = f"an expression that repeats itself begins at {ends[0]:g} and ends at {ends[1]:g}"
+        checks.add((*path, key), what, "let its range be a whole number of its periods, or remove repeat")
+
+
+def check_table(checks: Checks, path: Path, load: Any) -> None:
+    """The table is over one thing; its lists are alike, and its ends where it repeats."""
+    axes = [key for key in OVER if getattr(load, key) is not None]
+    value, back = load.keys
+    if len(axes) > 1:
+        checks.add(
+            (*path, axes[-1]),
+            f"a load is a table over one of {' and '.join(axes)}, not over all",
+            "keep one of them",
+        )
+        return
+    if any(checks.told((*path, key)) for key in (*OVER, value, back)):
+        return
+    if load.expression_back:
+        checks.add(
+            (*path, "expression_back"),
+            "a way back as an expression goes with an expression",
+            "give both, or neither",
+        )
+    axis = axes[0] if axes else "times"
+    given = getattr(load, value)
+    if axes or isinstance(given, tuple | list):
+        checks.series(path, (value, given), (axis, getattr(load, axis)))
+        if getattr(load, back) is not None:
+            checks.series(path, (back, getattr(load, back)), (axis, getattr(load, axis)))
+    if getattr(load, back) is not None and axis != "travels":
+        checks.add(
+            (*path, back), "only a table over travels has a way back", "remove it, or give the table travels"
+        )
+    check_repeat(checks, path, load, axis if axes else "", value)
+
+
+def check_crank(checks: Checks, path: Path, load: Any) -> None:
+    """The crank is a body, or a driver turns one."""
+    turned = [
+        name for name, driver in checks.drivers.items() if driver.moves and driver.revolves and turns(driver)
+    ]
+    if load.crank:
+        checks.body((*path, "crank"), load.crank)
+    elif load.crank == "" and not turned and not dangling_drivers(checks):
+        remedy = 'name the body whose angle it goes by, as in crank = "crank"'
+        checks.add(
+            (*path, "crank"),
+            "a table over angles goes by the angle of a crank, and no driver turns a body",
+            remedy,
+        )
+
+
+def turns(driver: Any) -> bool:
+    """Whether a driver turns a body; what is not known of it may."""
+    try:
+        return turning_speed(driver) > 0.0
+    except TypeError:
+        return True
+
+
+def dangling_drivers(checks: Checks) -> bool:
+    """Whether there are drivers of which nothing is known."""
+    return len(checks.drivers) < len(checks.mechanism.drivers)
+
+
+def check_guide(checks: Checks, path: Path, slider: Any) -> None:
+    """The joint exists, and has a straight guide."""
+    if slider is None or checks.told((*path, "slider")):
+        return
+    guided = [
+        name
+        for name, joint in checks.joints.items()
+        if isinstance(place_row(held_without_play(joint)), Across)
+    ]
+    if slider in guided or slider in checks.mechanism.joints.keys() - checks.joints.keys():
+        return
+    listed = (
+        f"name a joint with a guide: {', '.join(guided[:12])}" if guided else 'add a joint of kind "slider"'
+    )
+    if slider in checks.joints:
+        checks.add(
+            (*path, "slider"),
+            f"joint {slider} is of kind {checks.joints[slider].kind}, which has no guide",
+            listed,
+        )
+    elif not slider:
+        checks.add(
+            (*path, "slider"),
+            "a table over travels or speeds goes by those of a joint along its guide",
+            listed,
+        )
+    else:
+        checks.add(
+            (*path, "slider"), f"there is no joint {shown_name(slider)}", checks.near(slider, guided, listed)
+        )
+
+
+def held_without_play(joint: Any) -> Any:
+    """What a joint holds, or would without play; nothing where its sizes are wrong, which is told elsewhere."""
+    try:
+        return tuple(joint.rows())
+    except (TypeError, ValueError, AttributeError):
+        return ()
+
+
+def check_straight(checks: Checks, path: Path, load: Any) -> None:
+    """Where the guide moves, its journal turns with it."""
+    joint = checks.joints.get(load.slider)
+    if joint is None or not joint.bearing or not joint.journal or joint.sides[0][0] == "ground":
+        return
+    turning = turn_row(held_without_play(joint)) is None and bool(rows_of(joint))
+    body = checks.bodies.get(joint.sides[1][0])
+    if turning or (isinstance(body, PointMass) and not body.inertia):
+        what = f"the guide of {load.slider} moves, and what slides in it does not turn with it"
+        checks.add(
+            (*path, "slider"), what, "let the guide be on the ground, or hold the turn (turning = false)"
+        )
+
+
+def check_repeat(checks: Checks, path: Path, load: Any, axis: str, value: str) -> None:
+    """What repeats ends as it begins."""
+    values = getattr(load, value)
+    if load.repeat is not True:
+        return
+    if axis not in REPEATS:
+        checks.add((*path, "repeat"), "only a table over times or angles repeats itself", "remove it")
+    elif isinstance(values, tuple | list) and len(values) > 1 and None not in values and not closes(values):
+        what = f"a table that repeats itself begins at {values[0]:g} and ends at {values[-1]:g}"
+        checks.add((*path, value), what, "give its last place the value of the first, or remove repeat")

@@ -1,0 +1,216 @@
+"""Numbers that can hardly be meant: sizes out of scale, loose parts, masses that contradict their sections."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from statistics import median
+
+from ...numerics.scalar import distance, hypot
+from ..bodies import Frame, Link, PointMass, RigidBody
+from ..mechanism import Mechanism
+
+OUT_OF_SCALE = 100.0  # of the median of the others: metres for millimetres are a thousand
+HUGE = 50.0  # m
+GYRATION = 50.0  # radii of gyration to a size, or the other way: 0.29 of a rod
+WHOLE_TURN = 2.0 * math.pi
+
+
+def suspects(mechanism: Mechanism) -> tuple[str, ...]:
+    """Cautions, likely causes first; nothing where all looks meant."""
+    return (
+        *_lengths(mechanism),
+        *_inertias(mechanism),
+        *_angles(mechanism),
+        *_loose(mechanism),
+        *_open(mechanism),
+    )
+
+
+def _lengths(mechanism: Mechanism) -> Iterator[str]:
+    """Lengths a hundred times those of the others, or beyond any machine."""
+    sizes = {
+        f"body.{name}.length": body.length
+        for name, body in mechanism.bodies.items()
+        if isinstance(body, Link)
+    }
+    sizes |= {
+        f"joint.{name}.length": length
+        for name, joint in mechanism.joints.items()
+        if (length := getattr(joint, "length", None))
+    }
+    for name, (x, y) in mechanism.points.items():
+        sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
+    told = False
+    for where, size in sizes.items():
+        others = [value for key, value in sizes.items() if key != where]
+        ratio = size / median(others) if others else 1.0
+        if len(others) > 1 and ratio > OUT_OF_SCALE:
+            told = True
+            yield (
+                f"{where} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
+                " without a unit are metres."
+            )
+        elif len(others) > 1 and ratio < 1.0 / OUT_OF_SCALE:
+            told = True
+            yield (
+                f"{where} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
+                " unit."
+            )
+    largest = max(sizes, key=lambda key: sizes[key], default="")
+    if largest and not told and sizes[largest] > HUGE and mechanism.settings.analysis != "static":
+        yield (
+            f"{largest} is {sizes[largest]:.6g} m long. Numbers without a unit are metres: is this meant, and"
+            " not mm?"
+        )
+
+
+def _inertias(mechanism: Mechanism) -> Iterator[str]:
+    """Radii of gyration, (I/m)^(1/2), fifty times larger or smaller than the body: kg mm^2 for kg m^2 is a
+    factor of a thousand.
+    """
+    for name, body in mechanism.bodies.items():
+        if not isinstance(body, Link | RigidBody):
+            continue
+        size = (
+            body.length
+            if isinstance(body, Link)
+            else max((hypot(*pin) for pin in body.pins.values()), default=0.0)
+        )
+        if not (body.mass and body.inertia and size):
+            continue
+        radius = math.sqrt(body.inertia / body.mass)
+        if not 1.0 / GYRATION < radius / size < GYRATION:
+            yield (
+                f"body.{name}.inertia is {body.inertia:.4g} kg m^2, a radius of gyration of"
+                f" {1e3 * radius:.4g} mm for a body of {1e3 * size:.4g} mm: check its unit."
+            )
+
+
+def _angles(mechanism: Mechanism) -> Iterator[str]:
+    """Angles of more than a turn, which may be degrees."""
+    values = {f"body.{name}.angle": body.angle for name, body in mechanism.bodies.items()}
+    for name, driver in mechanism.drivers.items():
+        if not driver.along and (amplitude := getattr(driver, "amplitude", None)) is not None:
+            values[f"driver.{name}.amplitude"] = amplitude
+    for where, value in values.items():
+        if abs(value) > WHOLE_TURN * (1.0 + 1e-9):
+            turns = f"{abs(value) / WHOLE_TURN:.3g} turns"
+            yield (
+                f"{where} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
+                " are radians."
+            )
+
+
+def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
+    """Pins, or bodies, that joints, springs and gears tie to one another."""
+    for joint in mechanism.joints.values():
+        yield joint.bearing, joint.journal
+    for spring in mechanism.springs.values():
+        yield spring.first, spring.second
+    for gear in mechanism.gears.values():
+        yield gear.first, gear.second
+
+
+def _loose(mechanism: Mechanism) -> Iterator[str]:
+    """Bodies that hang on nothing, and groups of bodies that nothing ties to the ground."""
+    beside: dict[str, set[str]] = {name: set() for name in ("ground", *mechanism.bodies)}
+    for one, two in connections(mechanism):
+        first, second = one.partition(".")[0], two.partition(".")[0]
+        beside[first].add(second)
+        beside[second].add(first)
+    pushed = {load.place.partition(".")[0] for load in mechanism.loads.values()} | set(mechanism.drivers)
+    pushed |= {(driver.body or driver.point.partition(".")[0]) for driver in mechanism.drivers.values()}
+    seen = _reached(beside, "ground")
+    several = len(mechanism.bodies) > 1
+    for name, body in mechanism.bodies.items():
+        if name in seen:
+            continue
+        group = _reached(beside, name)
+        seen |= group
+        if any(
+            any(mechanism.bodies[one].velocity) or one in pushed or isinstance(body, PointMass)
+            for one in group
+        ):
+            continue
+        listed = ", ".join(one for one in mechanism.bodies if one in group)
+        if len(group) > 1:
+            yield (
+                f"Nothing ties {listed} to the ground: they are joined to one another alone. Is a pivot"
+                " forgotten?"
+            )
+        elif several or mechanism.points:
+            yield (
+                f"Body {name} hangs on nothing: no joint, spring or gear holds it. Add one, or remove the"
+                " body."
+            )
+
+
+def _reached(beside: dict[str, set[str]], start: str) -> set[str]:
+    seen, waiting = {start}, [start]
+    while waiting:
+        for one in beside[waiting.pop()] - seen:
+            seen.add(one)
+            waiting.append(one)
+    return seen
+
+
+def _open(mechanism: Mechanism) -> Iterator[str]:
+    """Chains with an end that is joined to nothing, and a point of the ground, or another end, that waits for
+    it.
+    """
+    used = {pin for pair in connections(mechanism) for pin in pair}
+    used |= {load.place for load in mechanism.loads.values()} | {
+        driver.point for driver in mechanism.drivers.values()
+    }
+    bodies = {pin.partition(".")[0] for pin in used}
+    ends = [
+        f"{name}.{end}"
+        for name, body in mechanism.bodies.items()
+        if isinstance(body, Link) and name in bodies
+        for end in ("start", "end")
+        if f"{name}.{end}" not in used and not getattr(body, f"{end}_mass")
+    ]
+    driven = any(driver.moves for driver in mechanism.drivers.values())
+    points = [f"ground.{name}" for name in mechanism.points if f"ground.{name}" not in used]
+    if ends and (points or (driven and len(ends) > 1)):
+        waiting = f", and {' and '.join(points)} by nothing used" if points else ""
+        other = points[0] if points else ends[1]
+        yield (
+            f"The chain is open: {' and '.join(ends)} {'is' if len(ends) == 1 else 'are'} joined to"
+            f" nothing{waiting}. Is a joint between {other} and {ends[0]} forgotten?"
+        )
+
+
+APART = 0.1  # of the section's mass, by which a given one may differ without a remark
+
+
+def contradictions(mechanism: Mechanism) -> tuple[str, ...]:
+    """A sentence on each rod whose mass is given and differs by more than a tenth from density times area
+    times length.
+    """
+    return tuple(
+        f"{name}: its mass is given as {given:.4g} kg, its section and density make {made:.4g} kg; the given"
+        " one counts for inertia, the section for stiffness and stress. Leave the mass out, or check units"
+        " and section."
+        for name, given, made in _weighed(mechanism)
+        if abs(given - made) > APART * made
+    )
+
+
+def _weighed(mechanism: Mechanism) -> Iterator[tuple[str, float, float]]:
+    """Name, given mass (kg) and that of the section, of all rods that have both."""
+    for name, body in mechanism.bodies.items():
+        if isinstance(body, Link) and body.mass is not None and body.section is not None:
+            yield f"Link {name}", body.mass, body.material.density * body.section.area * body.path_length
+        if not isinstance(body, Frame):
+            continue
+        for member in body.members:
+            section, material = member.section or body.section, member.material or body.material
+            if member.mass is not None and section is not None:
+                length = distance(body.nodes[member.start], body.nodes[member.end])
+                yield (
+                    f"Member {member.start}-{member.end} of {name}",
+                    member.mass,
+                    material.density * section.area * length,
+                )

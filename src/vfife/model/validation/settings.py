@@ -1,0 +1,192 @@
+"""Checks of settings, names and laws."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ...errors import Fault, Path, place, shown
+from ...laws import ContactLaw, FrictionLaw, Law, Pair
+from ...laws.materials import coefficient
+from ..mechanism import Mechanism
+from ..surfaces import surfaces
+from ..wear import Wear
+from .checks import NAME_LIMIT, Checks, given, known
+
+
+def check_settings(checks: Checks) -> None:
+    """What a run is asked for."""
+    settings: Any = checks.mechanism.settings
+    if settings is None:
+        return
+    if settings.analysis == "static":
+        check_static(checks, settings)
+        return
+    check_settle(checks, settings)
+    given = [getattr(settings, key) is not None or checks.told(("run", key)) for key in ("turns", "duration")]
+    if all(given):
+        checks.add(("run", "duration"), "turns and duration exclude each other", "remove one of the two")
+        return
+    # A driver of which nothing is known is told itself, and may be meant to turn something.
+    drivers: dict[str, Any] = dict(checks.mechanism.drivers)
+    idle = all(
+        driver is not None and (driver.target != "body" or not driver.moves) for driver in drivers.values()
+    )
+    if settings.turns is not None and idle:
+        checks.add(
+            ("run", "turns"), "nothing is driven, so there are no turns to count", "give a duration instead"
+        )
+
+
+def check_settle(checks: Checks, settings: Any) -> None:
+    """Turns that are to repeat are those of a crank at constant speed."""
+    drivers: dict[str, Any] = dict(checks.mechanism.drivers)  # of which some may not have been read
+    moving = [driver for driver in drivers.values() if driver is not None and driver.moves]
+    if settings.settle is None or checks.told(("run", "settle")):
+        return
+    if not any(driver.steady_speed for driver in moving) or any(
+        driver.steady_speed is None for driver in moving
+    ):
+        checks.add(
+            ("run", "settle"),
+            "no crank turns at constant speed, so there are no turns that could repeat",
+            "leave it out, and say how long",
+        )
+
+
+def check_static(checks: Checks, settings: Any) -> None:
+    """Load factors take the place of time, so nothing has a duration or a speed."""
+    for key in ("turns", "duration", "settle"):
+        if getattr(settings, key) is not None:
+            remedy = "remove it; load_factors = [...] says for which loads equilibrium is sought"
+            checks.add(("run", key), "a static analysis takes no time", remedy)
+    if settings.load_factors is not None and len(settings.load_factors) == 0:
+        checks.add(
+            ("run", "load_factors"),
+            "there is no load factor to find equilibrium for",
+            "give one at least, or leave the key out",
+        )
+    for name, driver in checks.drivers.items():
+        for key, remedy in (
+            (
+                "speed",
+                (
+                    "give a travel with a duration, or a table over times: the load factors take the place of"
+                    " time"
+                ),
+            ),
+            ("speeds", "give one torque or force, or a table over times"),
+        ):
+            if getattr(driver, key, None) is not None:
+                checks.add(("driver", name, key), "nothing has a speed in a static analysis", remedy)
+
+
+LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
+
+
+def check_laws(mechanism: Mechanism) -> list[Fault]:
+    """Faults of the laws of all joints with play, of a mechanism that has no other fault."""
+    found = []
+    for name, joint in mechanism.contacts.items():
+        pair = surfaces(mechanism, joint)
+        for kind in LAWS:
+            what = senseless(getattr(joint, kind), pair)
+            if what:
+                size = f" (clearance {pair.clearance:g} m)" if pair.clearance else ""
+                remedy = "check clearance, bearing_radius, axial_length and materials, or take another law"
+                found.append(Fault(place(("joint", name, kind)), what + size, "", "", remedy))
+        found += [] if joint.wear is None else softless(name, joint.wear, pair)
+    return found
+
+
+def softless(name: str, wear: Wear, pair: Pair) -> list[Fault]:
+    """Surfaces that wear by a pair of materials by name, whose hardness is not known."""
+    found = []
+    for side in ("bearing", "journal"):
+        named, material = getattr(wear, side), getattr(pair, side)
+        if coefficient(named, material) is None:
+            what = (
+                f"the coefficient of this pair is over the hardness of the {side}, and that of"
+                f" {material.name} is not known"
+            )
+            remedy = (
+                f'give the material of the {side} its hardness, or the coefficient itself, as in "1e-15 1/Pa"'
+            )
+            found.append(Fault(place(("joint", name, "wear", side)), what, shown(named), "", remedy))
+    return found
+
+
+def senseless(law: Law, pair: Pair) -> str:
+    """What a law cannot make of these two surfaces, or nothing: its numbers must be real and finite."""
+    try:
+        values = [float(value) for value in law.parameters(pair)]
+    except ValueError as error:  # the law's own sentence, if it has one
+        if law.name in str(error):
+            return str(error)
+        values = [float("nan")]
+    except (ArithmeticError, TypeError):
+        values = [float("nan")]
+    if all(abs(value) < float("inf") for value in values):
+        return ""
+    kind = next((kind for kind, base in LAWS.items() if isinstance(law, base)), "")
+    return f'the {kind} law "{law.name}" gives no finite numbers for these surfaces'
+
+
+TITLE_LIMIT = 300  # signs of a mechanism's name
+SECTIONS = {"body": "bodies", "joint": "joints", "gear": "gears", "spring": "springs", "load": "loads"}
+
+
+def check_names(checks: Checks) -> None:
+    """Bodies there are, and all names."""
+    if not checks.bodies:
+        checks.add(("body",), "the model has no body", "add a table such as [body.crank]")
+    if "ground" in checks.bodies:
+        checks.add(("body", "ground"), '"ground" is what does not move', "call the body otherwise")
+    for key, allowed in (("name", ""), ("note", "\n\t")):
+        text = getattr(checks.mechanism, key)
+        if isinstance(text, str) and not all(sign.isprintable() or sign in allowed for sign in text):
+            checks.add((key,), "it has signs that cannot be printed", "leave them out")
+    if len(str(checks.mechanism.name)) > TITLE_LIMIT:
+        checks.add(
+            ("name",),
+            f"it has {len(checks.mechanism.name):,} signs",
+            f"{TITLE_LIMIT} are the most; a note may be longer",
+        )
+    for path in named_things(checks):
+        check_name(checks, path)
+    for section, field in SECTIONS.items():
+        for key, noun in known(getattr(checks.mechanism, field)):
+            if noun.name != key:
+                what = f"the {section} {shown(key)} calls itself {shown(noun.name)}"
+                checks.add((section, key, "name"), what, "give it the name under which it stands")
+
+
+def check_name(checks: Checks, path: Path) -> None:
+    """A name can be part of a path."""
+    name = path[-1]
+    if not (
+        isinstance(name, str)
+        and 0 < len(name) <= NAME_LIMIT
+        and name.isprintable()
+        and name == name.strip()
+        and "." not in name
+    ):
+        remedy = f"choose a name of 1 to {NAME_LIMIT} printable signs without dots"
+        checks.add((*path[:-1], ""), f"the name {shown(name)} cannot be part of a path", remedy)
+
+
+def named_things(checks: Checks) -> Iterator[Path]:
+    """Paths of everything that the user gives a name."""
+    model = checks.mechanism
+    yield from (("ground", name) for name in model.points or ())
+    for section, field in SECTIONS.items():
+        yield from ((section, name) for name in getattr(model, field))
+    # A driver's name is that of its body, and told there, unless it says otherwise.
+    yield from (
+        ("driver", name)
+        for name, driver in known(model.drivers)
+        if driver.target != "body" or driver.body != name
+    )
+    for name, body in known(checks.bodies):
+        for key in ("pins", "nodes"):
+            yield from (("body", name, key, pin) for pin in given(body, key))

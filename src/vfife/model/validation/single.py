@@ -1,0 +1,91 @@
+"""Checks of one noun by itself, when a script adds it: what no other noun has to be known for."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from ...errors import Fault, Path
+from ...schema import Text, described_fields, key_of, value_of
+from ..mechanism import Mechanism
+from . import written
+from .bodies import check_bodies
+from .checks import Checks
+from .drivers import check_tables
+from .joints import check_strength
+from .loads import check_alone
+from .settings import check_name
+
+
+class Single(Checks):
+    """Keeps what it finds as refusals, each with its path."""
+
+    def __init__(self, mechanism: Mechanism, told: Iterable[Path], written: Callable[[Path], str]) -> None:
+        super().__init__(mechanism, told, written=written)
+        self.found: list[Fault] = []
+
+    def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
+        """One refusal more."""
+        value = self.written(path) if path[-1] != "" else ""
+        self.found.append(Fault(path, what, value, limit, remedy))
+
+
+def faults_of(
+    mechanism: Mechanism, section: str, name: str, noun: Any, told: Iterable[Path] = ()
+) -> list[Fault]:
+    """What is wrong with a noun, known in part perhaps, that is to join a mechanism under a name; ``told``
+    are paths of what was refused.
+    """
+    path: Path = (section, name)
+    field = next(field for field in described_fields(Mechanism) if key_of(field) == section)
+    one: dict[str, Any] = {field.name: {name: noun}}
+    holding = dataclasses.replace(mechanism, **one)
+    around = mechanism if section != "body" else dataclasses.replace(holding, drivers={}, joints={})
+    checks = Single(around, told, lambda path: written(holding, path))
+    check_name(checks, path)
+    if section == "body":
+        if name == "ground":
+            checks.add(path, '"ground" is what does not move', "call the body otherwise")
+        check_bodies(checks)
+    if section == "spring":
+        check_strength(checks, path, noun)
+    elif section == "load":
+        check_alone(checks, path, noun)
+    elif section == "driver":
+        check_tables(checks, path, noun)
+    elif hasattr(noun, "conflicts"):
+        for conflict in noun.conflicts():
+            checks.take(path, conflict)
+    ends = references(checks, path, noun)
+    if section == "gear" and noun.ratio == 0.0:
+        remedy = "give the teeth of the first over those of the second, negative for external gears"
+        checks.add(
+            (*path, "ratio"),
+            "with a ratio of zero the second body would not turn at all",
+            remedy,
+            "any number but 0",
+        )
+    if section == "joint" and len(ends) == 2 and len({end.partition(".")[0] for end in ends}) == 1:
+        checks.add(
+            (*path, "journal"),
+            "bearing and journal are on the same body",
+            "name a pin of another body, or of the ground",
+        )
+    return checks.found
+
+
+def references(checks: Single, path: Path, noun: Any) -> list[str]:
+    """What a noun names; pins of bodies that are there already are looked for, and the form of all names."""
+    found = []
+    for field in described_fields(type(noun)):
+        held, text = value_of(field), getattr(noun, field.name)
+        if not isinstance(held, Text) or not held.refers or not text or checks.told((*path, key_of(field))):
+            continue
+        found.append(text)
+        at, body = (*path, key_of(field)), text.partition(".")[0]
+        if held.refers == "pin" and (body in checks.bodies or not text.partition(".")[2]):
+            checks.side(at, text)
+        elif held.refers == "body" and "." in text:
+            checks.body(at, text)
+    return found

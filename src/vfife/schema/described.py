@@ -1,0 +1,215 @@
+"""A field and what it says of itself; reading the values of all fields of an object."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import MISSING
+from typing import Any
+
+from ..errors import Fault, Path, kind_of, shown, suggestion
+from .parts import SCALAR
+from .values import Choice, Measure, Switch, Text, Value
+
+Field = dataclasses.Field[Any]
+# A unit such as N/m^n is known only once a law has its exponent: such a parameter is a bare number in SI
+# units.
+SYMBOLIC = re.compile(r"\^\(?-?[a-z]")
+
+
+def described(
+    value: Value,
+    meaning: str,
+    default: Any = MISSING,
+    *,
+    factory: Any = MISSING,
+    key: str = "",
+    only: tuple[str, ...] = (),
+    along: Any = None,
+) -> Any:
+    """A field: what it holds, what it means, its default.
+
+    ``key`` is what a file calls it, where that is not its name; ``only`` names the models or kinds of
+    analysis that have a use for it. What drives a body or a pin has ``along``, the same field where it moves
+    along a line.
+    """
+    told = {name: getattr(value, name, None) for name in ("unit", "low", "high", "above")} | {
+        "choices": getattr(value, "options", None)
+    }
+    told["unit"] = told["unit"] or "1"
+    metadata = {
+        **told,
+        "value": value,
+        "meaning": meaning,
+        "key": key,
+        "only": only,
+        "along": along.metadata if along is not None else None,
+    }
+    return dataclasses.field(default=default, default_factory=factory, metadata=metadata)
+
+
+def quantity(
+    unit: str,
+    meaning: str,
+    default: Any = MISSING,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    above: float | None = None,
+    choices: Collection[str] | None = None,
+    **more: Any,
+) -> Any:
+    """A field that is a number: its unit ("1" if it has none), meaning and default, and its limits: at least
+    ``low``, at most ``high``, ``above``.
+
+    A field of a law may also be a word, one of ``choices``, or a switch, as its default tells. ``more`` as in
+    :func:`described`.
+    """
+    value: Value = Measure("1" if SYMBOLIC.search(unit) else unit, above=above, low=low, high=high)
+    if choices is not None:
+        value = Choice(tuple(choices))
+    elif isinstance(default, bool):
+        value = Switch()
+    elif isinstance(default, str):
+        value = Text()
+    field = described(value, meaning, default, **more)
+    kept = {"unit": unit, "choices": choices} | (
+        {} if isinstance(value, Measure) else {"low": low, "high": high, "above": above}
+    )
+    return dataclasses.field(
+        default=field.default, default_factory=field.default_factory, metadata={**field.metadata, **kept}
+    )
+
+
+def described_fields(noun: type) -> tuple[Field, ...]:
+    """Fields that are described, and those of a law."""
+    every: tuple[Field, ...] = dataclasses.fields(noun)
+    return tuple(field for field in every if "meaning" in field.metadata)
+
+
+def value_of(field: Field, along: bool = False) -> Value:
+    """What a field holds; where nothing was said its type or its default tells."""
+    metadata = field.metadata
+    if along and metadata.get("along") is not None:
+        metadata = metadata["along"]
+    value = metadata.get("value")
+    plain = isinstance(value, Measure) and field.default in (None, MISSING)
+    if isinstance(value, Value) and not (plain and field.type in (bool, "bool", str, "str")):
+        return value
+    if field.type in (bool, "bool") or isinstance(field.default, bool):
+        return Switch()
+    if field.type in (str, "str") or isinstance(field.default, str):
+        return Text()
+    return SCALAR
+
+
+def key_of(field: Field, along: bool = False) -> str:
+    """What a file calls a field."""
+    if along and field.metadata.get("along") is not None:
+        return str(field.metadata["along"]["key"] or field.metadata["key"] or field.name)
+    return str(field.metadata.get("key") or field.name)
+
+
+def meaning_of(field: Field, along: bool = False) -> str:
+    """What a field means."""
+    if along and field.metadata.get("along") is not None:
+        return str(field.metadata["along"]["meaning"])
+    return str(field.metadata.get("meaning", ""))
+
+
+def required(field: Field) -> bool:
+    """Whether a noun cannot do without the field."""
+    return field.default is MISSING and field.default_factory is MISSING
+
+
+class Reading:
+    """Reads values by their fields and keeps all faults, with their paths. ``written`` numbers may be texts
+    with a unit.
+    """
+
+    def __init__(self, written: bool = False) -> None:
+        self.written = written
+        self.faults: list[Fault] = []
+
+    def add(self, fault: Fault) -> None:
+        """Keeps a fault."""
+        self.faults.append(fault)
+
+    def refuse(self, path: Path, what: str, value: str = "", limit: str = "", remedy: str = "") -> None:
+        """Keeps the fault of what is at a path."""
+        self.add(Fault(path, what, value, limit, remedy))
+
+    def values(
+        self, path: Path, fields: Mapping[str, Field], table: Mapping[str, Any], others: Collection[str] = ()
+    ) -> dict[str, Any]:
+        """Values of a table, by the names of their fields; ``others`` are keys that are read elsewhere."""
+        found = {}
+        for key, value in table.items():
+            if key in fields:
+                found[fields[key].name] = value_of(fields[key]).read(value, (*path, key), self)
+            elif key not in others:
+                self.unknown((*path, key), value, (*fields, *others))
+        for key, field in fields.items():
+            if key not in table and required(field):
+                self.missing((*path, key), field)
+        return found
+
+    def unknown(self, path: Path, value: Any, known: Iterable[str] = ()) -> None:
+        """A key that its table does not have."""
+        what = "unknown table" if isinstance(value, Mapping) else "unknown key"
+        self.refuse(path, what, shown(value), "", suggestion(str(path[-1]), known, "remove it"))
+
+    def missing(self, path: Path, field: Field) -> None:
+        """A key that has to be there."""
+        self.refuse(path, "this key is missing", "", "", "add it")
+
+    def made(self, kind: type, values: Mapping[str, Any], before: int) -> Any:
+        """The object of such values; known in part if there are more faults than ``before``."""
+        return kind(**values) if len(self.faults) == before else partial(kind, values)
+
+    def noun(self, path: Path, kind: type, value: Any) -> Any:
+        """A noun in a field of another."""
+        return self.one_of(path, kind, value)
+
+    def named(self, path: Path, kind: type, value: Any) -> Any:
+        """A noun that a file calls by its name."""
+        return self.one_of(path, kind, value)
+
+    def chosen(self, path: Path, base: type, value: Any) -> Any:
+        """A law, of those that there are."""
+        return self.one_of(path, base, value)
+
+    def one_of(self, path: Path, kind: type, value: Any) -> Any:
+        """The value if it is of the kind, its own fields being read."""
+        if not isinstance(value, kind):
+            what = kind_of(value) if type(value).__module__ == "builtins" else f"a {type(value).__name__}"
+            self.refuse(path, f"this is {what}", "", f"a {kind.__name__}", f"give a {kind.__name__}")
+            return None
+        return self.fields(path, value)
+
+    def fields(self, path: Path, noun: Any, along: bool = False) -> Any:
+        """The noun as it was read, with None in place of every value that is refused."""
+        found = {}
+        for field in described_fields(type(noun)):
+            value = getattr(noun, field.name)
+            if not (value is None and field.default is None):
+                found[field.name] = value_of(field, along).read(value, (*path, key_of(field, along)), self)
+        return partial(type(noun), vars(noun) | found)
+
+
+def partial(noun: type, values: Mapping[str, Any]) -> Any:
+    """A noun of which only some values are known: None stands for the others, so that what does not hang on
+    them can still be checked.
+    """
+    made: Any = object.__new__(noun)
+    for field in dataclasses.fields(noun):
+        default = (
+            field.default_factory()
+            if field.default_factory is not MISSING
+            else None
+            if field.default is MISSING
+            else field.default
+        )
+        object.__setattr__(made, field.name, values.get(field.name, default))
+    return made

@@ -1,0 +1,245 @@
+"""Where a run begins: its start solved once, its ideal reference, and its assemblies, which differ in their
+steps.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias, TypedDict, Unpack
+
+from ..assembly.assemble import assemble
+from ..assembly.assembled import Assembly
+from ..assembly.possible import Outlook
+from ..assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
+from ..kinematics.initial import Motion
+from ..model.mechanism import Mechanism
+from ..results.restart import (
+    States,
+    initial_state,
+    on_clock,
+    refuse_stateless,
+    restart_record,
+    restarted,
+    same_layout,
+    step_of,
+)
+from ..results.view import View
+from ..solvers.arguments import Loop
+from ..solvers.companions import number
+from ..solvers.record import Record
+from ..solvers.status import Status
+from ..solvers.transient import choose_loop, run
+from .result import Result
+
+StartFrom: TypeAlias = Result | str | Path | States
+
+
+class Length(TypedDict, total=False):
+    """How long a run is and how much of it is kept, as assemble takes it."""
+
+    turns: float | None
+    duration: float | None
+    outputs: int | None
+    force_step: bool
+
+
+def expected_forces(reference: Result | None) -> Mapping[str, float]:
+    """Largest forces of the ideal mechanism, by joint."""
+    if reference is None:
+        return {}
+    return {
+        name.removesuffix(".force.max"): value
+        for name, value in reference.measures.items()
+        if name.endswith(".force.max")
+    }
+
+
+def comparable(mechanism: Mechanism) -> bool:
+    """Whether there is an ideal mechanism to compare with turn by turn: play, a driver, and joints that are
+    still joints without their play.
+    """
+    if (
+        mechanism.settings.analysis == "static"
+        or not mechanism.contacts
+        or not any(driver.moves for driver in mechanism.drivers.values())
+    ):
+        return False
+    return all(joint.ideal() is not None for joint in mechanism.joints.values())
+
+
+def ideal_of(
+    mechanism: Mechanism,
+    turns: float | None = None,
+    duration: float | None = None,
+    start: Result | States | None = None,
+    motion: Motion | None = None,
+) -> Assembly | None:
+    """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else
+    as long as the run, from its start.
+
+    ``motion``: the start of the mechanism, solved before.
+    """
+    if not comparable(mechanism):
+        return None
+    if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
+        turns, duration, start = 1.0, None, None
+    ideal = mechanism.ideal()
+    given = None if start is None else initial_state(start, ideal)
+    return assemble(ideal, beside=mechanism, turns=turns, duration=duration, given=given, motion=motion)
+
+
+def referred(ideal: Assembly | None) -> Result | None:
+    """The result of an ideal mechanism, if there is one. Raises KeyboardInterrupt where it is interrupted."""
+    if ideal is None:
+        return None
+    record = run(ideal)
+    if record.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    return Result(record)
+
+
+def reference_of(
+    mechanism: Mechanism,
+    turns: float | None = None,
+    duration: float | None = None,
+    start: Result | States | None = None,
+) -> Result | None:
+    """What the ideal mechanism does (:func:`ideal_of`). Raises KeyboardInterrupt where it is interrupted."""
+    return referred(ideal_of(mechanism, turns, duration, start))
+
+
+def first_contact_steps(mechanism: Mechanism, companions: int | str, loop: Loop = "auto") -> int:
+    """Steps in half a period of the stiffest contact with which an automatic step begins: fewer where
+    companions look whether they will do.
+    """
+    looked = mechanism.contacts and companions and (companions != "auto" or loop in ("auto", "generated"))
+    return FIRST_CONTACT_STEPS if looked else CONTACT_STEPS
+
+
+def assembled_at(
+    mechanism: Mechanism,
+    step: float | str | None = None,
+    start: Result | States | None = None,
+    time: float | None = None,
+    *,
+    expected: Mapping[str, float] | None = None,
+    contact_steps: int = CONTACT_STEPS,
+    motion: Motion | None = None,
+    **length: Unpack[Length],
+) -> Assembly:
+    """The assembled mechanism at its own start, or where a former run was at ``time`` (s; its end unless
+    given), or at states given by name.
+
+    ``motion``: its own start, solved before. A run that ended and is cut alike goes on with its whole state,
+    element and contact forces with it.
+    """
+    if start is None:
+        return assemble(
+            mechanism, step, expected=expected, contact_steps=contact_steps, motion=motion, **length
+        )
+    mechanism = on_clock(mechanism, start, time)
+    given = initial_state(start, mechanism, time)
+    assembly = assemble(
+        mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length
+    )
+    record = restart_record(start, time)
+    if isinstance(start, View) and time is None:
+        refuse_stateless(start.record, start.name, same_layout(assembly, start.record))
+    return restarted(assembly, record) if record is not None and same_layout(assembly, record) else assembly
+
+
+@dataclass(frozen=True)
+class RunStart:
+    """Where a run begins and how long it is: all that an assembly of it needs but the step.
+
+    ``source``: a former run or states to go on from; ``outlook``: the solved start, and what was seen of the
+    motion; ``expected``: largest forces of the ideal mechanism, by joint.
+    """
+
+    mechanism: Mechanism
+    length: Length
+    source: Result | States | None = None
+    outlook: Outlook = field(default_factory=Outlook)
+    expected: Mapping[str, float] = field(default_factory=dict)
+
+    def assemble(self, step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
+        """The mechanism with a step (s), "auto", or that of its settings."""
+        found = assembled_at(
+            self.mechanism,
+            step,
+            self.source,
+            expected=self.expected,
+            contact_steps=contact_steps,
+            motion=self.outlook.motion,
+            **self.length,
+        )
+        return dataclasses.replace(found, notes=(*found.notes, *self.outlook.notes))
+
+    def first(self, step: float | str | None, loop: Loop, companions: int | str) -> Assembly:
+        """The first try: with the step that is asked for, else that of the run it goes on from, else an
+        automatic one.
+
+        An automatic step begins coarse where companions look whether it will do, which nobody does for a
+        large frame.
+        """
+        begin = first_contact_steps(self.mechanism, companions, loop)
+        assembly = self.assemble(step, begin)
+        former = (
+            step_of(self.source.record, assembly) if isinstance(self.source, View) and step is None else None
+        )
+        if former is not None:
+            found = self.assemble(former)
+            choice = dataclasses.replace(found.choice, automatic=True, culprit="the run that it goes on from")
+            return dataclasses.replace(found, choice=choice)
+        if (
+            begin != CONTACT_STEPS
+            and assembly.choice.automatic
+            and not number(assembly, choose_loop(assembly, loop), companions)
+        ):
+            return self.assemble(step)
+        return assembly
+
+
+@dataclass(frozen=True)
+class StaticStart:
+    """Where a static analysis begins: the mechanism without loads. It has no step."""
+
+    mechanism: Mechanism
+
+    def assemble(self, step: float | str | None = None) -> Assembly:
+        """The mechanism."""
+        del step
+        return assemble(self.mechanism)
+
+
+@dataclass(frozen=True)
+class RestoredStart:
+    """Where a run begins that a file holds: its mechanism, length and largest ideal forces, and the state of
+    its first output.
+    """
+
+    record: Record
+    length: Length
+    expected: Mapping[str, float]
+    started: bool  # whether it went on from another run
+
+    def assemble(self, step: float | str | None) -> Assembly:
+        """The mechanism with another step (s)."""
+        record, mechanism = self.record, self.record.assembly.mechanism
+        if record.static or not self.started:
+            return assembled_at(mechanism, step, expected=self.expected, **self.length)
+        found = assemble(
+            mechanism,
+            step,
+            given=initial_state(View(record), mechanism, 0.0),
+            expected=self.expected,
+            **self.length,
+        )
+        state = (
+            record.assembly.state.copy()
+        )  # positions alone do not make it: element and contact forces went on
+        state[found.layout["step"]] = found.choice.step
+        return dataclasses.replace(found, state=state, tables=record.assembly.tables)

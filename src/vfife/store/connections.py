@@ -1,0 +1,168 @@
+"""Connections to sealed files: one that writes, one that reads whatever a killed writer left; messages on
+damage and full disks.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+from pathlib import Path
+from typing import Any
+
+from ..errors import RunFileError
+from ..files import free_bytes
+from .schemas import RUN, RUN_FILE, SCHEMAS, Schema
+
+BEAT = 1_000_000  # instructions of SQLite's machine between two looks at the budget, some 20 ms
+# about two minutes; the longest statement of ours, a read of all rows of a study of a million members, takes
+# 40
+MOST_BEATS = 5_000
+# what is complete is on the disk before a run goes on, though the machine should lose its power
+SYNCHRONOUS = "NORMAL"
+STORAGE = (
+    "full",
+    "disk i/o",
+    "unable to open",
+    "readonly",
+    "read-only",
+    "permission",
+    "locked",
+    "too big",
+)  # in what SQLite says
+
+
+class Connection(sqlite3.Connection):
+    """A connection that runs only short statements: one that needs more than MOST_BEATS, as a file made to
+    trap us might, fails.
+    """
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.beats = 0
+        self.execute("PRAGMA trusted_schema = OFF")
+        self.set_progress_handler(self.beat, BEAT)
+
+    def execute(self, *args: Any) -> sqlite3.Cursor:
+        """Run a statement, with the whole budget before it."""
+        self.beats = 0
+        return super().execute(*args)
+
+    def beat(self) -> bool:
+        """Count a beat; True ends the statement."""
+        self.beats += 1
+        return self.beats > MOST_BEATS
+
+
+def refuse_schema(connection: sqlite3.Connection) -> None:
+    """Raise sqlite3.DatabaseError for a file with views, triggers or virtual tables: none of ours has any,
+    and they run statements of their own.
+    """
+    for kind, name, root in connection.execute("SELECT type, name, rootpage FROM sqlite_master"):
+        if kind not in ("table", "index") or not root:  # a virtual table has no page of its own
+            raise sqlite3.DatabaseError(f"it has a {kind} {str(name)[:40]!r}, which vfife never makes")
+
+
+def writable(path: Path) -> sqlite3.Connection:
+    """A connection that writes."""
+    connection = sqlite3.connect(path, timeout=60.0, isolation_level=None, factory=Connection)
+    try:
+        refuse_schema(connection)
+    except BaseException:
+        connection.close()
+        raise
+    connection.execute("PRAGMA journal_mode = DELETE")
+    connection.execute(f"PRAGMA synchronous = {SYNCHRONOUS}")
+    return connection
+
+
+def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
+    """A connection that can read the file; the journal of a killed writer is rolled back first.
+
+    That needs to write: where it cannot be done in place, it is done on a copy that vanishes. Raises
+    RunFileError.
+    """
+    try:
+        connection = sqlite3.connect(
+            f"{path.resolve().as_uri()}?mode=rw",
+            uri=True,
+            timeout=60.0,
+            isolation_level=None,
+            factory=Connection,
+        )
+        refuse_schema(connection)
+        connection.execute("PRAGMA query_only = ON")
+        return connection
+    except sqlite3.OperationalError as error:
+        if "locked" in str(error):
+            raise RunFileError(
+                f"{path}: another program keeps this {kind} file locked; try again when it has ended"
+            ) from error
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        raise RunFileError(damaged(path, str(error), kind)) from error
+    import tempfile
+
+    memory = sqlite3.connect(":memory:", isolation_level=None, factory=Connection)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            for name in (path.name, f"{path.name}-journal"):
+                if (path.parent / name).exists():
+                    shutil.copy(path.parent / name, folder)
+                    (Path(folder) / name).chmod(0o600)
+            copy = sqlite3.connect(Path(folder) / path.name, factory=Connection)
+            refuse_schema(copy)
+            copy.backup(memory)
+            copy.close()
+    except (sqlite3.DatabaseError, UnicodeDecodeError, OSError) as error:
+        raise RunFileError(damaged(path, str(error), kind)) from error
+    return memory
+
+
+def located(schema: Schema, path: Path) -> Path:
+    """The file of a schema that a path means; of a run also its folder. Raises RunFileError where there is
+    none that this version reads.
+    """
+    if schema is RUN and path.is_dir():
+        path = path / RUN_FILE
+    if not path.is_file():
+        raise RunFileError(f"{path}: there is no {schema.kind} file of this name; {schema.source}")
+    head = schema.head(path)
+    if head is None:
+        other = next((one for one in SCHEMAS if one.owns(path)), None)
+        raise RunFileError(
+            f"{path}: this is"
+            f" {f'no {schema.kind} file of vfife; {schema.source}' if other is None else other.about}"
+        )
+    version = int.from_bytes(head[60:64], "big")
+    if version > schema.format:
+        raise RunFileError(
+            f"{path}: this {schema.kind} file was written by a newer vfife; install that version to read it"
+        )
+    if version < schema.oldest:
+        raise RunFileError(
+            f"{path}: this {schema.kind} file was written by vfife 0.1; install version 0.2 to read it, or"
+            " make it again"
+        )
+    return path
+
+
+def is_of_storage(error: Exception) -> bool:
+    """Whether an error of SQLite is about the disk, not about a damaged file."""
+    return isinstance(error, sqlite3.OperationalError) and any(word in str(error).lower() for word in STORAGE)
+
+
+def damaged(path: Path | str, what: str, kind: str) -> str:
+    """The sentence about a damaged file."""
+    again = "run the model again" if kind == "run" else f"make the {kind} again"
+    return f"{path}: this {kind} file is damaged ({what}); {again}, or take a copy of the file"
+
+
+def unwritten(path: Path | str, what: str, needed: int = 0) -> str:
+    """The sentence about a file that could not be written: what the system says, and bytes that were needed
+    and are free where it may be these.
+    """
+    if any(word in what.lower() for word in ("readonly", "read-only", "permi")):
+        return f"{path}: {what}; you may not write to this file or its folder."
+    free = free_bytes(Path(path))
+    wanted = f"{needed:,} bytes were to be written, " if needed else ""
+    room = "" if free is None else f" ({wanted}{free:,} bytes are free there)"
+    return f"{path}: {what}{room}; is the disk full, or the folder gone or read-only?"

@@ -1,0 +1,81 @@
+"""Files of maps and of wear: a row for each value, piece, start or number of turns, with the state from which
+the next one goes on.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RunFileError
+from .schemas import MAP, WEAR, Schema
+from .store import Row, Store
+
+Array = NDArray[np.float64]
+
+
+class MapFile(Store):
+    """A file of a bifurcation diagram, a section, basins or a waterfall."""
+
+    schema: ClassVar[Schema] = MAP
+
+    def legs(self, gaps: bool) -> dict[int, tuple[Array, Array]]:
+        """Points, shape (turns, series x chains), and growth, shape (turns, chains), by number; with ``gaps``
+        also those after a missing one.
+        """
+        rows: Any = (
+            (row for _, row in self.read("legs") if row is not None) if gaps else self.sequence("legs")
+        )
+        return {row["number"]: (row["points"], row["growth"]) for row in rows}
+
+    def array(self, key: str) -> Array | None:
+        """An array that was written before a leg, without which it means nothing; None where it is missing or
+        damaged.
+        """
+        found: Array | None = self.get("arrays", key, "data")
+        return found
+
+    def state(self, number: int) -> Array:
+        """The state after a leg, shape (rows, chains)."""
+        return _state(self, "legs", number, f"value {number}")
+
+
+class WearPoint(NamedTuple):
+    """Surfaces after ``told["turns"]`` turns: ``depth`` (m) and its ``rate`` (m a turn) around them, shape
+    (surfaces, places).
+    """
+
+    depth: Array
+    rate: Array
+    told: dict[str, Any]
+
+
+class WearFile(Store):
+    """A file of how a mechanism wears."""
+
+    schema: ClassVar[Schema] = WEAR
+
+    def points(self) -> list[WearPoint]:
+        """All points from the first on, up to one that is missing or damaged."""
+        return [WearPoint(row["depth"], row["rate"], row["told"]) for row in self.sequence("points")]
+
+    @property
+    def companion_difference(self) -> tuple[float, ...]:
+        """Difference of the last block from its companion; empty before it was computed."""
+        return tuple(self.get("meta", "beside", "json") or ())
+
+    def state(self, number: int) -> Array:
+        """The state after a point, shape (rows,)."""
+        return _state(self, "points", number, f"point {number}")
+
+
+def _state(file: Store, table: str, number: int, name: str) -> Array:
+    row: Row | None = file.row(table, number)
+    if row is None:
+        raise RunFileError(
+            f"{file.path}: the state after {name} is damaged; make the {file.schema.kind} again"
+        )
+    found: Array = row["state"]
+    return found

@@ -1,0 +1,365 @@
+"""What a run file keeps of a run: where it comes from, its assembly, its companions; and a record made again
+from that.
+
+The assembled mechanism is kept by names, integers, parameters and its start, so that reading a run assembles
+nothing. The state is kept block by block under the blocks' names: a later order of rows, and blocks that come
+or go, do not matter.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assemble import forms
+from ..assembly.assembled import Assembly, BodyMap, StepChoice
+from ..compiler.runtime.loops import compiler_of
+from ..errors import ResumeError, RunFileError
+from ..kernels.arrays import Layout
+from ..kernels.blocks import BY_NAME
+from ..kernels.topology import Topology
+from ..kinematics.mobility import Mobility
+from ..laws import ContactLaw, FrictionLaw
+from ..laws.stored import kept as kept_laws
+from ..laws.stored import standing_in
+from ..model.mechanism import Mechanism
+from ..model.surfaces import surfaces
+from ..modelfile import dump, loads
+from ..solvers.companions import Beside, Companions, Parting, companion_rows, oldest_needed
+from ..solvers.record import Record, Rows, lasting_blocks, lasting_rows
+from ..solvers.repeating import outputs_of_a_turn
+from ..solvers.status import Status
+from .runfile import RunFile
+
+NAMES = ("contacts", "ideals", "pivots", "springs", "contact_joints", "notes", "shared")
+OF_LAWS = (
+    "contact_laws",
+    "friction_laws",
+    "contact_form",
+    "friction_form",
+)  # follow from the laws that the model names
+
+# --------------------------------------------------------------------------------------------------------
+# what is written
+
+
+def versions(loop: str = "generated") -> dict[str, str]:
+    """Versions of what computes a run by a loop; no large library is imported for it."""
+    from .. import __version__
+
+    return {
+        "python": sys.version.split()[0],
+        "vfife": __version__,
+        "numpy": np.__version__,
+        **compiler_of(loop),
+    }
+
+
+def provenance(
+    assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: str | None = None
+) -> dict[str, Any]:
+    """What a run file's meta should hold to read the run again, and to run it again; of the user's own laws
+    also the text of their files.
+
+    ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. ``model`` is the
+    text of the mechanism where it is written already. Raises ValueError for a mechanism that no model file
+    can hold.
+    """
+    return {
+        "model": dump(assembly.mechanism) if model is None else model,
+        "source": assembly.mechanism.source,
+        "versions": versions(loop),
+        "step": assembly.choice.step,
+        "choice": dataclasses.asdict(assembly.choice),
+        "loop": loop,
+        "kept": named_rows(assembly, kept),
+        "laws": sources(assembly.mechanism),
+        "notes": list(assembly.notes),
+        "own_laws": own_laws(assembly.mechanism),
+        **kept_assembly(assembly),
+    }
+
+
+def own_laws(mechanism: Mechanism) -> list[dict[str, Any]]:
+    """The user's own laws in a mechanism, with the text of their files."""
+    joints = mechanism.contacts.values()
+    return kept_laws(
+        [(law, surfaces(mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
+    )
+
+
+def sources(mechanism: Mechanism) -> dict[str, str]:
+    """Source of each law, by joint and name."""
+    joints = mechanism.contacts.values()
+    return {
+        f"{joint.name}.{law.name}": law.source for joint in joints for law in (joint.contact, joint.friction)
+    }
+
+
+def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, tuple[int, int]]]:
+    """The kept rows as runs of a block: its name, the first of its rows and how many follow one another."""
+    layout = assembly.layout
+    names = list(BY_NAME)
+    block, entity = np.zeros(layout.rows, dtype=int), np.zeros(layout.rows, dtype=int)
+    for k, name in enumerate(names):
+        where = layout.rows_of(name)
+        block[where] = k
+        entity[where] = np.arange(len(where))
+    b, e = block[kept], entity[kept]
+    starts = (
+        np.flatnonzero(np.r_[True, (np.diff(b) != 0) | (np.diff(e) != 1)])
+        if len(kept)
+        else np.zeros(0, dtype=int)
+    )
+    counts = np.diff(np.r_[starts, len(kept)])
+    return [(names[b[at]], (int(e[at]), int(count))) for at, count in zip(starts, counts, strict=True)]
+
+
+def kept_assembly(assembly: Assembly) -> dict[str, Any]:
+    """What a run file's meta keeps of an assembly: ``assembly`` for JSON, ``start`` and ``tables`` as arrays."""
+    mobility, blocks = assembly.mobility, lasting_blocks(assembly.layout)
+    topology = {
+        field.name: getattr(assembly.topology, field.name)
+        for field in dataclasses.fields(Topology)
+        if field.name not in OF_LAWS
+    }
+    told = {
+        "topology": topology,
+        "blocks": [(name, len(rows)) for name, rows in blocks],
+        "bodies": [dataclasses.asdict(body) for body in assembly.bodies.values()],
+        "mobility": None if mobility is None else dataclasses.asdict(mobility),
+        **{name: getattr(assembly, name) for name in NAMES},
+    }
+    return {
+        "assembly": told,
+        "start": assembly.state[lasting_rows(assembly.layout)],
+        "tables": assembly.tables,
+    }
+
+
+def kept_companions(
+    assembly: Assembly,
+    counts: NDArray[np.int64],
+    earlier: Mapping[str, tuple[float, float]],
+    rows: NDArray[np.uint32] | None = None,
+) -> dict[str, Any]:
+    """The entry of a run file's meta, with the names of ``rows``, those of today unless given; nothing
+    without companions.
+    """
+    if not len(counts):
+        return {}
+    kept = named_rows(assembly, companion_rows(assembly) if rows is None else rows)
+    return {"companions": {"counts": [int(one) for one in counts], "kept": kept, "earlier": dict(earlier)}}
+
+
+def beside(record: Record) -> Beside | None:
+    """What the companions of a record left, for a run file that is written at its end."""
+    found = record.companions
+    if found is None:
+        return None
+    choice, outputs = record.assembly.choice, outputs_of_a_turn(record.assembly)
+    steps = 0 if outputs is None else outputs * choice.outputs_every
+    return Beside(
+        found.rows, found.told, oldest_needed(record.assembly, int(record.steps[-1])), found.turns, 1, steps
+    )
+
+
+def keep_reference(file: RunFile, record: Record) -> None:
+    """Stores the record of the ideal mechanism beside the run."""
+    meta = provenance(record.assembly, record.kept, record.loop) | {
+        "status": record.status,
+        "wall": record.wall,
+    }
+    file.keep_reference(meta, record.steps, record.rows)
+
+
+# -----------------------------------------------------------------------------------------------------------
+# what is read
+
+
+def restored(
+    meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows | Callable[[], Rows], where: str
+) -> Record:
+    """The record of which a file kept the meta, the steps and the rows, or what reads them; ``where`` names
+    the file in messages.
+
+    The model is read and not assembled. Raises RunFileError where the model cannot be read by this version,
+    or was recorded with quantities it does not know.
+    """
+    if missing := [
+        key for key in ("model", "choice", "kept", "assembly", "start", "tables") if key not in meta
+    ]:
+        raise RunFileError(
+            f"{where}: the run ended before it said what it runs, or that is damaged ({', '.join(missing)});"
+            " run the model again"
+        )
+    if len(steps) and steps[0] != 0:
+        raise RunFileError(
+            f"{where}: this run file is damaged (its first output is lost, from which energies count); run"
+            " the model again"
+        )
+    if not len(steps):
+        raise RunFileError(f"{where}: the run ended before its first output; run the model again")
+    pairs = {
+        name: tuple((first, second) for first, second in meta["choice"].get(name, ()))
+        for name in ("limits", "tried")
+    }
+    try:
+        with standing_in(meta.get("own_laws", ())):
+            mechanism = loads(meta["model"])
+    except ValueError as error:
+        by = meta.get("versions", {}).get("vfife", "another version")
+        raise RunFileError(
+            f"{where}: the model in this run file, written by vfife {by}, cannot be read: {error}. "
+            "If it uses a law of your own, load the file that defines the law first"
+        ) from error
+    mechanism.source = meta.get("source")
+    assembly = assembly_of(meta, mechanism, StepChoice(**{**meta["choice"], **pairs}), where)
+    kept = rows_named(assembly, meta["kept"], where)
+    if isinstance(rows, np.ndarray) and (rows.shape[1] != len(kept) or len(rows) != len(steps)):
+        raise RunFileError(
+            f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again"
+        )
+    wall, loop, message = (
+        float(meta.get("wall", 0.0)),
+        str(meta.get("loop", "")),
+        str(meta.get("message", "")),
+    )
+    return Record(assembly, steps, rows, kept, wall, loop, status_of(meta, where), message=message)
+
+
+def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, where: str) -> Rows:
+    """S of a checkpoint."""
+    return state_of(assembly.layout, meta["assembly"]["blocks"], values, where)
+
+
+def status_of(meta: Mapping[str, Any], where: str) -> Status:
+    """How the run of a file ended. Raises RunFileError for a word that this version does not know."""
+    text = str(meta.get("status", Status.COMPLETE))
+    try:
+        status = Status(text)
+    except ValueError:
+        raise RunFileError(
+            f"{where}: the run is said to be {text!r}, which this version does not know; read it with the one"
+            " that wrote it"
+        ) from None
+    return Status.UNFINISHED if status == Status.RUNNING else status
+
+
+def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], where: str) -> NDArray[np.uint32]:
+    """Rows of S of runs of a block, as :func:`named_rows` gives them."""
+    layout = assembly.layout
+    rows = {name: layout.rows_of(name) for name in BY_NAME}
+    unknown = sorted({name for name, (first, count) in runs if first + count > len(rows.get(name, ()))})
+    if unknown:
+        raise RunFileError(
+            f"{where}: it records {', '.join(unknown)}, which this version does not know for this model; "
+            "read it with the version it names, or run the model again"
+        )
+    parts = [np.array(rows[name][first : first + count], dtype=np.uint32) for name, (first, count) in runs]
+    return np.concatenate(parts) if parts else np.zeros(0, dtype=np.uint32)
+
+
+def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoice, where: str) -> Assembly:
+    """The assembly of which a file kept the parts; ``where`` names the file in messages. Raises RunFileError
+    where they do not fit.
+    """
+    told = _tuples(meta["assembly"])
+    joints = [mechanism.contacts[name] for name in told["contact_joints"]]
+    contact = forms(ContactLaw, [joint.contact for joint in joints])
+    friction = forms(FrictionLaw, [joint.friction for joint in joints])
+    topology = Topology(
+        **_known(Topology, told["topology"]),
+        contact_laws=contact,
+        friction_laws=friction,
+        contact_form=tuple(contact.index(joint.contact.form()) for joint in joints),
+        friction_form=tuple(friction.index(joint.friction.form()) for joint in joints),
+    )
+    layout = Layout(topology)
+    bodies = {body["name"]: BodyMap(**_known(BodyMap, body)) for body in told["bodies"]}
+    mobility = None if told["mobility"] is None else Mobility(**_known(Mobility, told["mobility"]))
+    names = {name: told.get(name, ()) for name in NAMES}
+    state = state_of(layout, told["blocks"], meta["start"], where)
+    return Assembly(
+        mechanism, topology, layout, state, meta["tables"], bodies, choice=choice, mobility=mobility, **names
+    )
+
+
+def state_of(
+    layout: Layout, blocks: Iterable[tuple[str, int]], values: NDArray[np.float64], where: str
+) -> NDArray[np.float64]:
+    """S from its blocks; a block of today that was not there is zero, one that is not there any more is left
+    out.
+    """
+    state, at = np.zeros(layout.rows), 0
+    for name, count in blocks:
+        rows = layout.rows_of(name) if name in BY_NAME else None
+        if at + count > len(values) or (rows is not None and len(rows) != count):
+            raise RunFileError(
+                f"{where}: the state has {count} numbers for {name}, which does not fit the model; run the"
+                " model again"
+            )
+        if rows is not None:
+            state[rows] = values[at : at + count]
+        at += count
+    return state
+
+
+def _known(kind: type[Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of the fields that a class has today."""
+    return {field.name: values[field.name] for field in dataclasses.fields(kind) if field.name in values}
+
+
+def _tuples(value: Any) -> Any:
+    """JSON's lists as the tuples that they were."""
+    if isinstance(value, list):
+        return tuple(_tuples(one) for one in value)
+    return {key: _tuples(one) for key, one in value.items()} if isinstance(value, dict) else value
+
+
+def restored_companions(file: RunFile, record: Record) -> Companions | None:
+    """The companions of a record that was read from a file, None where none are kept. Raises RunFileError
+    where they do not fit the run.
+    """
+    kept, meta = file.companions(), file.meta.get("companions")
+    if kept is None or meta is None:
+        return None
+    (told, steps, rows), where = kept, str(file.path)
+    counts, names = counts_of(meta, record.assembly), rows_named(record.assembly, meta["kept"], where)
+    if rows.shape[1] != len(names) * len(counts):
+        raise RunFileError(
+            f"{where}: {rows.shape[1]} numbers are kept of {len(counts)} companions with {len(names)} each;"
+            " run the model again"
+        )
+    parting = None if told["parting"] is None else Parting(float(told["parting"][0]), str(told["parting"][1]))
+    window = steps >= oldest_needed(record.assembly, int(record.steps[-1]))
+    rows = rows.reshape(len(rows), len(names), len(counts))[window]
+    earlier = {name: (float(low), float(high)) for name, (low, high) in meta["earlier"].items()}
+    turns, outputs = file.turns(), outputs_of_a_turn(record.assembly)
+    some = 0 if outputs is None else (len(record.steps) - 1) // outputs
+    whole = turns[:some] if turns.shape[1:] == rows.shape[1:] and len(turns) >= some else turns[:0]
+    return Companions(counts, names, steps[window], rows, parting, tuple(told["lost"]), earlier, whole)
+
+
+def refuse_displaced(meta: Mapping[str, Any], where: str) -> None:
+    """Raise ResumeError for a run of version 0.2 whose companions had the step of the run and displaced first
+    steps: they are no longer stepped.
+    """
+    if "shifts" in meta.get("companions", {}):
+        raise ResumeError(
+            f"{where}: version 0.2 wrote this run, with companions of the same step, which are no longer"
+            " made; its results stay readable; start a new run from its end (--start-from), or run the model"
+            " again"
+        )
+
+
+def counts_of(meta: Mapping[str, Any], assembly: Assembly) -> NDArray[np.int64]:
+    """Steps of each companion between two outputs, from the entry of a file's meta."""
+    if "counts" in meta:
+        return np.array(meta["counts"], dtype=np.int64)
+    return np.full(len(meta.get("shifts", ())), assembly.choice.outputs_every, dtype=np.int64)

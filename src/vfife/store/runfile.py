@@ -1,0 +1,604 @@
+"""A file of a run: model, start, versions, history, checkpoints, events, companions, reference.
+
+Rows of S are stored chunk by chunk, each in one transaction with the checkpoint that goes on from its end,
+and are read into memory or, where they are many, into a mapped file of no name. Every entry of the meta, and
+the first output, from which energies count, has a copy elsewhere in the file: damage to one place loses none
+of them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import sqlite3
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RunFileError, StorageError
+from ..solvers.record import Checkpoint
+from .connections import writable
+from .packing import packed, seal, unpacked
+from .schemas import RUN, Schema, is_run_file
+from .store import Row, Store, now
+
+if TYPE_CHECKING:
+    from ..solvers.companions import Beside
+
+Array = NDArray[np.float64]
+Steps = NDArray[np.int64]
+CHECKPOINTS = 2  # the latest ones are kept
+LARGE = 10**8  # bytes of a file whose outputs are read when they are asked for
+IN_MEMORY = 2**28  # bytes of rows that are read into memory; more are mapped
+PART_BYTES = 2**26  # of the reference's rows in one block
+ARRAY = "array."  # of the meta, among the parts of a reference
+KEYS = "*"  # the entry that names all others
+FIRST = "first output"  # its copy
+COUNTED = "counted"  # what a run that ended left: where all of a table is damaged, nothing else tells of it
+NOT_COPIED = {"summary"}  # what can be told again from the rest
+META = (("meta", "json"), ("arrays", "data"))  # tables of entries and their columns
+
+
+class StoredRecord(NamedTuple):
+    """Rows of companions or of the ideal reference, shape (outputs, kept), their steps, shape (outputs,), and
+    what is known of them.
+    """
+
+    told: dict[str, Any]
+    steps: Steps
+    rows: Array
+
+
+class Chunk(NamedTuple):
+    """Outputs that were written at once: place of the first one, steps, shape (outputs,), and rows, shape
+    (outputs, kept).
+    """
+
+    first: int
+    steps: Steps
+    rows: Array
+
+
+class RunFile(Store):
+    """A run file. ``lost`` says, after reading, what was damaged and is left out."""
+
+    schema: ClassVar[Schema] = RUN
+
+    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+        super().__init__(path, connection)
+        self._gather = 0.0
+        self._lost: dict[str, None] = {}
+        self._next: dict[str, Any] = {}  # the meta of a try whose first output is still to come
+        self.arrive: Callable[[], Path] | None = (
+            None  # moves the file to its place, once its first outputs are in it
+        )
+
+    @classmethod
+    def create(
+        cls, path: str | Path, meta: Mapping[str, Any] | None = None, fill: Callable[[Self], object] | None = None, *, replace: bool = False,
+        gather: float = 0.0,
+    ) -> Self:  # fmt: skip
+        """A new run file with ``meta``: anything JSON can say, and arrays; best from
+        :func:`~vfife.store.provenance.provenance`.
+
+        What is written within ``gather`` seconds becomes one transaction, which ends with a checkpoint; each
+        is one of its own by default. Raises StorageError where the file cannot be made, RunFileError where it
+        is there already and ``replace`` is false, or is no run file.
+        """
+        path = Path(path)
+        if path.exists():
+            if not replace:
+                raise RunFileError(
+                    f"{path}: there is a run file already; name another one or remove it first"
+                )
+            if path.stat().st_size and not is_run_file(path):
+                raise RunFileError(
+                    f"{path}: there is another file of this name, which is no run file of vfife; name"
+                    " another one"
+                )
+            path.with_name(path.name + "-journal").unlink(missing_ok=True)
+        file = super().create(path, {"status": "running", "created": now(), **(meta or {})}, fill)
+        file._gather = gather
+        return file
+
+    @classmethod
+    def write(cls, path: str | Path, *, gather: float = 0.0) -> Self:
+        """A run file that is there, to go on with. Raises RunFileError, StorageError."""
+        file = super().write(path)
+        file._gather = gather
+        with file.reported():
+            file.complete()
+        return file
+
+    def examine(self) -> None:
+        """Read the meta, so that a damaged file is reported here, not at its first use. The other rows are
+        checked when they are read.
+        """
+        _ = self.meta
+
+    # -------------------------------------------------------------------------------------------------------
+    # writing
+
+    def begin(self, meta: Mapping[str, Any]) -> None:
+        """Start the run anew, as after a try with too large a step: ``meta`` is replaced key by key, and what
+        was computed gives way, once the first output of the new try is there.
+        """
+        self._next = {"status": "running", **meta}
+        if self._counts_so_far() == (0, 0):
+            with self.transaction():
+                self._anew()
+
+    def append(
+        self, steps: Steps, rows: Array, beside: Beside | None = None, checkpoint: Checkpoint | None = None
+    ) -> None:
+        """Add outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept). Step 0
+        starts anew. ``beside`` is what companions leave at the last of these outputs; of theirs only those
+        still needed stay. ``checkpoint`` is the state at their end.
+        """
+        if len(steps) == 0 and checkpoint is None:
+            return
+        with self.transaction(math.inf if checkpoint is None else self._gather):
+            if len(steps):
+                self._append(steps, rows, beside)
+            if checkpoint is not None:
+                self._checkpoint(checkpoint)
+        if self.arrive is not None and len(steps):
+            self._move(self.arrive)
+
+    def _append(self, steps: Steps, rows: Array, beside: Beside | None) -> None:
+        if int(steps[0]) == 0:
+            self._anew()
+            self.insert("copies", FIRST, packed(rows[:1]))
+        chunk, first = self._counts_so_far()
+        self.insert("history", chunk, first, len(steps), steps.astype(float), rows)
+        if beside is not None:
+            outputs = len(beside.rows)
+            own = steps[len(steps) - outputs :].astype(float)
+            self.insert(
+                "companions",
+                first + len(steps) - outputs,
+                outputs,
+                int(steps[-1]),
+                beside.told,
+                own,
+                beside.rows.reshape(outputs, -1),
+            )
+            self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
+            for turn, values in enumerate(beside.turns, beside.first):
+                self.insert("turns", turn, turn * beside.steps, values)
+
+    def checkpoint(self, step: int, state: Array, more: Mapping[str, Any] | None = None) -> None:
+        """Write the state after ``step``, from which a run can go on, in the order of the blocks of the
+        start, shape (rows,) or (rows, lanes).
+
+        ``more``: what the solver needs beside it, for JSON.
+        """
+        with self.transaction(self._gather):
+            self._checkpoint(Checkpoint(step, state, more or {}))
+
+    def _checkpoint(self, checkpoint: Checkpoint) -> None:
+        self.insert(
+            "checkpoints",
+            int(checkpoint.step),
+            *self._counts_so_far(),
+            dict(checkpoint.more),
+            checkpoint.values,
+        )
+        old = (
+            "DELETE FROM checkpoints WHERE step NOT IN (SELECT step FROM checkpoints ORDER BY step DESC"
+            " LIMIT ?)"
+        )
+        self._connection.execute(old, (CHECKPOINTS,))
+
+    def rewind(self, checkpoint: Checkpoint) -> None:
+        """Remove what was written after a checkpoint, from which the run goes on."""
+        with self.transaction():
+            for table, column in (("checkpoints", "step"), ("companions", "last"), ("turns", "last")):
+                self._connection.execute(f"DELETE FROM {table} WHERE {column} > ?", (checkpoint.step,))
+            self._connection.execute("DELETE FROM history WHERE chunk >= ?", (checkpoint.chunks,))
+            self._put({COUNTED: None})
+
+    def event(self, step: int, text: str) -> None:
+        """Note that something happened after ``step``."""
+        with self.transaction():
+            number = self.query("SELECT coalesce(max(number) + 1, 1) FROM events")[0]
+            self.insert("events", int(number), int(step), now(), text)
+
+    def keep_reference(self, meta: Mapping[str, Any], steps: Steps, rows: Array) -> None:
+        """Write the record of the ideal mechanism beside the run."""
+        entries, arrays = _parted(meta)
+        some = max(1, PART_BYTES // max(8 * rows.shape[1], 1))
+        parts = {"steps": packed(steps.astype(float))}
+        parts |= {
+            f"rows.{k}": packed(rows[first : first + some])
+            for k, first in enumerate(range(0, max(len(rows), 1), some))
+        }
+        parts |= {f"{ARRAY}{key}": packed(values) for key, values in arrays.items()}
+        parts |= {"meta": json.dumps({**entries, KEYS: sorted(parts)}).encode()}
+        with self.transaction(math.inf):
+            for part, data in parts.items():
+                self.insert("reference", part, data)
+
+    def finish(self, status: str, summary: Mapping[str, Any] | None = None, **meta: Any) -> None:
+        """Write how the run ended ("complete", "interrupted", "diverged"), with its summary and what else is
+        known.
+        """
+        with self.transaction():
+            counted = {
+                table: self.query(f"SELECT count(*) FROM {table}")[0]
+                for table in ("checkpoints", "companions", "reference", "events")
+            }
+            counted |= {"history": self._counts_so_far(), "steps": _seal_of_steps(self._blobs_of_steps())}
+            self._put(
+                {
+                    "status": status,
+                    "finished": now(),
+                    "summary": dict(summary or {}),
+                    **meta,
+                    COUNTED: counted,
+                }
+            )
+
+    def _due(self, patience: float) -> bool:
+        return not self._gather or self.arrive is not None or super()._due(patience)
+
+    def _move(self, move: Callable[[], Path]) -> None:
+        """Bring the file to its place and go on there."""
+        self.flush()
+        self._connection.close()
+        self.arrive = None
+        try:
+            self.path = move()
+        finally:
+            self._connection = writable(self.path)
+
+    def _put(self, meta: Mapping[str, Any]) -> None:
+        entries, arrays = _parted(meta)
+        if not meta:
+            return
+        known = self._entry("meta", KEYS)
+        entries[KEYS] = sorted({*entries, *arrays, *(json.loads(known) if known else ())})
+        for table, values in (("meta", entries), ("arrays", arrays)):
+            for key, value in values.items():
+                self.insert(table, key, value)
+                if key not in NOT_COPIED:
+                    self.insert(
+                        "copies",
+                        f"{table}.{key}",
+                        packed(value) if table == "arrays" else json.dumps(value).encode(),
+                    )
+
+    def _anew(self) -> None:
+        """Remove what was computed, and write what is computed next."""
+        for table in ("history", "checkpoints", "companions", "turns"):
+            self._connection.execute(f"DELETE FROM {table}")
+        self._put({**self._next, COUNTED: None})
+        self._next = {}
+
+    # ---------------------------------------------------------------------------------------------------------- meta
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """What was found damaged so far, and is left out."""
+        return tuple(self._lost)
+
+    def _lose(self, what: str) -> None:
+        self._lost[what] = None
+
+    @property
+    def meta(self) -> dict[str, Any]:
+        """What is known of the run: model text, start, versions, step, loop, kept rows, laws, status,
+        summary. Raises RunFileError.
+        """
+        found: dict[str, Any] = {}
+        lost: set[str] = set()
+        copies = [str(key) for key in self.keys("copies")]
+        with self.reported():
+            for table, _ in META:
+                prefix = f"{table}."
+                for key in {
+                    *self.keys(table),
+                    *(key.removeprefix(prefix) for key in copies if key.startswith(prefix)),
+                }:
+                    value = self._entry(table, key)
+                    if value is None:
+                        lost.add(str(key))
+                    else:
+                        found[str(key)] = json.loads(value) if table == "meta" else unpacked(value)
+        names = found.pop(KEYS, None)
+        if names is None and (found or lost):
+            self._lose("the list of what it says")
+        for name in sorted((lost | set(names or ())) - set(found) - {KEYS}):
+            self._lose(f"its {name}" if name.isprintable() else "an entry of what it says")
+        found.pop(COUNTED, None)
+        if not found:
+            raise RunFileError(self.damaged("nothing is left of what it says"))
+        return found
+
+    def _entry(self, table: str, key: Any) -> Any:
+        """An entry or its copy, as stored; None where both are lost or there is none."""
+        row = self.row(table, key) or self.row("copies", f"{table}.{key}")
+        return None if row is None else row.values[1]
+
+    def _counted(self, table: str) -> Any:
+        """How many rows of a table there were when the run ended, chunks and outputs of the history; zero
+        before, or where nobody knows.
+        """
+        with self.reported():
+            found = json.loads(self._entry("meta", COUNTED) or "null")
+        return (found or {"history": (0, 0)}).get(table, 0)
+
+    # -------------------------------------------------------------------------------------------------------
+    # history
+
+    @property
+    def steps(self) -> Steps:
+        """Step numbers of the outputs, shape (outputs,)."""
+        return self.outputs(only_steps=True)[0]
+
+    def steps_alone(self) -> Steps | None:
+        """The same of a large file of a run that ended, soon, for no output is read, nor its damage seen;
+        None of any other.
+        """
+        if self.path.stat().st_size <= LARGE:
+            return None
+        try:
+            blobs = self._blobs_of_steps()
+        except (sqlite3.DatabaseError, UnicodeDecodeError, TypeError):
+            return None
+        if not blobs or _seal_of_steps(blobs) != self._counted("steps"):
+            return None
+        with self.reported():
+            return np.concatenate([unpacked(data) for data in blobs]).astype(np.int64)
+
+    def _blobs_of_steps(self) -> list[bytes]:
+        """Step numbers of all chunks, as they are stored; what stands behind them in their rows is not read."""
+        return [
+            bytes(data) for (data,) in self._connection.execute("SELECT steps FROM history ORDER BY chunk")
+        ]
+
+    @property
+    def outputs_so_far(self) -> int:
+        """How many outputs were written."""
+        return self._counts_so_far()[1]
+
+    @property
+    def rows(self) -> Array:
+        """Recorded rows, shape (outputs, kept)."""
+        return self.outputs()[1]
+
+    def outputs(self, only_steps: bool = False) -> tuple[Steps, Array]:
+        """Steps of the outputs, shape (outputs,), and their rows, shape (outputs, kept); those that are
+        damaged are left out, and noted.
+        """
+        chunks, total = self._planned()
+        steps, rows, filled, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
+        for first, own, values in self._chunks(chunks, only_steps):
+            if first > at:
+                self._lose(missing(at, first))
+            if not only_steps and rows.size == 0:
+                rows = space(total, values.shape[1])
+            if len(own) > total - filled or not (only_steps or values.shape == (len(own), rows.shape[1])):
+                self._lose(missing(first, first + len(own)))
+                continue
+            steps[filled : filled + len(own)] = own
+            if not only_steps:
+                rows[filled : filled + len(own)] = values
+            filled, at = filled + len(own), first + len(own)
+        if at < total:
+            self._lose(missing(at, total))
+        return steps[:filled], rows[:filled]
+
+    def later(self) -> Callable[[], Array]:
+        """What reads the rows of the outputs when they are asked for, also after this file is closed."""
+        self.flush()
+        return partial(rows_of, self.path.absolute())
+
+    def _counts_so_far(self) -> tuple[int, int]:
+        """Chunks and outputs there are."""
+        row = self.query("SELECT chunk + 1, first + outputs FROM history ORDER BY chunk DESC LIMIT 1")
+        return (0, 0) if row is None else (int(row[0]), int(row[1]))
+
+    def _planned(self) -> tuple[int, int]:
+        """Chunks and outputs that there should be."""
+        chunks, outputs = self._counted("history")
+        counts = [(int(chunks), int(outputs))]
+        counts += [
+            (int(row["chunks"]), int(row["outputs"]))
+            for _, row in self.each("checkpoints")
+            if row is not None
+        ]
+        for chunk in reversed(self.keys("history")):
+            row = self.row("history", chunk)
+            if row is not None:
+                counts.append((int(row["chunk"]) + 1, int(row["first"]) + int(row["outputs"])))
+                break
+        return max(chunks for chunks, _ in counts), max(outputs for _, outputs in counts)
+
+    def _chunks(self, chunks: int, only_steps: bool) -> Iterator[Chunk]:
+        """Each chunk that is whole; of the first one, where it is not, at least its first output."""
+        last = -1
+        for chunk in range(chunks):
+            part = self._chunk(chunk, last, only_steps)
+            if part is None and chunk == 0 and (row := self.row("copies", FIRST)) is not None:
+                with self.reported():
+                    part = Chunk(
+                        0,
+                        np.zeros(1, dtype=np.int64),
+                        np.zeros((0, 0)) if only_steps else unpacked(row["data"]),
+                    )
+            if part is not None:
+                last = int(part.steps[-1])
+                yield part
+
+    def _chunk(self, chunk: int, last: int, only_steps: bool) -> Chunk | None:
+        """A chunk; None where it is damaged, or its steps do not rise from ``last`` on."""
+        row = self.row("history", chunk)
+        if row is None:
+            return None
+        steps = row["steps"].astype(np.int64)
+        if len(steps) != row["outputs"] or len(steps) == 0 or steps[0] <= last or (np.diff(steps) <= 0).any():
+            return None
+        return Chunk(int(row["first"]), steps, np.zeros((0, 0)) if only_steps else row["data"])
+
+    # ---------------------------------------------------------------------------------------- what belongs to
+    # a history
+
+    def _every(self, table: str, what: str) -> list[Row] | None:
+        """All rows of a table; None where some are damaged or missing, which is noted."""
+        found = [row for _, row in self.each(table)]
+        rows = [row for row in found if row is not None]
+        if len(rows) == len(found) >= self._counted(table):
+            return rows
+        self._lose(what)
+        return None
+
+    def companions(self) -> StoredRecord | None:
+        """What companions left, rows of shape (outputs, kept times companions); None without any, or where
+        they are damaged.
+        """
+        chunks = self._every("companions", "the companions")
+        if not chunks:
+            return None
+        steps, parts = [row["steps"].astype(np.int64) for row in chunks], [row["data"] for row in chunks]
+        fit = all(
+            len(one) == len(part) and part.ndim == 2 and part.shape[1] == parts[0].shape[1]
+            for one, part in zip(steps, parts, strict=True)
+        )
+        follow = all(
+            one["first"] + one["outputs"] == other["first"]
+            for one, other in zip(chunks, chunks[1:], strict=False)
+        )
+        if not (fit and follow):
+            self._lose("the companions")
+            return None
+        return StoredRecord(chunks[-1]["told"], np.concatenate(steps), np.concatenate(parts))
+
+    def turns(self) -> Array:
+        """What companions leave of each whole turn, shape (turns, kept, companions); without any where they
+        are damaged, or there are none.
+        """
+        rows = [row for _, row in self.each("turns")]  # a table that is missing has no rows
+        parts = [row["data"] for row in rows if row is not None]
+        if [row and row["turn"] for row in rows] != list(range(1, len(rows) + 1)) or len(
+            {part.shape for part in parts}
+        ) > 1:
+            self._lose("the companions' turns")
+            return np.zeros((0, 0, 0))
+        return np.array(parts) if parts else np.zeros((0, 0, 0))
+
+    def latest(self) -> Checkpoint | None:
+        """The latest checkpoint that is whole, from which the run can go on; None where there is none."""
+        found = list(self.each("checkpoints"))
+        if len(found) < self._counted("checkpoints"):
+            self._lose("a checkpoint")
+        for step, row in reversed(found):
+            if row is not None:
+                return Checkpoint(
+                    int(row["step"]), row["state"], row["more"], int(row["chunks"]), int(row["outputs"])
+                )
+            self._lose(f"the checkpoint of step {step:,}")
+        return None
+
+    def last_checkpoint(self) -> tuple[int, Array] | None:
+        """Step number and state S of the latest checkpoint, or None."""
+        found = self.latest()
+        return (
+            None
+            if found is None
+            else (
+                found.step,
+                found.values if found.values.ndim == 1 else np.ascontiguousarray(found.values[:, 0]),
+            )
+        )
+
+    @property
+    def events(self) -> list[tuple[int, str, str]]:
+        """Step, time (UTC) and text of the events, in their order."""
+        found = [row.values[1:] for _, row in self.each("events") if row is not None]
+        if len(found) < self._counted("events"):
+            self._lose("some of its events")
+        return [(step, time, text) for step, time, text in found]
+
+    @property
+    def has_reference(self) -> bool:
+        """Whether the record of the ideal mechanism is there."""
+        return self.query("SELECT 1 FROM reference LIMIT 1") is not None
+
+    def reference(self) -> StoredRecord | None:
+        """Meta, steps and rows of the ideal mechanism's record; None where there is none, or it is damaged."""
+        rows = self._every("reference", "the ideal reference")
+        if not rows:
+            return None
+        with self.reported():
+            found = _reference_of({row["part"]: row["data"] for row in rows})
+        if found is None:
+            self._lose("the ideal reference")
+        return found
+
+
+def _reference_of(parts: Mapping[str, bytes]) -> StoredRecord | None:
+    """The record of rows of its table; None where some of them are missing."""
+    blocks = sorted(
+        (key for key in parts if key.startswith("rows")), key=lambda key: int(key.partition(".")[2] or 0)
+    )
+    meta = json.loads(parts.get("meta", b"{}"))
+    if not blocks or not {"meta", "steps", *meta.pop(KEYS, ())} <= set(parts):
+        return None
+    meta |= {key.removeprefix(ARRAY): unpacked(data) for key, data in parts.items() if key.startswith(ARRAY)}
+    steps, rows = (
+        unpacked(parts["steps"]).astype(np.int64),
+        np.concatenate([unpacked(parts[key]) for key in blocks]),
+    )
+    return StoredRecord(meta, steps, rows) if len(steps) == len(rows) else None
+
+
+def _parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """What JSON can say, and arrays."""
+    arrays = {key: value for key, value in meta.items() if isinstance(value, np.ndarray)}
+    return {key: value for key, value in meta.items() if key not in arrays}, arrays
+
+
+def _seal_of_steps(blobs: list[bytes]) -> str:
+    """The seal of all step numbers together."""
+    return seal("steps", *blobs).hex()
+
+
+def missing(first: int, end: int) -> str:
+    """Outputs that are lost, in words."""
+    return f"output {first:,}" if end == first + 1 else f"outputs {first:,} to {end - 1:,}"
+
+
+def rows_of(path: Path) -> Array:
+    """Recorded rows of a run file. Raises RunFileError where some of them are damaged."""
+    with RunFile.open(path) as file:
+        rows = file.rows
+        if file.lost:
+            raise RunFileError(file.damaged(", ".join(file.lost)))
+        return rows
+
+
+def space(outputs: int, width: int) -> Array:
+    """Room for rows: memory, or where they are many a file of no name, of which the system keeps in memory
+    what is looked at.
+
+    Raises StorageError where there is no room for it.
+    """
+    size = 8 * outputs * width
+    if size <= IN_MEMORY:
+        return np.empty((outputs, width))
+    folder = tempfile.gettempdir()
+    free = shutil.disk_usage(folder).free
+    if size > free:
+        raise StorageError(
+            f"{folder}: the outputs of this run take {size:,} bytes when they are read, and {free:,} are free"
+            " there"
+        )
+    with tempfile.TemporaryFile() as file:
+        return np.memmap(file, dtype=float, mode="w+", shape=(outputs, width)).view(np.ndarray)

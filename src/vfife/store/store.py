@@ -1,0 +1,479 @@
+"""One sealed SQLite file for runs, studies, maps, wear and fits; :mod:`~vfife.store.schemas` says what is in
+each.
+
+Seals. Each row has a seal, a hash of its values. A row that was changed is left out and reported, the others
+are used.
+
+Tally. A seal cannot show that a row is gone. The meta of a file therefore has a tally: for each table the
+number of rows and the exclusive or of their seals, which does not depend on their order. It is written in the
+transaction that writes the rows, and has a seal itself. Runs, whose tables are too large to be counted at
+every opening, are counted when they end.
+
+Transactions. What is written while something runs is whole on the disk or not there; several transactions may
+be gathered into one, because each waits several times for the disk. SQLite keeps its rollback journal (no
+write-ahead log), so that a file is one file, and is read while it grows.
+"""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import sys
+import time
+import warnings
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from ..errors import DamageWarning, RunFileError, StorageError, VfifeError
+from ..files import replacement
+from .connections import damaged, is_of_storage, located, readable, unwritten, writable
+from .packing import SEAL_BYTES, packed, seal, unpacked
+from .schemas import Columns, Schema
+
+TALLY = "tally"  # its key in the meta
+SINCE = 2  # the format of a file that must have a tally
+Values = tuple[Any, ...]
+Counts = dict[str, tuple[int, int]]  # rows of a table and the exclusive or of their seals
+ERRORS = (sqlite3.Error, zlib.error, json.JSONDecodeError, UnicodeDecodeError)
+
+
+class Row:
+    """A sound row: ``row["state"]`` decodes the column of this name, ``values`` are all of them as they are
+    stored.
+    """
+
+    __slots__ = ("_columns", "_file", "seal", "values")
+
+    def __init__(self, file: Store, columns: Columns, values: Values, sealed: bytes) -> None:
+        self._file, self._columns, self.values, self.seal = file, columns, values, sealed
+
+    def __getitem__(self, column: str) -> Any:
+        value = self.values[list(self._columns).index(column)]
+        kind = self._columns[column]
+        if kind not in ("json", "array"):
+            return value
+        try:
+            return json.loads(value) if kind == "json" else unpacked(value) if value else None
+        except ERRORS as error:
+            raise self._file.fault(error) from error
+
+
+class Store:
+    """A sealed file, open for writing (:meth:`create`, :meth:`write`) or reading (:meth:`open`); a context
+    manager that closes it.
+
+    ``damage`` holds sentences on what was damaged or missing when the file was examined.
+    """
+
+    schema: ClassVar[Schema]
+
+    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+        self.path, self._connection = path, connection
+        self.size = 0  # bytes of the transaction under way
+        self.damage: tuple[str, ...] = ()
+        self._committed, self._waiting = time.monotonic(), False
+        self._counts: Counts | None = None
+
+    # -------------------------------------------------------------------------------------------------------
+    # opening
+
+    @classmethod
+    def create(
+        cls, path: Path, meta: Mapping[str, Any] | None = None, fill: Callable[[Self], object] | None = None
+    ) -> Self:
+        """A new file with entries of its meta and what ``fill`` writes; it is there whole or not at all, and
+        one of this name gives way.
+
+        Raises StorageError.
+        """
+        try:
+            with replacement(path) as part:
+                connection = writable(part)
+                try:
+                    connection.execute(f"PRAGMA application_id = {cls.schema.application}")
+                    connection.execute(f"PRAGMA user_version = {cls.schema.format}")
+                    file = cls(path, connection)
+                    with file._gathered():
+                        file.complete()
+                        file._put(meta or {})
+                        if fill is not None:
+                            fill(file)
+                finally:
+                    connection.close()
+        except (OSError, sqlite3.Error) as error:
+            why = f"no {cls.schema.kind} file can be made here ({error})"
+            raise StorageError(f"{unwritten(path, why)} Name a folder you can write to.") from error
+        return cls.write(path)
+
+    @classmethod
+    def write(cls, path: str | Path) -> Self:
+        """A file that is there, to go on with. Raises RunFileError for any other, StorageError."""
+        path = located(cls.schema, Path(path))
+        try:
+            return cls(path, writable(path))
+        except sqlite3.Error as error:
+            raise StorageError(unwritten(path, str(error))) from error
+
+    @classmethod
+    def open(cls, path: str | Path) -> Self:
+        """A file for reading, with its damage; also one whose writer was killed or is still at work. Raises
+        RunFileError.
+        """
+        path = located(cls.schema, Path(path))
+        file = cls(path, readable(path, cls.schema.kind))
+        try:
+            file.examine()
+        except BaseException:
+            file.close()
+            raise
+        return file
+
+    @classmethod
+    def resume(cls, path: Path, spec: Mapping[str, Any]) -> Self:
+        """A new file, or one with the same specification. Raises VfifeError where there is one with another."""
+        kind = cls.schema.kind
+        if not path.exists():
+            return cls.create(path, {kind: spec})
+        with cls.open(path) as before:
+            warn_of_damage(path, kind, before.damage, "What is gone is computed again now.")
+            if before.spec != json.loads(json.dumps(spec)):
+                raise VfifeError(
+                    f"{path}: there is a {kind} file here that asks something else; name another file, or"
+                    " remove this one"
+                )
+        return cls.write(path)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; what was gathered goes to the disk first."""
+        try:
+            if self._waiting:
+                self.flush()
+        finally:
+            self._connection.close()
+
+    # -------------------------------------------------------------------------------------------------------
+    # writing
+
+    @contextmanager
+    def transaction(self, patience: float = 0.0) -> Iterator[None]:
+        """A transaction, or more of the one that gathers: it ends unless the last ended less than
+        ``patience`` seconds ago.
+        """
+        with self.reported(), self._gathered(patience):
+            yield
+
+    @contextmanager
+    def _gathered(self, patience: float = 0.0) -> Iterator[None]:
+        if not self._waiting:
+            self._connection.execute("BEGIN IMMEDIATE")
+            self.size = 0
+        self._waiting = True
+        try:
+            yield
+            if self._due(patience):
+                self._settle()
+        except BaseException:
+            self._waiting, self._counts = False, None  # what is rolled back does not count
+            if self._connection.in_transaction:
+                self._connection.rollback()
+            raise
+
+    def insert(self, table: str, *values: Any) -> None:
+        """Write a row with its seal in the place of one with its key, inside a transaction."""
+        kinds = self.schema.tables[table].values()
+        stored = tuple(_encoded(kind, value) for kind, value in zip(kinds, values, strict=True))
+        sealed = seal(table, *stored)
+        if self.schema.rows:
+            counts = self._tally()
+            before = self.row(table, stored[0]) if self.knows(table, stored[0]) else None
+            count, seals = counts.get(table, (0, 0))  # a file of format 1 gets a table that it lacks
+            if before is not None:
+                count, seals = count - 1, seals ^ _number(before.seal)
+            counts[table] = count + 1, seals ^ _number(sealed)
+        marks = ", ".join("?" * (len(stored) + 1))
+        self._connection.execute(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", (*stored, sealed))
+        self.size += sum(len(value) if isinstance(value, bytes | str) else 8 for value in stored)
+
+    def write_row(self, table: str, *values: Any) -> None:
+        """Write a row in a transaction of its own."""
+        with self.transaction():
+            self.insert(table, *values)
+
+    def put(self, meta: Mapping[str, Any]) -> None:
+        """Replace entries of the meta in a transaction of their own."""
+        with self.transaction():
+            self._put(meta)
+
+    def _put(self, meta: Mapping[str, Any]) -> None:
+        for key, value in meta.items():
+            self.insert("meta", key, value)
+
+    def complete(self) -> None:
+        """Make the tables that a file lacks, because it is new or was written before there were any."""
+        for statement in self.schema.statements:
+            self._connection.execute(statement)
+
+    def flush(self) -> None:
+        """Bring to the disk what was gathered."""
+        with self.reported():
+            self._settle()
+
+    def _due(self, patience: float) -> bool:
+        return time.monotonic() - self._committed >= patience
+
+    def _settle(self) -> None:
+        if self._connection.in_transaction:
+            if self._counts is not None:
+                stored = (
+                    TALLY,
+                    json.dumps(
+                        {table: [count, f"{seals:x}"] for table, (count, seals) in self._counts.items()}
+                    ),
+                )
+                self._connection.execute(
+                    "INSERT OR REPLACE INTO meta VALUES (?, ?, ?)", (*stored, seal("meta", *stored))
+                )
+                if self.version < SINCE:
+                    self._connection.execute(f"PRAGMA user_version = {SINCE}")
+                    self.version = SINCE
+            self._connection.commit()
+        self._waiting, self._committed = False, time.monotonic()
+
+    # -------------------------------------------------------------------------------------------------------
+    # reading
+
+    @cached_property
+    def version(self) -> int:
+        """The format of the file."""
+        return int(self.query("PRAGMA user_version")[0])
+
+    @property
+    def meta(self) -> dict[str, Any]:
+        """Entries of the meta. Raises RunFileError where its specification is damaged."""
+        found = {key: row["json"] for key, row in self.read("meta") if row is not None}
+        if self.schema.kind not in found:
+            raise RunFileError(self.damaged("nothing is left of what it asks"))
+        return found
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """What was to be computed. Raises RunFileError where that is damaged."""
+        found: dict[str, Any] | None = self.get("meta", self.schema.kind, "json")
+        if found is None:
+            raise RunFileError(self.damaged("nothing is left of what it asks"))
+        return found
+
+    def row(self, table: str, key: Any) -> Row | None:
+        """A row by its key; None where it is missing, cannot be read, or is not what was written."""
+        name = next(iter(self.schema.tables[table]))
+        try:
+            found = self._connection.execute(f"SELECT * FROM {table} WHERE {name} = ?", (key,)).fetchone()
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+            if is_of_storage(error):
+                raise self.fault(error) from error
+            return None
+        # A damaged index leads to the row of another key, which is whole itself.
+        return None if found is None or found[0] != key else self._sound(table, found)
+
+    def get(self, table: str, key: Any, column: str) -> Any:
+        """A value of a row; None where the row is missing or damaged."""
+        row = self.row(table, key)
+        return None if row is None else row[column]
+
+    def keys(self, table: str) -> list[Any]:
+        """Keys of a table in their order, as far as they can be read; none of a table that the file lacks."""
+        found: list[Any] = []
+        try:
+            for (key,) in self._connection.execute(
+                f"SELECT {next(iter(self.schema.tables[table]))} FROM {table} ORDER BY 1"
+            ):
+                found.append(key)
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+            if is_of_storage(error):
+                raise self.fault(error) from error
+        return found
+
+    def each(self, table: str) -> Iterator[tuple[Any, Row | None]]:
+        """Keys and rows of a table in the order of the keys, one at a time, None for a row that is damaged."""
+        for key in self.keys(table):
+            yield key, self.row(table, key)
+
+    def read(self, table: str) -> list[tuple[Any, Row | None]]:
+        """The same at once, for a table of many small rows; row by row where the file is so damaged that it
+        cannot be read through.
+        """
+        try:
+            found = self._connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+            if is_of_storage(error):
+                raise self.fault(error) from error
+            return list(self.each(table))
+        return [(row[0], self._sound(table, row)) for row in found]
+
+    def sequence(self, table: str) -> Iterator[Row]:
+        """Rows numbered from 0, up to one that is missing or damaged."""
+        number = 0
+        while (row := self.row(table, number)) is not None:
+            yield row
+            number += 1
+
+    def has(self, table: str) -> bool:
+        """Whether the file has a table: one that was written before there was any lacks it."""
+        return self.query("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", table) is not None
+
+    def knows(self, table: str, key: Any) -> bool:
+        """Whether a table has a row with a key, sound or not."""
+        return (
+            self.query(f"SELECT 1 FROM {table} WHERE {next(iter(self.schema.tables[table]))} = ?", key)
+            is not None
+        )
+
+    def query(self, statement: str, *values: Any) -> Any:
+        """The first row that a statement gives, None without any."""
+        with self.reported():
+            return self._connection.execute(statement, values).fetchone()
+
+    def _sound(self, table: str, found: Values) -> Row | None:
+        """The row without its seal; None where the seal is that of another one."""
+        *values, sealed = found
+        return (
+            Row(self, self.schema.tables[table], tuple(values), sealed)
+            if seal(table, *values) == sealed
+            else None
+        )
+
+    # --------------------------------------------------------------------------------------------------------
+    # damage
+
+    def examine(self) -> None:
+        """Compare all rows with their seals and with the tally, in one snapshot of the file, and note the
+        damage.
+        """
+        with self.reported():
+            self._connection.execute("BEGIN")
+            try:
+                said = self._structure()
+                tally = self.get("meta", TALLY, "json")
+                found = {table: self._counted(table) for table in self._names() if self.has(table)}
+            finally:
+                self._connection.rollback()
+        said += [f"{lost:,} {self._names()[table]} are damaged" for table, (_, lost) in found.items() if lost]
+        if tally is None and self.version >= SINCE:
+            said.append(
+                f"the number of {' and '.join(self.schema.rows.values())} is damaged, so that some may be"
+                " missing"
+            )
+        if tally is not None:
+            said += self._missing(tally, found)
+        self.damage = tuple(said)
+
+    def _names(self) -> dict[str, str]:
+        return {**self.schema.rows, "meta": "entries"}
+
+    def _tally(self) -> Counts:
+        """The tally of the sound rows, counted once; rows that are damaged are to be computed again and do
+        not count.
+        """
+        if self._counts is None:
+            self._counts = {table: self._counted(table)[0] for table in self._names() if self.has(table)}
+        return self._counts
+
+    def _counted(self, table: str) -> tuple[tuple[int, int], int]:
+        """The number of sound rows of a table and the exclusive or of their seals, and the number of damaged
+        rows.
+        """
+        count = seals = lost = 0
+        for key, row in self.read(table):
+            if table == "meta" and key == TALLY:
+                continue
+            if row is None:
+                lost += 1
+            else:
+                count, seals = count + 1, seals ^ _number(row.seal)
+        return (count, seals), lost
+
+    def _structure(self) -> list[str]:
+        """A sentence where pages of the file do not fit together: then a search by key fails although the row
+        is there.
+        """
+        try:
+            found = self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
+        except sqlite3.DatabaseError as error:
+            found = str(error)
+        return [] if found == "ok" else [f"its pages do not fit together ({' '.join(str(found).split())})"]
+
+    def _missing(
+        self, tally: Mapping[str, Any], found: Mapping[str, tuple[tuple[int, int], int]]
+    ) -> list[str]:
+        """Sentences on rows that the tally has and the file has not, beyond those that are damaged."""
+        said = []
+        for table, name in self._names().items():
+            counts, lost = found.get(table, ((0, 0), 0))
+            count, seals = tally.get(table, [0, "0"])
+            gone = int(count) - counts[0] - lost
+            if gone > 0:
+                said.append(f"{gone:,} {name} are missing")
+            elif not lost and counts != (int(count), int(seals, 16)):
+                said.append(f"the {name} are not those that were written")
+        return said
+
+    @contextmanager
+    def reported(self) -> Iterator[None]:
+        """Turn what SQLite, zlib and json say about a damaged file or a full disk into a sentence."""
+        try:
+            yield
+        except ERRORS as error:
+            raise self.fault(error) from error
+
+    def fault(self, error: Exception) -> VfifeError:
+        """The error of the package for one of SQLite, zlib or json."""
+        if is_of_storage(error):
+            return StorageError(unwritten(self.path, str(error), self.size))
+        return RunFileError(self.damaged(str(error)))
+
+    def damaged(self, what: str) -> str:
+        """The sentence about this file, which is damaged."""
+        return damaged(self.path, what, self.schema.kind)
+
+
+def _encoded(kind: str, value: Any) -> Any:
+    if kind == "json":
+        return json.dumps(value)
+    return (b"" if value is None else packed(value)) if kind == "array" else value
+
+
+def _number(sealed: bytes) -> int:
+    return int.from_bytes(sealed[:SEAL_BYTES], "big")
+
+
+def now() -> str:
+    """The present time (UTC)."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def warn_of_damage(path: Path | None, kind: str, damage: tuple[str, ...], remedy: str) -> None:
+    """Warn that a file is damaged, with what computes again what is gone; nothing where it is sound.
+
+    The line that is blamed is the one of the user which called the package.
+    """
+    if not damage:
+        return
+    level, frame = 2, sys._getframe(1)
+    while (
+        frame.f_back is not None
+        and str(frame.f_globals.get("__name__", "")).partition(".")[0] == __package__.partition(".")[0]
+    ):
+        level, frame = level + 1, frame.f_back
+    text = f"{path}: this {kind} file is damaged: {'; '.join(damage)}; the rest is used. {remedy}"
+    warnings.warn(text, DamageWarning, stacklevel=level)

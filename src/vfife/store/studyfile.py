@@ -1,0 +1,155 @@
+"""A file of a study: its specification, its members by their numbers, and the outcome of each of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+
+from .member_errors import REPEATS
+from .schemas import OUTCOMES, STUDY, Schema
+from .store import Store, now
+
+if TYPE_CHECKING:
+    from ..studies.engine.cases import Outcome
+
+Numbers: TypeAlias = Mapping[str, float | str]
+AS_TEXT = json.JSONEncoder(ensure_ascii=False).encode
+GATHER = 0.25  # s: what a kill may cost beside the members under way
+WHAT = STUDY.kind  # the entry of the meta that has the specification
+
+
+@dataclass(frozen=True)
+class StudyCase:
+    """A member as a study file has it: its place, the hash of its numbers, and they themselves, by path, in
+    SI units.
+    """
+
+    number: int
+    hash: str
+    numbers: dict[str, float | str]
+
+
+def hash_of(numbers: Numbers) -> str:
+    """What a member is known by: the numbers of the model that it changes, to the bit, in whatever order they
+    come.
+    """
+    text = AS_TEXT(sorted(numbers.items()))
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+class StudyFile(Store):
+    """A study file. A member is known by the hash of its numbers: what is there already is never computed
+    again.
+
+    ``lost`` counts members that were damaged and are left out; a member whose outcome is lost is computed
+    again.
+    """
+
+    schema: ClassVar[Schema] = STUDY
+    lost = 0
+
+    @classmethod
+    def begin(cls, path: Any, spec: Mapping[str, Any], members: Sequence[Numbers]) -> StudyFile:
+        """A new study file with its members, which is there whole or not at all; one of this name gives way.
+        Raises StorageError.
+        """
+        return cls.create(
+            path, {WHAT: spec, "created": now(), "status": "running"}, lambda file: file._add(members)
+        )
+
+    def record(self, member: StudyCase, outcome: Outcome) -> None:
+        """Write the outcome of a member; what comes within a quarter of a second becomes one transaction."""
+        self._record("outcomes", member, outcome)
+
+    def begin_repeats(self, spec: Mapping[str, Any]) -> None:
+        """Write how members are repeated with another step; a file that was written before there was a table
+        for them gets one.
+        """
+        with self.transaction():
+            self.complete()
+            self._put({REPEATS: spec})
+
+    def record_repeat(self, member: StudyCase, outcome: Outcome) -> None:
+        """Write the outcome of a member with another step, gathered as :meth:`record` does."""
+        self._record("repeats", member, outcome)
+
+    def _record(self, table: str, member: StudyCase, outcome: Outcome) -> None:
+        step = outcome.step if math.isfinite(outcome.step) else 0.0
+        settled = -1 if outcome.settled is None else outcome.settled
+        values = {name: value for name, value in outcome.values.items() if math.isfinite(value)}
+        row = (
+            str(outcome.status),
+            outcome.reason or "",
+            int(outcome.turns),
+            int(settled),
+            int(outcome.steps),
+            float(step),
+            values,
+        )
+        with self.transaction(GATHER):
+            self.insert(table, member.number, member.hash, *row)
+
+    def add(self, members: Sequence[Numbers], spec: Mapping[str, Any]) -> int:
+        """Add those members that are not there yet, and replace the specification; returns how many were
+        added.
+        """
+        with self.transaction():
+            self._put({WHAT: spec, "status": "running"})
+            return self._add(members)
+
+    def _add(self, members: Sequence[Numbers]) -> int:
+        for number, row in self.read("members"):
+            if row is None:  # it is added anew
+                self._connection.execute("DELETE FROM members WHERE number = ?", (number,))
+        known = {name for (name,) in self._connection.execute("SELECT hash FROM members")}
+        first = number = 1 + int(self.query("SELECT coalesce(max(number), -1) FROM members")[0])
+        for numbers in members:
+            if (name := hash_of(numbers)) not in known:
+                known.add(name)
+                self.insert("members", number, name, dict(numbers))
+                number += 1
+        return number - first
+
+    def finish(self, status: str) -> None:
+        """Write how the study ended ("complete", "interrupted")."""
+        with self.transaction():
+            self._put({"status": status, "finished": now()})
+
+    def members(self) -> list[StudyCase]:
+        """The members in the order in which they were planned; those that are damaged are left out, and
+        counted.
+        """
+        with self.reported():
+            rows = [row for _, row in self.read("members")]
+            self.lost = rows.count(None)
+            return [
+                StudyCase(row.values[0], row.values[1], json.loads(row.values[2]))
+                for row in rows
+                if row is not None
+            ]
+
+    def outcomes(self, table: str = "outcomes") -> dict[int, dict[str, Any]]:
+        """Outcomes of members by their places: status, reason, turns, settled, steps, step and measures.
+
+        ``table``: "repeats" of those with another step; none in a file that was written before there were
+        any.
+        """
+        found = {}
+        with self.reported():
+            for number, row in self.read(table):
+                if row is not None:
+                    one = dict(zip(OUTCOMES, row.values, strict=True))
+                    one |= {
+                        "measures": json.loads(one["measures"]),
+                        "settled": None if one["settled"] < 0 else one["settled"],
+                    }
+                    found[int(number)] = one
+        return found
+
+    def repeats(self) -> dict[int, dict[str, Any]]:
+        """Outcomes of members of the sample with another step."""
+        return self.outcomes("repeats")

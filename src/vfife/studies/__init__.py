@@ -1,0 +1,1 @@
+"""Many runs of one model: studies, searches, tolerance, sensitivity, comparison."""

@@ -1,0 +1,1 @@
+"""Cases of a study: assembled, run on lanes, cores or clusters, and filed."""

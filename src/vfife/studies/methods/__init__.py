@@ -1,0 +1,1 @@
+"""Methods built on studies: searches, tolerance, allocation, sensitivity, comparison."""

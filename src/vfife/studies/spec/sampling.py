@@ -1,0 +1,420 @@
+"""Numbers that vary: distributions, as tolerances and fits leave them, and where in their space the members
+of a study lie.
+
+A member of a number keeps its place when more are asked for, at random and on Sobol's sequence; a hypercube
+is one of a given count. Places are the same on every machine: whole numbers of PCG64 and of the sequence, and
+quantiles to ten digits. scipy.stats has the same distributions to those digits, but takes a second to import.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+
+from ...errors import Fault
+from .iso286 import Fit, fit, zone
+
+SIGMAS = 3.0  # standard deviations from the middle of a tolerance to its limits
+NODES = 32  # of a Gauss-Legendre rule over at most six standard deviations: 1e-14 of a probability
+GRID = 513  # points of a table of probabilities between which a quantile is sought
+DIGITS = 10  # of a drawn value: the last bits of exp and erf differ between machines, these digits do not
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+class Distribution:
+    """A number that varies, in SI units: where its probability is ``u`` (``quantile``), between which
+    ``limits`` it lies, its ``mean``.
+    """
+
+    def quantile(self, u: Any) -> Array:
+        """Values at probabilities between 0 and 1 (both excluded where a limit is infinite), of the shape of
+        ``u``, to ten digits.
+        """
+        return rounded(self._quantile(np.asarray(u, dtype=float)))
+
+    def _quantile(self, u: Array) -> Array:
+        raise NotImplementedError
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and greatest value; infinite where there is none."""
+        raise NotImplementedError
+
+    @property
+    def mean(self) -> float:
+        """The mean of all machines."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Uniform(Distribution):
+    """Every value between two is as likely as any other."""
+
+    low: float
+    high: float
+
+    def __post_init__(self) -> None:
+        ordered(self.low, self.high)
+
+    def _quantile(self, u: Array) -> Array:
+        return self.low + u * (self.high - self.low)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The two."""
+        return self.low, self.high
+
+    @property
+    def mean(self) -> float:
+        """The middle."""
+        return 0.5 * (self.low + self.high)
+
+
+@dataclass(frozen=True)
+class Truncated(Distribution):
+    """A normal distribution of which only what lies between two limits is used; ``mean`` and ``deviation``
+    are those of the whole one.
+
+    x = m + s Φ⁻¹(Φ(a) + u (Φ(b) - Φ(a))), a and b the limits less m, over s.
+    """
+
+    centre: float
+    deviation: float
+    low: float = -math.inf
+    high: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.deviation < math.inf:
+            raise Fault(
+                "",
+                "a standard deviation that is not positive",
+                f"{self.deviation:g}",
+                "above 0",
+                "give the number itself if it does not vary",
+            )
+        ordered(self.low, self.high)
+        if self._share < 1e-6:
+            raise Fault(
+                "",
+                "a normal distribution of which next to nothing lies between the limits",
+                f"mean {self.centre:g}, standard deviation {self.deviation:g}, from {self.low:g} to"
+                f" {self.high:g}",
+                "limits that leave a millionth of it",
+                "move the limits or the mean",
+            )
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        return (self.low - self.centre) / self.deviation, (self.high - self.centre) / self.deviation
+
+    @property
+    def _share(self) -> float:
+        a, b = self._ends
+        return phi(-a) - phi(-b) if a > 0.0 else phi(b) - phi(a)
+
+    def _quantile(self, u: Array) -> Array:
+        from scipy.special import ndtri
+
+        a, b = self._ends
+        # In the tail above the mean the mirror image keeps its digits.
+        z = -ndtri(phi(-b) + (1.0 - u) * self._share) if a > 0.0 else ndtri(phi(a) + u * self._share)
+        return np.asarray(np.clip(self.centre + self.deviation * z, self.low, self.high))
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The limits."""
+        return self.low, self.high
+
+    @property
+    def mean(self) -> float:
+        """m + s (φ(a) - φ(b)) / (Φ(b) - Φ(a))."""
+        a, b = (math.exp(-0.5 * end * end) / math.sqrt(2.0 * math.pi) for end in self._ends)
+        return self.centre + self.deviation * (a - b) / self._share
+
+
+@dataclass(frozen=True)
+class Normal(Truncated):
+    """A normal distribution of this mean (``centre``) and standard deviation."""
+
+
+@dataclass(frozen=True)
+class Clearance(Distribution):
+    """The clearance (m) of a fit as ``clearance`` of a joint is: half the difference of the diameters, or the
+    gap on each side of a block.
+
+    Hole and shaft are independent, each normal around the middle of its tolerance with its limits at three
+    standard deviations, and nothing beyond them: P(H - S ≤ d) is the integral of the density of S times the
+    probability of H. Where some pairs have no play, the distribution is that of the others, and ``without``
+    the share left out.
+    """
+
+    fit: Fit
+
+    @cached_property
+    def without(self) -> float:
+        """Share of the pairs that have no play."""
+        return float(self._below(np.zeros(1))[0]) if self.fit.least < 0.0 else 0.0
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and greatest radial clearance with play."""
+        return max(0.5 * self.fit.least, 0.0), 0.5 * self.fit.most
+
+    @cached_property
+    def mean(self) -> float:
+        """The lower limit and the integral of the probability of more."""
+        low, high = (2.0 * end for end in self.limits)
+        nodes, weights = gauss(200)
+        more = 1.0 - self._below(low + 0.5 * (high - low) * (nodes + 1.0))
+        return 0.5 * (low + 0.5 * (high - low) * float(weights @ more) / (1.0 - self.without))
+
+    def _below(self, d: Array) -> Array:
+        """Probability of a difference of the diameters of at most d (m), one-dimensional."""
+        return self._integrals(d)[0]
+
+    def _integrals(self, d: Array) -> tuple[Array, Array]:
+        """Probability and density at differences d. The integrand is smooth between the places at which the
+        hole meets its limits.
+        """
+        from scipy.special import ndtr
+
+        half, other = 0.5 * self.fit.hole.width, 0.5 * self.fit.shaft.width
+        s = d - 0.5 * (self.fit.least + self.fit.most)
+        low, high = np.clip(-half - s, -other, other), np.clip(half - s, -other, other)
+        nodes, weights = gauss(NODES)
+        y = low[:, None] + 0.5 * (high - low)[:, None] * (nodes + 1.0)
+        inside = phi(SIGMAS) - phi(-SIGMAS)
+        zy, zx = SIGMAS * y / other, SIGMAS * (s[:, None] + y) / half
+        scale = SIGMAS / (other * inside * math.sqrt(2.0 * math.pi))
+        shaft = scale * np.exp(-0.5 * zy * zy) * 0.5 * (high - low)[:, None]
+        hole = (ndtr(zx) - phi(-SIGMAS)) / inside
+        density = SIGMAS / (half * inside * math.sqrt(2.0 * math.pi)) * np.exp(-0.5 * zx * zx)
+        over = (ndtr(SIGMAS) - ndtr(SIGMAS * high / other)) / inside
+        return (shaft * hole) @ weights + over, (shaft * density) @ weights
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array]:
+        low, high = (2.0 * end for end in self.limits)
+        d = np.linspace(low, high, GRID)
+        return d, np.maximum.accumulate(self._below(d))
+
+    def _quantile(self, u: Array) -> Array:
+        """Newton's method between two points of the table, halving where it would leave them."""
+        d, share = self._table
+        wanted = np.clip(self.without + u.ravel() * (1.0 - self.without), share[0], share[-1])
+        k = np.clip(np.searchsorted(share, wanted), 1, GRID - 1)
+        low, high, at, open_ = d[k - 1], d[k], np.interp(wanted, share, d), np.arange(len(wanted))
+        for _ in range(12):
+            here, target = at[open_], wanted[open_]
+            have, slope = self._integrals(here)
+            low[open_] = np.where(have < target, here, low[open_])
+            high[open_] = np.where(have < target, high[open_], here)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                new = here - (have - target) / slope
+            inside = (new >= low[open_]) & (
+                new <= high[open_]
+            )  # ends too: a quantile may be a point of the table, or found already
+            at[open_] = np.where(inside, new, 0.5 * (low[open_] + high[open_]))
+            open_ = open_[np.abs(at[open_] - here) > 1e-14 * d[-1]]
+            if not len(open_):
+                break
+        return (0.5 * at).reshape(u.shape)
+
+
+def of_fit(text: str, diameter: float, cut: bool = False) -> Clearance:
+    """The radial clearance of a fit such as "H8/f7" at a diameter in m. Raises Fault for a fit of which no
+    pair has play, and for one of which some have none unless ``cut`` says that those are left out.
+    """
+    found = Clearance(fit(text, diameter))
+    said = (
+        f'"{text}" at {1e3 * diameter:g} mm, clearance {1e6 * found.fit.least:g} to'
+        f" {1e6 * found.fit.most:g} µm"
+    )
+    if found.fit.most <= 0.0 or found.without > 0.999:
+        raise Fault(
+            "",
+            "an interference fit: no journal has play in its bearing",
+            said,
+            "a fit with clearance",
+            'choose one such as "H8/f7"',
+        )
+    if found.without and not cut:
+        what = f"a transition fit: {100.0 * found.without:.2g} % of the pairs have no play"
+        raise Fault(
+            "",
+            what,
+            said,
+            "a fit with clearance",
+            "choose a shaft from a to h, or say cut = true to leave those pairs out",
+        )
+    return found
+
+
+def of_tolerance(nominal: float, lower: float, upper: float) -> Truncated:
+    """A length of nominal size between two deviations, all in m: normal around their middle, with its limits
+    at three standard deviations. Raises Fault.
+    """
+    ordered(lower, upper)
+    return Truncated(
+        nominal + 0.5 * (lower + upper), (upper - lower) / (2.0 * SIGMAS), nominal + lower, nominal + upper
+    )
+
+
+def of_zone(name: str, nominal: float) -> Truncated:
+    """A length of nominal size in m in a zone of ISO 286-1, such as "h7" or "js9". Raises Fault."""
+    found = zone(name, nominal)
+    return of_tolerance(nominal, found.low, found.high)
+
+
+def ordered(low: float, high: float) -> None:
+    """Raises Fault where limits are not in order."""
+    if not low < high:
+        raise Fault(
+            "",
+            "limits that are not in order",
+            f"from {low:g} to {high:g}",
+            "the lower one first, and two that differ",
+            "correct the limits",
+        )
+
+
+def phi(z: float) -> float:
+    """The normal distribution function Φ."""
+    return 0.5 * math.erfc(-z / math.sqrt(2.0))
+
+
+@cache
+def gauss(count: int) -> tuple[Array, Array]:
+    """Nodes and weights of a Gauss-Legendre rule over -1 to 1, which are read only."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    nodes.flags.writeable = weights.flags.writeable = False
+    return nodes, weights
+
+
+def rounded(values: Array) -> Array:
+    """Values to ten digits."""
+    return np.array([float(f"{value:.{DIGITS - 1}e}") for value in values.ravel()]).reshape(values.shape)
+
+
+MOST_DIMENSIONS = 1000
+HALF = 0.5**54  # no place lies on a limit
+LEVELS, JUMP = 4, 2  # of Morris's grid
+
+
+def points(parameters: Sequence[Distribution], method: str, count: int, seed: int = 0) -> Array:
+    """Values in SI units, a row for each place of a method. Raises Fault."""
+    unit = places(method, count, len(parameters), seed)
+    return (
+        np.stack([one.quantile(unit[:, k]) for k, one in enumerate(parameters)], axis=1)
+        if parameters
+        else unit
+    )
+
+
+def places(method: str, count: int, dimensions: int, seed: int = 0) -> Array:
+    """Places in the unit cube, shape (rows, dimensions), every number above 0 and below 1. Raises Fault.
+
+    "random", "latin" and "sobol" have ``count`` rows. Two designs ask for sensitivities: "saltelli" has count
+    (dimensions + 2) rows, "morris" count (dimensions + 1).
+    """
+    if method not in METHODS:
+        raise Fault(
+            "",
+            "an unknown way to choose points",
+            f'"{method}"',
+            ", ".join(METHODS),
+            "write one of these words",
+        )
+    if not 0 < count <= 2**30:
+        raise Fault(
+            "", "a count of points that cannot be had", str(count), f"1 to {2**30}", "correct the count"
+        )
+    if dimensions > MOST_DIMENSIONS:
+        raise Fault(
+            "",
+            "more parameters than can be sampled",
+            str(dimensions),
+            f"at most {MOST_DIMENSIONS}",
+            "tie some together",
+        )
+    return METHODS[method](count, dimensions, seed) if dimensions else np.empty((count, 0))
+
+
+def random(count: int, dimensions: int, seed: int) -> Array:
+    """Independent places, row after row."""
+    return fractions(np.random.PCG64(seed), count * dimensions).reshape(count, dimensions)
+
+
+def latin(count: int, dimensions: int, seed: int) -> Array:
+    """A Latin hypercube: of ``count`` slices along each axis every one holds one place (McKay, Beckman,
+    Conover 1979).
+    """
+    drawn = fractions(np.random.PCG64(seed), 2 * count * dimensions).reshape(2, count, dimensions)
+    found: Array = (np.argsort(drawn[0], axis=0, kind="stable") + drawn[1]) / count
+    return found
+
+
+def sobol(count: int, dimensions: int, seed: int) -> Array:
+    """Sobol's sequence with the direction numbers of Joe and Kuo, scrambled (Matoušek) by the seed; best
+    taken in powers of two.
+    """
+    from scipy.stats.qmc import Sobol
+
+    source = np.random.Generator(np.random.PCG64(seed))
+    known = inspect.signature(Sobol.__init__).parameters
+    given: dict[str, Any] = {"rng" if "rng" in known else "seed": source}  # scipy renames it
+    sequence = Sobol(dimensions, scramble=True, bits=53, **given)
+    power = max(count - 1, 1).bit_length()
+    found: Array = np.maximum(sequence.random_base2(power)[:count], HALF)
+    return found
+
+
+def saltelli(count: int, dimensions: int, seed: int) -> Array:
+    """Saltelli's design (2010) on Sobol's sequence: two independent places A and B, and between them A with
+    one number of B, for each number.
+    """
+    both = sobol(count, 2 * dimensions, seed)
+    first, second = both[:, :dimensions], both[:, dimensions:]
+    rows = np.repeat(first[:, None, :], dimensions + 2, axis=1)
+    for k in range(dimensions):
+        rows[:, k + 1, k] = second[:, k]
+    rows[:, -1] = second
+    return rows.reshape(-1, dimensions)
+
+
+def morris(count: int, dimensions: int, seed: int) -> Array:
+    """Trajectories of Morris (1991): from a place on a grid of four levels, 1/8 to 7/8, each number in turn
+    is moved by two of them.
+    """
+    drawn = fractions(np.random.PCG64(seed), 2 * count * dimensions).reshape(count, 2, dimensions)
+    start = np.floor(LEVELS * drawn[:, 0])
+    order = np.argsort(drawn[:, 1], axis=1, kind="stable")
+    rows = np.repeat(start[:, None, :], dimensions + 1, axis=1)
+    for k in range(count):
+        for turn, axis in enumerate(order[k]):
+            rows[k, turn + 1 :, axis] += JUMP if start[k, axis] < JUMP else -JUMP
+    found: Array = (rows.reshape(-1, dimensions) + 0.5) / LEVELS
+    return found
+
+
+def fractions(source: np.random.PCG64, count: int) -> Array:
+    """Numbers above 0 and below 1 from the whole numbers of a generator, whose stream NumPy keeps from
+    version to version.
+    """
+    whole: np.ndarray[Any, np.dtype[np.uint64]] = np.asarray(source.random_raw(count)) >> np.uint64(11)
+    return np.asarray(whole * 0.5**53 + HALF)
+
+
+METHODS: dict[str, Callable[[int, int, int], Array]] = {
+    "latin": latin,
+    "random": random,
+    "sobol": sobol,
+    "saltelli": saltelli,
+    "morris": morris,
+}

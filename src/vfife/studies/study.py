@@ -1,0 +1,289 @@
+"""How the answer moves: one mechanism with many numbers, from a study file or from Python, kept in one study
+file.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeVar
+
+from ..errors import Fault, ModelError, kind_of, shown
+from ..job.cost import Forecast
+from ..job.job import Interrupted, Job, job_of
+from ..model.mechanism import Mechanism
+from ..modelfile import load
+from ..results.studied import Study
+from ..solvers.status import Status
+from ..store.lock import Lock
+from .engine.cases import Outcome
+from .engine.cluster import THREADS, Resources
+from .engine.run_missing import Engine, asked_of, opened
+from .engine.study_file import StudyTables, of_mapping
+from .forecast import allotment_forecast, search_forecast, study_forecast
+from .methods.optimise import Found, best, imported
+from .methods.searches import allotment_of, allotted, optimised, search_of
+from .spec.limits import Estimate
+from .spec.plan import Plan
+
+ENDING = ".study"
+Answer = TypeVar("Answer")
+
+
+def study(
+    model: str | Path | Mechanism,
+    vary: Mapping[str, Any] | None = None,
+    measures: str | Iterable[str] | None = None,
+    *,
+    file: str | Path | None = None,
+    force: bool = False,
+    workers: int | None = None,
+    lanes: int | None = None,
+    cluster: str | None = None,
+    device: str | None = None,
+    retry: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+    confirm: bool = False,
+    **more: Any,
+) -> Study:
+    """Runs a mechanism once for every choice of some of its numbers, and gives what was wanted of each run.
+
+    >>> vfife.study(model, {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}, ["C.force.max"], turns=10).data  #
+    doctest: +SKIP
+
+    ``model``: a mechanism, a model file, or alone the path of a study file. ``vary``: by path a list of
+    values, or by any name a table as a study file has it (``path``, ``values``, ``from`` and ``to`` ...).
+    ``measures``: names of measures, or max, min, mean, rms, range of a channel, as in "mean(C.force)".
+    ``more`` are the other keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``,
+    ``count``, ``seed``, ``set``; counts and depths of landings, speeds of approach and shares of contact are
+    of the whole run, whatever ``last`` is. ``file``: the study file to keep it in; what is in it already is
+    not computed again, and where another study is there it gives way to ``force`` alone. ``workers``,
+    ``lanes``: threads, and members side by side in each; ``cluster``: "local", for processes in their place,
+    or the address of a scheduler of dask.distributed; ``device``: "cuda" steps them on an NVIDIA card;
+    ``retry``: members that failed before are tried again. ``progress`` hears how many of how many members
+    have ended. ``confirm``: run it even where it takes more than an hour, or half of the disk. Ctrl-C ends it
+    with what has. Raises ModelError with all faults, HeldError where another process writes the file,
+    StorageError where it cannot be written, DeviceError for a card that cannot be used.
+    """
+    plan = tables_of(model, vary, measures, more, "study()").plan()
+    job = job_of("study", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
+    work = StudyWork(file, plan, Resources(workers, lanes, cluster, device), force)
+    return work.run(job, retry)[0]
+
+
+@dataclass(frozen=True)
+class StudyWork:
+    """The cases of a plan, computed by ``resources`` into a study ``file``, a temporary one for None;
+    ``force`` replaces another study.
+    """
+
+    file: str | Path | None
+    plan: Plan
+    resources: Resources = THREADS
+    force: bool = False
+
+    def run(self, job: Job, retry: bool = False, lock: Lock | None = None) -> tuple[Study, bool]:
+        """Compute what the file does not have, with ``retry`` also what failed: the study, and whether it is
+        complete. ``lock``: of the file, where it is
+        held already.
+        """
+        job.begin(study_forecast(self.plan, self.known, retry))
+        with self.engine(job, self.plan.numbers(), 0, lock) as engine:
+            whole = engine.run(retry) and engine.repeat_sample()
+            return engine.study(), whole
+
+    def search(self, job: Job, forecast: Forecast, work: Callable[[Engine], Answer]) -> tuple[Answer, Study]:
+        """Return what a search comes to, and the study of its members. Raises Interrupted with the study of
+        those that ended.
+        """
+        job.begin(forecast)
+        with self.engine(job, [], forecast.known + forecast.count) as engine:
+            try:
+                return work(engine), engine.study()
+            except KeyboardInterrupt:
+                raise Interrupted(engine.study()) from None
+
+    @property
+    def known(self) -> Path | None:
+        """The file whose members are not computed again."""
+        return None if self.force or self.file is None else Path(self.file)
+
+    @contextmanager
+    def engine(
+        self, job: Job, numbers: Sequence[Any], members: int, lock: Lock | None = None
+    ) -> Iterator[Engine]:
+        """The engine of these members, whose file is locked and open meanwhile; a cluster that cannot be had
+        costs no file.
+
+        ``members``: how many the job reports at least.
+        """
+
+        def report(done: int, total: int, outcome: Outcome) -> None:
+            job.count(done, max(total, members), "members", outcome.status != Status.COMPLETE)
+
+        with ExitStack() as held:
+            path = (
+                Path(held.enter_context(TemporaryDirectory())) / f"s{ENDING}"
+                if self.file is None
+                else Path(self.file)
+            )
+            held.enter_context(job)
+            job.hold(held.enter_context(lock or locked(path)))
+            runner = held.enter_context(self.resources.runner())
+            study = held.enter_context(opened(path, asked_of(self.plan), numbers, replace=self.force))
+            yield Engine(study, self.plan.base, self.resources, runner, report, lasting=self.file is not None)
+
+
+def locked(path: Path) -> Lock:
+    """The right to write a study file. Raises HeldError."""
+    return Lock(path.absolute().parent, f"{path.name}.lock", "this study")
+
+
+def tables_of(model: Any, vary: Any, measures: Any, more: Mapping[str, Any], caller: str) -> StudyTables:
+    """The arguments as the tables of a study file. Raises ModelError."""
+    if vary is None and measures is None and isinstance(model, str | os.PathLike):
+        if more:
+            fault = Fault(
+                next(iter(more)),
+                "a study file says this itself",
+                shown(next(iter(more.values()))),
+                "",
+                "leave it out, or change the file",
+            )
+            raise ModelError([fault], caller)
+        return StudyTables.load(Path(model))
+    if not isinstance(model, str | os.PathLike | Mechanism):
+        fault = Fault(
+            "model",
+            f"this is {kind_of(model)}",
+            shown(model),
+            "a Mechanism, or a model file",
+            "make one, or name a file",
+        )
+        raise ModelError([fault], caller)
+    base = model if isinstance(model, Mechanism) else load(Path(model))
+    named = [measures] if isinstance(measures, str) else None if measures is None else list(measures)
+    raw = of_mapping({"measures": named, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **more})
+    return StudyTables(raw, caller, base=base)
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """What a search came to: ``best``, the one best member or the Pareto front of several measures, the best
+    of the first measure first, and empty where none keeps the limits; every one of its ``members`` in order;
+    the ``study`` that they are kept in; how many of the last members derivatives led to (``refined``), and
+    ``why`` there are no more of these, where they did not come to an end. Numbers are in SI units.
+    """
+
+    best: tuple[Found, ...]
+    members: tuple[Found, ...]
+    study: Study
+    refined: int = 0
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """The cheapest fits by parameter and what they ``cost`` (None where no choice keeps the limit), the
+    ``quantile`` of the measure with them, ``failures`` of so many ``machines`` tried, the choices
+    ``rejected`` that are as cheap or cheaper, and the ``study`` of all members.
+    """
+
+    fits: Mapping[str, str] | None
+    cost: float | None
+    quantile: Estimate | None
+    failures: int
+    machines: int
+    rejected: tuple[tuple[Mapping[str, str], float], ...]
+    study: Study
+
+
+def optimise(
+    model: str | Path | Mechanism,
+    vary: Mapping[str, Any] | None = None,
+    measures: str | Iterable[str] | None = None,
+    *,
+    file: str | Path | None = None,
+    force: bool = False,
+    workers: int | None = None,
+    cluster: str | None = None,
+    device: str | None = None,
+    progress: Callable[[int], None] | None = None,
+    confirm: bool = False,
+    **more: Any,
+) -> Optimum:
+    """Looks for the parameters with which measures are least, or largest, within limits: min f(x) with low ≤
+    g(x) ≤ high; of several f the Pareto front. One f is searched by tree-structured Parzen estimators,
+    several by NSGA-II (optuna, extra ``optimise``); from the best of one f on derivatives of the run lead to
+    at most ``refine`` members more (SLSQP), where the measures have any.
+
+    >>> vfife.optimise(model, {"play": {"path": "joint.C.clearance", "from": "0.1 mm", "to": "0.5 mm"}},
+    ["C.force.max", "C.impacts"],
+    ...     optimise={"minimise": ["C.force.max"], "members": 100}, limit={"C.impacts": 40}).best  # doctest:
+    +SKIP
+
+    ``model``, ``vary`` and ``measures`` as of :func:`vfife.study`, or alone the path of a study file; every
+    parameter has ``from`` and ``to``, or ``values``. ``more`` are the other keys of a study file:
+    ``optimise`` (``minimise``, ``maximise``, ``members``, ``seed``, ``batch``, ``refine``), ``limit`` (by
+    measure the most allowed, or ``low`` and ``high``), ``turns``, ``settle``, ``last``, ``step``, ``set``.
+    Numbers are in SI units, texts have theirs. ``file`` keeps the members, and the same search goes on after
+    what it has; ``force`` replaces another study there. ``workers``, ``cluster``, ``device``: where members
+    run. ``progress`` hears how many members have been computed.
+
+    ``confirm``: search even where it takes more than an hour, or half of the disk.
+
+    Raises ModelError with all faults, VfifeError without optuna or where another study is in the file,
+    HeldError, StorageError, DeviceError; after Ctrl-C a KeyboardInterrupt whose ``result`` is the study of
+    the members that ended, which are kept in ``file``, too.
+    """
+    plan, search = search_of(tables_of(model, vary, measures, more, "optimise()"))
+    imported()
+    job = job_of("optimise", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
+    work = StudyWork(file, plan, Resources(workers, None, cluster, device), force)
+    (found, last), study = work.search(
+        job, search_forecast(plan, search, work.known), lambda engine: optimised(engine, plan, search)
+    )
+    return Optimum(tuple(best(search, found)), tuple(found), study, len(last.members), last.why)
+
+
+def allocate(
+    model: str | Path | Mechanism,
+    vary: Mapping[str, Any] | None = None,
+    measures: str | Iterable[str] | None = None,
+    *,
+    file: str | Path | None = None,
+    force: bool = False,
+    workers: int | None = None,
+    cluster: str | None = None,
+    device: str | None = None,
+    progress: Callable[[int], None] | None = None,
+    confirm: bool = False,
+    **more: Any,
+) -> Allocation:
+    """Looks for the cheapest fits with which a measure keeps its limit in a share of all machines: min Σ cost
+    with P(y ≤ limit) ≥ share.
+
+    >>> vfife.allocate("crank.toml").fits  # doctest: +SKIP
+
+    Arguments as of :func:`vfife.optimise`; every parameter has a fit, a tolerance or a distribution, and
+    ``more`` has ``allocation`` (``measure``, ``share``, ``confidence``, ``count``, ``seed``), ``cost`` (by
+    parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}) and ``limit``
+    (of the measure, a number in SI units or a text). Choices are tried from the cheapest on with the same
+    ``machines`` drawn for all. One is taken when at most k of n are beyond the limit, k the most with P(B ≤
+    k) ≤ 1 - confidence for B binomial of n and 1 - share; so of none beyond it n is 299 for 99 % with 95 %.
+
+    Raises what :func:`vfife.optimise` raises, but needs no optuna.
+    """
+    plan, task = allotment_of(tables_of(model, vary, measures, more, "allocate()"))
+    job = job_of("allocate", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
+    work = StudyWork(file, plan, Resources(workers, None, cluster, device), force)
+    found, study = work.search(
+        job, allotment_forecast(plan, task, work.known), lambda engine: allotted(engine, task)
+    )
+    chosen, rejected = found.choice, tuple((task.chosen(one), one.cost) for one in found.rejected)
+    cheapest, cost = (None, None) if chosen is None else (task.chosen(chosen), chosen.cost)
+    return Allocation(cheapest, cost, found.estimate, found.failures, found.count, rejected, study)

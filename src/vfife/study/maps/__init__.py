@@ -1,1 +1,0 @@
-"""What a motion is over values: bifurcation diagrams, sections, basins, waterfalls, and the companions that say so."""

@@ -1,0 +1,313 @@
+"""Surfaces that wear: which there are, what is made of their depths for the geometry, and what is known of
+them in the end.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+from ..files import write_rows
+from ..laws.materials import coefficient
+from ..measures.wear import PLACES, SIDES, areas, around, rubbed
+from ..model.above import NotebookDocument
+from ..model.mechanism import Mechanism
+from ..model.surfaces import surfaces
+from ..model.wear import depth_at
+from ..modelfile import loads
+from ..numerics.elementwise import sincos, tan
+from ..numerics.products import times
+from ..solvers.record import Record
+from ..store.mapfile import WearPoint
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+ANGLES: Array = -math.pi + 2.0 * math.pi / PLACES * (
+    np.arange(PLACES, dtype=float) + 0.5
+)  # of the places around a surface
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One side of a joint, ``bearing`` or ``journal``, that wears: its coefficient k (1/Pa), the ``profile``
+    it has from the start, and the joint's ``clearance`` (m).
+    """
+
+    joint: str
+    side: str
+    k: float
+    profile: tuple[float, ...]
+    clearance: float
+
+
+@dataclass(frozen=True)
+class WearSpec:
+    """What is asked of wear: see :func:`~vfife.tribology.simulate_wear.wear`; ``steps`` in a turn."""
+
+    model: str
+    turns: float
+    block: int
+    settle: int
+    tolerance: float
+    harmonics: int
+    clearance: float | None
+    force: float | None
+    steps: int = 0
+
+
+@dataclass(frozen=True)
+class Worn(NotebookDocument):
+    """Wear, as far as it is known: after so many ``turns``, shape (points,), the ``depth`` (m) of each
+    surface around it at ``angles`` (rad, in the frame of its body), what the model had before included, shape
+    (points, surfaces, places).
+
+    ``rate`` (m a turn) has the same shape. Of each joint in ``joints`` its ``play`` (m), clearance and
+    deepest places together, and the largest ``force`` (N) of the block of turns that was simulated there,
+    shape (points, joints). ``errors`` (m) are those of the jumps that led to the points, ``spread`` (1) what
+    the mean rate of a block leaves open, as a share. ``sharp`` (1): above 1 a journal would rest on the edges
+    of what it wore. ``beside``: how far the last rates are apart with half the step, of all volume and of the
+    deepest place, as shares; empty where that is not known. ``ended``: turns, joint and limit (``by``) of a
+    life that ended, or empty.
+    """
+
+    name: str
+    asked: WearSpec
+    surfaces: tuple[Surface, ...]
+    joints: tuple[str, ...]
+    turns: Array
+    depth: Array
+    rate: Array
+    play: Array
+    force: Array
+    errors: Array
+    spread: Array
+    sharp: Array
+    simulated: float
+    ended: dict[str, Any]
+    beside: tuple[float, ...] = ()
+
+    @property
+    def angles(self) -> Array:
+        """Angles (rad) of the places around a surface, from the x axis of its body."""
+        return ANGLES
+
+    @property
+    def complete(self) -> bool:
+        """Whether all turns that were asked for are known, or a life has ended."""
+        return bool(self.ended) or bool(self.turns[-1] >= self.asked.turns)
+
+    def volume(self, joint: str, side: str) -> Array:
+        """Volume (m^3) that a side of a joint has lost since the start, shape (points,)."""
+        place, (mechanism, _) = self.place(joint, side), self._model()
+        contact = mechanism.contacts[joint]
+        radius = abs(contact.touchings(0.0)[0].arms[SIDES.index(side)])
+        return np.asarray(
+            (self.depth[:, place] - self.depth[0, place]).mean(axis=1)
+            * 2.0
+            * math.pi
+            * radius
+            * contact.axial_length,
+            dtype=float,
+        )
+
+    def place(self, joint: str, side: str) -> int:
+        """Where a side of a joint is among the surfaces. ValueError with those there are."""
+        names = [(one.joint, one.side) for one in self.surfaces]
+        if (joint, side) not in names:
+            raise ValueError(
+                f"no surface {joint} {side} wears; there are {', '.join(' '.join(one) for one in names)}"
+            )
+        return names.index((joint, side))
+
+    def mechanism(self, point: int = -1) -> Mechanism:
+        """The mechanism as it is worn at a point, its profiles those that its geometry follows."""
+        mechanism, found = self._model()
+        depth = self.depth[point] - np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
+        worn = shaped(mechanism, found, max(self.asked.harmonics, 1))
+        for surface, (cosines, sines) in zip(
+            found, profiles(found, depth, max(self.asked.harmonics, 1)), strict=True
+        ):
+            numbers = (
+                cosines[0],
+                *(float(number) for pair in zip(cosines[1:], sines[1:], strict=True) for number in pair),
+            )
+            replaced(worn, surface, tuple(map(float, numbers)))
+        return worn
+
+    def _model(self) -> tuple[Mechanism, list[Surface]]:
+        mechanism = loads(self.asked.model)
+        return mechanism, surfaces_of(mechanism)
+
+    def plot(self) -> Figure:
+        """Depths around each surface in polar axes, and play and forces over turns."""
+        from ..plots.worn import worn
+
+        return worn(self)
+
+    def write_csv(self, path: str | Path) -> None:
+        """Writes a row for every point, surface and place: turns, joint, side, angle (rad), depth (m)."""
+        rows: list[list[object]] = [["turns", "joint", "side", "angle", "depth"]]
+        for turns, depths in zip(self.turns.tolist(), self.depth, strict=True):
+            for surface, depth in zip(self.surfaces, depths, strict=True):
+                rows += (
+                    [turns, surface.joint, surface.side, *pair]
+                    for pair in zip(ANGLES.tolist(), depth.tolist(), strict=True)
+                )
+        write_rows(path, rows)
+
+
+def surfaces_of(mechanism: Mechanism) -> list[Surface]:
+    """Sides of journals in bearings that have a coefficient of wear."""
+    found = []
+    for name, joint in mechanism.contacts.items():
+        if joint.wear is None or not joint.shapes_worn:
+            continue
+        pair = surfaces(mechanism, joint)
+        for side in SIDES:
+            k = coefficient(getattr(joint.wear, side), getattr(pair, side))
+            if k:
+                found.append(
+                    Surface(
+                        name, side, k, getattr(joint.wear, f"{side}_profile"), joint.touchings(0.0)[0].size
+                    )
+                )
+    return found
+
+
+def replaced(mechanism: Mechanism, surface: Surface, profile: tuple[float, ...]) -> None:
+    """Gives a surface of a mechanism another profile."""
+    joint = mechanism.contacts[surface.joint]
+    if joint.wear is not None:
+        wear = dataclasses.replace(joint.wear, **{f"{surface.side}_profile": profile})  # type: ignore[arg-type]
+        mechanism.joints[surface.joint] = dataclasses.replace(joint, wear=wear)
+
+
+def shaped(mechanism: Mechanism, found: Sequence[Surface], harmonics: int) -> Mechanism:
+    """The mechanism with room for so many harmonics in the profile of each surface that wears."""
+    model = dataclasses.replace(mechanism, joints=dict(mechanism.joints))
+    for surface in found if harmonics else ():
+        room = 2 * harmonics - 1 - len(surface.profile)
+        replaced(model, surface, (*surface.profile, *(0.0,) * room))
+    return model
+
+
+def jackson(harmonics: int) -> Array:
+    """Factors of harmonics 0, 1 ... whose kernel is nowhere negative, so that no depth becomes less than none
+    (Jackson 1912; Weisse et al., Rev. Mod. Phys. 78, 275 (2006), Eq. 71).
+    """
+    n, k = harmonics + 1, np.arange(harmonics)
+    q = math.pi / n
+    s, c = sincos(k * q)
+    return np.asarray(((n - k) * c + s / tan(q)) / n, dtype=float)
+
+
+def transformed(depth: Array, harmonics: int) -> tuple[Array, Array]:
+    """Cosines and sines of depths around surfaces, as the geometry has them, shape (..., harmonics) each."""
+    k, g = np.arange(harmonics), jackson(harmonics)
+    weights = np.where(k == 0, 1.0, 2.0) / PLACES * g
+    s, c = sincos(np.outer(k, ANGLES))
+    return weights * times(c, depth), weights * times(s, depth)
+
+
+def smooth(depth: Array, harmonics: int) -> Array:
+    """Depths around surfaces as the geometry has them, at all places."""
+    k = np.arange(harmonics)
+    cosines, sines = transformed(depth, harmonics)
+    s, c = sincos(np.outer(ANGLES, k))
+    return np.asarray(times(c, cosines) + times(s, sines), dtype=float)
+
+
+def profiles(found: Sequence[Surface], depth: Array, harmonics: int) -> list[tuple[Array, Array]]:
+    """Cosines and sines of each surface: its own from the start, and of the depth (m) that it lost since,
+    shape (surfaces, places).
+    """
+    cosines, sines = transformed(depth, harmonics)
+    for own, (surface, c, s) in enumerate(zip(found, cosines, sines, strict=True)):
+        for k in range(min(harmonics, (len(surface.profile) + 1) // 2)):
+            a, b = (surface.profile[0], 0.0) if k == 0 else surface.profile[2 * k - 1 : 2 * k + 1]
+            c[k], s[k] = c[k] + a, s[k] + b
+        cosines[own], sines[own] = c, s
+    return list(zip(cosines, sines, strict=True))
+
+
+def swing(found: Sequence[Surface], depth: Array, harmonics: int, assembly: Assembly) -> tuple[Array, Array]:
+    """Cosines and sines of all profiles in the order in which an assembly has them."""
+    known = {
+        (one.joint, one.side): pair
+        for one, pair in zip(found, profiles(found, depth, harmonics), strict=True)
+    }
+    cosines, sines = (
+        assembly.state[assembly.layout.rows_of(f"harmonic_{part}")].copy() for part in ("cosine", "sine")
+    )
+    at = 0
+    for joint, counts in zip(assembly.contact_joints, assembly.topology.profiles, strict=True):
+        for side, count in zip(SIDES, counts, strict=True):
+            if (joint, side) in known:
+                both = known[joint, side]
+                cosines[at : at + len(both[0])], sines[at : at + len(both[1])] = both
+            at += count
+    return cosines, sines
+
+
+def rates(record: Record, found: Sequence[Surface], turns: int) -> tuple[Array, list[float]]:
+    """Depth (m) a turn at each place of each surface, and what the mean of the turns leaves open of the
+    volume, as a share of it.
+    """
+    depth, spread = np.zeros((len(found), PLACES)), []
+    for row, surface in enumerate(found):
+        contact = record.assembly.contact_joints.index(surface.joint)
+        part, side = rubbed(record, contact, surface.side), SIDES.index(surface.side)
+        depth[row] = surface.k / areas(record, contact)[side] * around(part) / turns
+        each = part.work.reshape(turns, -1).sum(axis=1)
+        mean = float(each.mean())
+        spread.append(float(each.std(ddof=1) / math.sqrt(turns) / mean) if turns > 1 and mean > 0.0 else 0.0)
+    return depth, spread
+
+
+def plays(found: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
+    """Play (m) of each joint: its clearance and the deepest places of its surfaces, as the geometry has them."""
+    whole = smooth(depth, max(harmonics, 1)) + np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
+    play = {one.joint: one.clearance for one in found}
+    for one, around_it in zip(found, whole, strict=True):
+        play[one.joint] += float(around_it.max())
+    return list(play.values())
+
+
+def sharpness(found: Sequence[Surface], depth: Array, harmonics: int) -> float:
+    """How sharply profiles bend where they are deep, -h'' over clearance and depth, both surfaces of a joint
+    together at their worst; from 1 on the journal is wider than what it wore, and would rest on the edges.
+    """
+    bent: dict[str, float] = {}
+    for one, (cosines, sines) in zip(found, profiles(found, depth, max(harmonics, 1)), strict=True):
+        k = np.arange(len(cosines))
+        s, c = sincos(np.outer(ANGLES, k))
+        second = times(c, k * k * cosines) + times(s, k * k * sines)
+        bent[one.joint] = bent.get(one.joint, 0.0) + float(second.max())
+    play = dict(zip(bent, plays(found, depth, harmonics), strict=True))
+    return max(bent[joint] / play[joint] for joint in bent)
+
+
+def worn_of(name: str, asked: WearSpec, points: Sequence[WearPoint], beside: Sequence[float] = ()) -> Worn:
+    """What the points tell."""
+    found = surfaces_of(loads(asked.model))
+    own = np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
+    told = [point.told for point in points]
+    column = {
+        key: np.array([one[key] for one in told])
+        for key in ("turns", "play", "force", "error", "spread", "sharp")
+    }
+    return Worn(
+        name, asked, tuple(found), tuple(told[0]["joints"]), column["turns"], np.stack([own + point.depth for point in points]),
+        np.stack([point.rate for point in points]), column["play"], column["force"], column["error"], column["spread"], column["sharp"],
+        told[-1]["simulated"], told[-1]["ended"], tuple(beside),
+    )  # fmt: skip

@@ -1,0 +1,42 @@
+"""Correlation of residuals and what it does to errors, in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from vfife.identification.sought import Sought
+from vfife.identification.step_uncertainty import autocorrelation, confident
+
+
+def test_the_autocorrelation_of_a_line_is_known() -> None:
+    """1 to 5 about 3: products of neighbours 2 + 0 + 0 + 2 over squares 4 + 1 + 0 + 1 + 4; whatever the size."""
+    for size in (1.0, 1e-6, 1e6):
+        assert autocorrelation([size * np.arange(1.0, 6.0)]) == pytest.approx(0.4, rel=1e-12)
+
+
+def test_it_is_the_mean_of_the_curves_and_never_below_zero() -> None:
+    line, turning, still = np.arange(1.0, 6.0), np.array([1.0, -1.0, 1.0, -1.0]), np.full(4, 3.0)
+    assert autocorrelation([line, still]) == pytest.approx(0.2, rel=1e-12)
+    assert autocorrelation([turning]) == 0.0 == autocorrelation([still])
+    assert autocorrelation([line, turning]) == 0.0, "0.4 and -3/4"
+    assert autocorrelation([np.arange(1e4)]) == 0.99
+
+
+def test_errors_grow_with_what_residuals_follow_each_other() -> None:
+    """A mean of n values with the deviation s: s/sqrt(n), times sqrt((1 + r)/(1 - r)) = sqrt(7/3) at r = 0.4."""
+    left = np.arange(1.0, 6.0) - 3.0
+    found = confident(
+        [left], [Sought("a", ("a",), "kg", 0.0, 1.0)], np.array([0.5]), np.ones((5, 1)), 1, 0.95
+    )
+    s = math.sqrt(10.0 / 4.0)
+    assert found.errors[0] == pytest.approx(s / math.sqrt(5.0) * math.sqrt(7.0 / 3.0), rel=1e-12)
+    assert found.variance == pytest.approx(
+        10.0 / 4.0 * 7.0 / 3.0, rel=1e-12
+    ) and found.autocorrelation == pytest.approx(0.4)
+    low, high = found.limits[0]
+    assert (high - low) / 2.0 == pytest.approx(2.7764451 * found.errors[0], rel=1e-7), (
+        "Student's t of 4 degrees of freedom at 95 %"
+    )

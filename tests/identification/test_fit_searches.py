@@ -1,0 +1,145 @@
+"""Searches and doubts of a fit on curves of closed forms, which stand in the place of runs: wrong places,
+errors of steps, what does not repeat.
+"""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from vfife.identification.batched_queries import Evaluations, Look
+from vfife.identification.curves import Timing, Trace
+from vfife.identification.fitting import Descents
+from vfife.identification.measurements import Curve, Measured
+from vfife.identification.residuals import Misfit, Offset
+from vfife.identification.sought import Sought
+from vfife.identification.step_uncertainty import Ended, concluded, doubt
+
+STEPS = Timing("time", None, 1.0, 200, 10, 1e-3)
+PLACES = np.linspace(0.0, 1.0, 200)
+NOISE = 0.02 * np.random.default_rng(2).standard_normal(len(PLACES))
+
+
+@dataclasses.dataclass(frozen=True)
+class Closed:
+    """Stands for curves: ``form(t, numbers, step)``, over time, and of what turns over ten turns of 0.2 s."""
+
+    form: object
+    timing: Timing = STEPS
+    more: float = 0.0
+
+    def beside(self, finer, turns):
+        every = self.timing.every + finer
+        return dataclasses.replace(
+            self,
+            timing=dataclasses.replace(
+                self.timing, every=every, step=self.timing.step * self.timing.every / every
+            ),
+            more=turns,
+        )
+
+    def each(self, every):
+        turn = None if self.timing.turns is None else 0.2
+        t = (
+            PLACES
+            if turn is None
+            else np.linspace(0.0, turn * (10.0 + self.more), self.timing.outputs * (10 + int(self.more)) + 1)
+        )
+        return [Trace(t, self.form(t, numbers, self.timing.step)[:, None], turn) for numbers in every]
+
+
+def fitted(curves, names, truth, *, noise=NOISE, offset=None, starts=1, screened=8, known=0.0):
+    """A fit to the form at its finest step; what the search left, and the fit."""
+    sought = [Sought(name, (name,), "m", 0.0, 1.0) for name in names]
+    values = curves.form(PLACES + known, truth, 0.0)
+    seen = Measured("time", PLACES, (Curve("x", "x", values + noise * values.std()),))
+    looked = Evaluations(curves, sought, Misfit(seen, offset or Offset(0.0, 0.0), 0.0))
+    ended = Ended()
+    Descents(looked, ended, "differences").run(screened, starts, 3)
+    slopes = looked.slopes(Look(tuple(looked.best[1]), None, False), looked.best[2])
+    return looked, ended, concluded("closed", seen, {"x": "m"}, looked, ended, slopes, 0.95)
+
+
+def two_hills(t, numbers, step):
+    """A tune whose pitch is told sharply, and a tone as loud as a broad hill or a narrow one say: the true
+    loudness is that of the narrow one.
+    """
+    loud = 0.7 * math.exp(-(((numbers["loud"] - 0.2) / 0.2) ** 2)) + math.exp(
+        -(((numbers["loud"] - 0.85) / 0.04) ** 2)
+    )
+    return np.sin(40.0 * (0.5 + numbers["pitch"]) * t) + loud * np.cos(7.0 * t)
+
+
+def test_a_search_that_ended_in_a_wrong_place_is_begun_again_from_others():
+    """The broad hill leaves a tone, which is no noise; the pitch, which is known already, stays while
+    loudness is looked for.
+    """
+    _, ended, found = fitted(Closed(two_hills), ("pitch", "loud"), {"pitch": 0.52, "loud": 0.85}, screened=24)
+    best, wrong = found["loud"].value, min(ended.searches, key=lambda one: abs(one[1][1] - 0.2))[1][1]
+    assert best == pytest.approx(0.85, abs=0.01) and wrong == pytest.approx(0.2, abs=0.05), (
+        "the first search ended on the broad hill"
+    )
+    assert found["pitch"].value == pytest.approx(0.52, abs=1e-3) and found.share == pytest.approx(
+        0.02, rel=0.15
+    )
+
+
+def test_noise_alone_is_not_searched_again():
+    line = Closed(lambda t, numbers, step: numbers["a"] * t)
+    _, ended, found = fitted(line, ("a",), {"a": 0.4})
+    assert len(ended.searches) == 1 and found["a"].known and found["a"].low < 0.4 < found["a"].high
+
+
+def test_errors_know_the_error_of_the_step():
+    """y = a t (1 + 20 h) at a step of h = 1 ms: a comes out 2 % too low, without noise, and its error says
+    so.
+    """
+    line = Closed(lambda t, numbers, step: numbers["a"] * t * (1.0 + 20.0 * step))
+    _, _, found = fitted(line, ("a",), {"a": 0.5}, noise=0.0)
+    one = found["a"]
+    assert (
+        one.value == pytest.approx(0.5 / 1.02, rel=1e-6)
+        and one.error == pytest.approx(0.01, rel=0.05)
+        and one.low < 0.5 < one.high
+    )
+
+
+def wild(t, numbers, step):
+    """Swings that other steps turn into others, and other turns too."""
+    return np.sin(2.0 * math.pi * (7.3 + 1e3 * step) * t + 9.0 * numbers["a"]) + 0.2 * numbers["a"]
+
+
+def turning(t, numbers, step):
+    """What dies away over many turns: the next turn is another one."""
+    return np.exp(-t * (1.0 + numbers["a"])) * np.sin(10.0 * math.pi * t)
+
+
+def test_what_steps_decide_is_called_not_known():
+    _, _, found = fitted(Closed(wild), ("a",), {"a": 0.4})
+    assert not found["a"].known and not found["a"].told and found.json()["parameters"][0]["known"] is False
+    assert any("with other steps, so no confidence is known" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(("late", "known"), [(0.0, True), (1.0, False)])
+def test_what_does_not_repeat_is_called_not_known_where_nobody_knows_the_turn(late, known):
+    """A free offset lies in one turn, the data may have begun in any; with one that is given the turn is
+    known.
+    """
+    timing = Timing("time", lambda turn: 10.0, 0.0, 100, 10, 1e-3)
+    free = Offset(0.0, 0.2, True) if late else Offset(0.0, 0.0)
+    looked, _, found = fitted(Closed(turning, timing), ("a",), {"a": 0.4}, offset=free)
+    assert found["a"].known is known and looked.misfit.any_turn is bool(late)
+    assert any("from the next turn on" in note for note in found.notes) is not known
+
+
+def test_limits_take_in_what_fits_as_well():
+    """Points that cost no more than the best one at other steps are within the limits, whatever the linear
+    model says.
+    """
+    looked, _, found = fitted(Closed(wild), ("a",), {"a": 0.4}, screened=30)
+    misfit, (_, shares, best) = looked.misfit, looked.best
+    slopes = looked.slopes(Look(tuple(shares), None, False), best)
+    cost = doubt(looked.curves, looked.sought, misfit, shares, best.fitted, slopes.jacobian).cost
+    alike = [at[0] for one, at in looked.points if one <= cost]
+    assert found["a"].low <= min(alike) < max(alike) <= found["a"].high and max(alike) - min(alike) > 0.3

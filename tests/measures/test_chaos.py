@@ -1,0 +1,84 @@
+"""Periods, exponents and the 0-1 test against maps whose answers are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from vfife.measures.chaos import exponent, period, verdict, zero_one
+
+
+def logistic(r: float, count: int, dropped: int = 2000) -> tuple[np.ndarray, np.ndarray]:
+    """x' = r x (1 - x): points, and logarithms of the growth of a small difference."""
+    x, points, logs = 0.3, [], []
+    for k in range(dropped + count):
+        if k >= dropped:
+            points.append(x)
+            logs.append(math.log(max(abs(r * (1.0 - 2.0 * x)), 1e-300)))
+        x = r * x * (1.0 - x)
+    return np.array(points), np.array(logs)
+
+
+def test_the_exponent_of_the_logistic_map_is_ln_2():
+    """At r = 4 (Ott, Chaos in Dynamical Systems, 2.1)."""
+    found = exponent(logistic(4.0, 200_000)[1])
+    assert found.value == pytest.approx(math.log(2.0), abs=2e-3)
+    assert found.low <= found.value <= found.high
+    assert found.running[-1] == found.value and len(found.running) == 200_000
+
+
+def test_the_exponent_of_henon_is_0_419():
+    """a = 1.4, b = 0.3, with the tangent renormalised at each step; 0.4192 (Wolf et al. 1985: 0.603 bits)."""
+    x, y, tangent, logs = 0.1, 0.1, np.array([1.0, 0.0]), []
+    for k in range(101_000):
+        tangent = np.array([[-2.8 * x, 1.0], [0.3, 0.0]]) @ tangent
+        x, y = 1.0 - 1.4 * x * x + y, 0.3 * x
+        size = float(np.hypot(*tangent))
+        tangent /= size
+        if k >= 1000:
+            logs.append(math.log(size))
+    assert exponent(logs).value == pytest.approx(0.4192, abs=2e-3)
+
+
+def doubling(times: int, low: float, high: float) -> float:
+    """Where the period of the logistic map goes from 2^(times - 1) to 2^times: where the exponent of the
+    orbit before touches zero.
+    """
+
+    def doubled(r: float) -> bool:
+        points = logistic(r, 3 * 2**times, dropped=400_000)[0]
+        found = period(points, tolerance=1e-6)
+        return found is None or found >= 2**times
+
+    while high - low > 2e-5:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if doubled(middle) else (middle, high)
+    return 0.5 * (low + high)
+
+
+@pytest.mark.parametrize("times, at", [(1, 3.0), (2, 1.0 + math.sqrt(6.0)), (3, 3.5440903)])
+def test_feigenbaums_first_doublings(times, at):
+    """3, 1 + sqrt(6), 3.54409 (Strogatz, Nonlinear Dynamics and Chaos, 10.2)."""
+    assert doubling(times, at - 3e-4, at + 3e-4) == pytest.approx(at, abs=1e-4)
+
+
+def test_the_0_1_test_tells_regular_from_chaotic():
+    """Periods 1 and 4, quasi-periodic rotation, and r = 4."""
+    assert zero_one(logistic(2.8, 1000)[0]) == 0.0
+    assert abs(zero_one(logistic(3.5, 1000)[0])) < 0.1
+    assert abs(zero_one(np.cos(2.0 * math.pi * 0.5 * (math.sqrt(5.0) - 1.0) * np.arange(1000)))) < 0.1
+    assert zero_one(logistic(4.0, 1000)[0]) > 0.95
+
+
+def test_motions_are_told_with_their_evidence():
+    for r, said in (
+        (2.8, "period 1"),
+        (3.2, "period 2"),
+        (3.5, "period 4"),
+        (3.83, "period 3"),
+        (3.9, "chaotic"),
+    ):
+        points, logs = logistic(r, 400, dropped=20_000)
+        assert verdict(points, exponent(logs)).kind == said
+    turning = np.cos(2.0 * math.pi * 0.5 * (math.sqrt(5.0) - 1.0) * np.arange(400))
+    assert verdict(turning, exponent(np.zeros(400))).kind == "quasi-periodic"

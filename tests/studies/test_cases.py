@@ -1,0 +1,196 @@
+"""A case of a study is what it is alone, to the bit, whatever was assembled before it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from vfife import load_model, simulate
+from vfife.assembly import possible
+from vfife.kinematics import initial
+from vfife.kinematics.solve import close
+from vfife.model.mechanism import Mechanism
+from vfife.modelfile import loads
+from vfife.modelfile.parameter import Parameter
+from vfife.studies.engine.cases import CaseModel, Cases, Stepped, Wanted, run_members
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+CASE_C = EXAMPLES / "four_bar_case_c.toml"
+COUNT = 6
+NUMBERS = {
+    "body.follower.length": 0.46, "body.crank.length": 0.4, "body.coupler.mass": 2.0, "driver.crank.speed": 157.0, "body.crank.mass": 3.1,
+    "joint.C.contact.stiffness": 6.6e10, "joint.B.contact.restitution": 0.85, "joint.D.clearance": 2e-4, "joint.C.friction.coefficient": 0.1,
+    "joint.C.bearing_radius": 0.01, "ground.D.0": 0.15, "ground.D.1": 0.001, "body.coupler.start_mass": 0.3, "body.follower.end_inertia": 1e-3,
+    "body.crank.angle": 0.2, "body.coupler.angle": 0.89, "joint.C.impact_speed_floor": 1e-3, "body.follower.center_at": 0.2,
+}  # fmt: skip
+
+SOME = (
+    "body.follower.length",
+    "body.crank.length",
+    "body.coupler.mass",
+    "driver.crank.speed",
+    "joint.C.contact.stiffness",
+    "joint.D.clearance",
+)
+
+
+def spread(path: str, count: int = COUNT) -> list[dict[str, float | str]]:
+    """Members around a number of case c."""
+    return [{path: NUMBERS[path] * (1.0 + 0.004 * k)} for k in range(count)]
+
+
+def made(base: Mechanism, numbers: list[dict[str, Any]], **wanted: Any) -> list[Any]:
+    """What goes into lanes."""
+    return list(Cases(base, Wanted(("C.force.max",), wanted.pop("turns", 2), **wanted)).each(numbers))
+
+
+def alone(base: Mechanism, numbers: dict[str, Any]) -> CaseModel | None:
+    """A case for which no other left anything, read from its text."""
+    cases = Cases(base, Wanted(("C.force.max",), 2))
+    return Cases(loads(cases.text, set=list(numbers.items())), cases.wanted).make({})
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two assemblies are one, to the bit."""
+    ours, theirs = (dataclasses.replace(each.mechanism, source=None) for each in (one, other))
+    bits = [each.state.tobytes() + each.tables.tobytes() for each in (one, other)]
+    alike = [(each.topology, each.choice, each.bodies, each.mobility, each.shared) for each in (one, other)]
+    return bits[0] == bits[1] and alike[0] == alike[1] and ours == theirs
+
+
+@pytest.mark.parametrize("path", NUMBERS)
+def test_a_case_is_assembled_as_it_is_alone(path: str) -> None:
+    base = load_model(CASE_C)
+    found = made(base, spread(path))
+    assert all(isinstance(one, Stepped) for one in found)
+    for k, numbers in list(enumerate(spread(path)))[:: COUNT - 1]:
+        own = alone(base, numbers)
+        assert own is not None and same(found[k].assembly, own.assembly)
+        assert found[k].reference == own.reference and found[k].assembly.choice.automatic
+    assert len({one.assembly.state.tobytes() for one in found}) == COUNT
+
+
+def test_several_numbers_at_once_in_any_order() -> None:
+    base = load_model(CASE_C)
+    numbers = [
+        {path: values[path] for path in SOME for values in spread(path, 5)[k : k + 1]} for k in range(5)
+    ]
+    found, turned = made(base, numbers), made(base, numbers[::-1])[::-1]
+    assert all(
+        same(one.assembly, other.assembly) and one.reference == other.reference
+        for one, other in zip(found, turned, strict=True)
+    )
+    for k in (0, 4):
+        own = alone(base, numbers[k])
+        assert own is not None and same(found[k].assembly, own.assembly)
+
+
+def test_the_start_of_a_case_and_of_its_ideal_mechanism_is_solved_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    closed: list[Any] = []
+
+    def counted(*arguments: Any) -> Any:
+        closed.append(arguments)
+        return close(*arguments)
+
+    monkeypatch.setattr(initial, "close", counted)
+    assert len(made(load_model(CASE_C), spread("body.follower.length"))) == COUNT == len(closed)
+
+
+def test_a_turn_is_followed_for_the_first_case_only_while_neighbours_tell_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    followed: list[Any] = []
+    monkeypatch.setattr(possible, "passage", lambda *arguments: followed.append(arguments) or (None, ()))
+    for path in ("body.follower.length", "body.coupler.mass", "driver.crank.speed"):
+        assert len(made(load_model(CASE_C), spread(path))) == COUNT and not followed
+    made(load_model(EXAMPLES / "scotch_yoke.toml"), [{"body.yoke.mass": 1.0 + k} for k in range(3)])
+    assert len(followed) <= 1, "masses do not change the positions that were followed"
+
+
+def test_the_start_of_cases_is_that_of_the_law_of_cosines() -> None:
+    """Lengths of a four-bar with its crank along x: the follower's angle is that of a triangle of which three
+    sides are known.
+    """
+    lengths = [0.45, 0.455, 0.46, 0.47, 0.48]
+    found = made(load_model(CASE_C), [{"body.follower.length": length} for length in lengths])
+    for length, one in zip(lengths, found, strict=True):
+        particle = one.assembly.bodies["follower"].particles[0]
+        angle = float(one.assembly.state[one.assembly.layout.row("particle_theta", particle)])
+        base = 0.4 - 0.15  # from D to B
+        assert angle == pytest.approx(
+            math.acos((length**2 + base**2 - 0.26**2) / (2.0 * length * base)), abs=1e-12
+        )
+
+
+@pytest.mark.parametrize(
+    "path", ["body.follower.length", "body.coupler.mass", "driver.crank.speed", "joint.C.contact.stiffness"]
+)
+def test_members_are_their_own_runs(path: str) -> None:
+    numbers = spread(path, 4)
+    asked = Wanted(
+        ("C.force.max", "C.force.lip", "crank.torque.max", "C.friction_energy.total"), 1, step=4e-6
+    )
+    found = dict(run_members(load_model(CASE_C), numbers, asked))
+    for k in (0, 3):
+        alone = simulate(load_model(CASE_C, set=list(numbers[k].items())), turns=1, step=4e-6, companions=0)
+        assert found[k].status == "complete", found[k].reason
+        assert found[k].values == {name: float(alone.measures[name]) for name in asked.measures}
+
+
+def test_a_member_that_cannot_close_is_told_and_the_others_are_made() -> None:
+    lengths = [0.46, 0.461, 0.8, 0.462, 0.463, 0.464]
+    numbers: list[dict[str, Any]] = [{"body.follower.length": length} for length in lengths]
+    numbers += [{"body.follower.length": "-1 m"}, {"body.follower.length": "0.465 m"}]
+    found = made(load_model(CASE_C), numbers)
+    reasons = [getattr(one, "reason", None) for one in found]
+    assert [reason is None for reason in reasons] == [True, True, False, True, True, True, False, True]
+    assert (
+        "joints stay open" in reasons[2] and "cannot reach" in reasons[2] and "this is negative" in reasons[6]
+    )
+    assert [one.number for one in found] == list(range(8))
+
+
+def test_a_step_that_is_too_large_for_a_member_fails_that_one_alone() -> None:
+    numbers = [{"joint.C.contact.stiffness": value} for value in (1e9, 2e9, 3e9, 1e14)]
+    found = made(load_model(CASE_C), numbers, step=4e-6)
+    assert [getattr(one, "reason", None) is None for one in found] == [True, True, True, False]
+    assert "is too large: contact of joint C" in found[3].reason
+
+
+@pytest.mark.parametrize(("name", "path"), [("four_bar_case_b", "body.coupler.mass"), ("slider_crank_loose_guide", "body.rod.mass"),
+    ("compressor", "driver.crank.speed"), ("six_bar_press", "body.coupler.length"), ("scotch_yoke", "body.yoke.mass")])  # fmt: skip
+def test_cases_of_all_sorts_are_assembled_as_they_are_alone(name: str, path: str) -> None:
+    """Elastic links, guides with clearance, loads over a travel, slots, redundant joints."""
+    base = load_model(EXAMPLES / f"{name}.toml")
+    value = Parameter(base, path).get()
+    numbers = [{path: value * (1.0 + 0.01 * k)} for k in range(4)]
+    found = made(base, numbers)
+    for k in (1, 3):
+        own = alone(base, numbers[k])
+        assert (
+            own is None
+            if not isinstance(found[k], Stepped)
+            else own is not None and same(found[k].assembly, own.assembly)
+        )
+
+
+def test_a_start_that_is_handed_on_is_taken_only_where_it_is_the_own_one() -> None:
+    base = load_model(CASE_C)
+    other = Parameter(base, "body.follower.length").set(0.47)
+    known = initial.ideal_motion(base)
+    assert initial.ideal_motion(base.ideal(), known=known) is known
+    for mechanism in (
+        base,
+        other,
+        Parameter(base, "driver.crank.speed").set(100.0),
+        Parameter(base, "body.coupler.mass").set(2.0),
+    ):
+        found, own = (initial.ideal_motion(mechanism, known=one) for one in (known, None))
+        for name in ("position", "velocity", "acceleration"):
+            assert getattr(found, name).tobytes() == getattr(own, name).tobytes()

@@ -1,0 +1,182 @@
+"""A real cluster of processes on this machine, of which some are killed: nothing is lost, no bit differs, who
+kills is found.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from vfife import load_model
+from vfife.errors import VfifeError
+from vfife.studies.engine import cluster as room
+from vfife.studies.engine.cases import Outcome, Wanted, run_members
+from vfife.studies.engine.cluster import Answer, Question, cluster, on_cluster
+
+pytest.importorskip("distributed")
+
+BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
+WANTED = Wanted(("C.force.max", "C.impacts"), 1, step=2e-5)
+PATH = "joint.C.clearance"
+NUMBERS = [{PATH: 1e-4 + 1e-5 * k} for k in range(12)]
+
+
+@pytest.fixture(scope="module")
+def runner() -> Iterator[Callable[..., Iterator[tuple[int, Outcome]]]]:
+    with cluster("local", 2) as found:
+        yield found
+
+
+def deadly(mark: str) -> Callable[..., Answer]:
+    """The work of a worker that is killed once, in the first batch that finds no mark. Sent by value."""
+
+    def work(asked: Question, numbers: Sequence[Any], lanes: int | None) -> Answer:
+        from vfife.studies.engine.cluster import run_batch
+
+        if not numbers:
+            return run_batch(asked, numbers, lanes)
+        try:
+            os.close(os.open(mark, os.O_CREAT | os.O_EXCL))
+        except FileExistsError:
+            return run_batch(asked, numbers, lanes)
+        os.kill(os.getpid(), signal.SIGKILL)
+        raise AssertionError
+
+    return work
+
+
+@pytest.mark.slow("starts a cluster")
+def test_a_killed_worker_loses_nothing_and_changes_no_bit(runner: Any, tmp_path: Path) -> None:
+    base = load_model(BASE)
+    found = list(runner(base, NUMBERS, WANTED, work=deadly(str(tmp_path / "mark"))))
+    assert sorted(k for k, _ in found) == list(range(12))
+    assert dict(found) == dict(run_members(base, NUMBERS, WANTED))
+    assert all(one.status == "complete" for _, one in found)
+    assert (tmp_path / "mark").exists()
+
+
+def test_a_member_that_cannot_be_assembled_is_an_outcome(runner: Any) -> None:
+    found = dict(runner(load_model(BASE), [{PATH: -1.0}, {}], WANTED))
+    assert [found[k].status for k in (0, 1)] == ["failed", "complete"]
+
+
+def test_a_worker_of_another_version_is_told(runner: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vfife.studies.engine.cluster.sources", lambda: b"other")
+    with pytest.raises(VfifeError, match="another text of the step"):
+        list(runner(load_model(BASE), NUMBERS, WANTED))
+
+
+class Farm:
+    """A client whose workers are names: of what is submitted ``killers`` take the worker with them, and a new
+    one comes.
+    """
+
+    status = "running"
+
+    def __init__(self, killers: set[int], stillborn: int = 0) -> None:
+        self.stillborn = stillborn  # workers that end before they have begun
+        self.killers, self.workers, self.killed = killers, ["w0", "w1"], list[list[int]]()
+        self.begun = 2
+
+    def nthreads(self) -> dict[str, int]:
+        return dict.fromkeys(self.workers, 1)
+
+    def submit(
+        self,
+        work: Any,
+        asked: Any,
+        numbers: list[dict[str, float]],
+        lanes: Any,
+        workers: list[str],
+        pure: bool,
+    ) -> Any:
+        members = [int(one["k"]) for one in numbers]
+        busy = SimpleNamespace(
+            key=f"{workers[0]}-{members}", cancel=lambda: None, add_done_callback=lambda call: call(busy)
+        )
+        answer = Answer([{"values": {"k": float(k)}} for k in members], 1.0)
+        busy.result = lambda timeout: answer
+        if self.killers & set(members) or (not members and self.begun < self.stillborn):
+            self.killed += [members] if members else []
+            self.workers.remove(workers[0])
+            self.workers.append(f"w{self.begun}")
+            self.begun += 1
+            busy.add_done_callback = lambda call: None
+        return busy
+
+    def cancel(self, futures: Any) -> None: ...
+
+
+def test_a_member_that_kills_three_workers_is_given_up_and_the_rest_finish(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(room, "LOOK", 0.005)
+    farm, base = Farm({5, 17}, stillborn=12), load_model(BASE)
+    found = list(on_cluster(farm, base, [{"k": float(k)} for k in range(40)], WANTED))
+    outcomes = dict(found)
+    assert len(found) == len(outcomes) == 40
+    assert {k for k, one in outcomes.items() if one.status == "killed"} == {5, 17}
+    assert outcomes[5].reason == "3 workers died while they ran it"
+    assert all(one.values == {"k": float(k)} for k, one in outcomes.items() if k not in (5, 17))
+    for killer in (5, 17):
+        had = [members for members in farm.killed if killer in members]
+        assert len(had) == 3
+        assert [len(members) for members in had[1:]] == [1, 1]
+
+
+def test_a_cluster_without_workers_or_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(room, "LOOK", 0.005)
+    monkeypatch.setattr(room, "PATIENCE", 0.02)
+    farm = Farm(set())
+    farm.workers = []
+    with pytest.raises(VfifeError, match="no worker for"):
+        list(on_cluster(farm, load_model(BASE), NUMBERS, WANTED))
+
+    def gone() -> dict[str, int]:
+        raise OSError("Timed out trying to connect")
+
+    farm.nthreads = gone  # type: ignore[method-assign]
+    with pytest.raises(VfifeError, match=r"scheduler .* is lost \(Timed out.*the same command goes on"):
+        list(on_cluster(farm, load_model(BASE), NUMBERS, WANTED))
+
+
+def test_what_is_no_cluster_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(room, "ANSWER", 0.3)
+    with pytest.raises(VfifeError, match=r"cluster nonsense:1: no scheduler answers"), cluster("nonsense:1"):
+        pass
+    monkeypatch.setitem(__import__("sys").modules, "distributed", None)
+    with pytest.raises(VfifeError, match=r"vfife\[cluster\]"):
+        room.imported()
+
+
+@pytest.mark.system("starts a cluster")
+def test_no_other_machine_can_reach_a_local_cluster(runner: Any) -> None:
+    """Scheduler, dashboard and workers listen on this machine alone."""
+    psutil = pytest.importorskip("psutil")
+    list(runner(load_model(BASE), NUMBERS[:2], WANTED))
+    own = psutil.Process()
+    listening = [
+        one.laddr.ip
+        for process in (own, *own.children(recursive=True))
+        for one in process.net_connections("inet")
+        if one.status == "LISTEN"
+    ]
+    assert len(listening) >= 4 and set(listening) == {"127.0.0.1"}
+
+
+@pytest.mark.system("starts processes")
+def test_the_tracker_of_semaphores_says_nothing() -> None:
+    """The option is given while a cluster of this machine runs, and only then."""
+    before = list(sys.warnoptions)
+    with room.quiet_tracker():
+        assert room.TRACKER in sys.warnoptions
+        assert any("resource_tracker" in one for one in subprocess._args_from_interpreter_flags())
+    assert sys.warnoptions == before

@@ -1,0 +1,215 @@
+"""Members of a study are what their own runs are, to the bit, whatever they share lanes and threads with; one
+that fails stops no other.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import random
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fake_card import FakeDriver, in_this_machine
+from vfife import load_model, simulate
+from vfife.assembly.assemble import assemble
+from vfife.solvers.repeating import outputs_of_a_turn
+from vfife.studies.engine import cases as engine
+from vfife.studies.engine.cases import Cases, Outcome, Wanted, run_members
+
+BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
+NUMBERS: list[dict[str, float | str]] = [
+    {"joint.C.clearance": 1e-4},
+    {"joint.C.clearance": "0.3 mm", "joint.C.contact.restitution": 0.7},
+    {"joint.C.friction.coefficient": 0.05, "joint.C.contact.stiffness": "2e10 N/m^1.5"},
+    {"joint.C.clearance": 2e-4, "driver.crank.speed": "1000 rpm"},
+    {"body.coupler.mass": "3 kg"},
+    {},
+    {"joint.C.bearing_radius": "15 mm", "driver.crank.speed": "1000 rpm"},
+]
+SOME = (
+    "C.force.max",
+    "follower.angular_acceleration.max",
+    "C.force.lip",
+    "C.impacts",
+    "C.friction_energy.total",
+    "crank.torque.max",
+)
+SHORT = {"turns": 2, "step": 8e-6}
+
+
+def own(numbers: dict[str, Any], turns: int, step: float | None = None, **options: Any) -> Any:
+    """The member's own run."""
+    return simulate(
+        load_model(BASE, set=list(numbers.items())), turns=turns, step=step, companions=0, **options
+    )
+
+
+def bits(found: dict[int, Outcome]) -> dict[int, Any]:
+    """Outcomes as they can be compared."""
+    return {
+        k: (dict(sorted(one.values.items())), one.turns, one.settled, one.status, one.step, one.steps)
+        for k, one in found.items()
+    }
+
+
+def members(
+    numbers: list[dict[str, Any]] = NUMBERS, wanted: Wanted | None = None, **options: Any
+) -> dict[int, Outcome]:
+    """All outcomes, by number."""
+    return dict(run_members(load_model(BASE), numbers, wanted or Wanted(SOME, **SHORT), **options))
+
+
+@pytest.fixture
+def in_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No member is left to a run of its own."""
+
+    def none(*_: Any) -> Outcome:
+        raise AssertionError("a member ran by itself")
+
+    monkeypatch.setattr(engine, "single", none)
+
+
+@pytest.fixture(scope="module")
+def reference() -> dict[int, Any]:
+    """What every member's own run gives."""
+    found = {}
+    for k, numbers in enumerate(NUMBERS):
+        result = own(numbers, **SHORT)
+        values = {name: float(result.measures[name]) for name in SOME}
+        choice = result.record.assembly.choice
+        found[k] = (dict(sorted(values.items())), 2, None, "complete", choice.step, choice.steps)
+    return found
+
+
+@pytest.mark.parametrize(("lanes", "workers"), [(1, 2), (2, 3), (4, 1), (4, 4), (8, 2)])
+@pytest.mark.usefixtures("in_lanes")
+def test_members_are_their_own_runs_whatever_is_beside_them(
+    reference: dict[int, Any], lanes: int, workers: int
+) -> None:
+    assert bits(members(lanes=lanes, workers=workers)) == reference
+
+
+@pytest.mark.usefixtures("in_lanes")
+def test_members_on_a_card_are_their_own_runs(reference: dict[int, Any]) -> None:
+    with in_this_machine(
+        FakeDriver(assemble(load_model(BASE), 8e-6, turns=1.0, force_step=True).topology)
+    ) as driver:
+        assert bits(members(device="cuda")) == reference
+    assert driver.threads and not driver.given
+
+
+@pytest.mark.usefixtures("in_lanes")
+def test_order_does_not_matter(reference: dict[int, Any]) -> None:
+    order = [*range(len(NUMBERS)), 0, 3]
+    random.Random(3).shuffle(order)
+    found = bits(members([NUMBERS[k] for k in order]))
+    assert [found[at] for at in range(len(order))] == [reference[k] for k in order]
+
+
+@pytest.mark.usefixtures("in_lanes")
+def test_all_measures_over_two_turns_are_means_of_those_of_each() -> None:
+    """Every measure there is, from all outputs of the last turns."""
+    found = members(NUMBERS[:1], Wanted((), 3, step=8e-6, last=2))[0].values
+    every = [dict(own(NUMBERS[0], turns, step=8e-6).measures) for turns in (2, 3)]
+    assert found.keys() == every[1].keys()
+    for name, value in found.items():
+        counted = (
+            name.endswith(
+                (".impacts", ".grazing", ".deep_landings", "landing_depth.max", "approach_speed.max")
+            )
+            or ".share." in name
+        )
+        assert value == (every[1][name] if counted else (every[0][name] + every[1][name]) / 2.0), name
+
+
+@pytest.mark.usefixtures("in_lanes")
+def test_a_member_ends_where_its_own_run_does_because_turns_repeat() -> None:
+    numbers = [{"joint.C.clearance": 5e-5, "joint.C.contact.restitution": 0.1}, {"joint.C.clearance": 4e-4}]
+    found = members(numbers, Wanted(SOME[:1], 6, settle=0.02, step=1e-5))
+    for k, one in enumerate(numbers):
+        record = own(one, 6, step=1e-5, settle=0.02).record
+        assert found[k].steps == record.steps[-1]
+        assert found[k].turns == (len(record.steps) - 1) // (outputs_of_a_turn(record.assembly) or 1)
+    assert found[0].settled == found[0].turns < found[1].turns < 6
+
+
+@pytest.mark.usefixtures("in_lanes")
+def test_the_automatic_step_is_that_of_the_own_run_halved_where_first_contacts_land_too_deep() -> None:
+    numbers = [{"joint.C.landing_depth": 1e-8}, {"joint.C.contact.stiffness": 2e10}]
+    found = members(numbers, Wanted(SOME[:1], 1))
+    tried = []
+    for k, one in enumerate(numbers):
+        choice = own(one, 1).record.assembly.choice
+        assert (found[k].step, found[k].steps) == (choice.step, choice.steps)
+        tried.append(len(choice.tried))
+    assert tried[0] > tried[1]
+
+
+PLAY = {
+    "clearance": 3e-4, "bearing_radius": "20 mm", "axial_length": 0.03, "impact_speed_floor": 2e-3, "landing_depth": 2e-5,
+    "contact.stiffness": 3e10, "contact.restitution": 0.4, "friction.coefficient": 0.2, "friction.v0": 2e-4, "friction.v1": 2e-2,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("key", PLAY)
+def test_numbers_of_play_reach_what_assembly_says(key: str) -> None:
+    """Made from an assembly of other numbers, and assembled anew: every bit of state and tables, the step,
+    the topology.
+    """
+    cases, numbers = Cases(load_model(BASE), Wanted((), 2)), {f"joint.C.{key}": PLAY[key]}
+    made, again = cases.model({}), cases.make(numbers)
+    assert made is not None and again is not None
+    sooner = cases.reassembled(made, numbers)
+    assert sooner is not None
+    late = again.reassembler.assembly
+    assert (sooner.state.view(np.uint64) == late.state.view(np.uint64)).all()
+    assert (sooner.state != made.reassembler.assembly.state).any() or key == "axial_length"
+    assert (sooner.tables == late.tables).all()
+    assert sooner.topology == late.topology
+    assert sooner.choice == late.choice
+    assert sooner.mechanism == dataclasses.replace(late.mechanism, source=sooner.mechanism.source)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [{"joint.C.clearance": -1.0}, {"joint.C.clearance": 0.5}, {"joint.nowhere.clearance": 1e-4}, {"joint.C.clearance": "3 kg"},
+     {"body.coupler.length": "5 m"}],
+)  # fmt: skip
+def test_member_that_fails_says_why_and_stops_no_other(
+    bad: dict[str, Any], reference: dict[int, Any]
+) -> None:
+    found = members([bad, NUMBERS[0]])
+    assert found[0].status == "failed"
+    assert found[0].reason is not None
+    assert len(found[0].reason) > 20
+    assert found[0].values == {}
+    assert bits(found)[1] == reference[0]
+
+
+def test_member_that_diverges_is_told_as_its_own_run() -> None:
+    """A journal that goes through its soft bearing; a step that is too large for one member is told before."""
+    soft = {"joint.C.contact.stiffness": 1e5}
+    found = members([soft, {}, {"joint.C.contact.stiffness": 1e16}], Wanted(SOME[:1], 1, step=5e-6))
+    record = own(soft, 1, step=5e-6).record
+    assert found[0].status == str(record.status) == "diverged"
+    assert found[0].steps == record.steps[-1]
+    assert found[0].reason is not None
+    assert str(record.reached) in found[0].reason
+    assert found[1].status == "complete"
+    assert found[2].status == "failed"
+    assert "too large" in str(found[2].reason)
+
+
+def test_stopped_members_are_left_out() -> None:
+    stop = threading.Event()
+    found = []
+    for k, _ in run_members(
+        load_model(BASE), NUMBERS * 20, Wanted(SOME[:1], 1, step=8e-6), workers=1, lanes=2, stop=stop
+    ):
+        found.append(k)
+        stop.set()
+    assert 1 <= len(found) < 100

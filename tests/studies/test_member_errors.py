@@ -1,0 +1,320 @@
+"""Numerical errors of members: a sample repeated with another step, kept in the study file, and told with
+every measure.
+"""
+
+import dataclasses
+import json
+import math
+import sqlite3
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import vfife
+from vfife.cli.app import app
+from vfife.modelfile import load
+from vfife.results.studied import Study
+from vfife.store.member_errors import MemberError, error_over_change, sample_of, sample_size
+from vfife.studies.engine.cases import Outcome
+from vfife.studies.engine.run_missing import STEP, Engine, asked_of, opened
+from vfife.studies.engine.study_file import StudyTables, of_mapping
+from vfife.studies.methods.tolerance import share_that_fails, spreads
+from vfife.studies.spec.limits import Bound, quantile
+
+CASE_B, IDEAL = "examples/four_bar_case_b.toml", "examples/four_bar_ideal.toml"
+SIZE = 1e-6
+
+
+def slope(clearance: float) -> float:
+    """Error of a member for a step of a microsecond (N)."""
+    return 100.0 + 1e6 * clearance
+
+
+class Linear:
+    """Stands for the engine: C.force.max = 1e7 c + k h^order with the step h (µs) and k = 100 + 1e6 c; it
+    counts what it is asked for.
+    """
+
+    def __init__(
+        self, order: int = 1, coarsest: float = math.inf, finest: float = 0.0, stops: float = math.inf
+    ) -> None:
+        self.order, self.coarsest, self.finest, self.stops = order, coarsest, finest, stops
+        self.repeated: list[dict] = []
+
+    def __call__(self, base, numbers, wanted, *, workers, lanes, stop):
+        for k, one in enumerate(numbers):
+            size = one.get(STEP, SIZE)
+            if STEP in one:
+                if len(self.repeated) >= self.stops:
+                    raise KeyboardInterrupt
+                self.repeated.append(dict(one))
+                if not self.finest < size < self.coarsest:
+                    yield k, Outcome(status="failed", reason="a step too large or too small")
+                    continue
+            value = (
+                1e7 * one["joint.C.clearance"] + slope(one["joint.C.clearance"]) * (1e6 * size) ** self.order
+            )
+            yield (
+                k,
+                Outcome(
+                    {"C.force.max": value, "C.impacts": 3.0}, 2, None, "complete", None, size, 2 * 3 * 720
+                ),
+            )
+
+
+def plan_of(count: int, model: str = CASE_B):
+    raw = of_mapping({
+        "measures": ["C.force.max", "C.impacts"], "turns": 2, "method": "random", "count": count,
+        "vary": {"play": {"path": "joint.C.clearance", "from": 1e-4, "to": 3e-4}},
+    })  # fmt: skip
+    return StudyTables(raw, "test", base=load(model), name="s").plan()
+
+
+def made(path, count: int, runner, contacts: bool = True) -> Study:
+    plan = plan_of(count)
+    base = plan.base
+    with opened(path, asked_of(plan), plan.numbers()) as file:
+        engine = Engine(file, base, runner=runner)
+        assert engine.run()
+        engine.base = base if contacts else load(IDEAL)
+        engine.repeat_sample()
+        return engine.study()
+
+
+def test_the_error_over_the_change_follows_from_the_order() -> None:
+    """First order: err(h) = (y(1.5 h) - y(h)) / 0.5. It is never less than the change, which a higher order
+    would have it.
+    """
+    assert error_over_change(1.5, 1) == pytest.approx(2.0) and error_over_change(1.5, 2) == 1.0
+    assert error_over_change(2.0 / 3.0, 1) == pytest.approx(3.0) and error_over_change(
+        2.0 / 3.0, 2
+    ) == pytest.approx(1.8)
+
+
+@pytest.mark.parametrize("count, size", [(3, 3), (20, 20), (50, 20), (2000, 20), (8192, 82)])
+def test_so_many_members_are_repeated(count, size) -> None:
+    assert sample_size(count) == size
+
+
+@pytest.mark.parametrize("contacts", [True, False])
+def test_the_error_of_a_method_of_known_order_is_found(contacts, tmp_path) -> None:
+    """Of first order with contacts, and of second order without, where the change is the larger one."""
+    order = 1 if contacts else 2
+    found = made(tmp_path / "a.study", 30, engine := Linear(order), contacts)
+    assert len(engine.repeated) == 20 and len({one["joint.C.clearance"] for one in engine.repeated}) == 20
+    one = found.errors["C.force.max"]
+    assert (
+        one.count == 20 and one.failed == 0 and one.step_ratio == pytest.approx(1.5)
+    )  # 3 steps between two outputs, then 2
+    over = (
+        1.0 if contacts else 1.5**2 - 1.0
+    )  # the error, and the change, which is larger than the error by the order 2
+    truth = np.sort([over * slope(member["joint.C.clearance"]) for member in engine.repeated])
+    assert [one.typical, one.rms, one.most] == pytest.approx(
+        [np.median(truth), np.sqrt(np.mean(truth**2)), truth[-1]], rel=1e-6
+    )
+    assert found.errors["C.impacts"].most == 0.0
+    assert found.repeats[sample_of(found.members, found.outcomes)[0].number]["step"] == pytest.approx(
+        1.5 * SIZE
+    )
+
+
+def test_a_study_that_grew_has_the_sample_of_one_made_at_once(tmp_path) -> None:
+    """What was repeated of the smaller one and is in no sample of the larger one does not count."""
+    made(tmp_path / "a.study", 25, Linear())
+    grown = made(tmp_path / "a.study", 60, engine := Linear())
+    once = made(tmp_path / "b.study", 60, Linear())
+    assert grown.errors == once.errors and 0 < len(engine.repeated) < 20 < len(grown.repeats)
+    known = {one.hash for one in sample_of(once.members, once.outcomes)}
+    assert known == {one.hash for one in sample_of(grown.members, grown.outcomes)} and len(known) == 20
+
+
+def test_a_sample_goes_on_where_it_was_broken_off(tmp_path) -> None:
+    """Nothing is repeated twice, and what is kept has the same bits."""
+    first, second = Linear(stops=7), Linear()
+    part = made(tmp_path / "a.study", 30, first)
+    assert len(first.repeated) == 7 == part.errors["C.force.max"].count and part.status == "complete"
+    whole = made(tmp_path / "a.study", 30, second)
+    assert len(second.repeated) == 13
+    once = made(tmp_path / "b.study", 30, Linear())
+    assert whole.repeats == once.repeats and whole.errors == once.errors
+    made(tmp_path / "a.study", 30, third := Linear())
+    assert third.repeated == []
+
+
+def test_a_member_that_fails_with_a_coarser_step_is_repeated_with_a_finer_one(tmp_path) -> None:
+    found = made(tmp_path / "a.study", 20, engine := Linear(coarsest=1.1 * SIZE))
+    assert len(engine.repeated) == 40
+    one = found.errors["C.force.max"]
+    assert (
+        one.count == 20
+        and one.step_ratio == pytest.approx(0.75)
+        and one.most
+        == pytest.approx(max(slope(each["joint.C.clearance"]) for each in engine.repeated), rel=1e-6)
+    )
+    none = made(tmp_path / "b.study", 20, Linear(coarsest=1.1 * SIZE, finest=0.9 * SIZE))
+    assert none.errors == {} and len(none.repeats) == 20
+    some = made(tmp_path / "c.study", 20, Sometimes())
+    assert (
+        some.errors["C.force.max"].count + some.errors["C.force.max"].failed == 20
+        and some.errors["C.force.max"].failed == 10
+    )
+    assert "10 more gave no value" in some.errors["C.force.max"].words
+
+
+class Sometimes(Linear):
+    """Every second repetition fails with any step."""
+
+    def __call__(self, base, numbers, wanted, **more):
+        for k, outcome in super().__call__(base, numbers, wanted, **more):
+            bad = (
+                STEP in numbers[k]
+                and sorted({one["joint.C.clearance"] for one in self.repeated + list(numbers)}).index(
+                    numbers[k]["joint.C.clearance"]
+                )
+                % 2
+            )
+            yield k, Outcome(status="failed", reason="no") if bad else outcome
+
+
+def test_a_file_without_repetitions_is_read_and_gets_them_later(tmp_path) -> None:
+    """As 0.2 wrote it, without the table and without a tally."""
+    path = tmp_path / "a.study"
+    made(path, 5, Linear())
+    with sqlite3.connect(path) as connection:
+        connection.execute("DROP TABLE repeats")
+        connection.execute("DELETE FROM meta WHERE key IN ('repeats', 'tally')")
+        connection.execute("PRAGMA user_version = 1")
+    connection.close()
+    former = Study.open(path)
+    assert former.errors == {} and former.data["C.force.max"].attrs["numerical_error"] == "not estimated"
+    assert (
+        "not estimated" in invoke("study", "show", str(path))
+        and json.loads(invoke("study", "show", str(path), "--json"))["errors"] is None
+    )
+    assert "Limits are those of sampling alone" in invoke("study", "tolerance", str(path))
+    assert made(path, 5, Linear()).errors["C.force.max"].count == 5
+
+
+def invoke(*args: str) -> str:
+    result = CliRunner().invoke(app, list(args))
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_limits_of_quantiles_and_shares_hold_the_numerical_error(tmp_path) -> None:
+    """They are those of the sample, and so much wider as members are not known."""
+    found = made(tmp_path / "a.study", 60, Linear())
+    error = found.errors["C.force.max"]
+    bare = Study(found.path, found.meta, found.members, found.outcomes)
+    shares = (0.05, 0.5, 0.9)
+    bound = Bound("C.force.max", high=float(np.median(found.values("C.force.max"))))
+    wide, narrow = spreads(found, (bound,), shares)[0], spreads(bare, (bound,), shares)[0]
+    for share in shares:
+        one, other = wide.quantiles[share], narrow.quantiles[share]
+        assert one.value == other.value == quantile(found.values("C.force.max"), share).value
+        assert other.low - one.low == pytest.approx(error.at_quantile(share)) or math.isinf(one.low)
+        assert one.high - other.high == pytest.approx(error.at_quantile(share)) or math.isinf(one.high)
+    assert wide.numerical == error and narrow.numerical is None
+    assert (
+        narrow.average.low - wide.average.low == pytest.approx(error.rms) and wide.average.value == wide.mean
+    )
+    half = 1.959964 * narrow.deviation / math.sqrt(60)
+    assert narrow.average.high - narrow.mean == pytest.approx(half, rel=1e-5)
+    assert wide.failing.value == narrow.failing.value == 0.5
+    assert wide.failing.low <= narrow.failing.low and wide.failing.high >= narrow.failing.high
+
+
+def test_machines_near_their_limit_count_to_both_sides() -> None:
+    error = MemberError(20, 0.5, 0.5, 0.5, 1.5)
+    values, bound = [0.0, 1.0, 1.4, 1.6, 2.0, 9.0, math.nan], Bound("m", high=1.5)
+    exact, wide = share_that_fails(values, bound, None, 0.95), share_that_fails(values, bound, error, 0.95)
+    assert exact.value == wide.value == 4.0 / 7.0 and wide.low < exact.low and wide.high > exact.high
+    assert [bound.surely_fails(value, 0.3) for value in values] == [
+        False,
+        False,
+        False,
+        False,
+        True,
+        True,
+        True,
+    ]
+    assert [bound.may_fail(value, 0.3) for value in values] == [False, False, True, True, True, True, True]
+    band = Bound("m", low=1.0, high=1.1)
+    assert (
+        not band.surely_fails(1.2, 0.3)
+        and band.surely_fails(2.0, 0.3)
+        and band.surely_fails(0.5, 0.3)
+        and band.may_fail(1.05, 0.3)
+    )
+
+
+def test_quantiles_move_by_no_more_than_is_said() -> None:
+    """Errors of members, alike or drawn: in the root mean square over all shares quantiles move by less than
+    members do.
+    """
+    draw = np.random.default_rng(3)
+    values = np.sort(draw.normal(size=20_000))
+    shares = np.linspace(0.01, 0.99, 99)
+    for errors in (
+        np.full(20_000, 0.3),
+        draw.normal(size=20_000),
+        0.2 * np.abs(values),
+        np.where(values > 1.0, 2.0, 0.0),
+    ):
+        moved = np.abs(np.quantile(values + errors, shares) - np.quantile(values, shares))
+        one = MemberError(
+            20_000,
+            float(np.median(np.abs(errors))),
+            float(np.sqrt(np.mean(errors**2))),
+            float(np.abs(errors).max()),
+            1.5,
+        )
+        assert np.sqrt(np.mean(moved**2)) <= one.rms * 1.01
+        assert (moved <= np.array([one.at_quantile(share) for share in shares.tolist()]) * 1.01).all()
+    assert (
+        MemberError(3, 1.0, 1.0, 9.0, 1.5).at_quantile(0.75) == 2.0
+        and MemberError(3, 1.0, 1.0, 2.0, 1.5).at_quantile(0.995) == 2.0
+    )
+
+
+@pytest.mark.system("repeats a study with finer steps")
+def test_members_are_known_as_well_as_is_said(tmp_path) -> None:
+    """Members of case b, beside the same with an eighth of the step. Everybody who shows the study tells the
+    error.
+    """
+    path = tmp_path / "b.study"
+    clearances = [1e-4, 1.5e-4, 2e-4, 3e-4]
+    given = {"turns": 2, "file": path}
+    found = vfife.study(
+        load(CASE_B),
+        {"joint.C.clearance": clearances},
+        ["C.force.max", "follower.angular_acceleration.max"],
+        **given,
+        lanes=2,
+    )
+    truth = [vfife.study(load(CASE_B), {"joint.C.clearance": [c]}, list(found.measures), turns=2, step=found.rows()[k]["step"] / 8)
+             for k, c in enumerate(clearances)]  # fmt: skip
+    for name, one in found.errors.items():
+        exact = np.array([single.values(name)[0] for single in truth])
+        assert one.count == 4 and 0.0 < one.typical <= one.rms <= one.most < 0.05 * np.abs(exact).min()
+        assert np.abs(found.values(name) - exact).max() <= 1.5 * one.most, name
+    again = vfife.study(
+        load(CASE_B), {"joint.C.clearance": clearances}, list(found.measures), turns=2, lanes=8, workers=1
+    )
+    assert again.repeats == found.repeats and again.errors == found.errors
+    shown = json.loads(invoke("study", "show", str(path), "--json"))["errors"]
+    assert shown == {name: dataclasses.asdict(one) for name, one in found.errors.items()}
+    assert "sample of 4, step 1.49 times" in invoke("study", "show", str(path))
+    attributes = found.data["C.force.max"].attrs
+    assert attributes["numerical_error_typical"] == found.errors["C.force.max"].typical
+    assert attributes["numerical_error_largest"] == found.errors["C.force.max"].most
+
+
+def test_a_step_that_is_given_is_repeated_with_another_one() -> None:
+    found = vfife.study(
+        load(CASE_B), {"joint.C.clearance": [1e-4, 2e-4]}, ["C.force.max"], turns=1, step="4 us"
+    )
+    steps = [found.repeats[k]["step"] / found.outcomes[k]["step"] for k in range(2)]
+    assert all(1.3 < ratio < 1.7 for ratio in steps) and found.errors["C.force.max"].count == 2
