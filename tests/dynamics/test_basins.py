@@ -11,7 +11,7 @@ from mechanisms import snapping
 from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.load_map import load_map
-from vfife.dynamics.step_check import Companion, packed, sampled, told, unpacked
+from vfife.dynamics.step_check import Companion, packed, sampled, step_report, unpacked
 from vfife.errors import ModelError
 from vfife.measures.chaos import attractors, verdict
 from vfife.modelfile import load
@@ -92,8 +92,8 @@ def test_companions_agree_where_nothing_hangs_on_the_step(wells) -> None:
     found, _, _ = wells
     assert (
         {one.kind for one in found.companions} == {"period 1"}
-        and "6 of 6 companions" in found.told
-        and "1.25 and 0.5 times" in found.told
+        and "6 of 6 companions" in found.step_report
+        and "1.25 and 0.5 times" in found.step_report
     )
 
 
@@ -166,7 +166,7 @@ def test_a_value_begun_anew_is_a_run_of_its_own(tmp_path) -> None:
     assert whole.growth[0, 0] == pytest.approx(
         up.growth[0, 0], rel=1e-9
     )  # whose last bits know what is in the lanes beside
-    assert len(whole.companions) == 2 and "1 member again" in whole.told
+    assert len(whole.companions) == 2 and "1 member again" in whole.step_report
 
     def stop(done: int, of_all: int) -> None:
         raise KeyboardInterrupt
@@ -225,7 +225,7 @@ def test_companions_that_differ_are_named() -> None:
         Companion(1, 0, 2.0, "quasi-periodic"),
     ]
     assert unpacked(packed(some)) == some and unpacked(None) == []
-    said = told(some, lambda one: kinds[one.number], lambda one: f"member {one.number}")
+    said = step_report([(one, kinds[one.number]) for one in some], lambda one: f"member {one.number}")
     assert "2 of 4 companions" in said and "member 0 is period 1, with 0.5 times the step period 2" in said
     assert sampled(400, 5) == (40, 120, 200, 280, 360) and sampled(2, 5) == (0, 1) and sampled(10, 0) == ()
 

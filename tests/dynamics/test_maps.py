@@ -10,7 +10,8 @@ import pytest
 import vfife
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.load_map import load_map
-from vfife.dynamics.section_series import step_count, unit_at
+from vfife.dynamics.maps import unit_at
+from vfife.dynamics.turn_steps import step_count
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
 

@@ -8,19 +8,13 @@ import pytest
 import vfife
 from mechanisms import snapping
 from vfife.assembly.assemble import assemble
-from vfife.dynamics import section_series
-from vfife.dynamics.basins import BasinSpec, basins, planned
+from vfife.dynamics import turn_steps
+from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
-from vfife.dynamics.section_series import (
-    SEARCH_TURNS,
-    default_series,
-    models_along,
-    run_step,
-    step_count,
-    variations,
-)
+from vfife.dynamics.maps import TurnRun, default_series, models_along, variations
 from vfife.dynamics.sections import poincare_section
-from vfife.dynamics.starts import Starts, refuse_contradiction
+from vfife.dynamics.start_states import StartStates, refuse_contradiction
+from vfife.dynamics.turn_steps import SEARCH_TURNS, run_step, step_count
 from vfife.errors import ModelError
 from vfife.modelfile import load
 from vfife.results.view import standing
@@ -56,20 +50,19 @@ def test_a_map_takes_the_step_that_a_run_finds(monkeypatch) -> None:
     assert step_count([light()], None, search=True) == steps
     monkeypatch.setattr("vfife.dynamics.sections.Sectioning.pieces", lambda *_: iter(()))
     assert poincare_section(light(), turns=2, dropped=0).asked.steps == steps
-    monkeypatch.setattr(section_series, "run_step", lambda model: 1e-5)
+    monkeypatch.setattr(turn_steps, "run_step", lambda model: 1e-5)
     assert poincare_section(light(0.2), turns=2, dropped=0).asked.steps == int(np.ceil(2e3 * np.pi))
     grid = ("start.crank", 0.0, 1.0), ("start.pin.vx", 0.0, 0.1)
-    asked = BasinSpec(
-        "", (grid[0][0], grid[1][0]), ("", ""), (0.0, 1.0), (0.0, 0.1), 2, 1, (), 0.0, 0, False, 0
+    assert TurnRun("basins", 2, dropped=1).step_count(models_along(light(0.3), grid)) == int(
+        np.ceil(2e3 * np.pi)
     )
-    assert planned(light(0.3), asked, grid, None, lambda *_: None).steps == int(np.ceil(2e3 * np.pi))
 
 
 def test_the_step_of_a_sweep_is_the_finest_of_ends_and_middle(monkeypatch) -> None:
     """Of a grid: of its corners and its middle. What was found is known when it is asked for again."""
     sizes = iter((4e-5, 3e-5, 1e-5))
-    monkeypatch.setattr(section_series, "run_step", lambda model: next(sizes))
-    monkeypatch.setattr(section_series, "COUNTS", type(section_series.COUNTS)())
+    monkeypatch.setattr(turn_steps, "run_step", lambda model: next(sizes))
+    monkeypatch.setattr(turn_steps, "COUNTS", type(turn_steps.COUNTS)())
     given = {"count": 2, "turns": 2, "dropped": 1, "companions": 0}
     turn = 2.0 * np.pi / 100.0
     assert bifurcation(light(), "joint.pin.clearance", 2e-4, 3e-4, **given).asked.steps == int(
@@ -84,9 +77,9 @@ def test_the_step_of_a_sweep_is_the_finest_of_ends_and_middle(monkeypatch) -> No
 
 
 def test_what_is_not_written_out_is_refused_before_it_is_run(monkeypatch) -> None:
-    monkeypatch.setattr("vfife.dynamics.section_series.choose_loop", lambda *_: "data-driven")
+    monkeypatch.setattr("vfife.dynamics.turn_steps.choose_loop", lambda *_: "data-driven")
     monkeypatch.setattr(
-        "vfife.dynamics.section_series.carry_out", lambda *_: pytest.fail("a large frame takes minutes")
+        "vfife.dynamics.turn_steps.carry_out", lambda *_: pytest.fail("a large frame takes minutes")
     )
     with pytest.raises(ModelError, match="not swept"):
         run_step(light())
@@ -159,7 +152,7 @@ def test_the_velocity_of_a_start_is_that_of_the_body() -> None:
     """With the crank turned on, the block has the velocity that the model gives it, and the crank its own."""
     model = snapping()
     model.bodies["block"] = dataclasses.replace(model.bodies["block"], velocity=(2.5, 0.0, 0.0))
-    series = standing(Starts(model, 2000).at({"start.crank": 1.0})).series
+    series = standing(StartStates(model, 2000).at({"start.crank": 1.0})).series
     assert float(series["block.u"][0]) == pytest.approx(2.5, rel=1e-6) and float(
         series["crank.w"][0]
     ) == pytest.approx(20.0, rel=1e-6)

@@ -9,9 +9,9 @@ import pytest
 
 import vfife
 from vfife.dynamics.load_map import load_map
-from vfife.dynamics.section_series import stepped
 from vfife.dynamics.sections import poincare_section
-from vfife.dynamics.starts import Starts
+from vfife.dynamics.start_states import StartStates
+from vfife.dynamics.turn_steps import with_steps
 from vfife.errors import ModelError, VfifeError
 from vfife.laws import Frictionless, LankaraniNikravesh
 from vfife.modelfile import load
@@ -55,7 +55,7 @@ def billiard(offset: float) -> vfife.Mechanism:
 def flown():
     """A section at impacts of a ball that begins 0.6 clearances off the middle, across it."""
     m = billiard(0.0)
-    start = Starts(m, 6000).at({"start.O.x": 0.6 * CLEARANCE, "start.O.vy": SPEED})
+    start = StartStates(m, 6000).at({"start.O.x": 0.6 * CLEARANCE, "start.O.vy": SPEED})
     found = ImpactSection.of(start, (0,)).over(*begun(start), 30_000)
     return dict(zip(COLUMNS, found.T, strict=True))
 
@@ -94,7 +94,7 @@ def test_the_journal_begins_where_and_as_fast_as_it_is_told() -> None:
     numbers = dict(
         zip(("start.pin.x", "start.pin.y", "start.pin.vx", "start.pin.vy"), [*at, *rate], strict=True)
     )
-    start = Starts(m, 6000).at({"start.crank": 1.0, **numbers})
+    start = StartStates(m, 6000).at({"start.crank": 1.0, **numbers})
     layout, state = start.layout, start.state
     read = lambda name, body: float(state[layout.row(f"particle_{name}", start.bodies[body].particles[0])])  # noqa: E731
     angle, w = read("theta", "rod"), read("w", "rod")
@@ -112,7 +112,7 @@ def test_the_journal_begins_where_and_as_fast_as_it_is_told() -> None:
         100.0
     )
     with pytest.raises(ModelError, match="outside its bearing"):
-        Starts(m, 6000).at({"start.pin.x": 0.6e-3})
+        StartStates(m, 6000).at({"start.pin.x": 0.6e-3})
 
 
 def test_a_step_is_changed_under_way_without_a_jolt() -> None:
@@ -123,7 +123,7 @@ def test_a_step_is_changed_under_way_without_a_jolt() -> None:
     from dynamics.test_maps import oscillator
 
     m = oscillator(damping=0.0)
-    once = stepped(m, 4000)
+    once = with_steps(m, 4000)
     runner = TurnRunner([once]).runner
     runner.advance(1, 1)
     runner.advance(1234, 1)
@@ -137,7 +137,7 @@ def test_a_step_is_changed_under_way_without_a_jolt() -> None:
     reached = float(runner.states[x, 0])
     off = []
     for factor in (3.0, 0.5):
-        other = stepped(m, round(factor * 4000))
+        other = with_steps(m, round(factor * 4000))
         begun_, number = restepped(state, done, other)
         again = TurnRunner([other]).runner
         again.states[:, 0], again.done = begun_, number
@@ -176,7 +176,7 @@ def test_a_section_is_the_run_of_its_own_and_misses_no_impact() -> None:
 def test_the_place_is_seen_from_a_bearing_that_turns() -> None:
     """Where outputs at every step show the journal pressing, in the frame of the rod, right after each onset."""
     steps = 6284
-    start, step = stepped(loose(), steps), 2.0 * math.pi / 100.0 / steps
+    start, step = with_steps(loose(), steps), 2.0 * math.pi / 100.0 / steps
     struck = dict(zip(COLUMNS, ImpactSection.of(start, (0,)).over(*begun(start), steps).T, strict=True))
     alone = vfife.simulate(
         loose(), turns=1, outputs=steps, step=step, companions=0, reference=False, force_step=True

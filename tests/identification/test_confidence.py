@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from vfife.identification.sought import Sought
-from vfife.identification.step_uncertainty import autocorrelation, confident
+from vfife.identification.parameters import FitParameter
+from vfife.identification.step_uncertainty import autocorrelation, confidence_of
 
 
 def test_the_autocorrelation_of_a_line_is_known() -> None:
@@ -28,8 +28,8 @@ def test_it_is_the_mean_of_the_curves_and_never_below_zero() -> None:
 def test_errors_grow_with_what_residuals_follow_each_other() -> None:
     """A mean of n values with the deviation s: s/sqrt(n), times sqrt((1 + r)/(1 - r)) = sqrt(7/3) at r = 0.4."""
     left = np.arange(1.0, 6.0) - 3.0
-    found = confident(
-        [left], [Sought("a", ("a",), "kg", 0.0, 1.0)], np.array([0.5]), np.ones((5, 1)), 1, 0.95
+    found = confidence_of(
+        [left], [FitParameter("a", ("a",), "kg", 0.0, 1.0)], np.array([0.5]), np.ones((5, 1)), 1, 0.95
     )
     s = math.sqrt(10.0 / 4.0)
     assert found.errors[0] == pytest.approx(s / math.sqrt(5.0) * math.sqrt(7.0 / 3.0), rel=1e-12)

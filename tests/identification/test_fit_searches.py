@@ -8,13 +8,14 @@ import math
 import numpy as np
 import pytest
 
-from vfife.identification.batched_queries import Evaluations, Look
-from vfife.identification.curves import Timing, Trace
+from vfife.identification.batched_queries import Evaluations, Query
+from vfife.identification.curves import Trace
 from vfife.identification.fitting import Descents
 from vfife.identification.measurements import Curve, Measured
-from vfife.identification.residuals import Misfit, Offset
-from vfife.identification.sought import Sought
-from vfife.identification.step_uncertainty import Ended, concluded, doubt
+from vfife.identification.parameters import FitParameter
+from vfife.identification.residuals import Misfit
+from vfife.identification.step_uncertainty import Search, concluded, sensitivity_of
+from vfife.identification.timing import Offset, Timing
 
 STEPS = Timing("time", None, 1.0, 200, 10, 1e-3)
 PLACES = np.linspace(0.0, 1.0, 200)
@@ -29,7 +30,7 @@ class Closed:
     timing: Timing = STEPS
     more: float = 0.0
 
-    def beside(self, finer, turns):
+    def changed(self, finer, turns):
         every = self.timing.every + finer
         return dataclasses.replace(
             self,
@@ -51,14 +52,14 @@ class Closed:
 
 def fitted(curves, names, truth, *, noise=NOISE, offset=None, starts=1, screened=8, known=0.0):
     """A fit to the form at its finest step; what the search left, and the fit."""
-    sought = [Sought(name, (name,), "m", 0.0, 1.0) for name in names]
+    sought = [FitParameter(name, (name,), "m", 0.0, 1.0) for name in names]
     values = curves.form(PLACES + known, truth, 0.0)
     seen = Measured("time", PLACES, (Curve("x", "x", values + noise * values.std()),))
     looked = Evaluations(curves, sought, Misfit(seen, offset or Offset(0.0, 0.0), 0.0))
-    ended = Ended()
+    ended = Search()
     Descents(looked, ended, "differences").run(screened, starts, 3)
-    slopes = looked.slopes(Look(tuple(looked.best[1]), None, False), looked.best[2])
-    return looked, ended, concluded("closed", seen, {"x": "m"}, looked, ended, slopes, 0.95)
+    slopes = looked.slopes(Query(tuple(looked.best[1]), None, False), looked.best[2])
+    return looked, ended, concluded("closed", {"x": "m"}, looked, ended, slopes, 0.95)
 
 
 def two_hills(t, numbers, step):
@@ -76,7 +77,7 @@ def test_a_search_that_ended_in_a_wrong_place_is_begun_again_from_others():
     loudness is looked for.
     """
     _, ended, found = fitted(Closed(two_hills), ("pitch", "loud"), {"pitch": 0.52, "loud": 0.85}, screened=24)
-    best, wrong = found["loud"].value, min(ended.searches, key=lambda one: abs(one[1][1] - 0.2))[1][1]
+    best, wrong = found["loud"].value, min(ended.ends, key=lambda one: abs(one[1][1] - 0.2))[1][1]
     assert best == pytest.approx(0.85, abs=0.01) and wrong == pytest.approx(0.2, abs=0.05), (
         "the first search ended on the broad hill"
     )
@@ -88,7 +89,7 @@ def test_a_search_that_ended_in_a_wrong_place_is_begun_again_from_others():
 def test_noise_alone_is_not_searched_again():
     line = Closed(lambda t, numbers, step: numbers["a"] * t)
     _, ended, found = fitted(line, ("a",), {"a": 0.4})
-    assert len(ended.searches) == 1 and found["a"].known and found["a"].low < 0.4 < found["a"].high
+    assert len(ended.ends) == 1 and found["a"].known and found["a"].low < 0.4 < found["a"].high
 
 
 def test_errors_know_the_error_of_the_step():
@@ -129,7 +130,7 @@ def test_what_does_not_repeat_is_called_not_known_where_nobody_knows_the_turn(la
     timing = Timing("time", lambda turn: 10.0, 0.0, 100, 10, 1e-3)
     free = Offset(0.0, 0.2, True) if late else Offset(0.0, 0.0)
     looked, _, found = fitted(Closed(turning, timing), ("a",), {"a": 0.4}, offset=free)
-    assert found["a"].known is known and looked.misfit.any_turn is bool(late)
+    assert found["a"].known is known and looked.misfit.unknown_turn is bool(late)
     assert any("from the next turn on" in note for note in found.notes) is not known
 
 
@@ -139,7 +140,7 @@ def test_limits_take_in_what_fits_as_well():
     """
     looked, _, found = fitted(Closed(wild), ("a",), {"a": 0.4}, screened=30)
     misfit, (_, shares, best) = looked.misfit, looked.best
-    slopes = looked.slopes(Look(tuple(shares), None, False), best)
-    cost = doubt(looked.curves, looked.sought, misfit, shares, best.fitted, slopes.jacobian).cost
+    slopes = looked.slopes(Query(tuple(shares), None, False), best)
+    cost = sensitivity_of(looked.curves, looked.parameters, misfit, shares, best.fitted, slopes.jacobian).cost
     alike = [at[0] for one, at in looked.points if one <= cost]
     assert found["a"].low <= min(alike) < max(alike) <= found["a"].high and max(alike) - min(alike) > 0.3

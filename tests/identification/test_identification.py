@@ -16,8 +16,8 @@ from vfife import Mechanism
 from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
 from vfife.identification.lawfit import fit_law
-from vfife.identification.sought import Sought
-from vfife.identification.step_uncertainty import autocorrelation, confident
+from vfife.identification.parameters import FitParameter
+from vfife.identification.step_uncertainty import autocorrelation, confidence_of
 from vfife.modelfile import dump
 from vfife.results.fit import FitFile
 
@@ -148,9 +148,9 @@ def test_a_number_that_changes_nothing_at_all_is_told_without_a_division_by_zero
     """Nothing is known of it: an error beyond all bounds, no NaN, and no warning of numpy (warnings are
     errors here).
     """
-    found = confident(
+    found = confidence_of(
         [np.sin(np.arange(40.0))],
-        [Sought("a", ("a",), "kg", 1.0, 2.0)],
+        [FitParameter("a", ("a",), "kg", 1.0, 2.0)],
         np.array([0.5]),
         np.zeros((40, 1)),
         1,
@@ -278,8 +278,8 @@ def test_errors_of_a_straight_line_are_the_textbooks():
     left = np.array([0.1, -0.2, 0.15, 0.0, -0.1, 0.2, -0.15, 0.05, 0.1, -0.2, 0.1, -0.05])
     rows = np.stack([np.ones(12), x], axis=1)
     left -= rows @ np.linalg.lstsq(rows, left, rcond=None)[0]
-    sought = [Sought(name, (name,), "1", 0.0, 1.0) for name in "ab"]
-    told = confident([left], sought, np.array([0.5, 0.5]), rows, 2, 0.95)
+    sought = [FitParameter(name, (name,), "1", 0.0, 1.0) for name in "ab"]
+    told = confidence_of([left], sought, np.array([0.5, 0.5]), rows, 2, 0.95)
     s = math.sqrt((left**2).sum() / 10)
     follow = autocorrelation([left])
     assert follow == 0.0, "they alternate, which narrows nothing"

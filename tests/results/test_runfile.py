@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from vfife.errors import RunFileError
-from vfife.solvers.companions import Beside
+from vfife.solvers.companions import CompanionOutputs
 from vfife.solvers.record import Checkpoint
 from vfife.store.packing import packed, unpacked
 from vfife.store.runfile import RunFile
@@ -308,7 +308,9 @@ def test_other_blocks_are_checked_as_well(tmp_path: Path, table: str) -> None:
     with RunFile.create(path, {"step": 1e-6, "start": np.ones(4)}) as file:
         steps = np.arange(4)
         told = {"parting": None, "lost": []}
-        file.append(steps, written(steps), Beside(np.ones((4, 2, 1)), told, 0), Checkpoint(3, np.ones(4)))
+        file.append(
+            steps, written(steps), CompanionOutputs(np.ones((4, 2, 1)), told, 0), Checkpoint(3, np.ones(4))
+        )
         file.keep_reference({"step": 1.0}, steps, written(steps))
     change = {
         "meta": "json = '2e-6' WHERE key = 'step'",

@@ -33,10 +33,10 @@ from vfife.simulation.result import Result
 from vfife.solvers.companions import (
     DEFAULT,
     SENSITIVE,
-    Gathering,
+    CompanionRecorder,
+    PartingWatch,
     SeparateLanes,
     SynchronisedLanes,
-    Watch,
     step_counts,
 )
 from vfife.solvers.record import lasting_rows, recorded_rows
@@ -332,13 +332,12 @@ def test_what_is_kept_does_not_grow_with_the_run() -> None:
     ).record.companions
     assert long is not None and len(long.steps) == 101
     assembly = assemble(four_bar("C"), 1e-5, turns=50, outputs=10)
-    gathering = Gathering(assembly, recorded_rows(assembly), step_counts(assembly.choice, 3))
+    recorder = CompanionRecorder(assembly, recorded_rows(assembly), step_counts(assembly.choice, 3))
     for first in range(0, 500, 10):
-        gathering.take(
-            (first + np.arange(10)) * assembly.choice.outputs_every,
-            np.zeros((10, len(gathering.recorded), 4)),
+        recorder.take(
+            (first + np.arange(10)) * assembly.choice.outputs_every, np.zeros((10, len(recorder.recorded), 4))
         )
-        assert len(gathering.parts) <= 3
+        assert len(recorder.parts) <= 3
 
 
 def test_a_companion_that_is_lost_makes_a_run_sensitive() -> None:
@@ -359,9 +358,10 @@ def watched(forces: np.ndarray) -> float | None:
     kept = recorded_rows(assembly)
     rows = np.zeros((len(forces), len(kept), forces.shape[1]))
     rows[:, np.flatnonzero(kept == Layout(assembly.topology)["contact_force_squared_max"][0])[0]] = forces**2
-    watch = Watch(assembly, kept)
+    watch = PartingWatch(assembly, kept)
     found = [
-        watch.look(np.arange(first, first + 5), rows[first : first + 5]) for first in range(0, len(rows), 5)
+        watch.parting(np.arange(first, first + 5), rows[first : first + 5])
+        for first in range(0, len(rows), 5)
     ]
     return next((one.time / assembly.choice.step for one in found if one is not None), None)
 

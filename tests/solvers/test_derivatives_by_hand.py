@@ -14,23 +14,7 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.solvers import tangents
 from vfife.solvers.record import Columns, recorded_rows
-from vfife.solvers.tangents import Neighbours, changes, displaced, jacobian, rates, spans
-
-
-def test_a_derivative_is_the_difference_of_both_sides_over_what_they_are_apart(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Two numbers apart by 0.5 and 0.1, two displaced runs each: means of sums and differences."""
-    pairs = [[(3.0, 1.0), (5.0, 2.0)], [(3.2, 0.8), (4.0, 3.0)]]
-    monkeypatch.setattr(tangents, "tangents", lambda *_: pairs)
-    monkeypatch.setattr(tangents, "comparable", lambda *_: True)
-    both: Any = [SimpleNamespace(apart=0.5), SimpleNamespace(apart=0.1)]
-    values, slopes = jacobian(None, both, lambda x: np.array([x, 10.0 * x]))  # type: ignore[arg-type,return-value]
-    assert values == pytest.approx([2.75, 27.5])
-    assert slopes == pytest.approx(np.array([[5.0, 17.0], [50.0, 170.0]]))
-    monkeypatch.setattr(tangents, "comparable", lambda *_: False)
-    with pytest.raises(ValueError, match="take two runs"):
-        jacobian(None, both, lambda x: x)  # type: ignore[arg-type,return-value]
+from vfife.solvers.tangents import Neighbours, changes, displaced, rates, spans
 
 
 @pytest.mark.parametrize(
@@ -127,9 +111,9 @@ def test_each_lane_starts_with_the_run_and_its_own_change(monkeypatch: pytest.Mo
             sides.append(SimpleNamespace(state=model.state + sign * slope, tables=tables))
         some.append(Neighbours(*sides, 0.5))  # type: ignore[arg-type]
     with pytest.raises(Captured) as got:
-        tangents._together(
-            model, some, np.array([0.0, 0.5]), 4, 1, np.array([0, 2], dtype=np.uint32), [(1, 1)], None
-        )  # type: ignore[arg-type]
+        tangents.TangentPass(
+            model, np.array([0.0, 0.5]), 4, 1, np.array([0, 2], dtype=np.uint32), [(1, 1)], lambda: None
+        ).pairs(some)
     states, tables, kept, more = got.value.args
     assert states.reshape(2, 3, 4)[0] == pytest.approx(np.tile(model.state[:, None], 4))
     assert pytest.approx(np.array([[1.0, 0, -1]] * 2 + [[0, 7.0, 0]] * 2)) == states.reshape(2, 3, 4)[1].T

@@ -256,7 +256,7 @@ def test_rows_of_turns_do_not_depend_on_the_pieces_that_come(pieces: list[int]) 
     gathered, at = TurnRows(5, np.array([True, False])), 0
     for piece in pieces:
         again = TurnRows(5, gathered.extreme)
-        again.restore(json.loads(json.dumps(gathered.remembered)), gathered.turns)
+        again.restore(json.loads(json.dumps(gathered.checkpoint)), gathered.turns)
         gathered = again
         gathered.take(rows[at : at + piece])
         at += piece

@@ -18,12 +18,12 @@ from vfife.tribology.simulate_wear import load_wear, wear
 from vfife.tribology.wear_state import (
     ANGLES,
     PLACES,
+    harmonics_of,
     jackson,
     profiles,
     sharpness,
     smooth,
     surfaces_of,
-    swing,
 )
 
 SOFT, HARD = 1e-15, 2e-16  # 1/Pa
@@ -161,7 +161,7 @@ def test_the_worn_model_has_the_geometry_of_its_last_block():
     found = worn()
     model = found.mechanism()
     assembly = assemble(model, 1e-6, turns=1, force_step=True)
-    written = swing(surfaces_of(loose_pin()), found.depth[-1], 8, assembly)
+    written = harmonics_of(surfaces_of(loose_pin()), found.depth[-1], 8, assembly)
     for part, values in zip(("cosine", "sine"), written, strict=True):
         assert assembly.state[assembly.layout.rows_of(f"harmonic_{part}")] == pytest.approx(values, abs=1e-18)
     pin = model.contacts["pin"].wear

@@ -5,7 +5,7 @@ import pytest
 
 import vfife
 from rigs import EXAMPLES, synthetic
-from vfife.identification.batched_queries import Evaluations, Look
+from vfife.identification.batched_queries import Evaluations, Query
 from vfife.identification.fitting import planned
 
 pytestmark = pytest.mark.verify
@@ -49,10 +49,10 @@ def test_derivatives_of_steps_are_those_of_runs(tmp_path):
         base, path, near, columns=None, weights=None, offset=None, skip=3.0, compare="curve", width=None, step="1.4 us", screened=4, starts=1,
         confidence=0.95, derivatives="auto", seed=0,
     )  # fmt: skip
-    looked = Evaluations(task.curves(), task.sought, task.misfit)
-    shares = tuple(one.share(value) for one, value in zip(task.sought, TRUTH.values(), strict=True))
-    (seen,) = looked([Look(shares)])
-    carried, differences = (looked.slopes(Look(shares, None, way), seen).jacobian for way in (True, False))
+    looked = Evaluations(task.curves(), task.parameters, task.misfit)
+    shares = tuple(one.share(value) for one, value in zip(task.parameters, TRUTH.values(), strict=True))
+    (seen,) = looked([Query(shares)])
+    carried, differences = (looked.slopes(Query(shares, None, way), seen).jacobian for way in (True, False))
     lengths = [np.linalg.norm(one, axis=0) for one in (carried, differences)]
     assert lengths[0] == pytest.approx(lengths[1], rel=0.02)
     assert ((carried * differences).sum(axis=0) / lengths[0] / lengths[1] > 0.999).all()

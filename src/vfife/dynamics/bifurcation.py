@@ -1,15 +1,15 @@
-"""What a bifurcation diagram has, as far as it is known: points, growth, motions in words, companions;
-written as a table, read from a map file.
+"""Bifurcation diagrams: a number of the model is swept up and down, and the motion at each value is looked at
+once a turn.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,61 +17,56 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError
 from ..files import write_rows
-from ..job.job import job_of
 from ..measures.chaos import Verdict, exponent, verdict
-from ..model.above import NotebookDocument
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
 from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start, Sweep, carried_on, side_by_side
 from ..store.mapfile import MapFile
-from .section_series import (
-    MapWork,
+from .maps import (
+    MapOptions,
+    MapRows,
+    MapSpec,
+    TurnRun,
     chosen_series,
-    kept_in,
-    law_words,
-    left_out,
-    looked,
     models_along,
-    refuse_idle,
-    refuse_large_frame,
-    seed,
-    step_count,
-    stepped,
-    tupled,
+    neighbours_of,
+    series_values,
     unit_at,
+    with_defaults,
 )
-from .starts import Starts, refuse_contradiction, spoken
+from .start_states import StartStates, refuse_contradiction, start_words
 from .step_check import (
     SAMPLE,
+    CheckedMap,
     Companion,
-    alike,
-    carried_companions,
-    observed,
+    chain_companions,
+    orbits,
     packed,
     sampled,
-    started_companions,
-    told,
+    start_companions,
     unpacked,
 )
+from .turn_steps import refuse_large_frame, with_steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-FIRST_LOOK = 30, 45  # values and turns at each
+FIRST_LOOK = 30, 45  # values, and turns at each
 CHAINS = ("up", "down")
-WHAT = "bifurcation"
+NEAR = 1e-6  # of the range, by which the difference begins that is followed
 
 
 @dataclass(frozen=True)
-class SweepSpec:
-    """What is asked: the number's ``path`` and its ``values`` in the order of the way up, ``turns`` at each,
-    the first of them ``dropped``; ``series`` are looked at once a turn at ``phase`` (1) of it; ``steps`` in a
-    turn. ``unit`` is that of the number, ``units`` are those of series. ``starts``: numbers of each start
-    from which every value begins; without any the state is carried on, up and down. So many values have
-    ``companions``.
+class SweepSpec(MapSpec):
+    """A sweep of the number at ``path``, with its ``unit``, over ``values`` in the order of the way up.
+
+    Of ``turns`` at each value the first are ``dropped``; ``series`` with their ``units`` are looked at once a
+    turn of so many ``steps``, at a ``phase`` (1) of it. ``starts``: numbers of each start from which every
+    value begins; without any the state is carried on, up and down. ``companions``: number of values that are
+    repeated with other steps.
     """
 
     model: str
@@ -90,13 +85,18 @@ class SweepSpec:
     @property
     def ways(self) -> tuple[str, ...]:
         """How a value is reached, in words: on the ways up and down, or from its starts."""
-        return tuple(spoken(one) or "own start" for one in self.starts) or CHAINS
+        return tuple(start_words(one) or "own start" for one in self.starts) or CHAINS
+
+    @property
+    def count(self) -> int:
+        """Number of rows in a map file: values of both chains, or of each start."""
+        return len(self.values) * max(1, len(self.starts))
 
 
 @dataclass(frozen=True)
 class Spell:
-    """A motion in words, the ``first`` and the ``last`` of the values at which it is found, and how many they
-    are.
+    """A motion, the ``first`` and the ``last`` of neighbouring values at which it is found, and their
+    ``count``.
     """
 
     kind: str
@@ -106,62 +106,76 @@ class Spell:
 
 
 @dataclass(frozen=True)
-class Bifurcation(NotebookDocument):
-    """A diagram, its values in the order of the way up and NaN where it is not known yet; chains are the way
-    up and the way down, or the starts.
+class Bifurcation(CheckedMap):
+    """A bifurcation diagram, its values in the order of the way up, NaN where they are not known yet.
 
-    Of each of ``asked.series`` its ``points`` in SI units, shape (chains, values, turns); ``growth`` of a
-    small difference in each of these turns, its logarithm; the largest Lyapunov ``exponents`` (1/turn), each
-    with the lower and the higher of its two halves, shape (chains, values, 3); ``kinds`` of the motion in
-    words, shape (chains, values). So many values are ``done`` in each chain. ``companions``: members with
-    other steps.
+    Chains are the way up and the way down, or the starts. Of each of ``asked.series`` the ``points`` in SI
+    units, shape (chains, values, turns); ``growth`` of a small difference in each of these turns, its
+    logarithm; the largest Lyapunov ``exponents`` (1/turn), each with the lower and the higher of its two
+    halves, shape (chains, values, 3); ``kinds`` of the motion, shape (chains, values). ``done`` values are
+    known in each chain.
     """
 
-    name: str
-    asked: SweepSpec
+    kind: ClassVar[str] = "bifurcation"
     points: Mapping[str, Array]
     growth: Array
     exponents: Array
     kinds: tuple[tuple[str, ...], ...]
     done: int
-    companions: tuple[Companion, ...] = field(default=())
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        asked: SweepSpec,
+        legs: Mapping[int, tuple[Array, Array]],
+        companions: Sequence[Companion],
+    ) -> Bifurcation:
+        """The diagram of the rows of a map file."""
+        shape = len(asked.ways), len(asked.values), asked.turns - asked.dropped
+        points, growth = {series: np.full(shape, np.nan) for series in asked.series}, np.full(shape, np.nan)
+        exponents, kinds = np.full((*shape[:2], 3), np.nan), [[""] * shape[1] for _ in asked.ways]
+        for chain, value, values, logarithms in chain_values(asked, legs):
+            for j, series in enumerate(asked.series):
+                points[series][chain, value] = values[:, j]
+            growth[chain, value] = logarithms
+            found = exponent(logarithms)
+            exponents[chain, value] = found.value, found.low, found.high
+            kinds[chain][value] = verdict(values, found).kind
+        ordered = tuple(sorted(companions, key=lambda one: (one.way, one.number, one.ratio)))
+        done = len(legs) // max(1, len(asked.starts))
+        return cls(name, asked, ordered, points, growth, exponents, tuple(map(tuple, kinds)), done)
+
+    @classmethod
+    def read(cls, file: MapFile) -> Bifurcation:
+        """The diagram in a map file, as far as it is known."""
+        asked, rows = SweepSpec.of(file.spec["asked"]), MapRows(file)
+        companions = load_rows(rows, asked)
+        return cls.of(file.spec["name"], asked, rows.known, companions)
 
     def spells(self, chain: int) -> list[Spell]:
-        """Values next to each other at which the motion is called the same, in the order of the way up."""
+        """Neighbouring values with the same motion, in the order of the way up."""
         known = [
             (value, kind) for value, kind in zip(self.asked.values, self.kinds[chain], strict=True) if kind
         ]
         found: list[Spell] = []
-        for kind, some in groupby(known, key=lambda one: one[1]):
-            values = [value for value, _ in some]
+        for kind, pairs in groupby(known, key=lambda one: one[1]):
+            values = [value for value, _ in pairs]
             found.append(Spell(kind, values[0], values[-1], len(values)))
         return found
 
     def verdict(self, chain: int, value: int) -> Verdict:
-        """What the motion at a value is, with its evidence."""
+        """The motion at a value, with its evidence."""
         points = np.stack([one[chain, value] for one in self.points.values()], axis=1)
         return verdict(points, exponent(self.growth[chain, value]))
 
-    @property
-    def laws(self) -> str:
-        """Contact and friction laws, in words."""
-        return law_words(loads(self.asked.model))
+    def kind_of(self, case: Companion) -> str:
+        """Motion of the value of a companion, empty if it is not known."""
+        return self.kinds[case.way][case.number]
 
-    @property
-    def alike(self) -> str:
-        """How many companions are told to be the same, in a few words."""
-        return alike(self._known, lambda one: self.kinds[one.way][one.number])
-
-    @property
-    def _known(self) -> list[Companion]:
-        return [one for one in self.companions if self.kinds[one.way][one.number]]
-
-    @property
-    def told(self) -> str:
-        """What companions come to, in words; empty where there are none."""
-        asked, known = self.asked, self._known
-        name = lambda one: f"{asked.path} = {asked.values[one.number]:.5g} ({asked.ways[one.way]})"  # noqa: E731
-        return told(known, lambda one: self.kinds[one.way][one.number], name)
+    def name_of(self, case: Companion) -> str:
+        """The value of a companion in words."""
+        return f"{self.asked.path} = {self.asked.values[case.number]:.5g} ({self.asked.ways[case.way]})"
 
     def plot(self) -> Figure:
         """The diagram as a figure, with the exponents below it."""
@@ -170,201 +184,117 @@ class Bifurcation(NotebookDocument):
         return diagram(self)
 
     def write_csv(self, path: str | Path) -> None:
-        """Writes a row for every value, direction and turn that was looked at, with the exponent and the kind
-        of the motion.
+        """Write a row for every value, way and turn that was looked at, with the exponent and the kind of the
+        motion.
         """
         rows: list[list[object]] = [[self.asked.path, "way", "turn", *self.asked.series, "exponent", "kind"]]
-        for k, way in enumerate(self.asked.ways):
-            for place, value in enumerate(self.asked.values):
-                if self.kinds[k][place]:
-                    said = float(self.exponents[k, place, 0]), self.kinds[k][place]
-                    for turn, row in enumerate(
-                        np.stack([one[k, place] for one in self.points.values()], axis=1).tolist()
-                    ):
-                        rows.append([value, way, self.asked.dropped + turn + 1, *row, *said])
+        for chain, way in enumerate(self.asked.ways):
+            for k, value in enumerate(self.asked.values):
+                if kind := self.kinds[chain][k]:
+                    points = np.stack([one[chain, k] for one in self.points.values()], axis=1)
+                    for turn, row in enumerate(points.tolist(), self.asked.dropped + 1):
+                        rows.append([value, way, turn, *row, float(self.exponents[chain, k, 0]), kind])
         write_rows(path, rows)
 
 
-@dataclass
-class Legs:
-    """What is known of a map: points and growth by the number of a value, of all chains (carried on) or of
-    one (from starts), and companions.
+def load_rows(rows: MapRows, asked: SweepSpec) -> list[Companion]:
+    """Read the rows of a map file into ``rows.known``, and return their companions.
+
+    Where the state is carried on, a missing row ends them.
     """
-
-    asked: SweepSpec
-    legs: dict[int, tuple[Array, Array]] = field(default_factory=dict)
-    companions: list[Companion] = field(default_factory=list)
-
-    @classmethod
-    def of(cls, asked: SweepSpec, kept: MapFile) -> Legs:
-        """Those of a file; of what is carried on, up to the first that is missing."""
-        legs = kept.legs(gaps=bool(asked.starts))
-        return cls(asked, legs, [one for number in legs for one in unpacked(kept.array(f"beside {number}"))])
-
-    @property
-    def count(self) -> int:
-        """Legs that there will be."""
-        return len(self.asked.values) * max(1, len(self.asked.starts))
-
-    def add(self, number: int, points: Array, growth: Array, beside: Sequence[Companion]) -> None:
-        """One more."""
-        self.legs[number] = points, growth
-        self.companions += beside
-
-    def each(self) -> Iterator[tuple[int, int, Array, Array]]:
-        """Chain, value, points (turns, series) and growth (turns,) of all that is known."""
-        count, series = len(self.asked.values), len(self.asked.series)
-        for number, (points, growth) in self.legs.items():
-            if self.asked.starts:
-                yield number // count, number % count, points, growth.reshape(-1)
-                continue
-            shaped = points.reshape(len(points), series, 2)
-            for k, place in enumerate((number, count - 1 - number)):
-                yield k, place, shaped[:, :, k], growth[:, k]
-
-    def diagram(self, name: str) -> Bifurcation:
-        """The diagram; chains that go down have their values in the order of the way up."""
-        asked = self.asked
-        shape = len(asked.ways), len(asked.values), asked.turns - asked.dropped
-        points, growth = {series: np.full(shape, np.nan) for series in asked.series}, np.full(shape, np.nan)
-        exponents, kinds = np.full((*shape[:2], 3), np.nan), [[""] * shape[1] for _ in asked.ways]
-        for k, place, values, grown in self.each():
-            for j, series in enumerate(asked.series):
-                points[series][k, place] = values[:, j]
-            growth[k, place] = grown
-            found = exponent(grown)
-            exponents[k, place] = found.value, found.low, found.high
-            kinds[k][place] = verdict(values, found).kind
-        done, beside = (
-            len(self.legs) // max(1, len(asked.starts)),
-            sorted(self.companions, key=lambda one: (one.way, one.number, one.ratio)),
-        )
-        return Bifurcation(
-            name, asked, points, growth, exponents, tuple(map(tuple, kinds)), done, tuple(beside)
-        )
+    rows.known |= rows.legs(gaps=bool(asked.starts))
+    return [one for number in rows.known for one in unpacked(rows.array(f"beside {number}"))]
 
 
-def read_diagram(kept: MapFile) -> Bifurcation:
-    """The diagram in a map file, as far as it is known."""
-    said = kept.spec
-    asked = SweepSpec(**tupled(said["asked"]))
-    return Legs.of(asked, kept).diagram(said["name"])
-
-
-Leg: TypeAlias = tuple[int, Array, Array, Array, list[Companion]]
-NEAR = 1e-6  # of the range, by which the difference begins that is watched
+def chain_values(
+    asked: SweepSpec, legs: Mapping[int, tuple[Array, Array]]
+) -> Iterator[tuple[int, int, Array, Array]]:
+    """Chain, value, points (turns, series) and growth (turns,) of all rows; each is of one chain from starts,
+    else of both chains.
+    """
+    count, series = len(asked.values), len(asked.series)
+    for number, (points, growth) in legs.items():
+        if asked.starts:
+            yield number // count, number % count, points, growth.reshape(-1)
+            continue
+        shaped = points.reshape(len(points), series, 2)
+        for k, value in enumerate((number, count - 1 - number)):
+            yield k, value, shaped[:, :, k], growth[:, k]
 
 
 def bifurcation(
-    mechanism: Mechanism,
-    path: str,
-    low: float,
-    high: float,
-    *,
-    count: int = 60,
-    turns: int = 90,
-    dropped: int | None = None,
-    series: Sequence[str] = (),
-    phase: float = 0.0,
-    step: float | None = None,
-    starts: Sequence[Mapping[str, float]] = (),
-    companions: int = SAMPLE,
-    file: str | Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    confirm: bool = False,
-) -> Bifurcation:
-    """Sweeps the number at ``path`` from ``low`` to ``high`` (SI) and back in ``count`` values, the state
+    mechanism: Mechanism, path: str, low: float, high: float, *, count: int = 60, starts: Sequence[Mapping[str, float]] = (),
+    companions: int = SAMPLE, **options: Unpack[MapOptions],
+) -> Bifurcation:  # fmt: skip
+    """Sweep the number at ``path`` from ``low`` to ``high`` (SI) and back in ``count`` values, the state
     carried on from one to the next.
 
-    At each ``turns`` turns, of which ``dropped`` are not looked at, two thirds unless said. ``series``: what
-    is looked at once a turn, by its name in ``result.series``; the penetration and the largest force of a
-    contact, or a place or speed, that vary, unless said. ``step`` (s): the finest that a run of ten turns
-    finds at both ends and in the middle, unless said; a turn has a whole number of them, the same for all
-    values. With ``starts`` each value begins anew from each of them: ``{}`` is the model's own,
-    ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another (:func:`~vfife.basins` says which numbers there
-    are). ``companions``: so many values are gone through again, with 1.25 times and half the step. With a
-    ``file`` what is known is kept in it after each value, and the same call goes on there. Ctrl-C leaves what
-    is complete. ``confirm``: make it even where it takes more than an hour, or half of the disk. Raises
-    ModelError for a number that cannot be swept so, HeldError where another process writes the file.
+    ``turns`` (90) are simulated at each value, of which the first ``dropped``, two thirds unless given, are
+    not looked at. ``series`` are looked at once a turn, at a ``phase`` (1) of it, by their names in
+    ``result.series``; unless given, the penetration and the largest force of a contact, or a place or speed,
+    that vary. ``step`` (s): the finest that a run of ten turns finds at both ends and in the middle, unless
+    given; a turn has a whole number of steps, the same for all values.
+
+    With ``starts`` each value begins anew from each of them: ``{}`` is the model's own,
+    ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another (:func:`~vfife.basins` lists the numbers).
+    ``companions``: number of values that are repeated with 1.25 times and with half the step.
+
+    A ``file`` keeps each value, and the same call continues it. ``progress(done, total)`` is called after
+    each value. Ctrl-C leaves what is complete. ``confirm``: compute even what takes more than an hour, or
+    half of the disk. Raises ModelError for a number that cannot be swept so, HeldError where another process
+    writes the file.
     """
-    values, dropped = np.linspace(low, high, count), left_out(dropped, turns)
-    job = job_of("bifurcation", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
-
-    def begin(first: Assembly, steps: int) -> None:
-        lanes, chains = (4, 1) if starts else (2, 2)
-        numbers = (len(series or (1, 1)) + 1) * chains
-        work = MapWork(
-            "value",
-            count * max(len(starts), 1),
-            turns,
-            dropped,
-            steps,
-            lanes,
-            numbers,
-            companions,
-            first_look=FIRST_LOOK,
-        )
-        job.begin(work.forecast(first, file))
-
+    run = TurnRun("bifurcation", **with_defaults(options, turns=90))
+    values = tuple(np.linspace(low, high, count).tolist())
     own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)
-    asked = SweepSpec(
-        dump(mechanism),
-        path,
-        tuple(map(float, values)),
-        turns,
-        dropped,
-        tuple(series),
-        phase,
-        0,
-        starts=own,
-        companions=companions,
-    )
-    asked, every = planned(mechanism, asked, step, begin)
-    refuse(asked, every)
-    with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}) as kept:
-        known = Legs(asked) if kept is None else Legs.of(asked, kept)
-        try:
-            for number, points, growth, state, beside in (anew if starts else carried)(
-                asked, every, known, kept
-            ):
-                if kept is not None:
-                    kept.write_row("arrays", f"beside {number}", packed(beside))
-                    kept.write_row("legs", number, points, growth, state)
-                known.add(number, points, growth, beside)
-                job.count(len(known.legs), known.count, "values")
-        except KeyboardInterrupt:
-            if not known.legs:
-                raise
-    return known.diagram(mechanism.name)
-
-
-def planned(
-    mechanism: Mechanism, asked: SweepSpec, step: float | None, begin: Callable[[Assembly, int], None]
-) -> tuple[SweepSpec, list[Assembly]]:
-    """What is asked, with steps, series and units, and the model at each value, stepped alike; ``begin`` sees
-    the first of them and the steps of a turn before the others.
-    """
-    path, values = asked.path, asked.values
-    refuse_idle(mechanism, asked.turns, asked.dropped)
-    for one in asked.starts:
+    for one in own:
         refuse_contradiction(mechanism, (path, *dict(one)))
-    steps = step_count(models_along(mechanism, ((path, values[0], values[-1]),)), step, search=True)
-    begin(stepped(loads(asked.model, set=[(path, values[0])]), steps), steps)
-    every = assembled(asked.model, path, values, steps)
-    series, units = chosen_series(every[0], asked.series)
-    return replace(asked, series=series, steps=steps, unit=unit_at(mechanism, path), units=units), every
-
-
-def assembled(text: str, path: str, values: Sequence[float], steps: int) -> list[Assembly]:
-    """The model of a text at each value, with so many steps in a turn."""
+    steps = run.step_count(models_along(mechanism, ((path, values[0], values[-1]),)))
+    text = dump(mechanism)
     parameter = Parameter(loads(text), path)
-    return [stepped(parameter.set(value), steps) for value in values]
+    lanes, chains = (4, 1) if own else (2, 2)
+    numbers = (len(run.series or (1, 1)) + 1) * chains
+    work = run.work(
+        "value",
+        count * max(len(own), 1),
+        steps,
+        lanes,
+        numbers=numbers,
+        companions=companions,
+        first_look=FIRST_LOOK,
+    )
+    run.begin(work, with_steps(parameter.set(values[0]), steps))
+    models = [with_steps(parameter.set(value), steps) for value in values]
+    series, units = chosen_series(models[0], run.series)
+    asked = SweepSpec(
+        text, path, values, run.turns, run.dropped, series, run.phase, steps, unit_at(mechanism, path), units, own, companions
+    )  # fmt: skip
+    refuse_other_mechanisms(asked, models)
+    with run.rows(Bifurcation, mechanism.name, asked) as rows:
+        found = load_rows(rows, asked)
+        for leg in (from_starts if own else from_neighbours)(asked, models, rows):
+            rows.write("arrays", f"beside {leg.number}", packed(leg.companions))
+            rows.write("legs", leg.number, leg.points, leg.growth, leg.state)
+            rows.known[leg.number] = leg.points, leg.growth
+            found += leg.companions
+            run.job.count(len(rows.known), asked.count, "values")
+    return Bifurcation.of(mechanism.name, asked, rows.known, found)
 
 
-def refuse(asked: SweepSpec, every: Sequence[Assembly]) -> None:
-    """Raises ModelError where the motion of one value cannot go on at the next, or beside it."""
-    for value, one in zip(asked.values, every, strict=True):
-        why = side_by_side(every[0], one) if asked.starts else carried_on(every[0], one)
+class SweepRow(NamedTuple):
+    """A row of a map file, with the companions of its value."""
+
+    number: int
+    points: Array
+    growth: Array
+    state: Array
+    companions: Sequence[Companion]
+
+
+def refuse_other_mechanisms(asked: SweepSpec, models: Sequence[Assembly]) -> None:
+    """Raises ModelError where the motion of one value cannot go on at the next, or beside it in a lane."""
+    for value, one in zip(asked.values, models, strict=True):
+        why = side_by_side(models[0], one) if asked.starts else carried_on(models[0], one)
         if why is not None:
             what = f"at {value:g} the mechanism is another than at {asked.values[0]:g}: {why()}"
             remedy = (
@@ -375,44 +305,53 @@ def refuse(asked: SweepSpec, every: Sequence[Assembly]) -> None:
                 [Fault(asked.path, what, "", "", "use vfife study" if asked.starts else remedy)],
                 one.mechanism.name,
             )
-    refuse_large_frame(every[0])
+    refuse_large_frame(models[0])
 
 
-def neighbours(asked: SweepSpec, chain: int) -> Neighbours:
+def end_neighbours(asked: SweepSpec, chain: int) -> Neighbours:
     """The first model of a chain, a little to both sides; inside the range, so that both can be assembled."""
     low, high = asked.values[0], asked.values[-1]
     span = NEAR * (high - low)
     inner = low + span if chain == 0 else high - 2.0 * span
     up, down = (
-        stepped(loads(asked.model, set=[(asked.path, value)]), asked.steps) for value in (inner + span, inner)
+        with_steps(loads(asked.model, set=[(asked.path, value)]), asked.steps)
+        for value in (inner + span, inner)
     )
     return Neighbours(up, down, span)
 
 
-def carried(asked: SweepSpec, every: list[Assembly], known: Legs, kept: MapFile | None) -> Iterator[Leg]:
-    """The legs that are not known yet, their state carried on from value to value, with companions of some."""
-    chains, there = [every, every[::-1]], len(known.legs)
-    if there == len(every):
+def from_neighbours(asked: SweepSpec, models: list[Assembly], rows: MapRows) -> Iterator[SweepRow]:
+    """The rows that are not known yet, their state carried on from value to value, with companions of some."""
+    chains, known, last = [models, models[::-1]], len(rows.known), len(models) - 1
+    if known > last:
         return
-    near, sample = [neighbours(asked, k) for k in range(len(chains))], sampled(len(every), asked.companions)
+    near, sample = (
+        [end_neighbours(asked, k) for k in range(len(chains))],
+        sampled(len(models), asked.companions),
+    )
 
-    def again(number: int, state: Array, done: int, look: Callable[[], None]) -> list[Companion]:
-        if number not in sample or number < there:
+    def companions(number: int, state: Array, done: int, look: Callable[[], None]) -> list[Companion]:
+        if number not in sample or number < known:
             return []
-        numbers, here = (number, len(every) - 1 - number), [chain[number] for chain in chains]
-        return carried_companions(asked, numbers, here, near, state, done, look)
+        return chain_companions(
+            asked, (number, last - number), [chain[number] for chain in chains], near, state, done, look
+        )
 
-    sweep = Sweep(chains, near, asked.phase, again)
-    last = sweep.whole(there) - 1
-    resume = None if kept is None or last < 0 else (last, kept.state(last).reshape(sweep.states.shape))
+    sweep = Sweep(chains, near, asked.phase, companions)
+    whole = sweep.whole(known) - 1
+    resume = (
+        (whole, rows.file.state(whole).reshape(sweep.states.shape))
+        if rows.file is not None and whole >= 0
+        else None
+    )
     for leg in sweep.legs(asked.turns, asked.dropped, resume):
-        if leg.number >= there:
+        if leg.number >= known:
             here = [chain[leg.number] for chain in chains]
             points = [
-                looked(one, sweep.kept, leg.rows[:, :, k], asked.series, asked.steps)
+                series_values(one, sweep.kept, leg.rows[:, :, k], asked.series, asked.steps)
                 for k, one in enumerate(here)
             ]
-            yield (
+            yield SweepRow(
                 leg.number,
                 np.stack(points, axis=2).reshape(len(leg.rows), -1),
                 leg.growth,
@@ -421,34 +360,33 @@ def carried(asked: SweepSpec, every: list[Assembly], known: Legs, kept: MapFile 
             )
 
 
-def anew(asked: SweepSpec, every: list[Assembly], known: Legs, kept: MapFile | None) -> Iterator[Leg]:
-    """The legs that are not known yet, each from a start of its own; companions of some come before them, so
-    that they are not missing then.
+def from_starts(asked: SweepSpec, models: list[Assembly], rows: MapRows) -> Iterator[SweepRow]:
+    """The rows that are not known yet, each from a start of its own; companions come first, so that an
+    interrupted map has them.
     """
-    near, count = neighbours(asked, 0), len(every)
+    near, count = end_neighbours(asked, 0), len(models)
     if (
-        carried_on(every[0], near.up) is not None
+        carried_on(models[0], near.up) is not None
     ):  # pins move with the number: a difference by it would open the joints
-        near = seed(every[0].mechanism, every[0], asked.steps)
+        near = neighbours_of(models[0].mechanism, models[0], asked.steps)
 
-    def made(number: int, steps: int) -> Start:
-        numbers, model = dict(asked.starts[number // count]), every[number % count]
-        starts = Starts(model.mechanism, steps)
+    def start_of(number: int, steps: int) -> Start:
+        numbers, model = dict(asked.starts[number // count]), models[number % count]
+        state = StartStates(model.mechanism, steps)
         own = not numbers and steps == asked.steps
         return Start(
-            number,
-            (lambda: model) if own else partial(starts.at, numbers),
-            starts.ahead(numbers, asked.phase),
+            number, (lambda: model) if own else partial(state.at, numbers), state.ahead(numbers, asked.phase)
         )
 
-    beside: dict[int, list[Companion]] = {
-        number: [] for number in sampled(known.count, asked.companions) if number not in known.legs
+    known = tuple(rows.known)
+    companions: dict[int, list[Companion]] = {
+        number: [] for number in sampled(asked.count, asked.companions) if number not in known
     }
-    for own in started_companions(asked, tuple(beside), made, near):
-        beside[own.number].append(Companion(own.number % count, own.number // count, own.ratio, own.kind))
-    for one, points in observed(
-        asked, near, [made(number, asked.steps) for number in range(known.count)], known=tuple(known.legs)
+    for own in start_companions(asked, tuple(companions), start_of, near):
+        companions[own.number].append(Companion(own.number % count, own.number // count, own.ratio, own.kind))
+    for one, points in orbits(
+        asked, near, [start_of(number, asked.steps) for number in range(asked.count)], known=known
     ):
         if one.assembly is None:
-            raise ModelError([Fault("starts", one.why)], every[0].mechanism.name)
-        yield one.number, points, one.growth, np.zeros(0), beside.get(one.number, [])
+            raise ModelError([Fault("starts", one.why)], models[0].mechanism.name)
+        yield SweepRow(one.number, points, one.growth, np.zeros(0), companions.get(one.number, []))

@@ -1,15 +1,13 @@
-"""Waterfalls: spectra of series over a number of the model, of which each case keeps its series over the last
-turns only.
-"""
+"""Waterfalls: spectra of series over a number of the model, each of the last turns of a run of its own."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +17,7 @@ from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError
 from ..files import write_rows
 from ..job.cost import ASSEMBLY
-from ..job.job import job_of
 from ..measures.spectral import COSINES, resolution_of, window_of
-from ..model.above import NotebookDocument
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -33,76 +29,61 @@ from ..solvers.ensemble import placed
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..store.mapfile import MapFile
-from .section_series import (
-    MapWork,
-    kept_in,
-    law_words,
-    refuse_large_frame,
-    refuse_unknown,
-    tupled,
-    unit_at,
-    unit_of,
-)
+from .maps import Map, MapRun, MapSpec, MapWork, RunOptions, checked_series, unit_at
+from .turn_steps import refuse_large_frame
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 FIRST_LOOK = 20  # runs
+LAST = 4  # turns that are transformed unless given
+PROBED_VALUES = 9  # values whose turns are looked at for a forecast
 
 
 class SpectrumLane(Lane):
-    """A simulation in a lane, of whose ``turns`` the ``last`` are kept, output by output, of each of
+    """A run in a lane, of whose turns those from number ``first`` on are kept, output by output, of each of
     ``series``.
     """
 
-    def __init__(self, number: int, assembly: Assembly, turns: int, last: int, series: Sequence[str]) -> None:
+    def __init__(self, number: int, assembly: Assembly, asked: WaterfallSpec) -> None:
         super().__init__(number, assembly, loop="generated")
-        self.turns, self.series = turns, series
-        self.last: deque[Array] = deque(maxlen=last)
+        self.asked = asked
+        self.last: deque[Array] = deque(maxlen=asked.last)
 
     @property
     def ended(self) -> bool:
         """Whether it needs no further turn."""
-        return self.doubtful or self.done == self.turns * self.per
+        return self.doubtful or self.done == self.asked.turns * self.per
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Take a turn."""
+        """Take a turn. The output before it stays, because some series need their predecessor."""
         super().take(rows, broken, state)
         if self.doubtful:
             return
-        if self.done > (self.turns - (self.last.maxlen or 0)) * self.per:
-            self.last.append(
-                values_of(self.assembly, np.concatenate(self.parts), self.handed, self.series, self.every)[
-                    :, 1:
-                ]
-            )
+        if self.done > (self.asked.turns - self.asked.last) * self.per:
+            outputs = np.concatenate(self.parts)
+            steps = np.arange(len(outputs), dtype=np.int64) * self.every
+            view = View(Record(self.assembly, steps, outputs, self.handed))
+            values = [view.series.column(name).values for name in self.asked.series]
+            self.last.append(np.array(values, dtype=float)[:, 1:])
         self.parts = [rows[-1:].copy()]
 
     @property
-    def values(self) -> Array:
-        """The series over the last turns, shape (series, outputs)."""
-        return np.concatenate(self.last, axis=1)
-
-
-def values_of(
-    assembly: Assembly, rows: Array, kept: NDArray[np.uint32], series: Sequence[str], every: int
-) -> Array:
-    """Series of outputs that follow each other, shape (series, outputs)."""
-    view = View(Record(assembly, np.arange(len(rows), dtype=np.int64) * every, rows, kept))
-    return np.array([view.series.column(name).values for name in series], dtype=float)
-
-
-WHAT = "waterfall"
-LAST = 4  # turns that are transformed unless said
-LOOKED_AT = 9  # values whose turns are looked at for a forecast
+    def amplitudes(self) -> Array:
+        """Amplitudes of each series by order, shape (series, orders); NaN if the motion diverged."""
+        if self.doubtful:
+            return np.full((len(self.asked.series), self.asked.orders), math.nan)
+        window, values = self.asked.window, np.concatenate(self.last, axis=1)
+        return np.array([spectrum(one, 1.0, window=window).amplitudes[: self.asked.orders] for one in values])
 
 
 @dataclass(frozen=True)
-class WaterfallSpec:
-    """What is asked: the number's ``path``, its ``unit`` and ``values``; at each ``turns`` turns, of which
-    the ``last`` are transformed under a ``window``; ``series`` and their ``units``; ``outputs`` in a turn,
-    orders up to the ``highest``, and the largest ``step`` (s).
+class WaterfallSpec(MapSpec):
+    """A waterfall over ``values`` of the number at ``path``, with its ``unit``.
+
+    At each value the ``last`` of ``turns`` are transformed under a ``window``; ``series`` and their
+    ``units``; ``outputs`` in a turn, orders up to the ``highest``, and the largest ``step`` (s).
     """
 
     model: str
@@ -118,27 +99,58 @@ class WaterfallSpec:
     highest: float
     step: float
 
+    @property
+    def orders(self) -> int:
+        """Number of orders."""
+        return round(self.highest * self.last) + 1
+
 
 @dataclass(frozen=True)
-class Waterfall(NotebookDocument):
-    """Amplitudes of waves over a number, NaN where it is not known yet, or where the motion diverged.
+class Waterfall(Map):
+    """Amplitudes of orders over a number, NaN where they are not known yet, or where the motion diverged.
 
-    ``orders`` (1), shape (places,); ``turn`` (s) at each value, shape (values,); of each of ``asked.series``
-    the ``amplitudes`` in SI units, shape (values, places). So many values are ``done``; at the ``diverged``
+    ``orders`` (1), shape (orders,); ``turn`` (s) at each value, shape (values,); of each of ``asked.series``
+    the ``amplitudes`` in SI units, shape (values, orders). ``done`` values are known; at the ``diverged``
     ones there is no motion.
     """
 
-    name: str
-    asked: WaterfallSpec
+    kind: ClassVar[str] = "waterfall"
     orders: Array
     turn: Array
     amplitudes: Mapping[str, Array]
     done: int
     diverged: tuple[float, ...] = ()
 
+    @classmethod
+    def of(cls, name: str, asked: WaterfallSpec, found: Mapping[int, Array]) -> Waterfall:
+        """The waterfall of amplitudes by the number of their value."""
+        table = np.full((len(asked.values), len(asked.series), asked.orders), math.nan)
+        for number, amplitudes in found.items():
+            table[number] = amplitudes
+        diverged = tuple(
+            asked.values[number] for number, one in sorted(found.items()) if not np.isfinite(one).all()
+        )
+        turn = np.array(
+            [turn_of(loads(asked.model, set=[(asked.path, value)])) or math.nan for value in asked.values]
+        )
+        amplitudes_of = {series: table[:, j] for j, series in enumerate(asked.series)}
+        return cls(
+            name, asked, np.arange(asked.orders) / asked.last, turn, amplitudes_of, len(found), diverged
+        )
+
+    @classmethod
+    def read(cls, file: MapFile) -> Waterfall:
+        """The waterfall in a map file, as far as it is known."""
+        legs = file.legs(gaps=True)
+        return cls.of(
+            file.spec["name"],
+            WaterfallSpec.of(file.spec["asked"]),
+            {number: one for number, (one, _) in legs.items()},
+        )
+
     @property
     def frequencies(self) -> Array:
-        """Orders as frequencies (Hz) at each value, shape (values, places)."""
+        """Orders as frequencies (Hz) at each value, shape (values, orders)."""
         return np.asarray(self.orders / self.turn[:, None], dtype=float)
 
     @property
@@ -156,7 +168,7 @@ class Waterfall(NotebookDocument):
     @property
     def limits(self) -> str:
         """Step and laws, in words."""
-        return f"steps of {1e6 * self.asked.step:.3g} µs at most; {law_words(loads(self.asked.model))}"
+        return f"steps of {1e6 * self.asked.step:.3g} µs at most; {self.laws}"
 
     def plot(self, hertz: bool = False) -> Figure:
         """The amplitudes as colour, orders to the right, or frequencies (``hertz``), the number upwards."""
@@ -165,20 +177,70 @@ class Waterfall(NotebookDocument):
         return over_values(self, hertz)
 
     def write_csv(self, path: str | Path) -> None:
-        """Writes a row for each value and order: the value, order, frequency (Hz) and the amplitude of each
+        """Write a row for each value and order: value, order, frequency (Hz) and the amplitude of each
         series. Raises OSError.
         """
         asked = self.asked
         heads = (f"{name} [{unit}]" for name, unit in zip(asked.series, asked.units, strict=True))
         table: list[list[object]] = [[f"{asked.path} [{asked.unit}]", "order [1]", "frequency [Hz]", *heads]]
-        every = np.stack([self.amplitudes[name] for name in asked.series], axis=2)
+        values = np.stack([self.amplitudes[name] for name in asked.series], axis=2)
         for value, frequencies, amplitudes in zip(
-            asked.values, self.frequencies.tolist(), every, strict=True
+            asked.values, self.frequencies.tolist(), values, strict=True
         ):
             if np.isfinite(amplitudes).all():
                 rows = zip(self.orders.tolist(), frequencies, amplitudes.tolist(), strict=True)
                 table += ([value, order, frequency, *row] for order, frequency, row in rows)
         write_rows(path, table)
+
+
+class SpectrumOptions(RunOptions, total=False):
+    """Keywords of a waterfall."""
+
+    outputs: int
+    highest: float
+    window: str
+
+
+@dataclass
+class SpectrumRun(MapRun):
+    """The computation of a waterfall: ``outputs`` in a turn, orders up to the ``highest``, ``window`` of the
+    spectra.
+    """
+
+    turns: int = 12
+    outputs: int = 1440
+    highest: float = 50.0
+    window: str = "hann"
+
+    def check(self, mechanism: Mechanism, last: int) -> None:
+        """Raises ModelError for turns, outputs and orders of which no spectrum can be taken."""
+        window_of(self.window, 8)
+        faults = []
+        if turn_of(mechanism) is None:
+            faults.append(
+                Fault(
+                    "driver",
+                    "no crank turns at constant speed, so there are no orders",
+                    "",
+                    "",
+                    "drive a body",
+                )
+            )
+        if not 1 <= last <= self.turns:
+            remedy = "transform fewer, or make more turns"
+            faults.append(
+                Fault("last", "so many turns are not made", str(last), f"1 to {self.turns}", remedy)
+            )
+        if last < (least := len(COSINES[self.window])):
+            what = f"under the window {self.window} an order runs into the next"
+            faults.append(Fault("last", what, str(last), f"at least {least}", "take more turns"))
+        if not 0.0 < self.highest <= 0.5 * self.outputs:
+            limit = f"up to half the {self.outputs} outputs of a turn"
+            faults.append(
+                Fault("highest", "no such order is seen", f"{self.highest:g}", limit, "ask for more")
+            )
+        if faults:
+            raise ModelError(faults, mechanism.name)
 
 
 def waterfall(
@@ -188,182 +250,74 @@ def waterfall(
     high: float,
     *,
     count: int = 50,
-    turns: int = 12,
     last: int | None = None,
-    series: Sequence[str] = (),
-    outputs: int = 1440,
-    highest: float = 50.0,
-    window: str = "hann",
-    step: float | None = None,
-    file: str | Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    confirm: bool = False,
+    **options: Unpack[SpectrumOptions],
 ) -> Waterfall:
-    """Spectra of ``series`` over the number at ``path``, as ``driver.crank.speed``, from ``low`` to ``high``
-    (SI) in ``count`` runs of their own.
+    """Compute spectra of ``series`` over the number at ``path``, as ``driver.crank.speed``, from ``low`` to
+    ``high`` (SI) in ``count`` runs.
 
-    Each makes so many ``turns``, of which the ``last`` are transformed, four unless said: orders are told
-    apart by 1/last of a turn, up to the ``highest``. What is faster than half the ``outputs`` of a turn is
-    folded back. ``series``: the forces of joints with play, of all joints where there is none, unless said.
-    ``step`` (s): the finer automatic one of both ends unless said. With a ``file`` each run is kept when it
-    ends, and the same call goes on there. Ctrl-C leaves what is complete. ``confirm``: make it even where it
-    takes more than an hour. Raises ModelError for what cannot be, HeldError where another process writes the
-    file.
+    Each makes ``turns`` (12), of which the ``last``, four unless given, are transformed under a ``window``
+    ("hann"): orders up to the ``highest`` (50) are resolved to 1/last of a turn. What is faster than half the
+    ``outputs`` (1440) of a turn is folded back. ``series``: the forces of joints with clearance, or of all
+    joints if there is none, unless given. ``step`` (s): the finer automatic one of both ends unless given.
+
+    A ``file`` keeps each run when it ends, and the same call continues it. ``progress(done, total)`` is
+    called then. Ctrl-C leaves what is complete. ``confirm``: compute even what takes more than an hour.
+    Raises ModelError for what cannot be computed, HeldError where another process writes the file.
     """
-    last = last_of(last, turns)
-    job = job_of("waterfall", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
-    text = dump(mechanism)
-    some = [loads(text, set=[(path, value)]) for value in np.linspace(low, high, LOOKED_AT).tolist()]
-    periods = [turn_of(model) or 0.0 for model in some]
-    if all(periods) and 1 <= last <= turns:  # planned reports the others
-        step = step or automatic(some)
-        steps = sum(periods) / len(periods) / step
-        lanes, numbers = (
-            stream_lanes(len(mechanism.contacts)),
-            max(len(series), 1) * (highest * last + 1) / last,
+    run = SpectrumRun("waterfall", **options)
+    last, text = min(LAST, run.turns) if last is None else last, dump(mechanism)
+    run.check(mechanism, last)
+    probed = [loads(text, set=[(path, value)]) for value in np.linspace(low, high, PROBED_VALUES).tolist()]
+    periods = [turn_of(model) or 0.0 for model in probed]
+    step = run.step
+    if all(periods):  # a value at rest is reported below
+        step = step or automatic_step(probed)
+        run.begin(
+            work_of(run, mechanism, count, last, sum(periods) / len(periods) / step),
+            placed(mechanism, step, run.turns, run.outputs),
         )
-        work = MapWork(
-            "run",
-            count,
-            turns,
-            turns - last,
-            steps,
-            max(lanes, 3),
-            numbers,
-            growth=False,
-            start=ASSEMBLY,
-            first_look=(FIRST_LOOK, turns),
-        )
-        job.begin(work.forecast(placed(mechanism, step, turns, outputs), file))
     values = tuple(map(float, np.linspace(low, high, count)))
-    asked = WaterfallSpec(
-        text, path, "", values, turns, last, window, tuple(series), (), outputs, highest, step or 0.0
-    )
-    asked, assemblies = planned(mechanism, asked)
-    places = round(asked.highest * asked.last) + 1
-    with job, kept_in(file, {"what": WHAT, "name": mechanism.name, "asked": asked}, "this waterfall") as kept:
-        found = (
-            {} if kept is None else {number: points for number, (points, _) in kept.legs(gaps=True).items()}
-        )
-        missing = [k for k in range(count) if k not in found]
-        try:
-            for one in stepped(
-                (SpectrumLane(k, assemblies[k], turns, last, asked.series) for k in missing),
-                max(1, len(missing)),
-            ):
-                points = transformed(one, asked, places)
-                if kept is not None:
-                    kept.write_row("legs", one.number, points, np.zeros((0, 1)), np.zeros((0, 1)))
-                found[one.number] = points
-                job.count(len(found), count, "runs")
-        except KeyboardInterrupt:
-            if not found:
-                raise
-    return laid_out(mechanism.name, asked, found)
-
-
-def read_waterfall(file: MapFile) -> Waterfall:
-    """The waterfall in a file, as far as it is known."""
-    said = file.spec
-    return laid_out(
-        said["name"],
-        WaterfallSpec(**tupled(said["asked"])),
-        {number: points for number, (points, _) in file.legs(gaps=True).items()},
-    )
-
-
-def transformed(one: SpectrumLane, asked: WaterfallSpec, places: int) -> Array:
-    """Amplitudes of each series, shape (series, places); NaN where the motion diverged."""
-    if one.doubtful:
-        return np.full((len(asked.series), places), math.nan)
-    found = [spectrum(values, 1.0, window=asked.window).amplitudes[:places] for values in one.values]
-    return np.array(found)
-
-
-def laid_out(name: str, asked: WaterfallSpec, found: Mapping[int, Array]) -> Waterfall:
-    """The waterfall of members by their numbers."""
-    places = round(asked.highest * asked.last) + 1
-    every = np.full((len(asked.values), len(asked.series), places), math.nan)
-    for number, points in found.items():
-        every[number] = points
-    broken = tuple(
-        asked.values[number] for number, points in sorted(found.items()) if not np.isfinite(points).all()
-    )
-    turn = np.array(
-        [turn_of(loads(asked.model, set=[(asked.path, value)])) or math.nan for value in asked.values]
-    )
-    amplitudes = {series: every[:, j] for j, series in enumerate(asked.series)}
-    return Waterfall(name, asked, np.arange(places) / asked.last, turn, amplitudes, len(found), broken)
-
-
-def planned(mechanism: Mechanism, asked: WaterfallSpec) -> tuple[WaterfallSpec, list[Assembly]]:
-    """What is asked, with step, series and units where they are left open, and the model at each value.
-    Raises ModelError.
-    """
-    window_of(asked.window, 8)
-    last, turns, outputs, faults = asked.last, asked.turns, asked.outputs, []
-    if turn_of(mechanism) is None:
-        faults.append(
-            Fault(
-                "driver", "no crank turns at constant speed, so there are no orders", "", "", "drive a body"
-            )
-        )
-    if not 1 <= last <= turns:
-        faults.append(
-            Fault(
-                "last",
-                "so many turns are not made",
-                str(last),
-                f"1 to {turns}",
-                "transform fewer, or make more turns",
-            )
-        )
-    if last < (least := len(COSINES[asked.window])):
-        what = f"under the window {asked.window} an order runs into the next"
-        faults.append(Fault("last", what, str(last), f"at least {least}", "take more turns"))
-    if not 0.0 < asked.highest <= 0.5 * outputs:
-        limit = f"up to half the {outputs} outputs of a turn"
-        faults.append(Fault("highest", "no such order is seen", f"{asked.highest:g}", limit, "ask for more"))
-    if faults:
-        raise ModelError(faults, mechanism.name)
-    models = [loads(asked.model, set=[(asked.path, value)]) for value in asked.values]
-    still = [value for value, model in zip(asked.values, models, strict=True) if turn_of(model) is None]
-    if still:
+    models = [loads(text, set=[(path, value)]) for value in values]
+    if still := [value for value, model in zip(values, models, strict=True) if turn_of(model) is None]:
         what = "no crank turns here, so there are no orders"
         raise ModelError(
-            [Fault(asked.path, what, f"{still[0]:g}", "", "leave it out of the range")], mechanism.name
+            [Fault(path, what, f"{still[0]:g}", "", "leave it out of the range")], mechanism.name
         )
-    step = asked.step or automatic(models)
-    assemblies = [placed(model, step, turns, outputs) for model in models]
+    step = step or automatic_step(models)
+    assemblies = [placed(model, step, run.turns, run.outputs) for model in models]
     refuse_large_frame(assemblies[0])
-    start = standing(assemblies[0])
-    series = asked.series or usual(assemblies[0], list(start.series))
-    refuse_unknown(
-        "series",
-        series,
-        list(start.series),
-        "the mechanism has none of this name",
-        "name one that it has",
-        mechanism.name,
-    )
+    series, units = checked_series(assemblies[0], tuple(run.series) or joint_forces(assemblies[0]))
     if not series:
         raise ModelError(
             [Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")],
             mechanism.name,
         )
-    units = tuple(unit_of(start, name) for name in series)
-    return (
-        replace(asked, unit=unit_at(mechanism, asked.path), series=series, units=units, step=step),
-        assemblies,
+    asked = WaterfallSpec(
+        text, path, unit_at(mechanism, path), values, run.turns, last, run.window, series, units, run.outputs, run.highest, step
+    )  # fmt: skip
+    with run.rows(Waterfall, mechanism.name, asked, "this waterfall") as rows:
+        rows.known |= {number: points for number, (points, _) in rows.legs(gaps=True).items()}
+        missing = [k for k in range(count) if k not in rows.known]
+        for lane in stepped((SpectrumLane(k, assemblies[k], asked) for k in missing), max(1, len(missing))):
+            rows.known[lane.number] = lane.amplitudes
+            rows.write("legs", lane.number, lane.amplitudes, np.zeros((0, 1)), np.zeros((0, 1)))
+            run.job.count(len(rows.known), count, "runs")
+    return Waterfall.of(mechanism.name, asked, rows.known)
+
+
+def work_of(run: SpectrumRun, mechanism: Mechanism, count: int, last: int, steps: float) -> MapWork:
+    """The work of ``count`` runs with so many steps in a turn, on average."""
+    lanes, numbers = (
+        max(stream_lanes(len(mechanism.contacts)), 3),
+        max(len(run.series), 1) * (run.highest * last + 1) / last,
     )
+    return MapWork(
+        "run", count, run.turns, run.turns - last, steps, lanes, numbers, growth=False, start=ASSEMBLY, first_look=(FIRST_LOOK, run.turns)
+    )  # fmt: skip
 
 
-def last_of(last: int | None, turns: int) -> int:
-    """Turns that are transformed, of so many."""
-    return min(LAST, turns) if last is None else last
-
-
-def automatic(models: Sequence[Mechanism]) -> float:
+def automatic_step(models: Sequence[Mechanism]) -> float:
     """The finer automatic step (s) of the first and the last of models."""
     return min(
         prepare(model, RunArguments(turns=1.0, companions=0)).assembly.choice.step
@@ -371,7 +325,8 @@ def automatic(models: Sequence[Mechanism]) -> float:
     )
 
 
-def usual(assembly: Assembly, known: Sequence[str]) -> tuple[str, ...]:
-    """Forces of the joints with play, or of all joints."""
+def joint_forces(assembly: Assembly) -> tuple[str, ...]:
+    """Forces of the joints with clearance, or of all joints if there is none."""
     names = [f"{name}.force" for name in dict.fromkeys(assembly.contact_joints) or assembly.mechanism.joints]
+    known = standing(assembly).series
     return tuple(name for name in names if name in known)

@@ -1,11 +1,11 @@
-"""Curves of a mechanism with other numbers: members stepped in lanes, of each the channels that were
-measured, over time or the crank's angle.
+"""Curves of a mechanism with other values: runs in lanes, of each the measured channels, over time or the
+angle of the crank.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, cast
@@ -26,7 +26,7 @@ from ..results.view import View, standing
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..studies.engine.cases import CaseModel, Cases, NoLane, Numbers, Wanted
-from .measurements import Over
+from .timing import Timing
 
 Array = NDArray[np.float64]
 MOVED = {
@@ -41,7 +41,7 @@ MOVED = {
 
 @dataclass(frozen=True)
 class Trace:
-    """Channels of one member: times (s) or angles (rad) of its outputs, ascending, values of shape (outputs,
+    """Channels of one case: times (s) or angles (rad) of its outputs, ascending, values of shape (outputs,
     channels), its turn (s), if any.
     """
 
@@ -53,20 +53,6 @@ class Trace:
     def slopes(self) -> Array:
         """Derivatives by the places."""
         return np.asarray(np.gradient(self.values, self.places, axis=0), dtype=float)
-
-
-@dataclass(frozen=True)
-class Timing:
-    """How long members run and how finely: ``turns`` for a turn (s), None without one, or a ``duration`` (s);
-    outputs and steps of a turn, or in all; the largest ``step`` (s).
-    """
-
-    over: Over
-    turns: Callable[[float], float] | None
-    duration: float
-    outputs: int
-    every: int
-    step: float
 
 
 class Channels:
@@ -165,26 +151,26 @@ class Curves:
         self.cases = FitCases(mechanism, timing)
         self.channels, self.timing, self.workers = Channels(mechanism, channels), timing, workers
 
-    def beside(self, finer: int, turns: float) -> Curves:
-        """The same with so many more steps between two outputs, and so many more turns."""
+    def changed(self, finer: int, turns: float) -> Curves:
+        """The same with ``finer`` more steps between two outputs, and so many more ``turns``."""
         timing = self.timing
         every, last = timing.every + finer, timing.turns
         longer = None if last is None else lambda turn: last(turn) + turns
-        changed = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
-        return Curves(self.cases.base, self.channels.names, changed, self.workers)
+        timing = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
+        return Curves(self.cases.base, self.channels.names, timing, self.workers)
 
-    def each(self, every: Sequence[Numbers]) -> list[Trace | str]:
-        """The trace of each member; where it has none, why."""
-        found: list[Trace | str] = [""] * len(every)
-        for one in stepped(self._lanes(every), len(every), workers=self.workers):
+    def each(self, cases: Sequence[Numbers]) -> list[Trace | str]:
+        """The trace of each case, or the reason why it has none."""
+        found: list[Trace | str] = [""] * len(cases)
+        for one in stepped(self._lanes(cases), len(cases), workers=self.workers):
             if isinstance(one, NoLane):
                 found[one.number] = one.reason or ""
             else:
                 found[one.number] = "numbers left all bounds" if one.doubtful else self.trace(one.record)
         return found
 
-    def _lanes(self, every: Sequence[Numbers]) -> Iterator[Lane | NoLane]:
-        for k, numbers in enumerate(every):
+    def _lanes(self, cases: Sequence[Numbers]) -> Iterator[Lane | NoLane]:
+        for k, numbers in enumerate(cases):
             try:
                 yield Lane(k, self.cases.assembled(numbers))
             except VfifeError as error:

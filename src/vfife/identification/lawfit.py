@@ -1,5 +1,5 @@
-"""Numbers of a contact law from a measured force over penetration: stiffness and exponent, and the
-restitution where the way back was measured.
+"""Identify parameters of a contact law from measured force over penetration: stiffness, exponent, and
+restitution if unloading was measured.
 """
 
 from __future__ import annotations
@@ -23,24 +23,26 @@ from ..results.fit import Fit, Laid, Value
 from ..schema import Measure, value_of
 from ..studies.spec.sampling import sobol
 from .measurements import factor, numbers, split, table
-from .sought import Sought
-from .step_uncertainty import Confident, confident
+from .parameters import FitParameter
+from .step_uncertainty import confidence_of
 
 Array = NDArray[np.float64]
-SURFACES = Pair(0.01, 2e-4, 0.02)  # those of `vfife laws`, where a law asks for them
-UNITS = {"penetration": "m", "force": "N", "loading": "N", "unloading": "N"}
-AROUND = 1e3  # how far about a first guess a stiffness is looked for
-LARGEST = 9e13  # of a bare number in a model
+SURFACES = Pair(0.01, 2e-4, 0.02)  # those of `vfife laws`, for laws that need some
+UNITS = {"penetration": "m", "force": "N", "loading": "N", "unloading": "N"}  # of columns
+STIFFNESS_RANGE = 1e3  # ratio of the bounds of a stiffness to its first guess
+LARGEST = 9e13  # bare number in a model
 STARTS = 8
-AGREE, EXACT = (
-    1e-4,
-    1e-6,
-)  # of the cost by which two searches agree; a cost for each sample that cannot be much less
+# Two searches agree if their costs differ by this share; a cost below the second one for each sample cannot
+# be improved.
+AGREEMENT, EXACT = 1e-4, 1e-6
 RESTITUTION = "restitution"
-SLOW = {"damping_coefficient": 0.0, "effective_mass": 1.0}
-TURNED = 0.05  # of the deepest: how far a loop has to come back to have a way back
-STEPS = 120  # of an impact, to its deepest point
-SPEEDS = 3  # corrections of the speed of an impact that goes as deep as the data
+STATIC = {
+    "damping_coefficient": 0.0,
+    "effective_mass": 1.0,
+}  # what acts by the rate alone is not there in a slow curve
+UNLOADING = 0.05  # of the largest penetration: a curve that comes back by less has no unloading
+STEPS = 120  # of an impact, to its largest penetration
+SPEED_CORRECTIONS = 3  # of the speed of an impact that goes as deep as the data
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,29 +65,29 @@ def fit_law(
     law: str, data: str | Path | Loop, given: Mapping[str, Any] | None = None, *, pair: Pair = SURFACES, confidence: float = 0.95,
     seed: int = 0,
 ) -> Fit:  # fmt: skip
-    """Fits a contact law to a measured curve: a CSV file with penetration and force, up and back down as it
-    was measured, or with the columns penetration, loading and unloading.
+    """Fit a contact law to a measured curve: a CSV file with penetration and force in the order of
+    measurement, or with the columns penetration, loading and unloading.
 
-    Looked for are the numbers that the law has no default for or derives from the surfaces (a stiffness, an
-    exponent), and its restitution where there is a way back: that of a free impact as deep as the data.
-    ``given`` fixes numbers. Raises ModelError and VfifeError.
+    Parameters that have no default, or that the law derives from the surfaces (a stiffness, an exponent), are
+    identified, and with unloading the restitution: that of a free impact as deep as the data. ``given`` fixes
+    parameters. Raises ModelError and VfifeError.
     """
     began = time.monotonic()
     loop = data if isinstance(data, Loop) else loop_of(Path(data))
-    kind = known(law)
+    kind = law_of(law)
     holder = {
         "law": kind.name,
         **{key: parsed(value) if isinstance(value, str) else value for key, value in (given or {}).items()},
     }
     back = len(loop.unloading[0]) > 0
-    if not back:  # what acts by the rate alone is not there in a slow curve
+    if not back:
         holder = {
             name: value
-            for name, value in (SLOW | {"full_damping_depth": 0.1 * loop.deepest}).items()
+            for name, value in (STATIC | {"full_damping_depth": 0.1 * loop.deepest}).items()
             if name in names_of(kind)
         } | holder
-    sought = sought_of(kind, holder, loop, back)
-    if not sought:
+    parameters = law_parameters(kind, holder, loop, back)
+    if not parameters:
         raise VfifeError(
             f'the law "{law}" has no number that this curve could'
             f" tell{'' if back else ', without a way back'}; name another"
@@ -94,20 +96,21 @@ def fit_law(
     scale = max(float(loop.loading[1].std()), 1e-300)
     wanted = np.concatenate([loop.loading[1], loop.unloading[1]])
 
-    def made(shares: Array) -> ContactLaw:
-        values = {one.name: one.value(float(x)) for one, x in zip(sought, shares, strict=True)}
+    def law_at(shares: Array) -> ContactLaw:
+        values = {one.name: one.value(float(x)) for one, x in zip(parameters, shares, strict=True)}
         found, faults = read_law("contact", {**holder, **values})
         if found is None or not isinstance(found, ContactLaw):
             raise ModelError(faults, f'law "{law}"')
         return found
 
     def residuals(shares: Array) -> Array:
-        left: Array = (forces(made(shares), pair, loop, speeds) - wanted) / scale
+        left: Array = (forces(law_at(shares), pair, loop, speeds) - wanted) / scale
         return left
 
-    best, ended = searched(residuals, sought, seed)
+    best, ended = best_search(residuals, parameters, seed)
     share = best.x
-    told = confidence_of(best, sought, share, loop, confidence)
+    parts = [one for one in np.split(best.fun, [len(loop.loading[0])]) if len(one) > 2]
+    found = confidence_of(parts, parameters, share, best.jac, len(parameters), confidence)
     values = [
         Value(
             s.name,
@@ -121,9 +124,9 @@ def fit_law(
             None,
             s.logarithmic,
         )
-        for s, x, e, (low, high) in zip(sought, share, told.errors, told.limits, strict=True)
+        for s, x, e, (low, high) in zip(parameters, share, found.errors, found.limits, strict=True)
     ]
-    model, count = forces(made(share), pair, loop, speeds), len(loop.loading[0])
+    model, count = forces(law_at(share), pair, loop, speeds), len(loop.loading[0])
     curves = [Laid("loading", "force", "N", "penetration", loop.loading[0], loop.loading[1], model[:count])]
     if back:
         curves.append(
@@ -132,18 +135,18 @@ def fit_law(
             )
         )
     return Fit(
-        f"law {kind.name}", loop.name, "complete", values, told.correlation, told.directions, 0.0, 0.0, "penetration", curves, ended, 0, 0,
-        "differences", told.autocorrelation, confidence, time.monotonic() - began,
+        f"law {kind.name}", loop.name, "complete", values, found.correlation, found.directions, 0.0, 0.0, "penetration", curves, ended, 0, 0,
+        "differences", found.autocorrelation, confidence, time.monotonic() - began,
     )  # fmt: skip
 
 
 def names_of(law: type[ContactLaw]) -> set[str]:
-    """The names of its numbers."""
+    """Names of the parameters of a law."""
     return {one.name for one in dataclasses.fields(law)}
 
 
-def known(law: str) -> type[ContactLaw]:
-    """The law of a name. Raises VfifeError."""
+def law_of(law: str) -> type[ContactLaw]:
+    """The law with this name. Raises VfifeError if there is none, or it is a table."""
     registry = ContactLaw.known()
     if law not in registry:
         raise VfifeError(f"there is no contact law {law!r}: {suggestion(law, registry, 'name one of them')}")
@@ -155,8 +158,12 @@ def known(law: str) -> type[ContactLaw]:
     return registry[law]  # type: ignore[return-value]
 
 
-def sought_of(law: type[ContactLaw], given: Mapping[str, Any], loop: Loop, back: bool) -> list[Sought]:
-    """What is looked for, between bounds about a first guess."""
+def law_parameters(
+    law: type[ContactLaw], given: Mapping[str, Any], loop: Loop, back: bool
+) -> list[FitParameter]:
+    """The parameters to identify, between bounds about a first guess: those without a default that are not
+    given, and the restitution.
+    """
     found = []
     for field in dataclasses.fields(law):
         held = value_of(field)
@@ -171,13 +178,17 @@ def sought_of(law: type[ContactLaw], given: Mapping[str, Any], loop: Loop, back:
         if field.name == RESTITUTION or (limits[0] is not None and limits[1] is not None):
             low = limits[0] or 0.01
             found.append(
-                Sought(field.name, (field.name,), str(field.metadata.get("unit", "1")), low, limits[1] or 1.0)
+                FitParameter(
+                    field.name, (field.name,), str(field.metadata.get("unit", "1")), low, limits[1] or 1.0
+                )
             )
         elif field.name == "stiffness":
             guess = float(loop.loading[1].max()) / loop.deepest ** exponent_of(law)
-            wide = AROUND * (AROUND if "exponent" in {one.name for one in dataclasses.fields(law)} else 1.0)
+            wide = STIFFNESS_RANGE * (
+                STIFFNESS_RANGE if "exponent" in {one.name for one in dataclasses.fields(law)} else 1.0
+            )
             found.append(
-                Sought(
+                FitParameter(
                     field.name,
                     (field.name,),
                     str(field.metadata.get("unit", "1")),
@@ -187,7 +198,7 @@ def sought_of(law: type[ContactLaw], given: Mapping[str, Any], loop: Loop, back:
             )
         elif back and field.name == "damping_coefficient":
             size = float(loop.loading[1].max())
-            found.append(Sought(field.name, (field.name,), "N s/m", 1e-3 * size, 1e3 * size))
+            found.append(FitParameter(field.name, (field.name,), "N s/m", 1e-3 * size, 1e3 * size))
         else:
             remedy = f"give it, as in --set {field.name}=..."
             raise VfifeError(
@@ -198,9 +209,7 @@ def sought_of(law: type[ContactLaw], given: Mapping[str, Any], loop: Loop, back:
 
 
 def exponent_of(law: type[ContactLaw]) -> float:
-    """The exponent of a law's force, as its stiffness has it in its unit; 1.5 where it is a number of its
-    own.
-    """
+    """Exponent of a law's force, from the unit of its stiffness; 1.5 if the exponent is a parameter."""
     unit = next(
         (str(one.metadata.get("unit", "")) for one in dataclasses.fields(law) if one.name == "stiffness"), ""
     )
@@ -211,14 +220,14 @@ def exponent_of(law: type[ContactLaw]) -> float:
         return 1.0 if unit == "N/m" else 1.5
 
 
-def searched(
-    residuals: Callable[[Array], Array], sought: Sequence[Sought], seed: int
+def best_search(
+    residuals: Callable[[Array], Array], parameters: Sequence[FitParameter], seed: int
 ) -> tuple[Any, list[tuple[float, tuple[float, ...]]]]:
     """The best of searches from several starts."""
     from scipy.optimize import least_squares
 
     found = []
-    for start in (np.full(len(sought), 0.5), *sobol(STARTS, len(sought), seed)):
+    for start in (np.full(len(parameters), 0.5), *sobol(STARTS, len(parameters), seed)):
         one = least_squares(
             residuals,
             np.clip(start, 1e-3, 0.999),
@@ -231,36 +240,26 @@ def searched(
         found.append(one)
         found.sort(key=lambda one: float(one.cost))
         exact = found[0].cost <= EXACT * len(found[0].fun)
-        if exact or (len(found) > 1 and found[1].cost <= (1.0 + AGREE) * found[0].cost):
+        if exact or (len(found) > 1 and found[1].cost <= (1.0 + AGREEMENT) * found[0].cost):
             break  # two searches came to one point, or one to the curve itself
     return found[0], [
-        (float(one.cost), tuple(float(s.value(x)) for s, x in zip(sought, one.x, strict=True)))
+        (float(one.cost), tuple(float(s.value(x)) for s, x in zip(parameters, one.x, strict=True)))
         for one in found
     ]
 
 
-def confidence_of(
-    best: Any, sought: Sequence[Sought], shares: Array, loop: Loop, confidence: float
-) -> Confident:
-    """Errors of a fitted law."""
-    parts = [best.fun[: len(loop.loading[0])], best.fun[len(loop.loading[0]) :]]
-    return confident(
-        [one for one in parts if len(one) > 2], sought, shares, best.jac, len(sought), confidence
-    )
-
-
 def forces(law: ContactLaw, pair: Pair, loop: Loop, speeds: list[float]) -> Array:
-    """The law's forces (N) on the places of a loop: its elastic ones, or those of a free impact as deep where
-    there is a way back.
+    """Forces (N) of the law at the penetrations of a loop: elastic ones, or with unloading those of a free
+    impact as deep.
 
-    ``speeds`` holds the speed (m/s) of the last one, from which that of the next is looked for.
+    ``speeds`` holds the speed (m/s) of the last impact, from which the speed of the next one is searched.
     """
     if not len(loop.unloading[0]):
         p = law.parameters(pair)
         return np.array([law.force(max(float(depth), 0.0), 0.0, p)[0] for depth in loop.loading[0]])
     speed = speeds[0]
     found = free_impact(law, pair, 1.0, speed, STEPS)
-    for _ in range(SPEEDS):
+    for _ in range(SPEED_CORRECTIONS):
         if abs(found.deepest / loop.deepest - 1.0) < 1e-6 or not found.deepest > 0.0:
             break
         speed *= (loop.deepest / found.deepest) ** (
@@ -275,7 +274,7 @@ def forces(law: ContactLaw, pair: Pair, loop: Loop, speeds: list[float]) -> Arra
 
 
 def loop_of(path: Path) -> Loop:
-    """A measured curve from its file. Raises ModelError with all faults."""
+    """Read a measured loop from a CSV file. Raises ModelError with all faults."""
     faults: list[Fault] = []
     heads, rows = table(path, faults)
     columns = {name.lower(): (k, unit) for k, (name, unit) in enumerate(map(split, heads))}
@@ -298,7 +297,7 @@ def loop_of(path: Path) -> Loop:
     if "unloading" in seen:
         return Loop((depth, force), (depth, seen["unloading"]), path.name)
     turn = int(np.argmax(depth))
-    back = depth[turn:].min() < (1.0 - TURNED) * depth[turn]
+    back = depth[turn:].min() < (1.0 - UNLOADING) * depth[turn]
     nothing = np.zeros(0)
     loading = (depth[: turn + 1], force[: turn + 1]) if back else (depth, force)
     if not depth.max() > 0.0 or not force.max() > 0.0 or math.isclose(float(np.ptp(depth)), 0.0):

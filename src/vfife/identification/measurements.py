@@ -58,6 +58,11 @@ class Measured:
     name: str = "data"
 
     @property
+    def unit(self) -> str:
+        """Unit of the places."""
+        return "rad" if self.over == "angle" else "s"
+
+    @property
     def span(self) -> float:
         """From the first sample to the last (s or rad)."""
         return float(self.places[-1] - self.places[0])

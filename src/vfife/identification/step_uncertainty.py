@@ -1,5 +1,10 @@
-"""How far the best point of a fit can be trusted: confidence ranges of its numbers, and their uncertainty due
-to step size and start phase.
+"""Uncertainty of identified parameters: confidence limits, and how far step size and unknown start phase of
+the data change them.
+
+Least squares assumes that the simulated curves are exact. For a periodic motion they nearly are. For a
+chaotic motion they depend on the step size and on the turn with which the comparison starts, and the best fit
+may agree with the data by chance. This module repeats the best point with finer steps and from the next turn,
+and reports how much curves, cost and parameters change.
 """
 
 from __future__ import annotations
@@ -16,22 +21,35 @@ from ..errors import VfifeError
 from ..results.fit import Fit, Laid, Value
 from .batched_queries import Evaluations
 from .curves import Curves, Trace
-from .measurements import Measured
+from .parameters import FitParameter, numbers_at
 from .residuals import Fitted, Misfit, Slopes
-from .sought import Sought, numbers_at
 
 Array = NDArray[np.float64]
-WEAK = 1e-12  # of the largest singular value: what is less is nothing
+Limits = list[tuple[float, float]]
+# Singular values below this share of the largest are treated as zero.
+RANK_TOLERANCE = 1e-12
+# The error of a step is about twice the change to half the step, because contact onsets make the method first
+# order.
+ERROR_OVER_CHANGE = 2.0
+# Curves are trusted if they change by less than a tenth of the data's standard deviation, or by less than
+# half of the residual.
+TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL = 0.1, 0.5
+# From these on cautions are reported: turns that differ by this share of the residual, squares that grow by
+# this factor with other steps, and a
+# residual of this share of the data's standard deviation, because limits know only noise.
+UNSETTLED, INFLATED, UNEXPLAINED = 0.25, 1.1, 0.25
 
 
 @dataclass(frozen=True)
-class Confident:
-    """Standard errors and limits in SI units, correlations, directions with their standard deviations in
-    shares of the bounds; the variance of residuals and the covariance of shares.
+class Confidence:
+    """Standard errors and limits (SI), correlations, directions with their standard deviations in shares of
+    the bounds.
+
+    ``variance`` of the residuals, their ``autocorrelation``, and the ``covariance`` of the shares.
     """
 
     errors: Array
-    limits: list[tuple[float, float]]
+    limits: Limits
     correlation: Array
     directions: list[tuple[float, Array]]
     variance: float
@@ -39,167 +57,159 @@ class Confident:
     covariance: Array
 
 
-def confident(
-    residuals: Sequence[Array], sought: Sequence[Sought], shares: Array, jacobian: Array | None, unknown: int, confidence: float,
+def confidence_of(
+    residuals: Sequence[Array], parameters: Sequence[FitParameter], shares: Array, jacobian: Array | None, unknowns: int, level: float,
     inflation: float = 1.0,
-) -> Confident:  # fmt: skip
-    """Covariance s^2 (J^T J)^-1 over what J determines, s^2 the residuals' mean square for each degree of
-    freedom, times (1 + r)/(1 - r) where they follow one another with a correlation r; limits by Student's t.
-    ``residuals`` are those of each curve, J is by shares of the bounds; ``unknown`` numbers were fitted in
-    all; ``inflation`` is of the squares, for what they do not know. Without J nothing is known, which is said
-    as NaN.
+) -> Confidence:  # fmt: skip
+    """Confidence in parameters at ``shares`` of the ways between their bounds.
+
+    The covariance is s^2 (J^T J)^-1 over what J determines, s^2 the residuals' mean square for each degree of
+    freedom, times (1 + r)/(1 - r) where successive ones have a correlation r; limits are those of Student's
+    t. ``residuals`` are those of each curve, J is by shares; so many ``unknowns`` were fitted; ``inflation``
+    is a factor of s^2. Without J all is unknown (NaN).
     """
-    count = len(sought)
+    count = len(parameters)
     if jacobian is None:
-        nothing = np.full(count, math.nan)
-        return Confident(
-            nothing,
-            [(math.nan, math.nan)] * count,
-            np.full((count, count), math.nan),
-            [],
-            math.nan,
-            math.nan,
-            nothing,
-        )
+        unknown = np.full(count, math.nan)
+        pairs = np.full((count, count), math.nan)
+        return Confidence(unknown, [(math.nan, math.nan)] * count, pairs, [], math.nan, math.nan, unknown)
     from scipy.stats import t
 
-    freedom = max(sum(map(len, residuals)) - unknown, 1)
-    follow = autocorrelation(residuals)
-    variance = (
-        sum(float(one @ one) for one in residuals) / freedom * inflation * (1.0 + follow) / (1.0 - follow)
-    )
+    freedom = max(sum(map(len, residuals)) - unknowns, 1)
+    r = autocorrelation(residuals)
+    variance = sum(float(one @ one) for one in residuals) / freedom * inflation * (1.0 + r) / (1.0 - r)
     _, sizes, rows = np.linalg.svd(jacobian, full_matrices=False)
-    known = np.maximum(sizes, WEAK * max(float(sizes.max(initial=0.0)), 1e-100))  # whose square is a number
-    covariance = variance * (rows.T / known**2) @ rows
+    sizes = np.maximum(
+        sizes, RANK_TOLERANCE * max(float(sizes.max(initial=0.0)), 1e-100)
+    )  # so that its square is a number
+    covariance = variance * (rows.T / sizes**2) @ rows
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     correlation = covariance / np.maximum(np.outer(spread, spread), 1e-300)
-    wide = float(t.ppf(0.5 + 0.5 * confidence, freedom))
-    errors = np.array([one.slope(float(x)) * s for one, x, s in zip(sought, shares, spread, strict=True)])
-    middle = [one.value(float(x)) for one, x in zip(sought, shares, strict=True)]
+    quantile = float(t.ppf(0.5 + 0.5 * level, freedom))
+    errors = np.array([one.slope(float(x)) * s for one, x, s in zip(parameters, shares, spread, strict=True)])
+    values = [one.value(float(x)) for one, x in zip(parameters, shares, strict=True)]
     limits = [
-        (value - wide * float(e), value + wide * float(e)) for value, e in zip(middle, errors, strict=True)
+        (value - quantile * float(e), value + quantile * float(e))
+        for value, e in zip(values, errors, strict=True)
     ]
     directions = [
-        (math.sqrt(variance) / float(size), row) for size, row in zip(known[::-1], rows[::-1], strict=True)
+        (math.sqrt(variance) / float(size), row) for size, row in zip(sizes[::-1], rows[::-1], strict=True)
     ]
-    return Confident(errors, limits, correlation, directions, variance, follow, covariance)
+    return Confidence(errors, limits, correlation, directions, variance, r, covariance)
 
 
-def offset_error(slopes: Slopes | None, told: Confident, misfit: Misfit, along: float) -> float:
-    """Standard error of the offset: its own, from how the curves change ``along`` it, and what it follows of
-    the parameters.
+def offset_error(slopes: Slopes | None, confidence: Confidence, misfit: Misfit, along: float) -> float:
+    """Standard error of the offset: its own, from how the curves change ``along`` it, and that by which it
+    follows the parameters.
     """
     if misfit.offset.fixed:
         return 0.0
     if slopes is None:
         return math.nan
-    own = told.variance / along if along > 0.0 else math.inf
-    return math.sqrt(own + max(float(slopes.offsets @ told.covariance @ slopes.offsets), 0.0))
+    own = confidence.variance / along if along > 0.0 else math.inf
+    return math.sqrt(own + max(float(slopes.offsets @ confidence.covariance @ slopes.offsets), 0.0))
 
 
 def autocorrelation(residuals: Sequence[Array]) -> float:
-    """Mean correlation of residuals with the next, of all curves; between 0 and 0.99."""
+    """Mean correlation of successive residuals of all curves, between 0 and 0.99."""
     found = []
     for one in residuals:
-        apart = one - one.mean()
-        square = float(apart @ apart)
-        found.append(float(apart[1:] @ apart[:-1]) / square if square > 0.0 else 0.0)
+        centred = one - one.mean()
+        square = float(centred @ centred)
+        found.append(float(centred[1:] @ centred[:-1]) / square if square > 0.0 else 0.0)
     return min(max(float(np.mean(found)), 0.0), 0.99)
 
 
-Limits = list[tuple[float, float]]
-# times the change from a step to its half: the error of a step, of first order where contacts begin in it
-ORDER = 2.0
-LARGE, BESIDE = (
-    0.1,
-    0.5,
-)  # of the deviation of the data, and of what is missed: curves that change by more are not known
-
-
 @dataclass(frozen=True)
-class Doubt:
-    """By how much curves change with other steps (``by_steps``) and from the next turn on (``by_turns``),
-    over the deviations of the data; what the best point misses (``missed``) and costs (``least``), and the
-    largest ``cost`` of it with others; by what shares of the bounds the error of the step may move the
-    parameters, to first order (``shift``).
+class Sensitivity:
+    """How far the curves of the best point change with other steps (``by_steps``) and from the next turn on
+    (``by_turns``).
+
+    Both are over the deviations of the data, as is the ``residual`` of the best point. ``least`` is the cost
+    of that point, ``cost`` the largest with other steps and turns. The error of the step may move the
+    parameters by ``shift``, in shares of the bounds, to first order.
     """
 
     by_steps: float
     by_turns: float
-    missed: float
+    residual: float
     least: float
     cost: float
     shift: Array
 
     @property
     def inflation(self) -> float:
-        """By how much the squares grow with other steps or from another turn on, 1 or more."""
+        """Growth of the squares with other steps or from another turn on, 1 or more."""
         return self.cost / max(self.least, 1e-300)
 
     @property
-    def known(self) -> bool:
-        """Whether the curves are the model's own, and not those of its steps or of one turn."""
-        return max(self.by_steps, self.by_turns) <= max(LARGE, BESIDE * self.missed)
+    def trusted(self) -> bool:
+        """Whether the curves are those of the model rather than those of its steps, or of one turn."""
+        return max(self.by_steps, self.by_turns) <= max(
+            TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL * self.residual
+        )
 
 
-def doubt(
-    curves: Curves, sought: Sequence[Sought], misfit: Misfit, shares: Array, best: Fitted, jacobian: Array
-) -> Doubt:
-    """That of a point."""
-    apart, costs = {"steps": 0.0, "turns": 0.0}, [best.cost]
+def sensitivity_of(
+    curves: Curves,
+    parameters: Sequence[FitParameter],
+    misfit: Misfit,
+    shares: Array,
+    best: Fitted,
+    jacobian: Array,
+) -> Sensitivity:
+    """How far the curves at ``shares`` change with steps and turns."""
+    changes, costs = {"steps": 0.0, "turns": 0.0}, [best.cost]
     shift: Array = np.zeros(len(shares))
-    for what, trace in beside(curves, sought, misfit, shares):
+    for cause, trace in changed_traces(curves, parameters, misfit, shares):
         one = misfit(trace, best.offset)
         costs.append(one.cost)
         change = one.residuals - best.residuals
-        apart[what] = max(apart[what], float(np.sqrt((change**2).mean())))
-        if what == "steps":  # the last has steps of half the size
-            shift = np.asarray(ORDER * np.linalg.lstsq(jacobian, change, WEAK)[0], np.float64)
-    return Doubt(
-        apart["steps"],
-        apart["turns"],
-        math.sqrt(2.0 * best.cost / misfit.count),
-        best.cost,
-        max(costs),
-        shift,
-    )
+        changes[cause] = max(changes[cause], float(np.sqrt((change**2).mean())))
+        if cause == "steps":  # the last of these traces has half the step
+            shift = np.asarray(
+                ERROR_OVER_CHANGE * np.linalg.lstsq(jacobian, change, RANK_TOLERANCE)[0], np.float64
+            )
+    residual = math.sqrt(2.0 * best.cost / misfit.count)
+    return Sensitivity(changes["steps"], changes["turns"], residual, best.cost, max(costs), shift)
 
 
-def beside(
-    curves: Curves, sought: Sequence[Sought], misfit: Misfit, shares: Array
+def changed_traces(
+    curves: Curves, parameters: Sequence[FitParameter], misfit: Misfit, shares: Array
 ) -> Iterator[tuple[str, Trace]]:
-    """Traces of the same steps from the next turn on, where nobody knows in which the data began, of steps a
-    little finer, and of half of them.
+    """Traces from the next turn on, if the turn in which the data began is unknown, of slightly finer steps,
+    and of half the step.
     """
-    numbers, turns, every = numbers_at(sought, shares), 1 if misfit.any_turn else 0, curves.timing.every
+    numbers, turns, every = (
+        numbers_at(parameters, shares),
+        1 if misfit.unknown_turn else 0,
+        curves.timing.every,
+    )
     for finer in (0, 1, every) if turns else (1, every):
-        other = curves.beside(finer, turns)
-        (trace,) = other.each([numbers])
+        changed = curves.changed(finer, turns)
+        (trace,) = changed.each([numbers])
         if isinstance(trace, str):
             continue
         if finer:
             yield "steps", trace
         else:
-            first = other.timing.outputs
+            first = changed.timing.outputs
             yield "turns", Trace(trace.places[first:], trace.values[first:], trace.turn)
 
 
 def widened(
-    told: Confident,
-    found: Doubt,
-    sought: Sequence[Sought],
-    best: Array,
+    confidence: Confidence, found: Sensitivity, parameters: Sequence[FitParameter], best: Array,
     points: Sequence[tuple[float, tuple[float, ...]]],
-) -> tuple[Array, Limits]:
-    """Errors and limits with the error of the step, and with all points that cost no more than the best one
-    with other steps or in another turn.
+) -> tuple[Array, Limits]:  # fmt: skip
+    """Errors and limits that include the error of the step, and all points that cost no more than the best
+    one with other steps or turns.
     """
     alike = np.array([shares for cost, shares in points if cost <= found.cost])
-    errors, limits = told.errors.copy(), list(told.limits)
-    for k, (one, (low, high)) in enumerate(zip(sought, told.limits, strict=True)):
-        if not math.isfinite(told.errors[k]) or not len(alike):
+    errors, limits = confidence.errors.copy(), list(confidence.limits)
+    for k, (one, (low, high)) in enumerate(zip(parameters, confidence.limits, strict=True)):
+        error, middle = float(errors[k]), 0.5 * (low + high)
+        if not math.isfinite(error) or not len(alike):
             continue
-        error, middle = float(told.errors[k]), 0.5 * (low + high)
         errors[k] = math.hypot(error, one.slope(best[k]) * float(found.shift[k]))
         half = 0.5 * (high - low) * float(errors[k]) / max(error, 1e-300)
         ends = [one.value(float(end)) for end in (alike[:, k].min(), alike[:, k].max())]
@@ -208,118 +218,110 @@ def widened(
     return errors, limits
 
 
-UNSETTLED = 0.25  # of what is left, from which on turns that differ are told
-WIDER = 1.1  # times the squares of the best point with other steps, from which on that is told
-MISSED = 0.25  # of the data's deviation, from which on what is left is told: ± knows of noise alone
-
-
 @dataclass
-class Ended:
+class Search:
     """How searches ended: cost and values of each, whether derivatives were carried along, and notes."""
 
-    searches: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
+    ends: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
     tangents: bool = False
     notes: list[str] = field(default_factory=list)
 
 
 def concluded(
     name: str,
-    seen: Measured,
     units: Mapping[str, str],
-    looked: Evaluations,
-    ended: Ended,
+    evaluations: Evaluations,
+    search: Search,
     slopes: Slopes | None,
-    confidence: float,
+    level: float,
 ) -> Fit:
-    """The fit at the best point; without ``slopes`` it was broken off, and nothing is known of its errors."""
-    if looked.best is None:  # told before
+    """The fit at the best point; without ``slopes`` it was interrupted, and its errors are unknown."""
+    if evaluations.best is None or evaluations.best[2].fitted is None:  # screening raises before
         raise VfifeError("no member has a motion")
-    _, shares, best = looked.best
-    one, misfit, sought = best.fitted, looked.misfit, looked.sought
-    if one is None:
-        raise VfifeError("no member has a motion")
-    found = None if slopes is None else doubt(looked.curves, sought, misfit, shares, one, slopes.jacobian)
+    _, shares, point = evaluations.best
+    best, misfit, parameters = evaluations.best[2].fitted, evaluations.misfit, evaluations.parameters
+    found = (
+        None
+        if slopes is None
+        else sensitivity_of(evaluations.curves, parameters, misfit, shares, best, slopes.jacobian)
+    )
     nuisance = 2 * int(misfit.proportional.sum()) + (0 if misfit.offset.fixed else 1)
-    parts, jacobian = list(misfit.columns(one.residuals).T), None if slopes is None else slopes.jacobian
-    told = confident(
-        parts,
-        sought,
-        shares,
-        jacobian,
-        len(sought) + nuisance,
-        confidence,
-        1.0 if found is None else found.inflation,
+    parts, jacobian = list(misfit.columns(best.residuals).T), None if slopes is None else slopes.jacobian
+    inflation = 1.0 if found is None else found.inflation
+    confidence = confidence_of(
+        parts, parameters, shares, jacobian, len(parameters) + nuisance, level, inflation
     )
-    errors, limits = (
-        (told.errors, told.limits) if found is None else widened(told, found, sought, shares, looked.points)
-    )
+    errors, limits = confidence.errors, confidence.limits
+    if found is not None:
+        errors, limits = widened(confidence, found, parameters, shares, evaluations.points)
     values = [
         Value(
-            s.name, s.paths, s.unit, s.value(float(x)), float(e), float(low), float(high), (s.low, s.high), s.here, s.logarithmic,
-            found is None or found.known,
+            one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high), (one.low, one.high), one.initial,
+            one.logarithmic, found is None or found.trusted,
         )
-        for s, x, e, (low, high) in zip(sought, shares, errors, limits, strict=True)
+        for one, x, e, (low, high) in zip(parameters, shares, errors, limits, strict=True)
     ]  # fmt: skip
-    notes = [*ended.notes, *warnings(looked, best.unsettled, found)]
-    by = "derivatives of the steps" if ended.tangents else "differences of runs"
+    notes = [*search.notes, *cautions(evaluations, point.unsettled, found), *evaluations.reasons[:3]]
+    by = "derivatives of the steps" if search.tangents else "differences of runs"
     return Fit(
-        name, seen.name, "interrupted" if slopes is None else "complete", values, told.correlation, told.directions, where(looked, one),
-        offset_error(slopes, told, misfit, one.along), seen.over, curves_of(looked, one, units), sorted(ended.searches), looked.runs,
-        len(looked.reasons), by, told.autocorrelation, confidence, time.monotonic() - looked.began, misfit.how, [*notes, *looked.reasons[:3]],
+        name, misfit.measured.name, "interrupted" if slopes is None else "complete", values, confidence.correlation, confidence.directions,
+        best_offset(misfit, best), offset_error(slopes, confidence, misfit, best.along), misfit.measured.over,
+        best_curves(misfit, best, units), sorted(search.ends), evaluations.runs, len(evaluations.reasons), by, confidence.autocorrelation,
+        level, time.monotonic() - evaluations.began, misfit.how, notes,
     )  # fmt: skip
 
 
-def warnings(looked: Evaluations, unsettled: float, found: Doubt | None) -> Iterator[str]:
-    """What the errors do not know, or had to be widened for."""
-    if unsettled > UNSETTLED * max(looked.share, 1e-3):
-        said = (
-            "the model's turns do not repeat after those that are skipped (they differ by"
-            f" {100.0 * unsettled:.2g} % of the curves' deviations)"
+def cautions(evaluations: Evaluations, unsettled: float, found: Sensitivity | None) -> Iterator[str]:
+    """What the limits do not include, or had to be widened for."""
+    share = evaluations.share
+    if unsettled > UNSETTLED * max(share, 1e-3):
+        percent = f"{100.0 * unsettled:.2g} %"
+        text = (
+            f"the model's turns do not repeat after those that are skipped (they differ by {percent} of the"
+            " curves' deviations)"
         )
         remedy = "skip more, measure a motion that repeats, or give the offset from the start"
-        yield f"{said}: numbers that rule how it settles may be wrong; {remedy}"
-    if looked.share > MISSED:
+        yield f"{text}: numbers that rule how it settles may be wrong; {remedy}"
+    if share > UNEXPLAINED:
         causes = "much noise, another minimum, a motion that does not repeat, or a model that is wrong"
         yield (
-            f"the model misses the data by {100.0 * looked.share:.3g} % of their deviation, by {causes}: of"
-            " these the errors know only noise"
+            f"the model misses the data by {100.0 * share:.3g} % of their deviation, by {causes}: of these"
+            " the errors know only noise"
         )
-    if found is None or found.inflation < WIDER:
+    if found is None or found.inflation < INFLATED:
         return
-    ways = [(found.by_steps, "with other steps"), (found.by_turns, "from the next turn on")]
-    size, way = max(ways)
-    alike = sum(cost <= found.cost for cost, _ in looked.points)
-    what = (
+    size, cause = max((found.by_steps, "with other steps"), (found.by_turns, "from the next turn on"))
+    alike = sum(cost <= found.cost for cost, _ in evaluations.points)
+    text = (
         f"at these numbers the model's own curves differ by {100.0 * size:.2g} % of the data's deviations"
-        f" {way}"
+        f" {cause}"
     )
-    if found.known:
+    if found.trusted:
         yield (
-            f"{what}: errors and limits are widened by it, {alike} of {len(looked.points)} points fit as well"
+            f"{text}: errors and limits are widened by it, {alike} of {len(evaluations.points)} points fit as"
+            " well"
         )
     else:
         remedy = (
             "compare envelopes or spectra, measure fewer turns from a known start, or a motion that repeats"
         )
         yield (
-            f"{what}, so no confidence is known: {alike} of {len(looked.points)} points fit as well as they;"
-            f" {remedy}"
+            f"{text}, so no confidence is known: {alike} of {len(evaluations.points)} points fit as well as"
+            f" they; {remedy}"
         )
 
 
-def where(looked: Evaluations, one: Fitted) -> float:
+def best_offset(misfit: Misfit, best: Fitted) -> float:
     """The offset; of a free one within a turn."""
-    offset = looked.misfit.offset
-    span = offset.high if looked.misfit.measured.over == "time" else 2.0 * math.pi
-    return one.offset % span if offset.free else one.offset
+    span = misfit.offset.high if misfit.measured.over == "time" else 2.0 * math.pi
+    return best.offset % span if misfit.offset.free else best.offset
 
 
-def curves_of(looked: Evaluations, one: Fitted, units: Mapping[str, str]) -> list[Laid]:
-    """Measured and model's curves."""
-    misfit, found = looked.misfit, []
-    over, places = misfit.places()
+def best_curves(misfit: Misfit, best: Fitted, units: Mapping[str, str]) -> list[Laid]:
+    """Measured curves, and those of the best point."""
+    found, (over, places) = [], misfit.places()
     for k, curve in enumerate(misfit.measured.curves):
-        factor, level = (float(value) for value in one.gains[:, k])
+        factor, level = (float(value) for value in best.gains[:, k])
         unit = units.get(curve.channel, "") if not curve.proportional else "1"
         found.append(
             Laid(
@@ -328,8 +330,8 @@ def curves_of(looked: Evaluations, one: Fitted, units: Mapping[str, str]) -> lis
                 unit,
                 over,
                 places,
-                misfit.wanted[:, k],
-                one.values[:, k],
+                misfit.target[:, k],
+                best.values[:, k],
                 factor,
                 level,
             )

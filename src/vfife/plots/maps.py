@@ -101,7 +101,7 @@ def diagram(found: Bifurcation) -> Figure:
         f"{found.asked.turns - found.asked.dropped} turns at each value after {found.asked.dropped},"
         f" {found.asked.steps:,} steps a turn"
     )
-    heading(figure, f"{found.name}: {told}; {found.laws}; {found.alike}")
+    heading(figure, f"{found.name}: {told}; {found.laws}; {found.agreement}")
     return figure
 
 
@@ -162,7 +162,7 @@ def basins(found: Basins) -> Figure:
         f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped},"
         f" {asked.steps:,} steps a turn"
     )
-    heading(figure, f"{found.name}: {said}; {found.laws}; {found.alike}")
+    heading(figure, f"{found.name}: {said}; {found.laws}; {found.agreement}")
     return figure
 
 

@@ -54,7 +54,7 @@ def diagram(found: Bifurcation) -> Document:
             "A period is told within 0.1 % of the range, chaos where a small difference grows more than"
             " e-fold in each half of the turns."
         ),
-        f"Companions: {found.told or 'none.'}",
+        f"Companions: {found.step_report or 'none.'}",
     ]
     return Document([Table.of(("motion", *heads), rows), *sentences(said)], f"{found.name}: {asked.path}")
 
@@ -108,7 +108,7 @@ def basins(found: Basins) -> Document:
             f" turn; {found.laws}.{lost}"
         ),
         f"A period is told within 0.1 % of the range; periodic motions are one {same}.",
-        f"Companions: {found.told or 'none.'}",
+        f"Companions: {found.step_report or 'none.'}",
     ]
     return Document(
         [Table.of(("motion", "starts", "share"), rows), *sentences(said)],

@@ -24,7 +24,7 @@ from ..model.validation import validate
 from ..modelfile import dump
 from ..results.restart import extended, on_clock, refuse_ended
 from ..solvers.arguments import Arguments, Loop, RunArguments
-from ..solvers.companions import number, step_counts
+from ..solvers.companions import companion_count, step_counts
 from ..solvers.record import Checkpoint, Record, recorded_rows
 from ..solvers.refinement import other_meshes, refinable, refine, worth_other_meshes, worth_refining
 from ..solvers.statics import equilibrium
@@ -207,7 +207,7 @@ def prepare(
     begin = RunStart(mechanism, length, former, seen, expected_forces(ideal))
     wanted = companions_of(mechanism, asked.companions)
     assembly = begin.first(asked.step, asked.loop, wanted)
-    companions = number(assembly, choose_loop(assembly, asked.loop), wanted)
+    companions = companion_count(assembly, choose_loop(assembly, asked.loop), wanted)
     refined = repeated(assembly, wanted, asked.loop)
     if job is not None:
         forecast(job, assembly, None if ideal is None else ideal.record.assembly, refined, companions)

@@ -28,7 +28,7 @@ from ..results.restart import (
 )
 from ..results.view import View
 from ..solvers.arguments import Loop
-from ..solvers.companions import number
+from ..solvers.companions import companion_count
 from ..solvers.record import Record
 from ..solvers.status import Status
 from ..solvers.transient import choose_loop, run
@@ -197,7 +197,7 @@ class RunStart:
         if (
             begin != CONTACT_STEPS
             and assembly.choice.automatic
-            and not number(assembly, choose_loop(assembly, loop), companions)
+            and not companion_count(assembly, choose_loop(assembly, loop), companions)
         ):
             return self.assemble(step)
         return assembly

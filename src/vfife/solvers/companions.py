@@ -1,12 +1,16 @@
-"""Companion runs: the same run at other step sizes in the lanes beside it, how they meet at every output, and
-what they leave.
+"""Companion runs: the same run at other step sizes in neighbouring lanes, how they meet at every output, and
+what is kept of them.
+
+A step that has contact is bound by divisions, and a vector register divides two numbers in the time of four.
+So three repetitions of a run in the other lanes of its register cost little. They have 1.4 to 2 times its
+step: what its measures owe to the step shows in their differences.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -33,7 +37,7 @@ class Stepper(Protocol):
 
     @property
     def states(self) -> Array:
-        """Present states, shape (rows, lanes); what is written into it is gone on with."""
+        """Present states, shape (rows, lanes); the next steps start from what is written into it."""
 
     def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
         """``outputs`` times ``count`` steps of the run; the rows recorded after each, shape (outputs, kept,
@@ -42,20 +46,28 @@ class Stepper(Protocol):
 
 
 def step_sizes(assembly: Assembly, counts: Counts) -> Array:
-    """Step (s) of lanes that make so many steps between two outputs; that of the run itself to the bit."""
+    """Steps (s) of lanes that make ``counts`` steps between two outputs; that of the run itself to the bit."""
     choice = assembly.choice
     return np.where(counts == choice.outputs_every, choice.step, choice.step * choice.outputs_every / counts)
 
 
 def initial_states(assembly: Assembly, counts: Counts) -> Array:
-    """States at the start, which differ in their steps only, shape (rows, lanes)."""
+    """States at the start, shape (rows, lanes), which differ in their steps only."""
     states = np.repeat(assembly.state[:, None], len(counts), axis=1)
     states[assembly.layout["step"]] = step_sizes(assembly, counts)
     return states
 
 
 class SynchronisedLanes:
-    """Steps a run and its companions in the lanes of one vector register."""
+    """Steps a run and its companions in the lanes of one vector register, so that all of them meet at each
+    output of the run.
+
+    ``counts`` are the steps of each lane between two outputs, the run itself first. All lanes of a register
+    step at once. A stream (:class:`~vfife.compiler.runtime.runner.Stream`) lets each lane hand out its
+    outputs after its own number of steps; lanes with fewer steps would wait in between, and let their places
+    repeat another lane instead. The run has the bits that it has alone, because its lane never waits inside a
+    call.
+    """
 
     def __init__(self, assembly: Assembly, counts: Counts, kept: Integers, room: int) -> None:
         self.counts, self.kept, self.room, self.done = counts, kept, room, 0
@@ -74,13 +86,13 @@ class SynchronisedLanes:
         self.states = initial_states(assembly, counts)
         self.broken = np.zeros(
             1
-            # steps of the run after which its numbers were seen to have left all bounds; companions may leave
-            # them
-        )
+        )  # steps after which the run was seen to have left all bounds; companions may leave them
         self.stream: Stream | None = None
 
     def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
-        """Goes on by ``outputs`` whole intervals of ``count`` steps, or by ``count`` steps within one."""
+        """Make ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
+        interval.
+        """
         if self.done == 0:
             return self._begin()
         inside = (self.done - 1) % int(self.counts[0])
@@ -95,7 +107,9 @@ class SynchronisedLanes:
         return np.array(self.states[self.kept][None]) + 0.0 if record else np.zeros((1, 0, len(self.counts)))
 
     def steps_inside(self, inside: int) -> Counts:
-        """Steps that each lane has made since the last output, when the run has made ``inside`` of them."""
+        """Steps of each lane since the last output, when the run has made ``inside`` of its own: in
+        proportion, rounded down.
+        """
         found: Counts = inside * self.counts // self.counts[0]
         return found
 
@@ -110,11 +124,11 @@ class SynchronisedLanes:
         return rows
 
     def _filled(self, states: Array) -> Array:
-        """States of the lanes, and that of the run in places that are left of the vector."""
+        """States of the lanes, with that of the run in the places of the vector that are left over."""
         return states[:, [lane if lane < len(self.counts) else 0 for lane in range(self.lanes)]]
 
     def _intervals(self, outputs: int) -> Array:
-        """So many whole intervals, in which each lane hands out its own outputs."""
+        """Make whole intervals, in which each lane hands out its own outputs."""
         before = (self.done - 1) // int(self.counts[0]) - outputs
         stream = self._loaded(before * self.counts)
         own = len(self.counts)
@@ -132,7 +146,7 @@ class SynchronisedLanes:
                 - stream.done
             )
             self._watch(stream, waiting)
-            self._set_aside(stream, {lane for lane in waiting if stream.at[lane] >= outputs}, waiting)
+            self._finish(stream, {lane for lane in waiting if stream.at[lane] >= outputs}, waiting)
         rows = np.ascontiguousarray(stream.out[:own, :outputs].transpose(1, 2, 0)) + 0.0
         self.states[self.extremes] = rows[-1][
             self.columns
@@ -140,15 +154,17 @@ class SynchronisedLanes:
         return rows
 
     def _piece(self, made: Counts, missing: Counts) -> None:
-        """So many steps of each lane, which has ``made`` so many after its start, without any output."""
+        """Make the ``missing`` steps of each lane, which has ``made`` so many since its start, without any
+        output.
+        """
         stream = self._loaded(made)
         end = stream.done + missing
         waiting = set(np.flatnonzero(missing).tolist())
-        self._rest(stream, waiting)
+        self._repeat(stream, waiting)
         while waiting:
             stream.advance(int(min(end[lane] for lane in waiting)) - stream.done)
             self._watch(stream, waiting)
-            self._set_aside(stream, {lane for lane in waiting if stream.done >= end[lane]}, waiting)
+            self._finish(stream, {lane for lane in waiting if stream.done >= end[lane]}, waiting)
 
     def _loaded(self, made: Counts) -> Stream:
         """The stream with the states of all lanes, each after so many steps of its own."""
@@ -181,25 +197,25 @@ class SynchronisedLanes:
         return stream
 
     def _watch(self, stream: Stream, waiting: set[int]) -> None:
-        """Notes after how many of its steps the run has broken; its companions go on up to the end of the
+        """Note after how many steps the run has left all bounds; its companions go on up to the end of the
         call.
         """
         if 0 in waiting and stream.broken[0] > 0.0:
             self.broken[0] = stream.broken[0]
-            self._set_aside(stream, {0}, waiting)
+            self._finish(stream, {0}, waiting)
 
-    def _set_aside(self, stream: Stream, some: set[int], waiting: set[int]) -> None:
-        """Keeps the states of lanes that have come to the end of a call, and lets their places repeat another
-        lane.
+    def _finish(self, stream: Stream, lanes: set[int], waiting: set[int]) -> None:
+        """Keep the states of ``lanes`` that have come to the end of a call, and let their places repeat
+        another lane.
         """
-        for lane in some & waiting:
+        for lane in lanes & waiting:
             self.states[:, lane] = stream.state(lane)
             self.states[self.layout["shift"], lane] = 0.0
             waiting.discard(lane)
-        self._rest(stream, waiting)
+        self._repeat(stream, waiting)
 
-    def _rest(self, stream: Stream, waiting: set[int]) -> None:
-        """Has lanes for which nothing is left to do repeat one that is under way."""
+    def _repeat(self, stream: Stream, waiting: set[int]) -> None:
+        """Let lanes that have nothing left to do repeat one that has."""
         for lane in set(range(self.lanes)) - waiting if waiting else ():
             stream.repeat(lane, min(waiting))
             stream.due[lane], stream.broken[lane] = NEVER, -1.0
@@ -222,7 +238,9 @@ class SeparateLanes:
         self.broken = self.runners[0].broken
 
     def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
-        """Goes on by ``outputs`` whole intervals of ``count`` steps, or by ``count`` steps within one."""
+        """Make ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
+        interval.
+        """
         begins = self.done == 0
         output, inside = divmod(max(self.done - 1, 0), int(self.counts[0]))
         made, until = (n * self.counts // self.counts[0] for n in (inside, inside + count))
@@ -239,8 +257,8 @@ class SeparateLanes:
 
 @dataclass
 class TurnRows:
-    """Gathers outputs, so many in a turn, into rows of whole turns, shape (rows, lanes) each; ``extreme``
-    says which rows are extremes.
+    """Reduces outputs, so many in a turn, to one row a turn, shape (rows, lanes): the largest of ``extreme``
+    rows, the last of the others.
     """
 
     outputs: int
@@ -250,8 +268,8 @@ class TurnRows:
     largest: Array | None = None
 
     def take(self, rows: Array) -> int:
-        """Outputs after that of step 0, shape (outputs, rows, lanes), in pieces of any size; how many turns
-        they end.
+        """Take outputs after that of step 0, shape (outputs, rows, lanes), in pieces of any size; return how
+        many turns they end.
         """
         before = len(self.turns)
         while len(rows):
@@ -265,14 +283,14 @@ class TurnRows:
         return len(self.turns) - before
 
     @property
-    def remembered(self) -> list[Any]:
-        """What a checkpoint keeps of the turn under way, for JSON."""
+    def checkpoint(self) -> list[Any]:
+        """State of the turn under way, for JSON."""
         return [self.inside, [] if self.largest is None else self.largest.tolist()]
 
-    def restore(self, remembered: list[Any], turns: list[Array]) -> None:
-        """Takes up what a checkpoint remembers, and the turns before it."""
-        self.inside, self.turns = int(remembered[0]), turns
-        self.largest = np.array(remembered[1], dtype=float) if self.inside else None
+    def restore(self, checkpoint: list[Any], turns: list[Array]) -> None:
+        """Go on from a checkpoint, and the turns before it."""
+        self.inside, self.turns = int(checkpoint[0]), turns
+        self.largest = np.array(checkpoint[1], dtype=float) if self.inside else None
 
     def array(self, lanes: int, last: int | None = None) -> Array:
         """The turns, shape (turns, rows, lanes); up to the one that ends with the output ``last``, where it
@@ -296,13 +314,13 @@ SAMPLED = (
 )  # fmt: skip
 
 
-DRIVING = ("driven_work", "driven_power", "particle_theta")  # what means of powers and torques take beside it
+DRIVING = ("driven_work", "driven_power", "particle_theta")  # needed for means of powers and torques
 
 
 @dataclass(frozen=True)
 class Parting:
-    """Where the companions part: the time (s) and the joint whose force first differs by more than SENSITIVE
-    of its largest so far.
+    """Time (s) at which companions part, and the joint whose force first differs by more than SENSITIVE of
+    its largest so far.
     """
 
     time: float
@@ -311,14 +329,13 @@ class Parting:
 
 @dataclass
 class Companions:
-    """What companions leave: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last
+    """Records of companions: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last
     turn and the output before it.
 
-    ``turns`` has one row for each whole turn, shape (turns, kept, companions): the largest of extremes, the
-    last of all else; without any where turns cannot be told. ``counts`` are the steps that each makes between
-    two outputs; those of a version that displaced its companions have the step of the run. ``lost`` are those
-    whose numbers are no longer finite. ``earlier`` are ranges, low and high by measure, of a try with twice
-    the step that was given up.
+    ``turns`` has a row for each whole turn, shape (turns, kept, companions), as :class:`TurnRows` makes it,
+    none if a turn is no whole number of outputs. ``counts`` are the steps of each between two outputs;
+    companions of a version that displaced them have the step of the run. ``lost`` are those whose numbers are
+    no longer finite. ``earlier``: ranges, low and high by measure, of an abandoned run with twice the step.
     """
 
     counts: Counts
@@ -331,23 +348,25 @@ class Companions:
     turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
 
     @property
-    def told(self) -> dict[str, Any]:
-        """What is known beside the rows, for JSON."""
-        return {
-            "parting": None if self.parting is None else [self.parting.time, self.parting.joint],
-            "lost": list(self.lost),
-        }
+    def findings(self) -> dict[str, Any]:
+        """Parting and lost companions, for JSON."""
+        return findings(self.parting, self.lost)
 
 
-def number(assembly: Assembly, loop: str, wanted: int | str) -> int:
-    """Companions of a run: as many as are wanted; "auto" is three in straight-line code wherever there is
-    contact, on every machine.
+def findings(parting: Parting | None, lost: Iterable[int]) -> dict[str, Any]:
+    """Parting and lost companions, for JSON."""
+    return {"parting": None if parting is None else [parting.time, parting.joint], "lost": sorted(lost)}
+
+
+def companion_count(assembly: Assembly, loop: str, setting: int | str) -> int:
+    """Number of companions of a run; "auto" is three in straight-line code wherever there is contact, on
+    every machine.
     """
     if assembly.mechanism.settings.analysis == "static" or not assembly.contacts:
         return 0
-    if wanted == "auto":
+    if setting == "auto":
         return DEFAULT if loop == "generated" else 0
-    return int(wanted)
+    return int(setting)
 
 
 def step_counts(choice: StepChoice, companions: int) -> Counts:
@@ -383,14 +402,16 @@ def step_counts(choice: StepChoice, companions: int) -> Counts:
 
 
 def measured_rows(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S that measures and figures are made of."""
+    """Rows of S from which measures and figures are computed."""
     layout = assembly.layout
     sampled = [row for name in SAMPLED for row in layout.rows_of(name).tolist()]
     return np.array([*layout.of("extreme"), *sampled], dtype=np.uint32)
 
 
 def companion_rows(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S that are kept of companions."""
+    """Rows of S that are kept of companions: those of measures, and what means of powers and torques need
+    besides.
+    """
     driving = [row for name in DRIVING for row in assembly.layout.rows_of(name).tolist()]
     return np.unique(np.concatenate([measured_rows(assembly), np.array(driving, dtype=np.uint32)])).astype(
         np.uint32
@@ -398,22 +419,27 @@ def companion_rows(assembly: Assembly) -> NDArray[np.uint32]:
 
 
 @dataclass(frozen=True)
-class Beside:
-    """What belongs to the last of some outputs: rows of the companions, what is told of them, and the oldest
-    step that is still needed; rows of whole turns that end with them.
+class CompanionOutputs:
+    """What a file keeps with the last of some outputs: rows of the companions, findings for JSON, and the
+    oldest step that is still needed.
+
+    ``turns``: rows of the turns that end with these outputs, of which the ``first`` has this number;
+    ``steps`` of a turn.
     """
 
     rows: Array
-    told: dict[str, Any]
+    findings: dict[str, Any]
     oldest: int
-    turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))  # rows of turns that end here
-    first: int = 1  # the number of the first of them
-    steps: int = 0  # of a turn
+    turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    first: int = 1
+    steps: int = 0
 
 
 @dataclass
-class Gathering:
-    """Takes the rows of all lanes as they come, and keeps of the companions what belongs to the last turn."""
+class CompanionRecorder:
+    """Takes the rows of all lanes as they come, and keeps of the companions those of the last turn, and a row
+    of each turn.
+    """
 
     assembly: Assembly
     recorded: NDArray[np.uint32]
@@ -424,96 +450,80 @@ class Gathering:
     def __post_init__(self) -> None:
         self.kept = companion_rows(self.assembly)
         self.columns = places(self.recorded, self.kept)
-        self.watch = Watch(self.assembly, self.recorded)
+        self.watch = PartingWatch(self.assembly, self.recorded)
         self.parts: deque[tuple[NDArray[np.int64], Array]] = deque()
-        self.turnly = turn_rows(self.assembly, self.kept)
+        self.turn_rows = turn_rows_of(self.assembly, self.kept)
 
-    def take(self, steps: NDArray[np.int64], rows: Array) -> Beside:
-        """Outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
+    def take(self, steps: NDArray[np.int64], rows: Array) -> CompanionOutputs:
+        """Take outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
         count = len(self.counts)
         part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
         self.lost |= set(
             np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist()
         )  # what is not finite stays so
         if self.parting is None:
-            self.parting = self.watch.look(steps, rows[..., : count + 1])
+            self.parting = self.watch.parting(steps, rows[..., : count + 1])
         self.parts.append((steps, part))
-        oldest = self.oldest(int(steps[-1])) if len(steps) else 0
+        oldest = oldest_needed(self.assembly, int(steps[-1])) if len(steps) else 0
         while len(self.parts) > 1 and len(self.parts[0][0]) and self.parts[0][0][-1] < oldest:
             self.parts.popleft()
-        told = Companions(self.counts, self.kept, steps, part, self.parting, tuple(sorted(self.lost))).told
-        if self.turnly is None:
-            return Beside(part, told, oldest)
-        ended = self.turnly.take(part[1:] if len(steps) and steps[0] == 0 else part)
-        first = len(self.turnly.turns) - ended
-        turns = np.array(self.turnly.turns[first:]).reshape(ended, len(self.kept), count)
-        return Beside(
-            part, told, oldest, turns, first + 1, self.turnly.outputs * self.assembly.choice.outputs_every
+        found = findings(self.parting, self.lost)
+        if self.turn_rows is None:
+            return CompanionOutputs(part, found, oldest)
+        ended = self.turn_rows.take(part[1:] if len(steps) and steps[0] == 0 else part)
+        first = len(self.turn_rows.turns) - ended
+        turns = np.array(self.turn_rows.turns[first:]).reshape(ended, len(self.kept), count)
+        return CompanionOutputs(
+            part, found, oldest, turns, first + 1, self.turn_rows.outputs * self.assembly.choice.outputs_every
         )
 
     @property
-    def remembered(self) -> dict[str, Any]:
-        """What a checkpoint keeps of this, beside the rows that a file has."""
-        watch = self.watch
-        told = Companions(
-            self.counts, self.kept, watch.steps, np.zeros(0), self.parting, tuple(sorted(self.lost))
-        ).told
-        told |= {"turn": None if self.turnly is None else self.turnly.remembered}
-        if watch.forces is None or watch.largest is None:
-            return {**told, "watch": None}
-        return {**told, "watch": [watch.steps.tolist(), watch.forces.tolist(), watch.largest.tolist()]}
+    def checkpoint(self) -> dict[str, Any]:
+        """State of this, besides the rows that a file has, for JSON."""
+        turn = None if self.turn_rows is None else self.turn_rows.checkpoint
+        return findings(self.parting, self.lost) | {"turn": turn, "watch": self.watch.checkpoint}
 
     def restore(
         self,
-        remembered: Mapping[str, Any],
-        kept: tuple[dict[str, Any], NDArray[np.int64], Array] | None,
+        checkpoint: Mapping[str, Any],
+        last: tuple[dict[str, Any], NDArray[np.int64], Array] | None,
         turns: Array,
     ) -> None:
-        """Takes up what a checkpoint remembers, and rows that a file has, shapes (outputs, kept times
-        companions) and (turns, the same).
+        """Go on from a checkpoint, and the rows of a file: of the last turn, with their steps, and of whole
+        turns, companions side by side.
         """
-        parting = remembered["parting"]
+        parting, shape = checkpoint["parting"], (len(self.kept), len(self.counts))
         self.parting, self.lost = (
             None if parting is None else Parting(float(parting[0]), str(parting[1])),
-            set(remembered["lost"]),
+            set(checkpoint["lost"]),
         )
-        if remembered["watch"] is not None and remembered["watch"][0]:
-            steps, forces, largest = remembered["watch"]
-            count = len(self.counts) + 1
-            self.watch.steps = np.array(steps, dtype=np.int64)
-            self.watch.forces = np.array(forces, dtype=float).reshape(count, len(steps), -1)
-            self.watch.largest = np.array(largest, dtype=float)
-        if kept is not None:
-            _, steps, rows = kept
-            self.parts = deque([(steps, rows.reshape(len(rows), len(self.kept), len(self.counts)))])
-        if self.turnly is not None:
-            if remembered.get("turn") is None:  # of a version that kept none
-                self.turnly = None
-            else:
-                self.turnly.restore(
-                    remembered["turn"], list(turns.reshape(len(turns), len(self.kept), len(self.counts)))
-                )
+        self.watch.restore(checkpoint["watch"], len(self.counts) + 1)
+        if last is not None:
+            _, steps, rows = last
+            self.parts = deque([(steps, rows.reshape(len(rows), *shape))])
+        if checkpoint.get("turn") is None:  # of a version that kept none
+            self.turn_rows = None
+        elif self.turn_rows is not None:
+            self.turn_rows.restore(checkpoint["turn"], list(turns.reshape(len(turns), *shape)))
 
-    def oldest(self, last: int) -> int:
-        """The output before the turn that ends with a step."""
-        return oldest_needed(self.assembly, last)
-
-    def left(self, last: int) -> Companions:
-        """What they leave at the end of a run, whose last output is that of a step."""
+    def companions(self, last: int) -> Companions:
+        """The companions at the end of a run, whose last output is that of a step."""
         steps = np.concatenate([steps for steps, _ in self.parts])
         rows = np.concatenate([rows for _, rows in self.parts])
-        window = (steps >= self.oldest(last)) & (steps <= last)
+        window = (steps >= oldest_needed(self.assembly, last)) & (steps <= last)
         found = Companions(
             self.counts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost))
         )
-        if self.turnly is not None:
-            found.turns = self.turnly.array(len(self.counts), last // self.assembly.choice.outputs_every)
+        if self.turn_rows is not None:
+            found.turns = self.turn_rows.array(len(self.counts), last // self.assembly.choice.outputs_every)
         return found
 
 
-class Watch:
-    """Finds where lanes part: forces of contacts differ by more than SENSITIVE of the largest so far, and not
-    only because a peak fell into the output interval beside.
+class PartingWatch:
+    """Finds where lanes part: forces of contacts differ by more than SENSITIVE of the largest so far.
+
+    A peak that falls into the next or the previous output of another lane is no difference. So a force is
+    compared with the largest of three outputs, and the last output waits for the next one.
     """
 
     def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32]) -> None:
@@ -523,14 +533,26 @@ class Watch:
         self.forces: Array | None = None
         self.largest: Array | None = None
 
-    def look(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
-        """The first parting in these outputs, shape (outputs, recorded, lanes); the last output waits for the
-        next ones.
-        """
-        with np.errstate(invalid="ignore"):
-            return self._look(steps, rows)
+    @property
+    def checkpoint(self) -> list[Any] | None:
+        """State for JSON; None before the first output."""
+        if self.forces is None or self.largest is None:
+            return None
+        return [self.steps.tolist(), self.forces.tolist(), self.largest.tolist()]
 
-    def _look(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
+    def restore(self, checkpoint: list[Any] | None, lanes: int) -> None:
+        """Go on from a checkpoint."""
+        if checkpoint is not None and checkpoint[0]:
+            steps, forces, largest = checkpoint
+            self.steps, self.largest = np.array(steps, dtype=np.int64), np.array(largest, dtype=float)
+            self.forces = np.array(forces, dtype=float).reshape(lanes, len(steps), -1)
+
+    def parting(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
+        """The first parting in these outputs, shape (outputs, recorded, lanes)."""
+        with np.errstate(invalid="ignore"):
+            return self._parting(steps, rows)
+
+    def _parting(self, steps: NDArray[np.int64], rows: Array) -> Parting | None:
         force = np.ascontiguousarray(
             np.sqrt(rows.take(self.columns, axis=1)).transpose(2, 0, 1)
         )  # lanes, outputs, contacts
@@ -555,8 +577,8 @@ class Watch:
         )
 
 
-def turn_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> TurnRows | None:
-    """What gathers these rows of S into one a turn; None where a turn holds no whole number of outputs."""
+def turn_rows_of(assembly: Assembly, kept: NDArray[np.uint32]) -> TurnRows | None:
+    """Reduces these rows of S to one a turn; None if a turn is no whole number of outputs."""
     outputs, extreme = outputs_of_a_turn(assembly), set(assembly.layout.of("extreme"))
     return None if outputs is None else TurnRows(outputs, np.array([int(row) in extreme for row in kept]))
 

@@ -2,8 +2,8 @@
 variants of one model.
 
 Mechanisms of one topology share lanes; each lane has its own parameters and its own step. Memory does not
-grow with the length of the runs. What a member gives depends neither on those beside it nor on the loop, to
-the bit.
+grow with the length of the runs. The results of a mechanism depend neither on those in the other lanes nor on
+the loop, to the bit.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from .arguments import Arguments, Loop
 from .record import Columns, Record
 from .repeating import compared_rows, distance, whole_outputs
 from .status import Status
-from .streaming import Lane, stepped
+from .streaming import Lane, Processor, stepped
 
 Array = NDArray[np.float64]
 
@@ -59,55 +60,43 @@ class Member:
 
 
 def ensemble(
-    mechanisms: Sequence[Mechanism],
-    *,
-    step: float | str | Sequence[float | str],
-    turns: int,
-    outputs: int = 720,
-    tolerance: float | None = None,
-    loop: Loop = "auto",
-    lanes: int | None = None,
-    workers: int | None = None,
-    device: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> list[Member]:
-    """Simulates driven mechanisms, each until its turns repeat within ``tolerance`` or for ``turns`` turns
-    (all of them without a tolerance).
+    mechanisms: Sequence[Mechanism], *, step: float | str | Sequence[float | str], turns: int, outputs: int = 720,
+    tolerance: float | None = None, loop: Loop = "auto", progress: Callable[[int, int], None] | None = None, **processor: Unpack[Processor],
+) -> list[Member]:  # fmt: skip
+    """Simulate driven mechanisms, each until its turns repeat within ``tolerance``, or for ``turns`` turns.
 
     ``step`` (s, or a text with a unit), one for all or one each, is shortened so that a turn of the crank
     holds a whole number of steps for each of ``outputs``. ``lanes``: simulations side by side in a vector
-    register, as many as this machine's hold if not given. ``workers``: threads, as many as there are cores if
-    not given. ``device``: "cuda" steps them on an NVIDIA card, thousands side by side; we have not tried it
-    on one. ``progress`` is told how many members of how many are done. Raises ModelError with all faults of
-    the arguments or of a mechanism, VfifeError for one without a driver, DeviceError for a card that cannot
-    be used, and what :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a second.
+    register, as many as this machine's hold if not given. ``workers``: threads, one a core if not given.
+    ``device``: "cuda" steps them on an NVIDIA card, thousands side by side. ``progress(done, total)`` is
+    called after each. Raises ModelError with all faults of the arguments or of a mechanism, VfifeError for
+    one without a driver, DeviceError for a card that cannot be used, and what
+    :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a second.
     """
     given = Arguments("ensemble")
     mechanisms = given.mechanisms(mechanisms)
     steps, loop = given.each("step", step, len(mechanisms)), given.loop(loop)
-    counts = {"turns": turns, "outputs": outputs, "lanes": lanes, "workers": workers}
-    for name, value in counts.items():
-        given.count(name, value, optional=name in ("lanes", "workers"))
+    for name, value in {
+        "turns": turns,
+        "outputs": outputs,
+        "lanes": None,
+        "workers": None,
+        **processor,
+    }.items():
+        if name != "device":
+            given.count(name, value, optional=name in ("lanes", "workers"))
     given.quantity("tolerance", tolerance, "1", zero=True)
-    given.device(device)
+    given.device(device := processor.get("device"))
     given.callable("progress", progress)
     given.check()
     if device == "cuda":
-        card()  # what is missing is told before anything is assembled
+        card()  # raises what is missing before anything is assembled
     for mechanism in mechanisms:
         validate(mechanism)
     assemblies = [
         placed(mechanism, size, turns, outputs) for mechanism, size in zip(mechanisms, steps, strict=True)
     ]
-    return advance(
-        assemblies,
-        tolerance=tolerance,
-        loop=loop,
-        lanes=lanes,
-        workers=workers,
-        device=device,
-        progress=progress,
-    )
+    return advance(assemblies, tolerance=tolerance, loop=loop, progress=progress, **processor)
 
 
 def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assembly:
@@ -125,26 +114,20 @@ def placed(mechanism: Mechanism, step: float, turns: int, outputs: int) -> Assem
 
 
 def advance(
-    assemblies: Sequence[Assembly],
-    *,
-    tolerance: float | None = None,
-    loop: Loop = "auto",
-    lanes: int | None = None,
-    workers: int | None = None,
-    device: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> list[Member]:
+    assemblies: Sequence[Assembly], *, tolerance: float | None = None, loop: Loop = "auto",
+    progress: Callable[[int, int], None] | None = None, **processor: Unpack[Processor],
+) -> list[Member]:  # fmt: skip
     """As :func:`ensemble`, for mechanisms that are assembled already."""
     found: dict[int, Member] = {}
-    every = (_Member(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
-    for lane in stepped(every, len(assemblies), lanes=lanes, workers=workers, device=device):
+    every = (MemberLane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
+    for lane in stepped(every, len(assemblies), **processor):
         found[lane.number] = lane.member()
         if progress is not None:
             progress(len(found), len(assemblies))
     return [found[k] for k in range(len(assemblies))]
 
 
-class _Member(Lane):
+class MemberLane(Lane):
     """A member in a lane."""
 
     def __init__(self, number: int, assembly: Assembly, tolerance: float | None, loop: str) -> None:
@@ -306,7 +289,7 @@ def measures_of(
     within a second.
     """
     columns: dict[int, Columns] = {}
-    lanes = [_Variant(k, *one, columns, whole) for k, one in enumerate(variants)]
+    lanes = [VariantLane(k, *one, columns, whole) for k, one in enumerate(variants)]
     for lane in stepped(lanes, len(lanes)) if lanes else ():
         lane.parts.clear()
     return [lane.values for lane in lanes]
@@ -323,7 +306,7 @@ def merged_outputs(assembly: Assembly) -> int:
     return 1 if turn is None else math.gcd(turn, choice.outputs)
 
 
-class _Variant(Lane):
+class VariantLane(Lane):
     """A variant in a lane."""
 
     values: Mapping[str, float] | None = None

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..kernels.topology import LINE, SLOT
 from ..numerics.elementwise import atan2, sincos
-from .interrupts import Workers
+from .interrupts import Workers, one_behind
 from .lyapunov import ALIGNED, LyapunovRunner
 from .tangents import Neighbours
 from .turn_runner import TurnRunner
@@ -116,6 +116,14 @@ class Piece:
     state: Array
 
 
+class Turns(NamedTuple):
+    """Rows and growth of some turns, and the state after them."""
+
+    rows: Array
+    growth: Array
+    state: Array
+
+
 class Sectioning:
     """A motion of so many ``turns``, the first of them ``dropped``, looked at at a ``phase`` (1) of the turn,
     and at impacts of some ``contacts``.
@@ -138,46 +146,49 @@ class Sectioning:
         self.cuts = [(k, min(k + TURNS, last)) for first, last in spans for k in range(first, last, TURNS)]
         self.motion, self.difference = TurnRunner([assembly], phase), LyapunovRunner([assembly], [near])
         self.kept = self.motion.kept
-        self.strikes = ImpactSection.of(assembly, contacts) if contacts else None
+        self.impacts = ImpactSection.of(assembly, contacts) if contacts else None
 
     def pieces(self, resume: tuple[int, Array] | None = None) -> Iterator[Piece]:
         """The pieces, from that after ``resume`` on, the number and state of one before. A second thread
         looks for impacts.
         """
-        motion = self.motion
         with Workers(1) as workers:
-            motion.pace.look = self.difference.pace.look = workers.halt.look
-            if resume is None:
-                motion.begin()
-            state = motion.states[:, 0].copy() if resume is None else resume[1]
-            waiting: tuple[int, Array, Array, Array, Future[Array] | None] | None = None
-            for number in range(0 if resume is None else resume[0] + 1, len(self.cuts)):
-                first, last = self.cuts[number]
-                job, done = None, motion.begins + first * motion.turn
-                if self.strikes is not None and first >= self.dropped:
-                    own = state[: self.assembly.layout.rows].copy()
-                    job = workers.submit(
-                        self.strikes.over, own, done, (last - first) * motion.turn, workers.look
-                    )
-                rows, growth, state = self._turns(first, last, state, done)
-                if waiting is not None:
-                    yield _piece(*waiting)
-                waiting = number, rows, growth, state, job
-            if waiting is not None:
-                yield _piece(*waiting)
+            self.motion.pace.look = self.difference.pace.look = workers.halt.look
+            for number, part, onsets in one_behind(self._turns_of_pieces(workers, resume)):
+                yield Piece(
+                    number,
+                    part.rows,
+                    part.growth,
+                    np.zeros((0, len(COLUMNS))) if onsets is None else onsets.result(),
+                    part.state,
+                )
 
-    def _turns(self, first: int, last: int, state: Array, done: int) -> tuple[Array, Array, Array]:
-        """Rows and growth of turns, where they are looked at, and the state after them."""
+    def _turns_of_pieces(
+        self, workers: Workers, resume: tuple[int, Array] | None
+    ) -> Iterator[tuple[int, Turns, Future[Array] | None]]:
+        motion = self.motion
+        if resume is None:
+            motion.begin()
+        number, state = (-1, motion.states[:, 0].copy()) if resume is None else resume
+        for first, last in self.cuts[number + 1 :]:
+            number, done, onsets = number + 1, motion.begins + first * motion.turn, None
+            if self.impacts is not None and first >= self.dropped:
+                own = state[: self.assembly.layout.rows].copy()
+                onsets = workers.submit(
+                    self.impacts.over, own, done, (last - first) * motion.turn, workers.look
+                )
+            part = self._turns(first, last, state, done)
+            state = part.state
+            yield number, part, onsets
+
+    def _turns(self, first: int, last: int, state: Array, done: int) -> Turns:
+        """Some turns from a state, without rows and growth where they are dropped."""
         nothing = np.zeros((0, len(self.kept))), np.zeros(0)
         if last <= self.before:
             self.motion.restore(state, done)
             self.motion.skip(last - first)
-            return *nothing, self.motion.states[:, 0].copy()
+            return Turns(*nothing, self.motion.states[:, 0].copy())
         self.difference.begin([self.assembly], state[:, None], done)
         rows, growth = self.difference.turns([self.assembly], last - first)
-        after = self.difference.states[:, 0].copy()
-        return (rows[:, :, 0], growth[:, 0], after) if first >= self.dropped else (*nothing, after)
-
-
-def _piece(number: int, rows: Array, growth: Array, state: Array, job: Future[Array] | None) -> Piece:
-    return Piece(number, rows, growth, np.zeros((0, len(COLUMNS))) if job is None else job.result(), state)
+        found = (rows[:, :, 0], growth[:, 0]) if first >= self.dropped else nothing
+        return Turns(*found, self.difference.states[:, 0].copy())

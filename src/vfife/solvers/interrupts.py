@@ -66,6 +66,17 @@ PATIENCE = 0.1  # s between two looks at signals
 Result = TypeVar("Result")
 
 
+def one_behind(items: Iterable[Result]) -> Iterator[Result]:
+    """Yield each item when the next one has been made, so that work of another thread on it goes on
+    meanwhile.
+    """
+    last: list[Result] = []
+    for item in items:
+        yield from last
+        last = [item]
+    yield from last
+
+
 class Workers:
     """Threads, one a core unless given, that end within a call of the loop when whoever waits for them is
     interrupted.
@@ -130,13 +141,15 @@ class ChunkSize:
         """One call of the loop, timed; see :meth:`~vfife.compiler.runtime.runner.Runner.advance`."""
         began = time.perf_counter()
         rows = runner.advance(count, outputs, anew=anew, record=record)
-        spent = time.perf_counter() - began
-        self.seconds += spent
-        steps = count * outputs
-        self.room = max(1, min(GROWTH * max(steps, FIRST), int(steps * SECONDS / max(spent, 1e-6))))
+        self.learn(count * outputs, time.perf_counter() - began)
         if self.look is not None:
             self.look()
         return rows
+
+    def learn(self, steps: int, spent: float) -> None:
+        """Take the time (s) of so many steps into account."""
+        self.seconds += spent
+        self.room = max(1, min(GROWTH * max(steps, FIRST), int(steps * SECONDS / max(spent, 1e-6))))
 
     def advance(self, runner: Stepper, count: int, outputs: int) -> NDArray[np.float64]:
         """``outputs`` times ``count`` steps, in as many calls as it takes; the same rows as in one."""

@@ -15,7 +15,7 @@ from ..kernels.blocks import BLOCKS
 from .status import Status
 
 if TYPE_CHECKING:
-    from .companions import Beside, Companions
+    from .companions import CompanionOutputs, Companions
 
 Rows: TypeAlias = NDArray[np.float64]
 
@@ -48,18 +48,18 @@ class Writer(Protocol):
         self,
         steps: NDArray[np.int64],
         rows: Rows,
-        beside: Beside | None = None,
+        companions: CompanionOutputs | None = None,
         checkpoint: Checkpoint | None = None,
     ) -> None:
-        """Keeps outputs, with what companions leave beside the last of them and the state at their end; those
-        from step 0 on begin anew.
+        """Keep outputs, with those of companions and the state at their end; outputs from step 0 on replace
+        all former ones.
         """
 
     def companions(self) -> tuple[dict[str, Any], NDArray[np.int64], Rows] | None:
-        """What is told of the companions, their steps and rows, as far as they are still needed."""
+        """Findings about the companions, their steps and rows, as far as they are still needed."""
 
     def turns(self) -> Rows:
-        """What companions leave of each whole turn, shape (turns, kept, companions)."""
+        """Rows of companions of each whole turn, shape (turns, kept, companions)."""
 
     def event(self, step: int, text: str) -> None:
         """Notes what happened after a step."""

@@ -1,5 +1,12 @@
-"""Equilibria by dynamic relaxation: fictitious masses, what a load factor acts on, and the iterations
-themselves.
+"""Equilibria by dynamic relaxation: fictitious masses, the effect of a load factor, and the iterations.
+
+The structure moves under its loads with fictitious masses and damping until it rests. An iteration is a step
+of the same loop that steps motions, with a step of one: no stiffness matrix is made, so contacts, large turns
+and snap-through need nothing special. Its price is many iterations, as many as slender frames have elements
+in line, squared. Masses are as small as stability allows, M = K / 3.6 with K a bound of the stiffness at each
+particle, and the damping is critical for the slowest motion, whose frequency is estimated from the motion
+itself (Rayleigh's quotient of displacements and changes of force between two looks; P. Underwood, Dynamic
+relaxation, in: Computational methods for transient analysis (1983)).
 """
 
 from __future__ import annotations
@@ -25,8 +32,10 @@ from .interrupts import ChunkSize
 
 Array = NDArray[np.float64]
 
-OMEGA = 3.6  # square of the highest frequency (rad/iteration)^2; 4 is the limit of stability
-SWAY = 0.8  # share of the bending frequency that goes to translations, the rest to rotations
+# Square of the highest frequency (rad/iteration)^2. Central differences are stable up to 4.
+OMEGA = 3.6
+# Share of the bending frequency that goes to translations; the rest goes to rotations.
+SWAY = 0.8
 
 
 def demands(assembly: Assembly, state: Array, force: float, pressed: Array) -> tuple[Array, Array]:
@@ -72,7 +81,7 @@ def _contacts(assembly: Assembly, force: Array) -> list[float]:
 
 
 class Floors:
-    """The least masses and inertias of an assembly's particles."""
+    """Least masses and inertias of the particles of an assembly."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.size = extent(assembly, assembly.state)
@@ -88,8 +97,8 @@ class Floors:
             )
 
     def __call__(self, mass: Array, inertia: Array, least: float) -> tuple[Array, Array]:
-        """Masses and inertias with ``least`` (N/m) for what has no stiffness of its own, which loads alone
-        would hold: a pendulum, a cable.
+        """Masses and inertias with a stiffness of ``least`` (N/m) for what loads alone hold: a pendulum, a
+        cable.
 
         Inertias of rigid bodies are at least the mass times the square of their radius of gyration.
         """
@@ -115,8 +124,8 @@ def extent(assembly: Assembly, state: Array) -> float:
 
 
 class Loading:
-    """What the load factor acts on: tables of functions, weights and drivers of an assembly, written into a
-    relaxation's S and T.
+    """Writes a load factor into the state and the tables of a relaxation: weights, loads, functions and
+    drivers.
     """
 
     def __init__(self, assembly: Assembly) -> None:
@@ -160,8 +169,10 @@ class Loading:
         )
 
     def go(self, relaxation: Relaxation, old: float, new: float, count: int) -> None:
-        """Writes what leads from one factor to another in ``count`` iterations, motions evenly; at once where
-        ``count`` is 0.
+        """Go from one factor to another in ``count`` iterations, motions evenly; at once if ``count`` is 0.
+
+        Loads take their new values at once. Drivers move evenly, because a jump would tear ideal joints
+        apart.
         """
         start, state = self.assembly.state, relaxation.state
         now = float(relaxation.runner.done)
@@ -198,14 +209,21 @@ class Loading:
         tables[first:last] = new * self.assembly.tables[first:last]
 
 
-LOOKS = 4  # in a chunk of iterations
-ANGLE = 0.4  # rad of the slowest motion between two looks
-SHORTEST, LONGEST, FEW = 8, 4000, 50  # iterations between two looks; few of them where contacts may begin
-BEYOND = 1.1  # of the mass for which iterations are stable, OMEGA being 3.6 of 4
-LOADED = 100.0  # what nothing but loads holds is moved by a hundredth of the size in the first iteration
-FLAT = 100.0  # times the masses where joints come apart
-NOISE = 1e-14  # of size and stiffness: forces that rounding alone makes
-REMEMBERED = ("frequency", "iterations", "kinetic", "kinetic_max", "between")
+# Looks in a chunk of iterations, and angle (rad) of the slowest motion between two: its frequency is
+# estimated from them.
+LOOKS, ANGLE = 4, 0.4
+# Iterations between two looks: the least, the most, and the most if contacts may begin, whose stiffness is
+# then unknown.
+SHORTEST, LONGEST, FEW = 8, 4000, 50
+# Masses may be too small by this factor, OMEGA being 3.6 of 4, before a chunk is repeated with larger ones.
+TOO_LIGHT = 1.1
+# What only loads hold is moved by this fraction of the size in the first iteration.
+LOADED = 100.0
+# Masses grow by this factor where joints come apart.
+FLAT = 100.0
+# Forces that rounding makes, over size and stiffness.
+NOISE = 1e-14
+CHECKPOINT_NUMBERS = ("frequency", "iterations", "kinetic", "kinetic_max", "between")
 FORCES = (
     "particle_load_x", "particle_load_y", "frame_axial_force", "joint_fx", "joint_fy", "contact_normal_force",
     "spring_fx", "spring_fy", "driven_fx", "driven_fy",
@@ -294,7 +312,7 @@ class Relaxation:
         return self.runner.states[:, 0]
 
     def reweigh(self) -> bool:
-        """Gives particles that are too light for their stiffness more mass. True where any was so light that
+        """Give particles that are too light for their stiffness more mass. True if any was so light that
         iterations were unstable.
         """
         wanted = demands(self.assembly, self.state, self.force, self.pressed)
@@ -303,7 +321,7 @@ class Relaxation:
         for name, need in zip(("mass", "inertia"), needed, strict=True):
             own = getattr(self, name)
             short = need > own
-            unstable |= bool((need > BEYOND * own).any()) and not first
+            unstable |= bool((need > TOO_LIGHT * own).any()) and not first
             own = np.where(short, np.minimum(HEAVIER * need, own * MOST_HEAVIER) if not first else need, own)
             setattr(self, name, own)
             rows = self.layout[f"particle_inverse_{name}"]
@@ -311,15 +329,15 @@ class Relaxation:
         return unstable
 
     @property
-    def whole(self) -> bool:
-        """Whether all numbers are finite: what is loose goes far away, but what is held and flat comes apart
+    def finite(self) -> bool:
+        """Whether all places are finite. What is loose goes far away first; what is held and flat comes apart
         at once.
         """
         return bool(np.isfinite(self.state[self.places]).all())
 
     def go_back(self, before: Array) -> None:
-        """Goes back to a state at rest, with masses so much larger that a flat structure is moved by less
-        than its rise in one iteration.
+        """Go back to a state at rest, with masses so large that a flat structure moves by less than its rise
+        in one iteration.
         """
         self.state[:] = before
         self.rest()
@@ -330,36 +348,36 @@ class Relaxation:
         self.state[self.layout["damping"]] = 0.0
 
     @property
-    def remembered(self) -> dict[str, Any]:
-        """What it takes to go on beside S, for JSON."""
-        numbers = {name: getattr(self, name) for name in REMEMBERED}
+    def checkpoint(self) -> dict[str, Any]:
+        """What it takes to go on, besides S, for JSON."""
+        numbers = {name: getattr(self, name) for name in CHECKPOINT_NUMBERS}
         arrays = {name: getattr(self, name).tolist() for name in ("mass", "inertia", "pressed")}
         return {**numbers, **arrays, "done": self.runner.done, "functions": self.runner.functions.tolist()}
 
-    def restore(self, state: Array, rows: NDArray[np.intp], remembered: Mapping[str, Any]) -> None:
-        """Goes on from ``rows`` of a former S and what was :attr:`remembered` with it."""
+    def restore(self, state: Array, rows: NDArray[np.intp], checkpoint: Mapping[str, Any]) -> None:
+        """Go on from ``rows`` of a former S and the :attr:`checkpoint` made with it."""
         self.state[rows] = state
-        for name in REMEMBERED:
-            setattr(self, name, remembered[name])
+        for name in CHECKPOINT_NUMBERS:
+            setattr(self, name, checkpoint[name])
         for name in ("mass", "inertia", "pressed"):
-            setattr(self, name, np.array(remembered[name], dtype=float))
-        self.runner.done, self.runner.functions[:] = remembered["done"], remembered["functions"]
+            setattr(self, name, np.array(checkpoint[name], dtype=float))
+        self.runner.done, self.runner.functions[:] = checkpoint["done"], checkpoint["functions"]
 
     def rest(self) -> None:
-        """Takes all velocities away."""
+        """Take all velocities away."""
         self.state[self.speeds] = 0.0
 
     def advance(self, count: int) -> None:
-        """Iterations without a look."""
+        """Iterate without a look."""
         self.pace.advance(self.runner, count, 1)
         self.iterations += count
 
     def relax(self) -> Array:
-        """A chunk of iterations with looks between; damping follows the slowest motion. Returned: unbalanced
-        forces, shape (looks, coordinates).
+        """Iterate, with looks in between, and adapt the damping to the slowest motion.
 
-        Where a contact turned out stiffer than its bodies' masses allow, the chunk is undone and made again,
-        from rest, with larger ones.
+        Returns unbalanced forces, shape (looks, coordinates). If a contact turned out stiffer than the masses
+        of its bodies allow, the chunk is repeated from rest with larger masses, because an unstable iteration
+        may have thrown bodies anywhere.
         """
         while True:
             before = self.state.copy()
@@ -390,7 +408,7 @@ class Relaxation:
         return np.asarray(push * mass, dtype=float)
 
     def rounding(self, mass: Array) -> float:
-        """Kinetic energy (and sum of m dx^2) that rounding alone makes."""
+        """Kinetic energy (and sum of m dx^2) that rounding makes."""
         return float(dot(mass, np.square(np.where(self.turning, 1.0, self.size))) * (100.0 * NOISE * NOISE))
 
     @property
@@ -400,7 +418,9 @@ class Relaxation:
         return energy / self.kinetic_max if energy > self.rounding(1.0 / self.state[self.inverse]) else 0.0
 
     def _damp(self, square: float) -> None:
-        """Damping for the frequency whose square (rad/iteration)^2 was seen."""
+        """Set critical damping for a frequency, by its estimated square (rad/iteration)^2; it changes by a
+        factor of four at most.
+        """
         found = math.sqrt(square) if square > 0.0 else 0.5 * self.frequency
         if self.frequency > 0.0:
             found = min(max(found, 0.25 * self.frequency), 4.0 * self.frequency)

@@ -2,10 +2,10 @@
 
 A load factor takes the place of time: gravity, constant loads and constant torques are multiplied by it;
 loads and torques over time, and prescribed angles, travels and paths, are taken at time = factor. Torques
-over an angle are multiplied by it too, those over a speed have their value at rest. The way from one factor
-to the next is gone in equal parts, with the structure relaxed a little after each, so that equilibria are
-followed and not leapt over; at its end it is relaxed until the unbalanced force and the kinetic energy are as
-small as the settings want.
+over an angle are multiplied by it too, those over a speed have their value at rest. From one factor to the
+next the load goes in equal parts, and the structure is relaxed a little after each, so that one branch of
+equilibria is followed; at the end it is relaxed until the unbalanced force and the kinetic energy are as
+small as the settings demand.
 """
 
 from __future__ import annotations
@@ -26,14 +26,15 @@ from .status import Progress, Status
 
 Array = NDArray[np.float64]
 
-PARTS = 10  # of the way between two load factors
+PARTS = 10  # from one load factor to the next
 FEWEST = 16  # iterations of one part
 TURN = 1e-3  # rad that a driver turns in one iteration
 TRAVEL = 1e-3  # of the shortest element, or of a hundredth of the size, that a driver moves in one iteration
 LOOK_SECONDS = 0.25  # between two progress lines
-TRIES = 4  # of a load factor, each with heavier masses, where joints came apart
-BEYOND_LOADS = 100.0  # times the loads: what links in line carry that are to hold anything across
-AWAY = 100.0  # sizes of the mechanism from its start where nothing holds it
+TRIES = 4  # of a load factor, each with larger masses, if joints come apart
+# Forces over the loads that links in line carry if they hold something across.
+BEYOND_LOADS = 100.0
+AWAY = 100.0  # sizes of the mechanism from its start: beyond that nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
     "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work", "spring_damping_power",
@@ -81,7 +82,7 @@ def equilibrium(
                     before = relaxation.state.copy()
                     stage = Stage(relaxation, loading, k, old, factor, progress, began)
                     fault = stage.run(settings)
-                    if again + 1 == TRIES or not fault or relaxation.whole:
+                    if again + 1 == TRIES or not fault or relaxation.finite:
                         break
                     relaxation.go_back(before)
                 if fault:
@@ -92,7 +93,7 @@ def equilibrium(
                 if file is not None:
                     more = {
                         "wall": earlier + time.perf_counter() - began,
-                        "relaxation": relaxation.remembered,
+                        "relaxation": relaxation.checkpoint,
                     }
                     file.append(
                         np.array([k], dtype=np.int64),
@@ -114,8 +115,8 @@ def equilibrium(
 
 
 def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:
-    """S of an equilibrium: one more iteration for the extremes, then no velocities, and the contacts' own
-    floor of impact speeds.
+    """State of an equilibrium: after one more iteration for the extremes, without velocities, and with the
+    contacts' floor of impact speeds.
     """
     relaxation.advance(1)
     state, layout = relaxation.state.copy(), assembly.layout
@@ -130,7 +131,7 @@ def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:
 
 
 class Stage:
-    """The way from one load factor to the next, and the rest at its end."""
+    """One load factor: the way to it from the factor before, and the relaxation there."""
 
     def __init__(
         self, relaxation: Relaxation, loading: Loading, number: int, old: float, new: float,
@@ -148,7 +149,7 @@ class Stage:
         return self.relaxation.iterations - self.first
 
     def run(self, settings: Settings) -> tuple[Status, str] | None:
-        """Status and message where there is no equilibrium to be found, else None."""
+        """Go to the load factor and relax. Returns status and message if no equilibrium is found, else None."""
         relaxation, loading = self.relaxation, self.loading
         count = self._count()
         path = np.linspace(self.old, self.new, PARTS + 1) if self.new != self.old else np.array([self.old])
@@ -165,7 +166,7 @@ class Stage:
             if fault:
                 return fault
             still = relaxation.still <= settings.kinetic_energy
-            earlier = relaxation.balance(pushes[LAST]).ratio
+            earlier = relaxation.balance(pushes[BEFORE_LAST]).ratio
             if max(self.ratio, earlier) <= settings.residual and still:
                 return (Status.DIVERGED, self._apart()) if self._in_line() else None
 
@@ -175,7 +176,7 @@ class Stage:
             self.relaxation.advance(count)
 
     def _count(self) -> int:
-        """Iterations of one part: no more than a small turn and travel of the drivers in each."""
+        """Iterations of one part, so many that drivers turn and travel little in each."""
         state, layout = self.relaxation.state, self.loading.layout
         shortest = float(state[layout["reference_length"]].min(initial=0.01 * self.relaxation.size))
         turn, travel = self.loading.motion(self.old, self.new)
@@ -197,7 +198,7 @@ class Stage:
         return None
 
     def tell(self, everything: bool = False) -> None:
-        """Shows where the analysis stands, every now and then or where asked to."""
+        """Show progress, a few times a second, or at once with ``everything``."""
         now = time.perf_counter()
         if self.progress is not None and (everything or now - self.told > LOOK_SECONDS):
             self.told = now
@@ -207,7 +208,7 @@ class Stage:
 
     def _runaway(self) -> str:
         assembly = self.loading.assembly
-        if not self.relaxation.whole:
+        if not self.relaxation.finite:
             return self._apart()
         free = max(0, assembly.mobility.after_drives - len(constraint_drivers(assembly.mechanism)))
         loose = (
@@ -223,8 +224,8 @@ class Stage:
         )
 
     def _in_line(self) -> bool:
-        """Whether what gives way at the start, to the first order only, is loaded: it came to rest where
-        rounding has let it go.
+        """Whether links in line at the start, which give way to the first order, are loaded: then rounding
+        decides where they come to rest.
         """
         relaxation, mobility = self.relaxation, self.loading.assembly.mobility
         return bool(
@@ -248,4 +249,4 @@ class Stage:
         )
 
 
-LAST = -2  # the look before the last one
+BEFORE_LAST = -2  # of the looks of a chunk: an equilibrium must hold at two of them

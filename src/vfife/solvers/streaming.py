@@ -1,9 +1,11 @@
-"""Members stepped in lanes on all cores: whoever ends makes room for the next at once, and none knows what
-runs beside it.
+"""Many simulations in lanes on all cores: a simulation that ends makes room for the next at once, and none
+depends on its neighbours.
 
-Each thread has lanes of one topology. Members of other step sizes, and other numbers of steps a turn, share
-them: each has its own outputs and its own end. The machine code runs without Python's lock; in Python a
-member is looked at once for so many of its outputs, and when it ends.
+Each thread has lanes of one topology, which it steps by one compiled loop. Simulations with other steps, and
+other numbers of steps a turn, share them: each has its own outputs and its own end. To wait for the longest
+of a batch instead would leave most lanes idle, as simulations that settle end after very different times. The
+machine code runs without Python's global lock; Python sees a simulation once for so many of its outputs, and
+when it ends.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol, TypeAlias, TypeVar, cast
+from typing import Any, Protocol, TypeAlias, TypedDict, TypeVar, Unpack, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,35 +27,31 @@ from ..assembly.assembled import Assembly, Bounds, bounds, limited_rows
 from ..compiler.runtime.cuda import MEMBERS, DeviceStream
 from ..compiler.runtime.native import stream_lanes
 from ..compiler.runtime.runner import Starter, Stream
+from .interrupts import QUICK, ChunkSize
 from .record import Record, recorded_rows
 from .transient import choose_loop
 
 Array = NDArray[np.float64]
 
-SECONDS, FIRST, GROWTH = (
-    0.25,
-    1000,
-    4,
-)  # of a call between two looks at the clock; steps of the first; from one to the next, at the most
-PATIENCE = 0.2  # s between two looks at signals
-AHEAD = 64  # members that wait while the next are made, where there are several threads
+PATIENCE = 0.2  # s between two checks for signals
+AHEAD = 64  # lanes that are made before they are needed, if there are several threads
 
 
 class Ending(Protocol):
-    """What may have ended."""
+    """A simulation that may have ended, even before it was in a lane."""
 
     @property
     def ended(self) -> bool:
-        """Whether it needs no more."""
+        """Whether it needs no further step."""
 
 
 class Lane:
-    """A simulation in a lane, stepped by :func:`stepped`: every ``every`` steps it hands out the rows
-    ``handed`` of its state.
+    """A simulation in a lane of :func:`stepped`: after ``every`` steps it hands out the rows ``handed`` of
+    its state.
 
-    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``ended``. It is ``doubtful``
-    where numbers left all bounds. ``per`` is the number of outputs of a turn, or of all where there is no
-    turn; ``done`` counts outputs after that of step 0.
+    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``ended``. It is ``doubtful`` if
+    numbers left all bounds. ``per`` is the number of outputs of a turn, or of all where there is no turn;
+    ``done`` counts outputs after that of step 0.
     """
 
     def __init__(
@@ -102,7 +100,7 @@ class Lane:
         self.done += len(rows)
 
     def end(self) -> Lane | None:
-        """Return what takes its place, where it has to be made again."""
+        """Return the lane that takes its place, if it has to be repeated."""
         return None
 
     @property
@@ -117,66 +115,70 @@ Found: TypeAlias = "queue.SimpleQueue[Ending | BaseException | None]"
 
 
 class Kinds:
-    """What members have in common that share lanes; long descriptions that were met before are known by the
-    objects that they are.
+    """Kinds of lanes: those of one kind share a compiled loop.
+
+    To compare topologies takes as long as some steps, and lanes of a study have the same objects. So a kind
+    is looked up by the identity of these objects first.
     """
 
     def __init__(self) -> None:
-        self.met: dict[tuple[int, int, str], tuple[Any, Any, int]] = {}
+        self.known: dict[tuple[int, int, str], tuple[Any, Any, int]] = {}
         self.numbers: dict[Any, int] = {}
         self.loops: dict[int, str] = {}
 
-    def of(self, member: Lane) -> Kind:
-        """Topology and rows that are handed out by their number, loop, length of tables, parts, outputs."""
-        assembly, handed = member.assembly, member.handed
-        key = id(assembly.topology), id(handed), member.loop
-        if key not in self.met:
+    def of(self, lane: Lane) -> Kind:
+        """Number of its topology, rows and loop; loop, length of tables, parts and outputs."""
+        assembly, handed = lane.assembly, lane.handed
+        key = id(assembly.topology), id(handed), lane.loop
+        if key not in self.known:
             number = self.numbers.setdefault(
-                (assembly.topology, handed.tobytes(), member.loop), len(self.numbers)
+                (assembly.topology, handed.tobytes(), lane.loop), len(self.numbers)
             )
             if number not in self.loops:
-                self.loops[number] = choose_loop(assembly, member.loop)  # type: ignore[arg-type]
-            self.met[key] = assembly.topology, handed, number  # kept, so that nothing else comes to lie there
-        number = self.met[key][2]
+                self.loops[number] = choose_loop(assembly, lane.loop)  # type: ignore[arg-type]
+            self.known[key] = (
+                assembly.topology,
+                handed,
+                number,
+            )  # the objects are kept, so that no other ones get their identity
+        number = self.known[key][2]
         return (
             number,
             self.loops[number],
             len(assembly.tables),
             assembly.mechanism.settings.parts,
-            member.outputs,
+            lane.outputs,
         )
 
 
 @dataclass
 class Waiting:
-    """Members that wait for a lane, by their kinds; they are made when they are asked for, ``ahead`` of them
-    before, by one thread at a time.
+    """Lanes that wait for room, by their kinds.
+
+    They are made when they are needed, or ``ahead`` of them before, by one thread at a time. A lock of its
+    own guards the making, so that it holds up only threads for which none waits.
     """
 
     source: Iterator[Lane | Ending]
     found: Found
-    share: int  # that one thread takes at first, so that few members are shared fairly
+    share: int  # of all, that one thread takes at first, so that few lanes are shared fairly
     ahead: int = 0
-    lock: threading.Lock = field(default_factory=threading.Lock)  # of what waits
-    making: threading.Lock = field(
-        default_factory=threading.Lock
-    )  # of the source: who makes members holds up nobody for whom some wait
+    lock: threading.Lock = field(default_factory=threading.Lock)  # guards the queues
+    making: threading.Lock = field(default_factory=threading.Lock)  # guards the source
     queues: dict[Kind, deque[Lane]] = field(default_factory=dict)
     kinds: Kinds = field(default_factory=Kinds)
 
-    def next(self, wanted: Kind | None) -> tuple[Kind, Lane] | None:
-        """A member of a kind, or of any; None where there is none left."""
-        if (found := self._first(wanted)) is not None:
+    def next(self, kind: Kind | None) -> tuple[Kind, Lane] | None:
+        """A lane of a kind, or of any; None if there is none left."""
+        if (found := self._first(kind)) is not None:
             return found
         with self.making:
-            while (found := self._first(wanted)) is None and self._make():
+            while (found := self._first(kind)) is None and self._make():
                 pass
         return found
 
     def prepare(self, count: int) -> None:
-        """Makes so many members before they are asked for, where fewer than ``ahead`` wait and no other
-        thread makes some.
-        """
+        """Make lanes before they are needed, if fewer than ``ahead`` wait and no other thread makes some."""
         if self.ahead and self.making.acquire(blocking=False):
             try:
                 while count and sum(map(len, self.queues.values())) < self.ahead and self._make():
@@ -184,23 +186,23 @@ class Waiting:
             finally:
                 self.making.release()
 
-    def _first(self, wanted: Kind | None) -> tuple[Kind, Lane] | None:
+    def _first(self, kind: Kind | None) -> tuple[Kind, Lane] | None:
         with self.lock:
             for found, waiting in self.queues.items():
-                if waiting and wanted in (None, found):
+                if waiting and kind in (None, found):
                     return found, waiting.popleft()
         return None
 
     def _make(self) -> bool:
-        """One more that waits; whether there is any."""
-        for member in self.source:
-            if member.ended:
-                self.found.put(member)
+        """Let one more wait; False if there is none. What has ended already is found at once."""
+        for lane in self.source:
+            if lane.ended:
+                self.found.put(lane)
                 continue
-            member = cast(Lane, member)
-            found = self.kinds.of(member)
+            lane = cast(Lane, lane)
+            kind = self.kinds.of(lane)
             with self.lock:
-                self.queues.setdefault(found, deque()).append(member)
+                self.queues.setdefault(kind, deque()).append(lane)
             return True
         return False
 
@@ -208,18 +210,30 @@ class Waiting:
 Client = TypeVar("Client", bound=Ending)
 
 
+class Processor(TypedDict, total=False):
+    """What steps lanes.
+
+    ``lanes``: side by side in one vector register, :func:`~vfife.compiler.runtime.native.stream_lanes` if not
+    given. ``workers``: threads, one a core if not given. ``device``: "cuda" has a card step them, by one
+    thread, as many side by side as it can.
+    """
+
+    lanes: int | None
+    workers: int | None
+    device: str | None
+
+
 def stepped(
-    members: Iterable[Client], count: int, *, alike: int | None = None, lanes: int | None = None, workers: int | None = None,
-    stop: threading.Event | None = None, device: str | None = None, tick: Callable[[], None] | None = None,
+    members: Iterable[Client], count: int, *, alike: int | None = None, stop: threading.Event | None = None,
+    tick: Callable[[], None] | None = None, **processor: Unpack[Processor],
 ) -> Iterator[Client]:  # fmt: skip
     """Step lanes, ``count`` of them or so, and yield each when it has ended, what had ended before as it is;
     with ``stop`` set, no more.
 
-    ``lanes``: side by side in one vector register, :func:`~vfife.compiler.runtime.native.stream_lanes` if not
-    given, or as many as there are members that may share one, which are ``alike``, all of them if not given;
-    ``workers``: threads, one a core if not given. ``device``: "cuda" has a card step them, by one thread, as
-    many side by side as it can. ``tick`` is called now and then while nothing ends.
+    ``alike``: lanes that may share a register, all if not given; no more are side by side. ``tick`` is called
+    now and then while nothing ends.
     """
+    lanes, workers, device = processor.get("lanes"), processor.get("workers"), processor.get("device")
     if device == "cuda":
         lanes, workers = min(lanes or MEMBERS, count), 1
     found: Found = queue.SimpleQueue()
@@ -264,7 +278,7 @@ def _work(
     halted: Callable[[], bool],
     streaming: type[Stream | DeviceStream],
 ) -> None:
-    """One thread: lanes of one kind after the other, until no member is left."""
+    """One thread: lanes of one kind after the other, until none is left."""
     try:
         while not halted() and (first := waiting.next(None)) is not None:
             Lanes(*first, waiting, found, lanes, streaming).run(halted)
@@ -274,7 +288,11 @@ def _work(
 
 
 class Lanes:
-    """The lanes of a thread, and who is in them."""
+    """The lanes of a thread, and the simulations in them.
+
+    ``beat``: the stream can take a simulation in only between two of its own checks of outputs, when it is
+    zero.
+    """
 
     def __init__(
         self,
@@ -299,14 +317,14 @@ class Lanes:
         for lane in range(1, min(self.lanes, waiting.share)):
             self.next[lane] = self._next()
         self.begins = np.zeros(self.lanes, dtype=np.int64)
-        self.room = FIRST
+        self.pace = ChunkSize(first=QUICK)
 
     def _next(self) -> Lane | None:
         found = self.waiting.next(self.kind)
         return None if found is None else found[1]
 
     def run(self, halted: Callable[[], bool]) -> None:
-        """Until all have ended and no other waits."""
+        """Step until all have ended and no other waits."""
         while (self.members or any(self.next.values())) and not halted():
             if self.next and self.stream.beat == 0:
                 self._fill()
@@ -315,7 +333,9 @@ class Lanes:
             self._look()
 
     def _fill(self) -> None:
-        """Puts those that wait into the lanes that are free; a lane for which there is none repeats another."""
+        """Fill free lanes; a lane for which no simulation waits repeats another, because all lanes of a
+        register step anyway.
+        """
         for lane, member in self.next.items():
             if member is not None:
                 assembly = member.assembly
@@ -330,14 +350,19 @@ class Lanes:
             self.stream.repeat(lane, next(iter(self.members)))
 
     def _advance(self) -> None:
+        """One call of the loop. It ends with the next beat if lanes are free, because they are filled at
+        beats alone.
+        """
         before, began = self.stream.done, time.perf_counter()
-        self.stream.advance(min(self.room, self.stream.beat) if self.next else self.room)
+        self.stream.advance(min(self.pace.room, self.stream.beat) if self.next else self.pace.room)
         spent, made = time.perf_counter() - began, self.stream.done - before
-        if made >= FIRST:
-            self.room = max(1, min(GROWTH * max(self.room, made), int(made * SECONDS / max(spent, 1e-6))))
+        if made >= QUICK:
+            self.pace.learn(made, spent)
 
     def _look(self) -> None:
-        """Each that has its outputs takes them, and makes room where it has ended."""
+        """Hand outputs to each simulation that has all it waits for, or that broke; make room if it has
+        ended.
+        """
         stream = self.stream
         for lane, member in list(self.members.items()):
             broken = int(stream.broken[lane]) - int(self.begins[lane]) if stream.broken[lane] > 0.0 else -1

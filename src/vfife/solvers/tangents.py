@@ -1,8 +1,8 @@
-"""A run and how it changes with numbers of its model: each step carries its derivatives along, in several
-directions in each lane.
+"""A run and its derivatives by numbers of its model, which each step carries along, in several directions in
+each lane.
 
-What a direction changes at the start is known from two assemblies, a little to both sides of the model. The
-run has the bits that it has alone.
+The derivative of the start is that of two assemblies, a little to both sides of the model. The run has the
+same bits as without derivatives.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..compiler.runtime.native import CONTACT_LANES
 from ..compiler.runtime.runner import Runner
-from ..errors import VfifeError
 from .interrupts import ChunkSize, Workers
 from .record import Columns, Record, recorded_rows
 
@@ -39,8 +38,8 @@ class Neighbours:
 
 
 def comparable(assembly: Assembly, one: Neighbours) -> bool:
-    """Whether the neighbours of an assembly are stepped as it is: one topology, as many steps, functions with
-    as many pieces and one period.
+    """Whether neighbours are stepped as the assembly is: one topology, as many steps, functions with as many
+    pieces and the same period.
     """
     for other in (one.up, one.down):
         alike = (other.topology, other.choice.steps, other.choice.outputs_every) == (
@@ -56,7 +55,7 @@ def comparable(assembly: Assembly, one: Neighbours) -> bool:
 
 
 def _fixed(assembly: Assembly) -> Array:
-    """Of each function the number of its pieces, and its period with the kinks in it."""
+    """Number of pieces of each function, and its period with the kinks in it."""
     T = assembly.tables
     return np.concatenate(
         [np.zeros(0), *(T[start : _first(T, start)] for start in assembly.topology.function_start)]
@@ -69,7 +68,7 @@ def _first(T: Array, start: int) -> int:
 
 
 def rates(assembly: Assembly) -> Array:
-    """The tables of the functions' derivatives by their argument."""
+    """Tables of the derivatives of functions by their argument."""
     T = assembly.tables.copy()
     for rows in _pieces(assembly):
         T[rows] = _derived(T[rows])
@@ -77,8 +76,10 @@ def rates(assembly: Assembly) -> Array:
 
 
 def changes(assembly: Assembly, one: Neighbours) -> Array:
-    """The tables of the functions' change with a number, at a fixed argument: a piece that begins later is so
-    much earlier in itself.
+    """Tables of the derivatives of functions by a number, at a fixed argument.
+
+    A piece is a polynomial of the argument from its beginning. If the beginning moves, the polynomial at a
+    fixed argument is taken earlier.
     """
     T = assembly.tables.copy()
     for start in assembly.topology.function_start:
@@ -120,40 +121,37 @@ def displaced(count: int, parts: int) -> tuple[float, ...]:
 
 def tangents(
     assembly: Assembly,
-    every: Sequence[Neighbours],
+    near: Sequence[Neighbours],
     shares: Sequence[float] = (0.0,),
     lanes: int | None = None,
     *,
     kept: NDArray[np.uint32] | None = None,
     whole: bool = False,
 ) -> list[Pairs]:
-    """Of each neighbourhood the records of its two models, as far as first derivatives tell them: the run
-    plus and minus its change.
+    """Records of both models of each neighbourhood, as far as first derivatives tell: the run plus and minus
+    its change.
 
     There is a pair for each of ``shares``, first steps (1) by which a run is displaced; that of 0 is the run
     itself. Every neighbourhood has to be
-    :func:`comparable`. What the two differ by, over ``apart``, is the derivative of whatever is taken of a
-    record. Records have the rows ``kept``, all states and extremes without them, of all outputs; ``whole``:
+    :func:`comparable`. The difference of a pair over ``apart`` is the derivative of whatever is taken of a
+    record. Records have the rows ``kept``, by default all states and extremes, of all outputs; with ``whole``
     of the last turn as one output, and of what comes before it as another, which is enough for extremes.
-    Passes go side by side on all cores. Ctrl-C is heard within a quarter of a second.
+    Passes go side by side on all cores. Ctrl-C is handled within a quarter of a second.
     """
-    lanes = max(
-        lanes or CONTACT_LANES, len(shares)
-    )  # the last bits of differences know their neighbours: the same ones on every machine
+    # The last bits of a derivative depend on its neighbours in the lanes, so there are as many lanes on every
+    # machine.
+    lanes = max(lanes or CONTACT_LANES, len(shares))
     cores, groups = os.cpu_count() or 1, lanes // len(shares)
-    directions = next((few for few in DIRECTIONS if few * groups * cores >= len(every)), DIRECTIONS[-1])
+    # With as few directions as occupy all cores the step is quickest to compile; more directions in a lane
+    # are cheaper each.
+    directions = next((few for few in DIRECTIONS if few * groups * cores >= len(near)), DIRECTIONS[-1])
     rows = recorded_rows(assembly) if kept is None else kept
-    passes = [
-        every[first : first + groups * directions] for first in range(0, len(every), groups * directions)
-    ]
-
-    def pairs_of(some: Sequence[Neighbours]) -> list[Pairs]:
-        return _together(
-            assembly, some, np.array(shares), lanes, directions, rows, spans(assembly, whole), workers.look
-        )
-
+    passes = [near[first : first + groups * directions] for first in range(0, len(near), groups * directions)]
     with Workers(min(cores, len(passes))) as workers:
-        jobs = [workers.submit(pairs_of, some) for some in passes]
+        one_pass = TangentPass(
+            assembly, np.array(shares), lanes, directions, rows, spans(assembly, whole), workers.look
+        )
+        jobs = [workers.submit(one_pass.pairs, some) for some in passes]
         for _ in workers.results(jobs):
             pass
         return [pairs for job in jobs for pairs in job.result()]
@@ -169,85 +167,74 @@ def spans(assembly: Assembly, whole: bool) -> list[tuple[int, int]]:
     return [(before, 1), (choice.steps - before, 1)] if before > 0 else [(choice.steps, 1)]
 
 
-def jacobian(
-    assembly: Assembly,
-    every: Sequence[Neighbours],
-    look: Callable[[Record], Array],
-    shares: Sequence[float] = (0.0,),
-) -> tuple[Array, Array]:
-    """What ``look`` takes of the record of a run, shape (values,), and its derivatives by numbers, shape
-    (values, numbers), by one run.
+@dataclass(frozen=True)
+class TangentPass:
+    """A run that carries the derivatives of some neighbourhoods along, ``directions`` in each lane.
 
-    ``look``: a smooth function of the rows of a record, shape (values,): a series, measures. Means over
-    displaced runs, where there are ``shares``. Raises ValueError for neighbours that are not
-    :func:`comparable`.
+    A group of lanes has the displaced runs of one neighbourhood side by side (``shares``); the next groups
+    have the next ones, and when all groups are occupied the next direction of each is. ``parts``: steps
+    between two outputs, and number of such outputs.
     """
-    if not all(comparable(assembly, one) for one in every):
-        raise VfifeError(
-            "a number changes the topology, the number of steps or the pieces of a function; take two runs"
-            " for its derivative"
+
+    assembly: Assembly
+    shares: Array
+    lanes: int
+    directions: int
+    kept: NDArray[np.uint32]
+    parts: list[tuple[int, int]]
+    look: Callable[[], None]
+
+    def pairs(self, near: Sequence[Neighbours]) -> list[Pairs]:
+        """Pairs of records of each neighbourhood."""
+        assembly, lanes, directions, width = self.assembly, self.lanes, self.directions, len(self.shares)
+        rows, groups = assembly.layout.rows, lanes // width
+        state, table = (
+            np.zeros((directions + 1, rows, lanes)),
+            np.zeros((lanes, directions + 2, len(assembly.tables))),
         )
-    values, columns = [], []
-    for one, pairs in zip(every, tangents(assembly, every, shares), strict=True):
-        both = np.array([[look(up), look(down)] for up, down in pairs])
-        values.append(both.mean(axis=(0, 1)))
-        columns.append((both[:, 0] - both[:, 1]).mean(axis=0) / one.apart)
-    return values[0], np.stack(columns, axis=1)
-
-
-def _together(
-    assembly: Assembly, some: Sequence[Neighbours], shares: Array, lanes: int, directions: int, kept: NDArray[np.uint32],
-    parts: list[tuple[int, int]], look: Callable[[], None],
-) -> list[Pairs]:  # fmt: skip
-    rows = assembly.layout.rows
-    state, table = (
-        np.zeros((directions + 1, rows, lanes)),
-        np.zeros((lanes, directions + 2, len(assembly.tables))),
-    )
-    state[0], table[:, 0], table[:, 1] = assembly.state[:, None], assembly.tables, rates(assembly)
-    table[:, 2:] = assembly.tables  # with the head that every table has, also where nothing changes
-    groups = lanes // len(shares)
-    places = [
-        (slice(group * len(shares), (group + 1) * len(shares)), way)
-        for way in range(directions)
-        for group in range(groups)
-    ]
-    for (where, way), one in zip(places, some, strict=False):
-        state[way + 1, :, where] = ((one.up.state - one.down.state) / one.apart)[:, None]
-        table[where, way + 2] = changes(assembly, one)
-    every = np.concatenate([kept + np.uint32(k * rows) for k in range(directions + 1)])
-    runner = Runner(
-        assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", every,
-        parts=assembly.mechanism.settings.parts, shares=np.resize(shares, lanes), directions=directions,
-    )  # fmt: skip
-    pace = ChunkSize(look)
-    found = np.concatenate(
-        [runner.advance(1, 1), *[pace.advance(runner, count, outputs) for count, outputs in parts]]
-    )
-    steps = np.concatenate(
-        [[0], np.cumsum([count for count, outputs in parts for _ in range(outputs)])]
-    ).astype(np.int64)
-    values = found.reshape(len(found), directions + 1, len(kept), lanes)
-    seen = Columns(assembly.layout, kept)
-    return [
-        [
-            _pair(one, steps, seen, values[:, 0, :, lane], values[:, way + 1, :, lane])
-            for lane in range(where.start, where.stop)
+        state[0], table[:, 0], table[:, 1] = assembly.state[:, None], assembly.tables, rates(assembly)
+        table[:, 2:] = assembly.tables  # with the head that every table has, also where nothing changes
+        places = [
+            (slice(group * width, (group + 1) * width), way)
+            for way in range(directions)
+            for group in range(groups)
         ]
-        for (where, way), one in zip(places, some, strict=False)
-    ]
+        for (where, way), one in zip(places, near, strict=False):
+            state[way + 1, :, where] = ((one.up.state - one.down.state) / one.apart)[:, None]
+            table[where, way + 2] = changes(assembly, one)
+        handed = np.concatenate([self.kept + np.uint32(k * rows) for k in range(directions + 1)])
+        runner = Runner(
+            assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", handed,
+            parts=assembly.mechanism.settings.parts, shares=np.resize(self.shares, lanes), directions=directions,
+        )  # fmt: skip
+        pace = ChunkSize(self.look)
+        found = np.concatenate(
+            [runner.advance(1, 1), *[pace.advance(runner, count, outputs) for count, outputs in self.parts]]
+        )
+        steps = np.concatenate(
+            [[0], np.cumsum([count for count, outputs in self.parts for _ in range(outputs)])]
+        ).astype(np.int64)
+        values = found.reshape(len(found), directions + 1, len(self.kept), lanes)
+        columns = Columns(assembly.layout, self.kept)
+        return [
+            [
+                _pair(one, steps, columns, values[:, 0, :, lane], values[:, way + 1, :, lane])
+                for lane in range(where.start, where.stop)
+            ]
+            for (where, way), one in zip(places, near, strict=False)
+        ]
 
 
 def _pair(
-    one: Neighbours, steps: NDArray[np.int64], seen: Columns, rows: Array, slopes: Array
+    one: Neighbours, steps: NDArray[np.int64], columns: Columns, rows: Array, slopes: Array
 ) -> tuple[Record, Record]:
     """The records of both sides of one run."""
-    largest = np.isin(seen.kept, seen.layout.of("extreme"))
+    largest = np.isin(columns.kept, columns.layout.of("extreme"))
     both = rows + 0.5 * one.apart * slopes, rows - 0.5 * one.apart * slopes
     for side in both:
         side[:, largest] = np.maximum(side[:, largest], 0.0)  # a size has no sign
     up, down = (
-        Record(model, steps, side, seen.kept, columns=seen)
+        Record(model, steps, side, columns.kept, columns=columns)
         for model, side in zip((one.up, one.down), both, strict=True)
     )
     return up, down

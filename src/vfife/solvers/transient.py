@@ -17,7 +17,7 @@ from ..compiler.trace.straight_line import about
 from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
-from .companions import Gathering, SeparateLanes, Stepper, SynchronisedLanes, step_counts
+from .companions import CompanionRecorder, SeparateLanes, Stepper, SynchronisedLanes, step_counts
 from .interrupts import FIRST, QUICK, ChunkSize, Interrupts
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
 from .repeating import Settling
@@ -105,7 +105,7 @@ class Stepping:
         counts = step_counts(assembly.choice, companions)
         self.runner = self._stepper(np.array([assembly.choice.outputs_every, *counts]))
         self.before = self.runner.states[:, 0].copy()
-        self.gathering = Gathering(assembly, self.kept, counts) if companions else None
+        self.recorder = CompanionRecorder(assembly, self.kept, counts) if companions else None
         states = self.runner.states
         self.pace = ChunkSize(first=QUICK if loop == "generated" and states.size <= SHORT else FIRST)
         self.parts: list[Rows] = []
@@ -155,8 +155,8 @@ class Stepping:
         self.earlier = float(resume.more.get("wall", 0.0))
         if self.file is not None and self.judge is not None:
             self.first = self.file.later()()[:1]
-        if self.gathering is not None and self.file is not None:
-            self.gathering.restore(resume.more["companions"], self.file.companions(), self.file.turns())
+        if self.recorder is not None and self.file is not None:
+            self.recorder.restore(resume.more["companions"], self.file.companions(), self.file.turns())
         if self.settling is not None and self.file is not None:
             self.settling.restore(self.file.later()())
 
@@ -229,7 +229,7 @@ class Stepping:
             )
         sound = int(np.argmax(broken)) if broken.any() and first > 0 else len(rows)
         steps = first + np.arange(sound, dtype=np.int64) * self.assembly.choice.outputs_every
-        beside = self.gathering.take(steps, every[:sound]) if self.gathering is not None and sound else None
+        beside = self.recorder.take(steps, every[:sound]) if self.recorder is not None and sound else None
         if sound:
             self.done = int(steps[-1])
         if self.settling is not None and sound == len(rows):
@@ -270,7 +270,7 @@ class Stepping:
 
     def _checkpoint(self) -> Checkpoint:
         more = {"wall": self.wall} | (
-            {} if self.gathering is None else {"companions": self.gathering.remembered}
+            {} if self.recorder is None else {"companions": self.recorder.checkpoint}
         )
         return Checkpoint(self.done, self.runner.states[self.lasting], more)
 
@@ -323,5 +323,7 @@ class Stepping:
             steps = np.arange(len(rows), dtype=np.int64) * self.assembly.choice.outputs_every
             record = Record(self.assembly, steps, rows, self.kept, self.wall, self.loop, status, final)
         record.reached, record.burst = max(self.done, int(record.steps[-1])), self.burst
-        record.companions = self.gathering.left(int(record.steps[-1])) if self.gathering is not None else None
+        record.companions = (
+            self.recorder.companions(int(record.steps[-1])) if self.recorder is not None else None
+        )
         return record

@@ -20,7 +20,7 @@ from ..compiler.runtime.runner import Runner
 from ..compiler.trace.tables import tables
 from ..errors import VfifeError
 from ..kernels.data_driven import change_step
-from .interrupts import ChunkSize, Interrupts, Workers
+from .interrupts import ChunkSize, Interrupts, Workers, one_behind
 from .lyapunov import ALIGNED, LyapunovRunner, steps_of_turn
 from .record import Record, recorded_rows
 from .tangents import Neighbours
@@ -161,7 +161,9 @@ class Begun(NamedTuple):
 
 
 Found: TypeAlias = tuple[Array, Array, Any]
-Waiting: TypeAlias = "tuple[list[Begun], list[Array], Future[list[Found]]]"
+Group: TypeAlias = (
+    "tuple[list[Begun], list[Array], Future[list[Found]]]"  # values, their last states, rows and growth
+)
 
 
 class Sweep:
@@ -208,33 +210,32 @@ class Sweep:
         A second thread carries derivatives through the turns that are looked at, while the motion goes on to
         the next values.
         """
-        first, before, last = (
-            0 if resume is None else resume[0] + 1,
-            max(0, dropped - ALIGNED),
-            len(self.chains[0]),
-        )
         with Workers(1) as workers:
             self.motion.pace.look, self.difference.pace.look = workers.halt.look, workers.look
-            if resume is None:
-                self._take_up(0)
-                self.motion.begin()
-            else:
-                self.motion.restore(resume[1], self.motion.begins + first * turns * self.motion.turn)
-            waiting: Waiting | None = None
-            for group in (range(k, min(k + TOGETHER, last)) for k in range(first, last, TOGETHER)):
-                begun: list[Begun] = []
-                states: list[Array] = []
-                for number in group:
-                    begun.append(self._under_way(number, before))
-                    if number == group[-1]:
-                        job = workers.submit(self._with_derivatives, begun, turns - before, workers.look)
-                    self.motion.skip(turns - before)
-                    states.append(self.states.copy())
-                if waiting is not None:
-                    yield from _legs(*waiting, dropped - before)
-                waiting = begun, states, job
-            if waiting is not None:
-                yield from _legs(*waiting, dropped - before)
+            before = max(0, dropped - ALIGNED)
+            for begun, states, job in one_behind(self._groups(workers, turns, before, resume)):
+                for one, state, (rows, growth, beside) in zip(begun, states, job.result(), strict=True):
+                    yield Leg(one.number, rows[dropped - before :], growth[dropped - before :], state, beside)
+
+    def _groups(
+        self, workers: Workers, turns: int, before: int, resume: tuple[int, Array] | None
+    ) -> Iterator[Group]:
+        """Go through the values, and have the second thread follow differences of some of them side by side."""
+        first, last = 0 if resume is None else resume[0] + 1, len(self.chains[0])
+        if resume is None:
+            self._take_up(0)
+            self.motion.begin()
+        else:
+            self.motion.restore(resume[1], self.motion.begins + first * turns * self.motion.turn)
+        for group in (range(k, min(k + TOGETHER, last)) for k in range(first, last, TOGETHER)):
+            begun, states = list[Begun](), list[Array]()
+            for number in group:
+                begun.append(self._under_way(number, before))
+                if number == group[-1]:
+                    job = workers.submit(self._with_derivatives, begun, turns - before, workers.look)
+                self.motion.skip(turns - before)
+                states.append(self.states.copy())
+            yield begun, states, job
 
     def _under_way(self, number: int, before: int) -> Begun:
         """Takes a value up, and goes to where its difference begins."""
@@ -269,13 +270,6 @@ class Sweep:
             seen = None if self.beside is None else self.beside(one.number, one.first, one.done_first, look)
             found.append((rows[:, :, span], growth[:, span], seen))
         return found
-
-
-def _legs(
-    begun: Sequence[Begun], states: Sequence[Array], job: Future[list[Found]], dropped: int
-) -> Iterator[Leg]:
-    for one, state, (rows, growth, beside) in zip(begun, states, job.result(), strict=True):
-        yield Leg(one.number, rows[dropped:], growth[dropped:], state, beside)
 
 
 def carried_on(first: Assembly, other: Assembly, tolerance: float = 1e-9) -> Callable[[], str] | None:

@@ -4,16 +4,40 @@ the next one goes on.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RunFileError
+from .lock import Lock
 from .schemas import MAP, WEAR, Schema
 from .store import Row, Store
 
 Array = NDArray[np.float64]
+
+Kind = TypeVar("Kind", bound=Store)
+
+
+@contextmanager
+def locked_file(
+    kind: type[Kind], file: str | Path | None, spec: Mapping[str, Any], what: str
+) -> Iterator[Kind | None]:
+    """Hold the lock of a file with this specification, a new one or one to go on with; None without a
+    ``file``.
+
+    Raises VfifeError if its specification is another one, HeldError where another process writes ``what`` is
+    in it.
+    """
+    if file is None:
+        yield None
+        return
+    path = Path(file)
+    with Lock(path.absolute().parent, f"{path.name}.lock", what), kind.resume(path, spec) as found:
+        yield found
 
 
 class MapFile(Store):
@@ -43,13 +67,13 @@ class MapFile(Store):
 
 
 class WearPoint(NamedTuple):
-    """Surfaces after ``told["turns"]`` turns: ``depth`` (m) and its ``rate`` (m a turn) around them, shape
+    """Surfaces after ``numbers["turns"]`` turns: ``depth`` (m) and its ``rate`` (m a turn) around them, shape
     (surfaces, places).
     """
 
     depth: Array
     rate: Array
-    told: dict[str, Any]
+    numbers: dict[str, Any]
 
 
 class WearFile(Store):

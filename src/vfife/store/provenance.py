@@ -30,7 +30,7 @@ from ..laws.stored import standing_in
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..modelfile import dump, loads
-from ..solvers.companions import Beside, Companions, Parting, companion_rows, oldest_needed
+from ..solvers.companions import CompanionOutputs, Companions, Parting, companion_rows, oldest_needed
 from ..solvers.record import Record, Rows, lasting_blocks, lasting_rows
 from ..solvers.repeating import outputs_of_a_turn
 from ..solvers.status import Status
@@ -157,15 +157,20 @@ def kept_companions(
     return {"companions": {"counts": [int(one) for one in counts], "kept": kept, "earlier": dict(earlier)}}
 
 
-def beside(record: Record) -> Beside | None:
+def beside(record: Record) -> CompanionOutputs | None:
     """What the companions of a record left, for a run file that is written at its end."""
     found = record.companions
     if found is None:
         return None
     choice, outputs = record.assembly.choice, outputs_of_a_turn(record.assembly)
     steps = 0 if outputs is None else outputs * choice.outputs_every
-    return Beside(
-        found.rows, found.told, oldest_needed(record.assembly, int(record.steps[-1])), found.turns, 1, steps
+    return CompanionOutputs(
+        found.rows,
+        found.findings,
+        oldest_needed(record.assembly, int(record.steps[-1])),
+        found.turns,
+        1,
+        steps,
     )
 
 

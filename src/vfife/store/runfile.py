@@ -29,7 +29,7 @@ from .schemas import RUN, Schema, is_run_file
 from .store import Row, Store, now
 
 if TYPE_CHECKING:
-    from ..solvers.companions import Beside
+    from ..solvers.companions import CompanionOutputs
 
 Array = NDArray[np.float64]
 Steps = NDArray[np.int64]
@@ -135,43 +135,47 @@ class RunFile(Store):
                 self._anew()
 
     def append(
-        self, steps: Steps, rows: Array, beside: Beside | None = None, checkpoint: Checkpoint | None = None
+        self,
+        steps: Steps,
+        rows: Array,
+        companions: CompanionOutputs | None = None,
+        checkpoint: Checkpoint | None = None,
     ) -> None:
         """Add outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept). Step 0
-        starts anew. ``beside`` is what companions leave at the last of these outputs; of theirs only those
-        still needed stay. ``checkpoint`` is the state at their end.
+        starts anew. ``companions`` has those of companions; of theirs only those still needed stay.
+        ``checkpoint`` is the state at their end.
         """
         if len(steps) == 0 and checkpoint is None:
             return
         with self.transaction(math.inf if checkpoint is None else self._gather):
             if len(steps):
-                self._append(steps, rows, beside)
+                self._append(steps, rows, companions)
             if checkpoint is not None:
                 self._checkpoint(checkpoint)
         if self.arrive is not None and len(steps):
             self._move(self.arrive)
 
-    def _append(self, steps: Steps, rows: Array, beside: Beside | None) -> None:
+    def _append(self, steps: Steps, rows: Array, companions: CompanionOutputs | None) -> None:
         if int(steps[0]) == 0:
             self._anew()
             self.insert("copies", FIRST, packed(rows[:1]))
         chunk, first = self._counts_so_far()
         self.insert("history", chunk, first, len(steps), steps.astype(float), rows)
-        if beside is not None:
-            outputs = len(beside.rows)
+        if companions is not None:
+            outputs = len(companions.rows)
             own = steps[len(steps) - outputs :].astype(float)
             self.insert(
                 "companions",
                 first + len(steps) - outputs,
                 outputs,
                 int(steps[-1]),
-                beside.told,
+                companions.findings,
                 own,
-                beside.rows.reshape(outputs, -1),
+                companions.rows.reshape(outputs, -1),
             )
-            self._connection.execute("DELETE FROM companions WHERE last < ?", (beside.oldest,))
-            for turn, values in enumerate(beside.turns, beside.first):
-                self.insert("turns", turn, turn * beside.steps, values)
+            self._connection.execute("DELETE FROM companions WHERE last < ?", (companions.oldest,))
+            for turn, values in enumerate(companions.turns, companions.first):
+                self.insert("turns", turn, turn * companions.steps, values)
 
     def checkpoint(self, step: int, state: Array, more: Mapping[str, Any] | None = None) -> None:
         """Write the state after ``step``, from which a run can go on, in the order of the blocks of the

@@ -9,13 +9,13 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
-from ..dynamics.section_series import kept_as, step_count
+from ..dynamics.turn_steps import step_count
 from ..errors import Fault, ModelError, RunFileError
 from ..job.amounts import span
 from ..job.cost import Forecast, timed_step
@@ -30,20 +30,20 @@ from ..solvers.record import Record
 from ..solvers.status import Progress
 from ..solvers.transient import choose_loop
 from ..solvers.turn_runner import WearRunner, restepped
-from ..store.mapfile import WearFile, WearPoint
+from ..store.mapfile import WearFile, WearPoint, locked_file
 from ..store.store import warn_of_damage
 from .jumps import GROW, LEAST, Standing, between, jumps
 from .wear_state import (
     Surface,
     WearSpec,
     Worn,
-    plays,
+    clearances,
+    harmonics_of,
     rates,
     shaped,
     sharpness,
     smooth,
     surfaces_of,
-    swing,
     worn_of,
 )
 
@@ -51,110 +51,121 @@ Array = NDArray[np.float64]
 FINER = 2  # times as many steps in a turn
 
 
-def beside(
-    asked: WearSpec, surfaces: Sequence[Surface], blocks: WearRunner, rate: Array, halt: Interrupts
-) -> tuple[float, float]:
-    """How far rates of wear are apart from ``rate`` with half the step: of the volume of all surfaces, and of
-    the deepest place of any, as shares.
-
-    Both begin with the state that ``blocks`` are in; what their turns leave open by themselves is in it.
-    """
-    model, turn = blocks.assembly.mechanism, blocks.assembly.choice.turn or 0.0
-    other = assemble(model, turn / (FINER * asked.steps), turns=1, outputs=PLACES, force_step=True)
-    again = WearRunner(other, PLACES, halt)
-    state = blocks.state
-    again.restore(*restepped(state[:-1], int(state[-1]), other))
-    again.shape(*(state[rows] for rows in blocks.harmonics))
-    found, _ = rates(again.block(asked.settle, asked.block), surfaces, asked.block)
-    whole, largest = float(rate.sum()), float(np.abs(around(asked, rate)).max())
-    apart = abs(float(found.sum()) / whole - 1.0) if whole > 0.0 else 0.0
-    return apart, float(np.abs(around(asked, found - rate)).max()) / largest if largest > 0.0 else 0.0
-
-
-def around(asked: WearSpec, rate: Array) -> Array:
-    """Rates as the geometry follows them."""
-    return smooth(rate, max(asked.harmonics, 1))
-
-
 MOST_BLOCKS = 10**7
 REACH = 0.04  # of the clearance, by which no jump goes further
-FIRST = 0.01  # of the clearance, by which the first goes
+FIRST = 0.01  # of the clearance, by which the first jump goes
+
+
+class WearOptions(TypedDict, total=False):
+    """Keywords of a wear simulation: the fields of :class:`WearSpec` that have defaults."""
+
+    block: int
+    settle: int
+    tolerance: float
+    harmonics: int
+    clearance: float | None
+    force: float | None
 
 
 def wear(
-    mechanism: Mechanism,
-    turns: float,
-    *,
-    block: int = 4,
-    settle: int = 4,
-    tolerance: float = 0.01,
-    harmonics: int = 8,
-    clearance: float | None = None,
-    force: float | None = None,
-    step: float | None = None,
-    file: str | Path | None = None,
-    progress: Callable[[float, float, int], None] | Job | None = None,
-    confirm: bool = False,
-) -> Worn:
-    """Wears the joints that have a table ``wear`` for so many ``turns`` of the crank, or until a limit.
+    mechanism: Mechanism, turns: float, *, step: float | None = None, file: str | Path | None = None,
+    progress: Callable[[float, float, int], None] | Job | None = None, confirm: bool = False, **options: Unpack[WearOptions],
+) -> Worn:  # fmt: skip
+    """Wear the joints that have a table ``wear`` for ``turns`` of the crank, or until a limit is reached.
 
-    The rate of wear is that of ``block`` turns, after ``settle`` turns that nobody looks at. A jump errs by
-    ``tolerance`` of the smallest clearance at the most; what the step does to the rates is told by the last
-    block again with half of it. The clearance follows the worn profiles by so many ``harmonics`` (1: their
-    mean; 0: not at all). ``clearance`` (m) and ``force`` (N) are limits that end a life: play of a joint, by
-    the deepest places of its surfaces, and the largest force of one. ``step`` (s): the automatic one unless
-    said. With a ``file`` every jump is kept in it, and the same call goes on there. Ctrl-C leaves what is
-    complete. ``confirm``: go on even where the first block shows that it takes more than an hour. Raises
-    ModelError for a mechanism that does not wear so, HeldError where another process writes the file.
+    The rate of wear is that of ``block`` turns (4), after ``settle`` turns (4) that do not count. A jump errs
+    by at most ``tolerance`` (0.01) of the smallest clearance; the effect of the step on the rates is found by
+    repeating the last block with half of it. The clearance follows the worn profiles by so many ``harmonics``
+    (8; 1: their mean; 0: not at all). ``clearance`` (m) and ``force`` (N) are limits that end a life:
+    clearance of a joint, measured at the deepest places of its surfaces, and the largest force in a joint.
+    ``step`` (s): the automatic one unless given.
+
+    A ``file`` keeps every jump, and the same call continues it. ``progress(turns, all, simulated)`` is called
+    after each. Ctrl-C leaves what is complete. ``confirm``: go on even where the first block shows that it
+    takes more than an hour. Raises ModelError for a mechanism that cannot wear so, HeldError where another
+    process writes the file.
     """
-    asked = WearSpec(dump(mechanism), float(turns), block, settle, tolerance, harmonics, clearance, force)
-    surfaces = wearing_surfaces(mechanism, asked)
-    asked = dataclasses.replace(asked, steps=-(-step_count([mechanism], step) // PLACES) * PLACES)
-    began, points, apart = time.monotonic(), list[WearPoint](), tuple[float, ...]()
+    spec = WearSpec(dump(mechanism), float(turns), **options)
+    surfaces = wearing_surfaces(mechanism, spec)
+    spec = dataclasses.replace(spec, steps=-(-step_count([mechanism], step) // PLACES) * PLACES)
+    began, points, difference = time.monotonic(), list[WearPoint](), tuple[float, ...]()
     new = file is not None and not Path(file).exists()
     report: Any = progress
     job = job_of(
-        "wear", file, confirm, progress, lambda one: report(one.done, one.steps, round(wearing.blocks.turns))
+        "wear",
+        file,
+        confirm,
+        progress,
+        lambda one: report(one.done, one.steps, round(simulation.blocks.turns)),
     )
+    document = {"name": mechanism.name, "asked": vars(spec)}
     try:
-        with (
-            job,
-            kept_as(WearFile, file, {"name": mechanism.name, "asked": asked}, "this wear") as kept,
-            Interrupts() as halt,
-        ):
-            points, apart = ([], ()) if kept is None else (kept.points(), kept.companion_difference)
-            wearing = WearSimulation(mechanism, asked, surfaces, halt)
-            known = points[-1].told["turns"] if points else 0.0
+        with job, locked_file(WearFile, file, document, "this wear") as store, Interrupts() as interrupts:
+            if store is not None:
+                points, difference = store.points(), store.companion_difference
+            simulation = WearSimulation(mechanism, spec, surfaces, interrupts)
+            before = points[-1].numbers["turns"] if points else 0.0
             if points:
-                job.begin(wearing.forecast(points[-1], file))
-            for point in wearing.points(
-                points, None if kept is None or not points else kept.state(len(points) - 1)
+                job.begin(simulation.forecast(points[-1], file))
+            for point in simulation.points(
+                points, None if store is None or not points else store.state(len(points) - 1)
             ):
                 if not points:
-                    job.begin(wearing.forecast(point, file))
-                if kept is not None:
-                    kept.write_row(
-                        "points", len(points), point.told, point.depth, point.rate, wearing.blocks.state
+                    job.begin(simulation.forecast(point, file))
+                if store is not None:
+                    store.write_row(
+                        "points", len(points), point.numbers, point.depth, point.rate, simulation.blocks.state
                     )
                 points.append(point)
-                job(wearing.progress(point.told["turns"], known, time.monotonic() - began))
-            if not apart:
-                apart = beside(asked, surfaces, wearing.blocks, points[-1].rate, halt)
-                if kept is not None:
-                    kept.write_row("meta", "beside", list(apart))
+                job(simulation.progress(point.numbers["turns"], before, time.monotonic() - began))
+            if not difference:
+                difference = step_difference(spec, surfaces, simulation.blocks, points[-1].rate, interrupts)
+                if store is not None:
+                    store.write_row("meta", "beside", list(difference))
     except KeyboardInterrupt:
         if not points:
             raise
     finally:
         if new and not points:
             Path(str(file)).unlink(missing_ok=True)
-    return worn_of(mechanism.name, asked, points, apart)
+    return worn_of(mechanism.name, spec, points, difference)
+
+
+def step_difference(
+    spec: WearSpec, surfaces: Sequence[Surface], blocks: WearRunner, rate: Array, interrupts: Interrupts
+) -> tuple[float, float]:
+    """Difference of the rates of wear with half the step: of the volume of all surfaces, and of the deepest
+    place, as shares.
+
+    Both begin in the state of ``blocks``, so the scatter of their turns is part of it.
+    """
+    assembly = blocks.assembly
+    fine = assemble(
+        assembly.mechanism,
+        (assembly.choice.turn or 0.0) / (FINER * spec.steps),
+        turns=1,
+        outputs=PLACES,
+        force_step=True,
+    )
+    repetition, state = WearRunner(fine, PLACES, interrupts), blocks.state
+    repetition.restore(*restepped(state[:-1], int(state[-1]), fine))
+    repetition.shape(*(state[rows] for rows in blocks.harmonics))
+    found, _ = rates(repetition.block(spec.settle, spec.block), surfaces, spec.block)
+
+    def largest(change: Array) -> float:
+        return float(np.abs(smooth(change, max(spec.harmonics, 1))).max())
+
+    volume, deepest = float(rate.sum()), largest(rate)
+    return (
+        abs(float(found.sum()) / volume - 1.0) if volume > 0.0 else 0.0,
+        largest(found - rate) / deepest if deepest > 0.0 else 0.0,
+    )
 
 
 def load_wear(path: str | Path) -> Worn:
     """The wear in a wear file, as far as it is known. Raises RunFileError for any other file."""
     with WearFile.open(Path(path)) as file:
-        said, points, apart = file.spec, file.points(), file.companion_difference
+        stored, points, difference = file.spec, file.points(), file.companion_difference
     again = "Give the command that made it again: it computes what is gone."
     if not points:
         why = (
@@ -164,11 +175,11 @@ def load_wear(path: str | Path) -> Worn:
         )
         raise RunFileError(f"{path}: {why}. {again}")
     warn_of_damage(Path(path), "wear", file.damage, again)
-    return worn_of(said["name"], WearSpec(**said["asked"]), points, apart)
+    return worn_of(stored["name"], WearSpec(**stored["asked"]), points, difference)
 
 
-def wearing_surfaces(mechanism: Mechanism, asked: WearSpec) -> list[Surface]:
-    """The surfaces that wear. Raises ModelError with all that is wrong with them or with what is asked."""
+def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:
+    """The surfaces that wear. Raises ModelError with all that is wrong with them or with what is spec."""
     surfaces, faults = surfaces_of(mechanism), []
     if turn_of(mechanism) is None:
         faults.append(
@@ -192,23 +203,23 @@ def wearing_surfaces(mechanism: Mechanism, asked: WearSpec) -> list[Surface]:
             )
         )
     for name, low in (("turns", 1.0), ("block", 1), ("settle", 1), ("harmonics", 0)):
-        if not (value := getattr(asked, name)) >= low:
+        if not (value := getattr(spec, name)) >= low:
             faults.append(Fault(name, "too small", f"{value:g}", f"at least {low:g}", "give more"))
-    if not 0.0 < asked.tolerance <= 1.0:
+    if not 0.0 < spec.tolerance <= 1.0:
         faults.append(
             Fault(
                 "tolerance",
                 "out of range",
-                f"{asked.tolerance:g}",
+                f"{spec.tolerance:g}",
                 "a share above 0 and up to 1",
                 "for example 0.01",
             )
         )
     largest = max((surface.clearance for surface in surfaces), default=0.0)
-    if not faults and asked.clearance is not None and asked.clearance <= largest:
+    if not faults and spec.clearance is not None and spec.clearance <= largest:
         what = "a joint has as much play from the start"
         faults.append(
-            Fault("clearance", what, f"{asked.clearance:g} m", f"above {largest:g} m", "give a larger limit")
+            Fault("clearance", what, f"{spec.clearance:g} m", f"above {largest:g} m", "give a larger limit")
         )
     if faults:
         raise ModelError(faults, mechanism.name)
@@ -216,15 +227,15 @@ def wearing_surfaces(mechanism: Mechanism, asked: WearSpec) -> list[Surface]:
 
 
 class WearSimulation:
-    """Wear under way: the blocks, and what becomes of the depths that they tell."""
+    """A wear simulation under way: blocks of turns, which give rates, and jumps between them."""
 
     def __init__(
-        self, mechanism: Mechanism, asked: WearSpec, surfaces: list[Surface], halt: Interrupts
+        self, mechanism: Mechanism, spec: WearSpec, surfaces: list[Surface], interrupts: Interrupts
     ) -> None:
-        self.asked, self.surfaces = asked, surfaces
-        model = shaped(mechanism, surfaces, asked.harmonics)
+        self.spec, self.surfaces = spec, surfaces
+        model = shaped(mechanism, surfaces, spec.harmonics)
         turn = turn_of(model) or 0.0
-        assembly = assemble(model, turn / asked.steps, turns=1, outputs=PLACES, force_step=True)
+        assembly = assemble(model, turn / spec.steps, turns=1, outputs=PLACES, force_step=True)
         if choose_loop(assembly, "auto") != "generated":
             raise ModelError(
                 [
@@ -238,94 +249,90 @@ class WearSimulation:
                 ],
                 model.name,
             )
-        self.blocks = WearRunner(assembly, PLACES, halt)
-        self.told: dict[str, Any] = {}
+        self.blocks = WearRunner(assembly, PLACES, interrupts)
+        self.block_numbers: dict[str, Any] = {}
         self.clearance = min(surface.clearance for surface in surfaces)
 
     def measure(self, change: Array) -> float:
-        """How large a change of depths is: that of the deepest place, as the geometry follows it."""
-        return float(np.abs(smooth(change, max(self.asked.harmonics, 1))).max())
+        """Size of a change of depths: that of the deepest place, as the geometry follows it."""
+        return float(np.abs(smooth(change, max(self.spec.harmonics, 1))).max())
 
     def rate(self, depth: Array) -> Array:
         """Depth (m) that a turn takes at each place of all surfaces, once they are so deep."""
-        if self.asked.harmonics:
-            self.blocks.shape(*swing(self.surfaces, depth, self.asked.harmonics, self.blocks.assembly))
-        record = self.blocks.block(self.asked.settle, self.asked.block)
-        found, spread = rates(record, self.surfaces, self.asked.block)
-        self.told = {"spread": spread, "force": loads(record, self.surfaces)}
+        if self.spec.harmonics:
+            self.blocks.shape(*harmonics_of(self.surfaces, depth, self.spec.harmonics, self.blocks.assembly))
+        record = self.blocks.block(self.spec.settle, self.spec.block)
+        found, spread = rates(record, self.surfaces, self.spec.block)
+        self.block_numbers = {"spread": spread, "force": largest_forces(record, self.surfaces)}
         return found
 
     def points(self, known: list[WearPoint], state: Array | None) -> Iterator[WearPoint]:
-        """Points after those that are known, up to the end of the turns or of a life."""
-        asked, joints = self.asked, list(dict.fromkeys(surface.joint for surface in self.surfaces))
+        """Compute the points after those ``known``, up to the end of the turns or of a life."""
+        spec, joints = self.spec, list(dict.fromkeys(surface.joint for surface in self.surfaces))
         if known and state is not None:
             self.blocks.restore(state[:-1], int(state[-1]))
-            told = known[-1].told
-            if told["ended"]:
+            numbers = known[-1].numbers
+            if numbers["ended"]:
                 return
-            here, last = Standing(told["turns"], known[-1].depth, known[-1].rate, told["next"]), told
+            here, last = Standing(numbers["turns"], known[-1].depth, known[-1].rate, numbers["next"]), numbers
         else:
             depth = np.zeros((len(self.surfaces), PLACES))
             rate = self.rate(depth)
             change = self.measure(rate)
-            here = Standing(
-                0.0, depth, rate, FIRST * self.clearance / change if change > 0.0 else asked.turns
-            )
-            last = self.say(here, joints)
-            last["ended"] = over(asked, last, None)
+            here = Standing(0.0, depth, rate, FIRST * self.clearance / change if change > 0.0 else spec.turns)
+            last = self.row(here, joints)
+            last["ended"] = life_end(spec, last, None)
             yield WearPoint(here.depth, here.rate, last)
         tolerance, reach = (
-            share * self.clearance for share in (asked.tolerance, REACH if asked.harmonics else np.inf)
+            share * self.clearance for share in (spec.tolerance, REACH if spec.harmonics else np.inf)
         )
         if last["ended"]:
             return
-        for there in jumps(self.rate, here, asked.turns, tolerance, self.measure, reach):
-            there = self.cut(here, there)
-            told = self.say(there, joints)
-            told["ended"] = over(asked, told, last)
-            yield WearPoint(there.depth, there.rate, told)
-            if told["ended"]:
+        for there in jumps(self.rate, here, spec.turns, tolerance, self.measure, reach):
+            there = self.limited(here, there)
+            numbers = self.row(there, joints)
+            numbers["ended"] = life_end(spec, numbers, last)
+            yield WearPoint(there.depth, there.rate, numbers)
+            if numbers["ended"]:
                 return
-            here, last = there, told
+            here, last = there, numbers
 
     def forecast(self, point: WearPoint, file: str | Path | None) -> Forecast:
         """The forecast of what is left after a point: jumps at its rate, each with a block in the middle and
         one at its end.
         """
-        asked, told = self.asked, point.told
-        blocks, size, left = 2 * FINER, float(told["next"]), asked.turns - told["turns"]
-        reach = (
-            REACH * self.clearance / max(self.measure(point.rate), 1e-300) if asked.harmonics else math.inf
-        )
-        while left > 0.0 and not told["ended"] and blocks < MOST_BLOCKS:
+        spec, numbers = self.spec, point.numbers
+        blocks, size, left = 2 * FINER, float(numbers["next"]), spec.turns - numbers["turns"]
+        reach = REACH * self.clearance / max(self.measure(point.rate), 1e-300) if spec.harmonics else math.inf
+        while left > 0.0 and not numbers["ended"] and blocks < MOST_BLOCKS:
             size = min(max(size, LEAST), reach)
             left, size, blocks = left - size, GROW * size, blocks + 2
-        steps = (asked.settle + asked.block) * asked.steps
+        steps = (spec.settle + spec.block) * spec.steps
         seconds = timed_step(self.blocks.assembly) * steps * blocks
-        count = 0 if told["ended"] else blocks
-        limited = "" if asked.clearance is None and asked.force is None else ", less where a limit is reached"
+        count = 0 if numbers["ended"] else blocks
+        limited = "" if spec.clearance is None and spec.force is None else ", less where a limit is reached"
         return Forecast("block", count, steps, seconds, disk=16.0 * point.depth.size * blocks, less="ask for fewer turns or smaller blocks",
                         note=f", if wear goes on as in its first block{limited}")  # fmt: skip
 
     def progress(self, turns: float, known: float, seconds: float) -> Progress:
         """Where the wear stands: ``turns`` of which ``known`` ones were in the file."""
-        asked, gone = self.asked, turns - known
-        most = "" if asked.clearance is None and asked.force is None else "at most "
+        spec, gone = self.spec, turns - known
+        most = "" if spec.clearance is None and spec.force is None else "at most "
         left = (
-            f", {most}{span(seconds * (asked.turns - turns) / gone)} left"
-            if gone > 0.0 and turns < asked.turns
+            f", {most}{span(seconds * (spec.turns - turns) / gone)} left"
+            if gone > 0.0 and turns < spec.turns
             else ""
         )
-        text = f"{turns:,.0f} of {asked.turns:,.0f} turns, {self.blocks.turns:,.0f} simulated{left}"
-        return Progress(turns, asked.turns, seconds, text)  # type: ignore[arg-type]
+        text = f"{turns:,.0f} of {spec.turns:,.0f} turns, {self.blocks.turns:,.0f} simulated{left}"
+        return Progress(turns, spec.turns, seconds, text)  # type: ignore[arg-type]
 
-    def cut(self, here: Standing, there: Standing) -> Standing:
-        """The jump, ended where a joint reaches the limit of play in it."""
-        limit = self.asked.clearance
+    def limited(self, here: Standing, there: Standing) -> Standing:
+        """The jump, shortened by bisection where a joint reaches its limit of clearance in it."""
+        limit = self.spec.clearance
         if (
             limit is None
             or there.after is None
-            or max(plays(self.surfaces, there.depth, self.asked.harmonics)) < limit
+            or max(clearances(self.surfaces, there.depth, self.spec.harmonics)) < limit
         ):
             return there
         low, high = 0.0, 1.0
@@ -333,7 +340,9 @@ class WearSimulation:
             middle = 0.5 * (low + high)
             reached = (
                 max(
-                    plays(self.surfaces, between(here, middle, there.size, there.after), self.asked.harmonics)
+                    clearances(
+                        self.surfaces, between(here, middle, there.size, there.after), self.spec.harmonics
+                    )
                 )
                 >= limit
             )
@@ -347,31 +356,31 @@ class WearSimulation:
             size=high * there.size,
         )
 
-    def say(self, one: Standing, joints: list[str]) -> dict[str, Any]:
-        """What a point tells beside its depths."""
-        play = plays(self.surfaces, one.depth, self.asked.harmonics)
-        return self.told | {
+    def row(self, one: Standing, joints: list[str]) -> dict[str, Any]:
+        """Numbers of a point besides its depths, as they are stored."""
+        play = clearances(self.surfaces, one.depth, self.spec.harmonics)
+        return self.block_numbers | {
             "turns": one.turns, "next": one.next, "size": one.size, "error": one.error, "refused": one.refused, "joints": joints, "play": play,
-            "sharp": sharpness(self.surfaces, one.depth, self.asked.harmonics), "simulated": self.blocks.turns,
+            "sharp": sharpness(self.surfaces, one.depth, self.spec.harmonics), "simulated": self.blocks.turns,
         }  # fmt: skip
 
 
-def over(asked: WearSpec, told: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:
-    """Why a life ends here, after how many turns; nothing where it does not. Between two points a force
-    changes evenly.
+def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:
+    """Joint, limit and turns of a life that ends here, else nothing. Between two points a force is
+    interpolated.
     """
-    for joint, play, force in zip(told["joints"], told["play"], told["force"], strict=True):
-        if asked.clearance is not None and play >= asked.clearance * (1.0 - 1e-9):
-            return {"turns": told["turns"], "joint": joint, "by": "clearance"}
-        if asked.force is not None and force >= asked.force:
-            before = 0.0 if last is None else last["force"][told["joints"].index(joint)]
-            share = 1.0 if last is None else (asked.force - before) / (force - before)
-            begin = told["turns"] if last is None else last["turns"]
-            return {"turns": begin + share * (told["turns"] - begin), "joint": joint, "by": "force"}
+    for joint, play, force in zip(numbers["joints"], numbers["play"], numbers["force"], strict=True):
+        if spec.clearance is not None and play >= spec.clearance * (1.0 - 1e-9):
+            return {"turns": numbers["turns"], "joint": joint, "by": "clearance"}
+        if spec.force is not None and force >= spec.force:
+            before = 0.0 if last is None else last["force"][numbers["joints"].index(joint)]
+            share = 1.0 if last is None else (spec.force - before) / (force - before)
+            begin = numbers["turns"] if last is None else last["turns"]
+            return {"turns": begin + share * (numbers["turns"] - begin), "joint": joint, "by": "force"}
     return {}
 
 
-def loads(record: Record, surfaces: list[Surface]) -> list[float]:
+def largest_forces(record: Record, surfaces: list[Surface]) -> list[float]:
     """Largest force (N) of each joint that wears, over a record."""
     window = np.arange(len(record.steps)) > 0
     found = largest_loads(record, window)

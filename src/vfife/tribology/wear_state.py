@@ -52,16 +52,16 @@ class Surface:
 
 @dataclass(frozen=True)
 class WearSpec:
-    """What is asked of wear: see :func:`~vfife.tribology.simulate_wear.wear`; ``steps`` in a turn."""
+    """Arguments of :func:`~vfife.wear`; ``steps`` in a turn."""
 
     model: str
     turns: float
-    block: int
-    settle: int
-    tolerance: float
-    harmonics: int
-    clearance: float | None
-    force: float | None
+    block: int = 4
+    settle: int = 4
+    tolerance: float = 0.01
+    harmonics: int = 8
+    clearance: float | None = None
+    force: float | None = None
     steps: int = 0
 
 
@@ -240,7 +240,9 @@ def profiles(found: Sequence[Surface], depth: Array, harmonics: int) -> list[tup
     return list(zip(cosines, sines, strict=True))
 
 
-def swing(found: Sequence[Surface], depth: Array, harmonics: int, assembly: Assembly) -> tuple[Array, Array]:
+def harmonics_of(
+    found: Sequence[Surface], depth: Array, harmonics: int, assembly: Assembly
+) -> tuple[Array, Array]:
     """Cosines and sines of all profiles in the order in which an assembly has them."""
     known = {
         (one.joint, one.side): pair
@@ -274,7 +276,7 @@ def rates(record: Record, found: Sequence[Surface], turns: int) -> tuple[Array, 
     return depth, spread
 
 
-def plays(found: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
+def clearances(found: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
     """Play (m) of each joint: its clearance and the deepest places of its surfaces, as the geometry has them."""
     whole = smooth(depth, max(harmonics, 1)) + np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
     play = {one.joint: one.clearance for one in found}
@@ -293,7 +295,7 @@ def sharpness(found: Sequence[Surface], depth: Array, harmonics: int) -> float:
         s, c = sincos(np.outer(ANGLES, k))
         second = times(c, k * k * cosines) + times(s, k * k * sines)
         bent[one.joint] = bent.get(one.joint, 0.0) + float(second.max())
-    play = dict(zip(bent, plays(found, depth, harmonics), strict=True))
+    play = dict(zip(bent, clearances(found, depth, harmonics), strict=True))
     return max(bent[joint] / play[joint] for joint in bent)
 
 
@@ -301,13 +303,13 @@ def worn_of(name: str, asked: WearSpec, points: Sequence[WearPoint], beside: Seq
     """What the points tell."""
     found = surfaces_of(loads(asked.model))
     own = np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
-    told = [point.told for point in points]
+    numbers = [point.numbers for point in points]
     column = {
-        key: np.array([one[key] for one in told])
+        key: np.array([one[key] for one in numbers])
         for key in ("turns", "play", "force", "error", "spread", "sharp")
     }
     return Worn(
-        name, asked, tuple(found), tuple(told[0]["joints"]), column["turns"], np.stack([own + point.depth for point in points]),
+        name, asked, tuple(found), tuple(numbers[0]["joints"]), column["turns"], np.stack([own + point.depth for point in points]),
         np.stack([point.rate for point in points]), column["play"], column["force"], column["error"], column["spread"], column["sharp"],
-        told[-1]["simulated"], told[-1]["ended"], tuple(beside),
+        numbers[-1]["simulated"], numbers[-1]["ended"], tuple(beside),
     )  # fmt: skip

@@ -56,7 +56,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     from ...report import check as described
     from ...simulation.simulate import repeated
     from ...simulation.start import expected_forces, first_contact_steps, ideal_of, referred
-    from ...solvers.companions import number
+    from ...solvers.companions import companion_count
     from ...solvers.transient import choose_loop
 
     seen = outlook(mechanism)
@@ -66,7 +66,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
     assembly = assemble(mechanism, expected=expected, contact_steps=begin)
     choice, again = assembly.choice, repeated(assembly, mechanism.settings.companions)
-    companions = number(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
+    companions = companion_count(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
     cost = run_cost(assembly, ideal, companions=companions, refined=again)
     return {
         "model": mechanism.name,

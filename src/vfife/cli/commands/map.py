@@ -324,7 +324,7 @@ def looked_at(
 
 def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
     """Numbers of a start: "own", or PATH=VALUE, PATH=VALUE. Raises ValueError."""
-    from ...dynamics.starts import unit_of_start
+    from ...dynamics.start_states import unit_of_start
     from ...units import number
 
     found: dict[str, float] = {}
@@ -346,8 +346,8 @@ def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> tuple
     """A number of the model, or of a start too (``starts``), with its range (SI): PATH=LOW..HIGH. Raises
     ValueError.
     """
-    from ...dynamics.section_series import unit_at
-    from ...dynamics.starts import unit_of_start
+    from ...dynamics.maps import unit_at
+    from ...dynamics.start_states import unit_of_start
     from ...units import ends_of, number
 
     path, sign, span = (part.strip() for part in text.partition("="))

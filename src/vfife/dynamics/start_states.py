@@ -20,7 +20,8 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..numerics.scalar import hypot
-from .section_series import stepped, unit_at
+from .maps import unit_at
+from .turn_steps import with_steps
 
 Array = NDArray[np.float64]
 CRANK = "start.crank"
@@ -50,7 +51,7 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str:
     return unit_at(mechanism, path)
 
 
-def spoken(numbers: Iterable[tuple[str, float]]) -> str:
+def start_words(numbers: Iterable[tuple[str, float]]) -> str:
     """Numbers of a start in words."""
     units = {CRANK: "rad"}
     return ", ".join(
@@ -84,7 +85,7 @@ def refuse_contradiction(mechanism: Mechanism, paths: Iterable[str]) -> None:
 
 
 @dataclass
-class Starts:
+class StartStates:
     """Starts of a mechanism, assembled with so many ``steps`` in a turn."""
 
     mechanism: Mechanism
@@ -116,7 +117,7 @@ class Starts:
         rest = [(path, value) for path, value in numbers.items() if path not in own]
         model = loads(self.text, set=rest) if rest else self.mechanism
         if not own:
-            return stepped(model, self.steps)
+            return with_steps(model, self.steps)
         turn = turn_of(model) or 0.0
         at, rate = self.journals(model, own)
         time = own.get(CRANK, 0.0) / (2.0 * math.pi) * turn

@@ -1,0 +1,475 @@
+"""What all maps have in common: results, keywords, the file that an interrupted map is continued from,
+series, and the forecast.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from itertools import product, takewhile
+from pathlib import Path
+from typing import Any, ClassVar, Self, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.assembled import Assembly
+from ..errors import Fault, ModelError, VfifeError, suggestion
+from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_step
+from ..job.job import job_of
+from ..model.above import NotebookDocument
+from ..model.functions import turn_of
+from ..model.mechanism import Mechanism
+from ..modelfile import dump, loads
+from ..modelfile.parameter import Parameter, numbers
+from ..results.view import View, standing
+from ..schema import Measure
+from ..solvers.lyapunov import steps_of_turn
+from ..solvers.record import Record
+from ..solvers.tangents import Neighbours
+from ..solvers.turn_runner import TurnRunner, carried_on
+from ..store.mapfile import MapFile, locked_file
+from .turn_steps import step_count, with_steps
+
+Array = NDArray[np.float64]
+Range = tuple[str, float, float]  # path of a number, its lowest and its highest value (SI)
+
+
+# -------------------------------------------------------------------------------------------------------------- results
+
+
+class MapSpec:
+    """Base of the specifications of maps: frozen dataclasses whose first field is ``model``, the text of the
+    model.
+    """
+
+    @classmethod
+    def of(cls, stored: Mapping[str, Any]) -> Self:
+        """The specification in a map file, with tuples for the lists of JSON."""
+
+        def nested(value: Any) -> Any:
+            return tuple(map(nested, value)) if isinstance(value, list) else value
+
+        return cls(**{key: nested(value) for key, value in stored.items()})
+
+
+@dataclass(frozen=True)
+class Map(NotebookDocument):
+    """A map, as far as it is computed: the ``name`` of the model, and the specification ``asked``."""
+
+    kind: ClassVar[str]  # in map files
+    name: str
+    asked: Any
+
+    @property
+    def laws(self) -> str:
+        """Contact and friction laws of the model in words, joint by joint where they differ."""
+        joints: dict[str, list[str]] = {}
+        for name, joint in loads(self.asked.model).contacts.items():
+            joints.setdefault(f"contact {joint.contact.name}, friction {joint.friction.name}", []).append(
+                name
+            )
+        parts = [
+            words if len(joints) == 1 else f"{', '.join(names)}: {words}" for words, names in joints.items()
+        ]
+        return "; ".join(parts) or "no contacts"
+
+
+# -------------------------------------------------------------------------------------------------------------- running
+
+
+def with_defaults(options: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
+    """Keywords of a map and their defaults."""
+    return {**defaults, **options}
+
+
+class RunOptions(TypedDict, total=False):
+    """Keywords of all maps."""
+
+    turns: int
+    series: Sequence[str]
+    step: float | None
+    file: str | Path | None
+    progress: Callable[[int, int], None] | None
+    confirm: bool
+
+
+class MapOptions(RunOptions, total=False):
+    """Keywords of maps that look at a motion once a turn."""
+
+    dropped: int | None
+    phase: float
+
+
+@dataclass
+class MapRun:
+    """The computation of a map by the public function ``caller``, with its keywords.
+
+    ``turns`` are simulated; ``step`` (s) is the largest step; ``file`` keeps what is computed.
+    """
+
+    caller: str
+    turns: int
+    series: Sequence[str] = ()
+    step: float | None = None
+    file: str | Path | None = None
+    progress: Any = None
+    confirm: bool = False
+
+    def __post_init__(self) -> None:
+        report, self.series = self.progress, tuple(self.series)
+        self.job = job_of(
+            self.caller, self.file, self.confirm, report, lambda one: report(one.done, one.steps)
+        )
+
+    def begin(self, work: MapWork, assembly: Assembly) -> None:
+        """Compare the forecast of the work with this machine."""
+        self.job.begin(work.forecast(assembly, self.file))
+
+    @contextmanager
+    def rows(self, kind: type[Map], name: str, asked: MapSpec, what: str = "this map") -> Iterator[MapRows]:
+        """The rows of a map of this kind while it is computed. Ctrl-C ends that quietly, unless nothing is
+        known.
+        """
+        with (
+            self.job,
+            locked_file(
+                MapFile, self.file, {"what": kind.kind, "name": name, "asked": vars(asked)}, what
+            ) as file,
+        ):
+            found = MapRows(file)
+            try:
+                yield found
+            except KeyboardInterrupt:
+                if not any(len(row[0]) for row in found.known.values()):
+                    raise
+
+
+@dataclass
+class TurnRun(MapRun):
+    """The computation of a map that looks at motions once a turn, at a ``phase`` (1) of it.
+
+    The first turns are ``dropped``: not looked at. Unless their number is given they are ``dropped_share``
+    (1) of all.
+    """
+
+    dropped: Any = None
+    phase: float = 0.0
+    dropped_share: float = 2 / 3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.dropped is None:
+            self.dropped = self.turns - max(1, round((1.0 - self.dropped_share) * self.turns))
+
+    def step_count(self, models: Sequence[Mechanism]) -> int:
+        """Steps in a turn of all models. Raises ModelError if there are no turns, or none is left to look at."""
+        faults = []
+        if turn_of(models[0]) is None:
+            what = "no crank turns at constant speed, so there is no turn to look at once"
+            faults.append(Fault("driver", what, "", "", "drive a body"))
+        if not 0 <= self.dropped < self.turns:
+            limit = f"0 to {self.turns - 1}"
+            faults.append(
+                Fault("dropped", "no turn is left to look at", str(self.dropped), limit, "drop fewer turns")
+            )
+        if faults:
+            raise ModelError(faults, models[0].name)
+        return step_count(models, self.step, search=True)
+
+    def work(self, noun: str, cases: int, steps: int, lanes: int, **options: Any) -> MapWork:
+        """The work of these turns; ``options`` are further fields of :class:`MapWork`."""
+        options = {"numbers": len(self.series or (1, 1)) + 1, **options}
+        return MapWork(noun, cases, self.turns, self.dropped, steps, lanes, **options)
+
+
+@dataclass
+class MapRows:
+    """Rows of a map: those in its file, if it has one, and all that are added; ``known`` by their numbers."""
+
+    file: MapFile | None
+    known: dict[int, Any] = field(default_factory=dict)
+
+    def legs(self, gaps: bool) -> dict[int, tuple[Array, Array]]:
+        """Points and growth of the rows in the file; with ``gaps`` also those after a missing one."""
+        return {} if self.file is None else self.file.legs(gaps)
+
+    def array(self, key: str) -> Array | None:
+        """An array in the file."""
+        return None if self.file is None else self.file.array(key)
+
+    def write(self, table: str, key: str | int, *values: Any) -> None:
+        """Write a row into the file, if there is one."""
+        if self.file is not None:
+            self.file.write_row(table, key, *values)
+
+
+# --------------------------------------------------------------------------------------------------------------- models
+
+
+def models_along(mechanism: Mechanism, ranges: Sequence[Range]) -> list[Mechanism]:
+    """The model at every corner and in the middle of ``ranges``; itself if all of them are of its start."""
+    text, own = dump(mechanism), [one for one in ranges if not one[0].startswith("start.")]
+    paths = [path for path, _, _ in own]
+    places = [
+        *product(*((low, high) for _, low, high in own)),
+        tuple(0.5 * (low + high) for _, low, high in own),
+    ]
+    return [loads(text, set=list(zip(paths, place, strict=True))) for place in places] if own else [mechanism]
+
+
+def unit_at(mechanism: Mechanism, path: str) -> str:
+    """Unit of the number at a path. Raises ValueError for a path that leads to no number."""
+    try:
+        number = Parameter(mechanism, path)
+    except Fault as fault:
+        raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
+    if not isinstance(number.field, Measure):
+        parts = path.split(".")
+
+        def common(name: str) -> int:
+            return sum(
+                1
+                for _ in takewhile(lambda both: both[0] == both[1], zip(name.split("."), parts, strict=False))
+            )
+
+        known = sorted(numbers(mechanism), key=common, reverse=True)
+        raise ValueError(f"{path}: this is no number of the model; {suggestion(path, known, 'name one')}")
+    return number.unit
+
+
+# The difference between two neighbouring motions begins as that of a number changed by this share of itself.
+NEAR = 1e-6
+# Numbers that move no pin; the first of these endings is tried first.
+LIKELY = (".clearance", ".coefficient", ".restitution", ".damping", ".stiffness", ".mass", ".inertia")
+
+
+def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbours:
+    """Two models that differ a little in a number which moves no pin: the difference of their motions is
+    followed.
+
+    Raises ModelError if there is no such number.
+    """
+    known = {path: value for path, value in numbers(mechanism).items() if value}
+    rank = {
+        path: next((k for k, end in enumerate(LIKELY) if path.endswith(end)), len(LIKELY)) for path in known
+    }
+    for path in sorted(rank, key=rank.__getitem__):
+        value = known[path]
+        with suppress(VfifeError):
+            number = Parameter(mechanism, path)
+            up, down = (with_steps(number.set(value * (1.0 + sign * NEAR)), steps) for sign in (1.0, -1.0))
+            moves = np.abs(up.state - down.state)[first.layout.of("parameter")].any()
+            if moves and carried_on(first, up) is None and carried_on(first, down) is None:
+                return Neighbours(up, down, 2.0 * NEAR * value)
+    what = "none of its numbers can be changed a little, so no motion nearby is known"
+    raise ModelError([Fault("model", what)], mechanism.name)
+
+
+# --------------------------------------------------------------------------------------------------------------- series
+
+# Turns, and outputs of each, by which series are compared.
+PROBE_TURNS, PROBE_OUTPUTS = 2, 36
+# A series varies if its range exceeds this share of the largest value of its kind. Sums in another order
+# change the last ten bits at most.
+VARIATION = 1e-6
+# Series of a body, by kinds that have one unit. Places distinguish potential wells, speeds do not if the body
+# rests there.
+MOTIONS = (("angular_velocity",), ("x", "y"))
+
+
+def chosen_series(first: Assembly, series: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The series given, or else the default ones, and their units. Raises ModelError for an unknown name."""
+    return checked_series(first, tuple(series) or default_series(first))
+
+
+def checked_series(first: Assembly, series: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Series and their units. Raises ModelError for an unknown name."""
+    start = standing(first)
+    refuse_unknown(
+        "series",
+        series,
+        list(start.series),
+        "the mechanism has none of this name",
+        "name one that it has",
+        first,
+    )
+    return series, tuple(start.series.column(name).unit for name in series)
+
+
+def refuse_unknown(
+    where: str, names: Sequence[str], known: Sequence[str], what: str, otherwise: str, model: Assembly
+) -> None:
+    """Raises ModelError with all names that are not known, each with the most similar name, or what to do
+    ``otherwise``.
+    """
+    wrong = [
+        Fault(where, what, name, "", suggestion(name, known, otherwise))
+        for name in names
+        if name not in known
+    ]
+    if wrong:
+        raise ModelError(wrong, model.mechanism.name)
+
+
+def default_series(assembly: Assembly) -> tuple[str, ...]:
+    """Choose series that vary in the first turns of a motion.
+
+    These are the penetration and the largest force at the first contact of which both vary. If there is none,
+    it is the angular velocity of the last body, or, if that is constant, the place or speed of a body with
+    the largest range as a share of the largest of its kind. A body that a driver turns counts only if nothing
+    else varies.
+    """
+    bodies, known = list(assembly.bodies), set(standing(assembly).series)
+    contacts = zip(assembly.contacts, assembly.contact_joints, strict=True)
+    pairs = [(f"{contact}.penetration", f"{joint}.force_max") for contact, joint in contacts]
+    journals = [pair for pair in pairs if known.issuperset(pair)]
+    kinds = [
+        [name for body in bodies for what in kind if (name := f"{body}.{what}") in known] for kind in MOTIONS
+    ]
+    found = variations(assembly, [*((name,) for pair in journals for name in pair), *kinds])
+    for pair in journals:
+        if all(found[name] > VARIATION for name in pair):
+            return pair
+    last = f"{bodies[-1]}.angular_velocity"
+    if found.get(last, 0.0) > VARIATION:
+        return (last,)
+    moving = [name for kind in kinds for name in kind if found[name] > VARIATION]
+    free = [name for name in moving if name.rpartition(".")[0] not in assembly.mechanism.drivers]
+    return (max(free or moving, key=found.__getitem__, default=last),)
+
+
+def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, float]:
+    """Range of each series over the first turns, as a share of the largest absolute value of its kind; 0 if
+    it is not finite.
+    """
+    kinds = [list(kind) for kind in kinds]
+    names = [name for kind in kinds for name in kind]
+    motion, every = TurnRunner([assembly]), max(1, steps_of_turn(assembly) // PROBE_OUTPUTS)
+    motion.runner.advance(1, 1)
+    rows = motion.record(every, PROBE_TURNS * PROBE_OUTPUTS)[:, :, 0]
+    values = dict(zip(names, series_values(assembly, motion.kept, rows, names, every).T, strict=True))
+    found = {}
+    for kind in kinds:
+        size = max((float(np.abs(values[name]).max()) for name in kind), default=0.0)
+        for name in kind:
+            share = float(np.ptp(values[name])) / size if size > 0.0 else 0.0
+            found[name] = share if np.isfinite(share) else 0.0
+    return found
+
+
+def series_values(
+    assembly: Assembly, kept: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int
+) -> Array:
+    """Values of series once a turn of so many steps, shape (turns, series), from rows of the state, shape
+    (turns, kept).
+    """
+    found = np.zeros((len(rows), len(series)))
+    if len(rows):
+        view = View(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, kept))
+        for j, name in enumerate(series):
+            found[:, j] = view.series.column(name).values
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------------- forecast
+
+# Time of a step in which contact onsets are recorded, over that of a step in which they are not.
+IMPACTS = 1.8
+# Steps of both companions of a case, over its own.
+COMPANION_STEPS = 2.8
+# Bytes of a map file, over those of its numbers.
+COMPRESSED = 0.8
+# Time (s) to assemble a start and to classify its motion, and where the crank is turned to the start first.
+START, TURNED_START = 0.02, 0.06
+# Turns in which a small difference turns into the direction in which it grows most.
+ALIGNING = 10
+
+
+@dataclass(frozen=True)
+class MapWork:
+    """What a map computes: ``cases`` of ``turns`` with ``steps`` each, the first turns ``dropped``, in
+    ``lanes`` side by side.
+
+    ``numbers`` of each turn are kept; ``companions`` cases are repeated with other steps; ``growth``: a small
+    difference is followed; ``impacts``: onsets of contact are searched for; ``start``: time (s) to assemble
+    one; ``first_look``: cases and turns of a quick try.
+    """
+
+    noun: str
+    cases: int
+    turns: int
+    dropped: int
+    steps: float
+    lanes: int
+    numbers: float
+    companions: int = 0
+    growth: bool = True
+    impacts: bool = False
+    start: float = START
+    first_look: tuple[int, int] = (0, 0)
+
+    def turns_of_one(self) -> float:
+        """Turns of a single lane that take as long as a case, with all cores at work."""
+        if self.lanes not in TANGENTS:  # a stream of runs, as in a study
+            return self.turns * LANES[8] / (cores() * self.lanes)
+        plain, derived = LANES[self.lanes], TANGENTS[self.lanes]
+        before = max(0, self.dropped - ALIGNING) if self.growth else self.turns
+        first, second = plain * before, derived * (self.turns - before)
+        if (
+            self.lanes == 2
+        ):  # a second thread follows the differences of two cases at once, while the motion goes on
+            second = 0.5 * TANGENTS[4] * (self.turns - before)
+            return max(plain * self.turns, second) if cores() > 1 else plain * self.turns + second
+        if self.lanes == 1:
+            return first + max(second, IMPACTS * (self.turns - self.dropped) * self.impacts)
+        return (first + second) / (self.lanes * cores())
+
+    def brief(self) -> MapWork:
+        """A quick try of the same: fewer cases of fewer turns."""
+        cases, turns = self.first_look
+        return replace(
+            self, cases=min(self.cases, cases), turns=turns, dropped=self.dropped * turns // self.turns
+        )
+
+    def forecast(self, assembly: Assembly, file: str | Path | None) -> Forecast:
+        """Forecast of the cases that the file does not have; the time of a step is measured if there is much
+        to do.
+        """
+        cost, left = run_cost(assembly), max(self.cases - known_cases(file), 0)
+        seconds = self._seconds(step := 1e-9 * cost.ns_per_step, left)
+        if seconds > WORTH and cost.loop == "generated":
+            seconds = self._seconds(step := timed_step(assembly), left)
+        size = COMPRESSED * 8 * (self.turns - self.dropped) * self.numbers
+        size += (
+            8 * assembly.layout.rows * self.lanes * (self.lanes < 3)
+        )  # the state from which the next case goes on
+        brief = self.brief()
+        first = brief._seconds(step, brief.cases) if left == self.cases and brief.turns else math.inf
+        threads = min(cores(), 2) if self.lanes < 3 else cores()
+        return Forecast(
+            self.noun,
+            left,
+            self.steps * self.turns,
+            seconds,
+            disk=size * left,
+            threads=threads,
+            first_look=first,
+        )
+
+    def _seconds(self, step: float, left: int) -> float:
+        each = step * self.steps * self.turns_of_one() + self.start * (self.lanes > 2) / cores()
+        return each * (left + COMPANION_STEPS * min(self.companions, left))
+
+
+def known_cases(file: str | Path | None) -> int:
+    """Number of cases in a map file."""
+    if file is None or not Path(file).exists():
+        return 0
+    try:
+        with MapFile.open(Path(file)) as known:
+            return len(known.keys("legs"))
+    except VfifeError:  # reported when the map is continued
+        return 0
