@@ -11,9 +11,9 @@ import vfife
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.load_map import load_map
 from vfife.dynamics.maps import unit_at
-from vfife.dynamics.turn_steps import step_count
 from vfife.errors import ModelError, VfifeError
 from vfife.modelfile import load
+from vfife.simulation.turn_steps import step_count
 
 EXAMPLES = "examples"
 SPEED = 20.0

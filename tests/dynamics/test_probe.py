@@ -8,16 +8,16 @@ import pytest
 import vfife
 from mechanisms import snapping
 from vfife.assembly.assemble import assemble
-from vfife.dynamics import turn_steps
 from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.maps import TurnRun, default_series, models_along, variations
 from vfife.dynamics.sections import poincare_section
 from vfife.dynamics.start_states import StartStates, refuse_contradiction
-from vfife.dynamics.turn_steps import SEARCH_TURNS, run_step, step_count
 from vfife.errors import ModelError
 from vfife.modelfile import load
 from vfife.results.view import standing
+from vfife.simulation import turn_steps
+from vfife.simulation.turn_steps import SEARCH_TURNS, run_step, step_count
 
 LOOSE, GUIDE = "examples/slider_crank_loose_pin.toml", "examples/slider_crank_loose_guide.toml"
 
@@ -77,9 +77,9 @@ def test_the_step_of_a_sweep_is_the_finest_of_ends_and_middle(monkeypatch) -> No
 
 
 def test_what_is_not_written_out_is_refused_before_it_is_run(monkeypatch) -> None:
-    monkeypatch.setattr("vfife.dynamics.turn_steps.choose_loop", lambda *_: "data-driven")
+    monkeypatch.setattr("vfife.simulation.turn_steps.choose_loop", lambda *_: "data-driven")
     monkeypatch.setattr(
-        "vfife.dynamics.turn_steps.carry_out", lambda *_: pytest.fail("a large frame takes minutes")
+        "vfife.simulation.turn_steps.carry_out", lambda *_: pytest.fail("a large frame takes minutes")
     )
     with pytest.raises(ModelError, match="not swept"):
         run_step(light())

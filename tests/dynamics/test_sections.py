@@ -11,10 +11,10 @@ import vfife
 from vfife.dynamics.load_map import load_map
 from vfife.dynamics.sections import poincare_section
 from vfife.dynamics.start_states import StartStates
-from vfife.dynamics.turn_steps import with_steps
 from vfife.errors import ModelError, VfifeError
 from vfife.laws import Frictionless, LankaraniNikravesh
 from vfife.modelfile import load
+from vfife.simulation.turn_steps import with_steps
 from vfife.solvers.impact_section import COLUMNS, ImpactSection
 from vfife.solvers.turn_runner import TurnRunner, restepped
 

@@ -1,3 +1,1 @@
-"""What a motion is over values: bifurcation diagrams, sections, basins, waterfalls, and the companions that
-say so.
-"""
+"""Maps of motions: bifurcation diagrams, Poincaré sections, basins of attraction, waterfalls."""

@@ -20,6 +20,7 @@ from ..measures.chaos import ALIKE_POINTS as ALIKE
 from ..measures.chaos import Attractor, Verdict, attractors, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
+from ..simulation.turn_steps import refuse_large_frame
 from ..solvers.turn_runner import Start
 from ..store.mapfile import MapFile
 from .maps import (
@@ -36,7 +37,6 @@ from .maps import (
 )
 from .start_states import StartStates, refuse_contradiction, unit_of_start
 from .step_check import SAMPLE, CheckedMap, Companion, orbits, packed, sampled, start_companions, unpacked
-from .turn_steps import refuse_large_frame
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -21,6 +21,7 @@ from ..measures.chaos import Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
+from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start, Sweep, carried_on, side_by_side
 from ..store.mapfile import MapFile
@@ -48,7 +49,6 @@ from .step_check import (
     start_companions,
     unpacked,
 )
-from .turn_steps import refuse_large_frame, with_steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

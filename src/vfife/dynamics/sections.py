@@ -17,6 +17,7 @@ from ..files import write_rows
 from ..measures.chaos import Exponent, Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
+from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.impact_section import COLUMNS, Sectioning
 from ..store.mapfile import MapFile
 from .maps import (
@@ -31,7 +32,6 @@ from .maps import (
     series_values,
     with_defaults,
 )
-from .turn_steps import refuse_large_frame, with_steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

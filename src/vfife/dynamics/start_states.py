@@ -20,8 +20,8 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..numerics.scalar import hypot
+from ..simulation.turn_steps import with_steps
 from .maps import unit_at
-from .turn_steps import with_steps
 
 Array = NDArray[np.float64]
 CRANK = "start.crank"

@@ -24,13 +24,13 @@ from ..modelfile import dump, loads
 from ..results.spectra import spectrum
 from ..results.view import View, standing
 from ..simulation.simulate import prepare
+from ..simulation.turn_steps import refuse_large_frame
 from ..solvers.arguments import RunArguments
 from ..solvers.ensemble import placed
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..store.mapfile import MapFile
 from .maps import Map, MapRun, MapSpec, MapWork, RunOptions, checked_series, unit_at
-from .turn_steps import refuse_large_frame
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
-from ..dynamics.turn_steps import step_count
 from ..errors import Fault, ModelError, RunFileError
 from ..job.amounts import span
 from ..job.cost import Forecast, timed_step
@@ -25,6 +24,7 @@ from ..measures.wear import PLACES
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
+from ..simulation.turn_steps import step_count
 from ..solvers.interrupts import Interrupts
 from ..solvers.record import Record
 from ..solvers.status import Progress

@@ -12,10 +12,10 @@ from ..errors import Fault, ModelError, StepError
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
-from ..simulation.simulate import carry_out, prepare
 from ..solvers.arguments import RunArguments
 from ..solvers.status import Status
 from ..solvers.transient import choose_loop
+from .simulate import carry_out, prepare
 
 # Turns of the run that finds a step. In ten turns a run notices that its turns do not repeat and halves its
 # step less often.
