@@ -13,8 +13,7 @@ import vfife
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.compiler.runtime.runner import Runner
-from vfife.solvers.lyapunov import weights
-from vfife.solvers.tangents import Neighbours, changes, rates
+from vfife.solvers.tangents import Neighbours, changes, rates, weights
 from vfife_validation.verification.chaotic import duffing
 
 BEGINNING = 3  # turns before a difference is put in

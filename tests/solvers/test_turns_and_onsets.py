@@ -14,9 +14,8 @@ from vfife.assembly.assemble import assemble
 from vfife.solvers import repeating
 from vfife.solvers.companions import oldest_needed
 from vfife.solvers.impact_section import PER_CONTACT, WIDE, ImpactSection, Sectioning
-from vfife.solvers.lyapunov import weights
 from vfife.solvers.repeating import Comparison, distance, repeated_since, whole_outputs
-from vfife.solvers.tangents import Neighbours
+from vfife.solvers.tangents import Neighbours, weights
 from vfife.solvers.turn_runner import LANES, Orbits, Start, TurnRunner
 
 

@@ -27,9 +27,8 @@ from ..modelfile.parameter import Parameter, numbers
 from ..results.view import View, standing
 from ..schema import Measure
 from ..simulation.turn_steps import step_count, with_steps
-from ..solvers.lyapunov import steps_of_turn
 from ..solvers.record import Record
-from ..solvers.tangents import Neighbours
+from ..solvers.tangents import Neighbours, steps_of_turn
 from ..solvers.turn_runner import TurnRunner, carried_on
 from ..store.mapfile import MapFile, locked_file
 

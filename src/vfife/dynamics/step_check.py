@@ -16,9 +16,8 @@ from ..assembly.assembled import Assembly
 from ..errors import VfifeError
 from ..measures.chaos import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, exponent, verdict
 from ..simulation.turn_steps import with_steps
-from ..solvers.lyapunov import steps_of_turn
 from ..solvers.record import recorded_rows
-from ..solvers.tangents import Neighbours
+from ..solvers.tangents import Neighbours, steps_of_turn
 from ..solvers.turn_runner import Orbit, Orbits, Start, TurnRunner, restepped
 from .maps import Map, series_values
 

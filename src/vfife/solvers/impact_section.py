@@ -16,8 +16,7 @@ from ..assembly.assembled import Assembly
 from ..kernels.topology import LINE, SLOT
 from ..numerics.elementwise import atan2, sincos
 from .interrupts import Workers, one_behind
-from .lyapunov import ALIGNED, LyapunovRunner
-from .tangents import Neighbours
+from .tangents import ALIGNED, LyapunovRunner, Neighbours
 from .turn_runner import TurnRunner
 
 Array = NDArray[np.float64]

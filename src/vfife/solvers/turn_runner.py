@@ -21,9 +21,8 @@ from ..compiler.trace.tables import tables
 from ..errors import VfifeError
 from ..kernels.data_driven import change_step
 from .interrupts import ChunkSize, Interrupts, Workers, one_behind
-from .lyapunov import ALIGNED, LyapunovRunner, steps_of_turn
 from .record import Record, recorded_rows
-from .tangents import Neighbours
+from .tangents import ALIGNED, LyapunovRunner, Neighbours, steps_of_turn
 
 Array = NDArray[np.float64]
 Beside: TypeAlias = Callable[[int, Array, int, Callable[[], None]], Any]
