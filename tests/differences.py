@@ -23,7 +23,7 @@ from vfife.solvers.record import Record
 from vfife.solvers.tangents import comparable, tangents
 from vfife.solvers.transient import run
 from vfife.studies.methods.derivatives import rounding
-from vfife.studies.methods.finite_difference import Way, neighbours, placed
+from vfife.studies.methods.finite_difference import Direction, Variants
 
 WIDTHS = 1e-5, 2e-5  # of a number, on both sides
 MATTERS = 1e-2  # of the largest elasticity of a measure: smaller ones are compared with that
@@ -54,15 +54,16 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
     chosen = {
         path: value for path, value in numbers(mechanism).items() if any(fnmatchcase(path, one) for one in to)
     }
-    ways = [way for way in neighbours(text, chosen, assembly)[0] if comparable(assembly, way.near)]
+    variants = Variants(text, assembly)
+    ways = [way for way in variants.directions(chosen)[0] if comparable(assembly, way.near)]
 
     own = largest(run(assembly))
 
-    def sides(way: Way, width: float) -> dict[str, np.ndarray]:
+    def sides(way: Direction, width: float) -> dict[str, np.ndarray]:
         """Differences per unit: over both sides, and of one side less the other."""
         size = width * abs(way.value)
         more, less = (
-            largest(run(placed(text, way.path, way.value, way.value + sign * size, assembly)))
+            largest(run(variants.with_number(way.path, way.value, way.value + sign * size)))
             for sign in (1.0, -1.0)
         )
         return {

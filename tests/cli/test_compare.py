@@ -101,7 +101,7 @@ def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: py
         "--json",
     )
     whole = json.loads(command(*words, "-o", "whole").stdout)["runs"]
-    keep, asked, made, limit = Parts.keep, study.carried_out, list[str](), 2
+    keep, asked, made, limit = Parts.save, study.run_all, list[str](), 2
 
     def kept(self: Parts, one: Any, result: vfife.Result) -> None:
         made.append("")
@@ -113,8 +113,8 @@ def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: py
         left.append(len(ready))
         return asked(ready, told)
 
-    monkeypatch.setattr(Parts, "keep", kept)
-    monkeypatch.setattr(study, "carried_out", carried)
+    monkeypatch.setattr(Parts, "save", kept)
+    monkeypatch.setattr(study, "run_all", carried)
     broken: type[BaseException] = Killed
     left: list[int] = []
     with pytest.raises(Killed):
@@ -146,7 +146,7 @@ def test_a_comparison_that_was_killed_goes_on(command: Callable, monkeypatch: py
         and "--force" in refused.stderr
         and Path("out/compare.json").read_bytes() == before
     )
-    monkeypatch.setattr(Parts, "keep", keep)
+    monkeypatch.setattr(Parts, "save", keep)
     assert command(*words, "-o", "out", "--force").exit_code == 0
 
 

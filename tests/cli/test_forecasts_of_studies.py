@@ -15,16 +15,16 @@ from vfife import load
 from vfife.assembly.assemble import assemble
 from vfife.job.cost import Stream, cores
 from vfife.studies.engine.cases import streams
-from vfife.studies.forecast import Cases, one_by_one
-from vfife.studies.spec.plan import Asked, Plan
+from vfife.studies.forecast import CasesLeft, remark_on_step
+from vfife.studies.spec.plan import Plan, StudySpec
 
-ASKED = Asked("slider_crank.toml", ("O.force.max",), turns=1)
+ASKED = StudySpec("slider_crank.toml", ("O.force.max",), turns=1)
 BASE = load(ROOT / "examples" / "slider_crank.toml")
 PLAN = Plan("s", BASE, ASKED, ())
 
 
 def test_members_take_time_beside_their_steps(tmp_path: Path) -> None:
-    seconds = [Cases(PLAN, [{}], left, 0).forecast(tmp_path / "s.study").seconds for left in (0, 40, 100)]
+    seconds = [CasesLeft(PLAN, [{}], left, 0).forecast().seconds for left in (0, 40, 100)]
     assert seconds[0] == 0.0 and 0.05 < seconds[1] < 20.0, (
         "ten to a hundred members in a second are what is measured, whatever the steps"
     )
@@ -32,14 +32,14 @@ def test_members_take_time_beside_their_steps(tmp_path: Path) -> None:
 
 
 def test_a_step_that_goes_into_no_lanes_is_told_with_one_that_does(tmp_path: Path) -> None:
-    auto = Cases(PLAN, [{}], 10, 0).forecast(tmp_path / "s.study")
+    auto = CasesLeft(PLAN, [{}], 10, 0).forecast()
     turn = assemble(BASE, turns=1.0).choice.turn
     assert turn is not None
     asked = dataclasses.replace(ASKED, step=turn / 1234.5)
-    found = Cases(dataclasses.replace(PLAN, asked=asked), [{}], 10, 0).forecast(tmp_path / "s.study")
+    found = CasesLeft(dataclasses.replace(PLAN, spec=asked), [{}], 10, 0).forecast()
     assert abs(found.steps - 1234) < 10 and found.lanes == 1 < auto.lanes and not auto.remarks
     (said,) = found.remarks
-    assert said == one_by_one({turn}, asked)
+    assert said == remark_on_step({turn}, asked)
     fitting = re.search(r'step = "(\S+) s"', said)
     assert fitting is not None and not streams(assemble(BASE, asked.step, turns=1.0))
     assert float(fitting[1]) <= turn / 1234.5 and streams(assemble(BASE, float(fitting[1]), turns=1.0))

@@ -47,7 +47,7 @@ def closed(monkeypatch: pytest.MonkeyPatch) -> Closed:
     """C.force.max = v² c, and v = 100 where the speed is not varied."""
     found = Closed()
     monkeypatch.setattr(run_missing, "run_members", found)
-    monkeypatch.setattr(forecast, "LOOKED_AT", 2)  # members that are assembled to tell what all will cost
+    monkeypatch.setattr(forecast, "SOME", 2)  # members that are assembled to tell what all will cost
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     return found
 

@@ -40,7 +40,7 @@ members = 4
 def closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Closed:
     found = Closed()
     monkeypatch.setattr(run_missing, "run_members", found)
-    monkeypatch.setattr(forecast, "LOOKED_AT", 2)  # members that are assembled to tell what all will cost
+    monkeypatch.setattr(forecast, "SOME", 2)  # members that are assembled to tell what all will cost
     monkeypatch.setattr(forecast, "WORTH", math.inf)  # and none of them are run for it
     (tmp_path / "s.toml").write_text(ASKED)
     return found
@@ -84,9 +84,9 @@ def test_what_is_added_is_read_under_the_lock(
 ) -> None:
     """Two that add at once: the second is refused before it has read what the first is about to change."""
     command("study", "s.toml", "-o", "x.study", "-q")
-    with studies.locked(Path("x.study")):
+    with studies.study_lock(Path("x.study")):
         read: list[object] = []
-        monkeypatch.setattr(run_missing, "added", lambda *given: read.append(given))
+        monkeypatch.setattr(run_missing, "extended_plan", lambda *given: read.append(given))
         done = command("study", "add", "x.study", "play=0.5 mm")
     assert done.exit_code == 2 and not read and "writes this study" in done.stderr
 

@@ -19,8 +19,8 @@ import pytest
 from vfife import Study, load_model
 from vfife.studies.engine import run_missing
 from vfife.studies.engine.cases import Wanted, run_members
-from vfife.studies.engine.cluster import Answer, Question, cluster, run_batch
-from vfife.studies.engine.study_file import StudyTables
+from vfife.studies.engine.cluster import DEATHS, BatchResult, BatchTask, ClusterRunner, cluster, run_batch
+from vfife.studies.spec.study_file import StudyTables
 
 pytestmark = [
     pytest.mark.soak,
@@ -63,13 +63,15 @@ class Reaper(threading.Thread):
 
 def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(tmp_path: Path) -> None:
     plan, base = StudyTables(RAW, "study", base=load_model(BASE)).plan(), load_model(BASE)
-    with run_missing.opened(tmp_path / "own.study", run_missing.asked_of(plan), plan.numbers()) as file:
+    with run_missing.open_study(
+        tmp_path / "own.study", run_missing.description_of(plan), plan.numbers()
+    ) as file:
         assert run_missing.Engine(file, base).run()
         own = run_missing.Engine(file, base).study()
-    reaper, asked = Reaper(tmp_path / "far.study"), run_missing.asked_of(plan)
+    reaper, asked = Reaper(tmp_path / "far.study"), run_missing.description_of(plan)
     with (
         cluster("local", 2) as runner,
-        run_missing.opened(tmp_path / "far.study", asked, plan.numbers()) as file,
+        run_missing.open_study(tmp_path / "far.study", asked, plan.numbers()) as file,
     ):
         reaper.start()
         assert run_missing.Engine(file, base, runner=runner).run()
@@ -85,23 +87,22 @@ def test_workers_that_are_killed_again_and_again_lose_nothing_and_change_no_bit(
 def deadly(killer: float, folder: str) -> Any:
     """The work of a worker that one member kills. Sent by value."""
 
-    def work(asked: Question, numbers: Sequence[Any], lanes: int | None) -> Answer:
+    def work(task: BatchTask, numbers: Sequence[Any], lanes: int | None) -> BatchResult:
         if any(one["joint.C.clearance"] == killer for one in numbers):
             os.close(os.open(f"{folder}/{os.getpid()}", os.O_CREAT))
             os.kill(os.getpid(), signal.SIGKILL)
-        return run_batch(asked, numbers, lanes)
+        return run_batch(task, numbers, lanes)
 
     return work
 
 
-def test_a_member_that_kills_three_workers_is_marked_and_the_rest_finish(tmp_path: Path) -> None:
+def test_a_case_that_kills_its_workers_is_marked_and_the_rest_finish(tmp_path: Path) -> None:
     base, wanted = load_model(BASE), Wanted(("C.force.max",), 1)
     numbers = [{"joint.C.clearance": 1e-4 + 1e-6 * k} for k in range(60)]
     own = dict(run_members(base, numbers, wanted))
     with cluster("local", 2) as runner:
-        found = dict(
-            runner(base, numbers, wanted, work=deadly(numbers[31]["joint.C.clearance"], str(tmp_path)))
-        )
+        work = deadly(numbers[31]["joint.C.clearance"], str(tmp_path))
+        found = dict(ClusterRunner(runner.client, work)(base, numbers, wanted))
     assert found[31].status == "killed"
-    assert len(list(tmp_path.iterdir())) == 3
+    assert len(list(tmp_path.iterdir())) == 2 * DEATHS  # in its batch, and alone
     assert {k: one for k, one in found.items() if k != 31} == {k: one for k, one in own.items() if k != 31}

@@ -1,22 +1,22 @@
-"""Allocation of fits, where a measure is linear in the clearances, so that its quantile is known, against
-trying every choice.
-"""
+"""Allocation of fits, where a measure is linear in the clearances, so that its quantile is known, against trying every choice."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import stats
 
 from vfife.errors import Fault, VfifeError
-from vfife.studies.methods.allocation import Choice, Option, allocate, by_cost, options_of
+from vfife.studies.methods.allocation import AllocationTable, Option, allocate, by_cost, options_of
 from vfife.studies.spec.sampling import Array, Normal
 
 SLOPES = np.array([3.0, 1.0, 2.0])
+TABLE = AllocationTable("C.force.max", seed=0)
 COSTS = {"IT6": 9.0, "IT7": 5.5, "IT8": 3.2, "IT9": 2.0}
 JOINTS = [options_of("H/f", size, COSTS) for size in (0.02, 0.04, 0.012)]
 
@@ -26,9 +26,7 @@ def linear(rows: Sequence[Sequence[float]]) -> Array:
 
 
 def closed_form(options: Sequence[Option], share: float) -> float:
-    """Quantile of the sum of six truncated normal numbers, in all but name a normal one: mean and variance
-    are exact.
-    """
+    """Quantile of the sum of six truncated normal numbers, in all but name a normal one: mean and variance are exact."""
     kept = 1 - 6 * stats.norm.pdf(3) / (2 * stats.norm.cdf(3) - 1)
     mean, variance = 0.0, 0.0
     for slope, option in zip(SLOPES, options, strict=True):
@@ -40,15 +38,13 @@ def closed_form(options: Sequence[Option], share: float) -> float:
 
 @pytest.mark.parametrize("limit", [120e-6, 150e-6])
 def test_the_cheapest_is_that_of_all_choices(limit: float) -> None:
-    """Of 7³ choices, each with its closed form. A sample that shall show 99 % with confidence asks for a
-    little more than that: the choice taken keeps the limit, and no choice cheaper than it would keep it by a
-    tenth of what its play scatters.
-    """
+    """Of 7³ choices, each with its closed form. A sample that shall show 99 % with confidence asks for a little more than that: the choice taken
+    keeps the limit, and no choice cheaper than it would keep it by a tenth of what its play scatters."""
     every = sorted(
         (math.fsum(one.cost for one in options), closed_form(options, 0.99))
         for options in itertools.product(*JOINTS)
     )
-    found = allocate(JOINTS, linear, limit, 0.99, count=1000, seed=2)
+    found = allocate(JOINTS, linear, limit, replace(TABLE, count=1000, seed=2))
     assert found.choice is not None and found.estimate is not None
     assert closed_form(found.choice.options, 0.99) <= limit
     assert found.estimate.value == pytest.approx(closed_form(found.choice.options, 0.99), rel=0.02)
@@ -75,7 +71,7 @@ def test_it_is_what_trying_every_choice_finds() -> None:
     for options in itertools.product(*drawn):
         if np.count_nonzero(sum(values for _, values in options) > limit) <= allowed:
             passing.append(math.fsum(cost for cost, _ in options))
-    found = allocate(JOINTS, linear, limit, 0.95, confidence=0.9, count=count, seed=5)
+    found = allocate(JOINTS, linear, limit, replace(TABLE, share=0.95, confidence=0.9, count=count, seed=5))
     assert found.choice is not None
     assert found.choice.cost == pytest.approx(min(passing))
     assert found.failures <= allowed
@@ -90,22 +86,16 @@ def test_choices_come_by_cost_each_once() -> None:
 
 
 def test_nothing_that_keeps_the_limit_is_told() -> None:
-    heard: list[Choice] = []
-    found = allocate(
-        JOINTS[:1],
-        lambda rows: linear([[*row, 0, 0] for row in rows]),
-        1e-6,
-        told=lambda choice, bad, of: heard.append(choice),
-    )
+    found = allocate(JOINTS[:1], lambda rows: linear([[*row, 0, 0] for row in rows]), 1e-6, TABLE)
     assert found.choice is None and found.estimate is None
-    assert len(found.rejected) == len(heard) == len(JOINTS[0])
+    assert len(found.rejected) == len(JOINTS[0])
     assert found.machines < 299
 
 
 def test_a_machine_without_a_value_is_beyond_the_limit() -> None:
     option = Option("any", 1.0, Normal(1.0, 0.1))
-    assert allocate([[option]], lambda rows: np.full(len(rows), math.nan), 10.0).choice is None
-    found = allocate([[option]], lambda rows: np.ones(len(rows)), 1.0)
+    assert allocate([[option]], lambda rows: np.full(len(rows), math.nan), 10.0, TABLE).choice is None
+    found = allocate([[option]], lambda rows: np.ones(len(rows)), 1.0, TABLE)
     assert found.choice is not None and (found.failures, found.count) == (0, 299)
 
 
@@ -119,7 +109,7 @@ def test_one_of_473_may_fail_and_no_second(bad: int, taken: bool) -> None:
         asked += len(rows)
         return np.array([2.0 if k > 473 - bad else 1.0 for k in range(asked - len(rows) + 1, asked + 1)])
 
-    found = allocate([[Option("any", 1.0, Normal(1.0, 0.1))]], failing, 1.5, count=473)
+    found = allocate([[Option("any", 1.0, Normal(1.0, 0.1))]], failing, 1.5, replace(TABLE, count=473))
     assert (found.choice is not None) is taken
     assert found.machines == asked == 473
 
@@ -153,6 +143,6 @@ def test_what_is_no_option_is_refused(letters: str, costs: dict[str, float], sai
 
 def test_too_few_machines_and_too_many_choices_are_refused() -> None:
     with pytest.raises(Fault, match="too few machines"):
-        allocate(JOINTS, linear, 1.0, count=298)
+        allocate(JOINTS, linear, 1.0, replace(TABLE, count=298))
     with pytest.raises(VfifeError, match="choices of fits"):
-        allocate(JOINTS * 3, linear, 1.0)
+        allocate(JOINTS * 3, linear, 1.0, TABLE)

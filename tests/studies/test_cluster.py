@@ -1,6 +1,4 @@
-"""A real cluster of processes on this machine, of which some are killed: nothing is lost, no bit differs, who
-kills is found.
-"""
+"""A real cluster of processes on this machine, of which some are killed: nothing is lost, no bit differs, who kills is found."""
 
 from __future__ import annotations
 
@@ -18,8 +16,8 @@ import pytest
 from vfife import load_model
 from vfife.errors import VfifeError
 from vfife.studies.engine import cluster as room
-from vfife.studies.engine.cases import Outcome, Wanted, run_members
-from vfife.studies.engine.cluster import Answer, Question, cluster, on_cluster
+from vfife.studies.engine.cases import Wanted, run_members
+from vfife.studies.engine.cluster import BatchResult, BatchTask, ClusterRunner, cluster
 
 pytest.importorskip("distributed")
 
@@ -30,23 +28,21 @@ NUMBERS = [{PATH: 1e-4 + 1e-5 * k} for k in range(12)]
 
 
 @pytest.fixture(scope="module")
-def runner() -> Iterator[Callable[..., Iterator[tuple[int, Outcome]]]]:
+def runner() -> Iterator[ClusterRunner]:
     with cluster("local", 2) as found:
         yield found
 
 
-def deadly(mark: str) -> Callable[..., Answer]:
+def deadly(mark: str) -> Callable[..., BatchResult]:
     """The work of a worker that is killed once, in the first batch that finds no mark. Sent by value."""
 
-    def work(asked: Question, numbers: Sequence[Any], lanes: int | None) -> Answer:
+    def work(task: BatchTask, numbers: Sequence[Any], lanes: int | None) -> BatchResult:
         from vfife.studies.engine.cluster import run_batch
 
-        if not numbers:
-            return run_batch(asked, numbers, lanes)
         try:
             os.close(os.open(mark, os.O_CREAT | os.O_EXCL))
         except FileExistsError:
-            return run_batch(asked, numbers, lanes)
+            return run_batch(task, numbers, lanes)
         os.kill(os.getpid(), signal.SIGKILL)
         raise AssertionError
 
@@ -54,98 +50,86 @@ def deadly(mark: str) -> Callable[..., Answer]:
 
 
 @pytest.mark.slow("starts a cluster")
-def test_a_killed_worker_loses_nothing_and_changes_no_bit(runner: Any, tmp_path: Path) -> None:
+def test_a_killed_worker_loses_nothing_and_changes_no_bit(runner: ClusterRunner, tmp_path: Path) -> None:
     base = load_model(BASE)
-    found = list(runner(base, NUMBERS, WANTED, work=deadly(str(tmp_path / "mark"))))
+    found = list(ClusterRunner(runner.client, deadly(str(tmp_path / "mark")))(base, NUMBERS, WANTED))
     assert sorted(k for k, _ in found) == list(range(12))
     assert dict(found) == dict(run_members(base, NUMBERS, WANTED))
     assert all(one.status == "complete" for _, one in found)
     assert (tmp_path / "mark").exists()
 
 
-def test_a_member_that_cannot_be_assembled_is_an_outcome(runner: Any) -> None:
+def test_a_member_that_cannot_be_assembled_is_an_outcome(runner: ClusterRunner) -> None:
     found = dict(runner(load_model(BASE), [{PATH: -1.0}, {}], WANTED))
     assert [found[k].status for k in (0, 1)] == ["failed", "complete"]
 
 
-def test_a_worker_of_another_version_is_told(runner: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_of_another_version_is_told(runner: ClusterRunner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vfife.studies.engine.cluster.sources", lambda: b"other")
     with pytest.raises(VfifeError, match="another text of the step"):
         list(runner(load_model(BASE), NUMBERS, WANTED))
 
 
 class Farm:
-    """A client whose workers are names: of what is submitted ``killers`` take the worker with them, and a new
-    one comes.
-    """
+    """A client of a scheduler that gives every batch up whose case is among ``killers``, and one that waited beside such a batch."""
 
     status = "running"
 
-    def __init__(self, killers: set[int], stillborn: int = 0) -> None:
-        self.stillborn = stillborn  # workers that end before they have begun
-        self.killers, self.workers, self.killed = killers, ["w0", "w1"], list[list[int]]()
-        self.begun = 2
+    def __init__(self, killers: set[int], bystander: int = -1) -> None:
+        self.killers, self.bystander, self.threads = killers, bystander, 2
+        self.killed, self.running = list[list[int]](), set[str]()
+        self.most = 0  # batches at the workers beside one of a single case that kills
 
     def nthreads(self) -> dict[str, int]:
-        return dict.fromkeys(self.workers, 1)
+        return {"w0": self.threads} if self.threads else {}
 
-    def submit(
-        self,
-        work: Any,
-        asked: Any,
-        numbers: list[dict[str, float]],
-        lanes: Any,
-        workers: list[str],
-        pure: bool,
-    ) -> Any:
-        members = [int(one["k"]) for one in numbers]
-        busy = SimpleNamespace(
-            key=f"{workers[0]}-{members}", cancel=lambda: None, add_done_callback=lambda call: call(busy)
-        )
-        answer = Answer([{"values": {"k": float(k)}} for k in members], 1.0)
-        busy.result = lambda timeout: answer
-        if self.killers & set(members) or (not members and self.begun < self.stillborn):
-            self.killed += [members] if members else []
-            self.workers.remove(workers[0])
-            self.workers.append(f"w{self.begun}")
-            self.begun += 1
-            busy.add_done_callback = lambda call: None
-        return busy
+    def submit(self, work: Any, task: Any, numbers: list[dict[str, float]], lanes: Any, pure: bool) -> Any:
+        cases = [int(one["k"]) for one in numbers]
+        future = SimpleNamespace(key=str(cases), add_done_callback=lambda call: call(future))
+        self.running.add(future.key)
+        if len(cases) == 1 and cases[0] in {*self.killers, self.bystander}:
+            self.most = max(self.most, len(self.running))
+
+        def result(timeout: float) -> BatchResult:
+            self.running.discard(future.key)
+            if self.killers & set(cases) or (self.bystander in cases and len(cases) > 1):
+                self.killed.append(cases)
+                raise room.imported().KilledWorker(future.key, "w0", 1)
+            return BatchResult([{"values": {"k": float(k)}} for k in cases], 1.0)
+
+        future.result = result
+        return future
 
     def cancel(self, futures: Any) -> None: ...
 
 
-def test_a_member_that_kills_three_workers_is_given_up_and_the_rest_finish(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(room, "LOOK", 0.005)
-    farm, base = Farm({5, 17}, stillborn=12), load_model(BASE)
-    found = list(on_cluster(farm, base, [{"k": float(k)} for k in range(40)], WANTED))
+def test_a_case_that_kills_its_workers_is_given_up_and_the_rest_finish() -> None:
+    farm, base = Farm({5, 17}, bystander=30), load_model(BASE)
+    found = list(ClusterRunner(farm)(base, [{"k": float(k)} for k in range(40)], WANTED))
     outcomes = dict(found)
     assert len(found) == len(outcomes) == 40
     assert {k for k, one in outcomes.items() if one.status == "killed"} == {5, 17}
-    assert outcomes[5].reason == "3 workers died while they ran it"
+    assert outcomes[5].reason == "2 workers died while they ran it alone"
     assert all(one.values == {"k": float(k)} for k, one in outcomes.items() if k not in (5, 17))
     for killer in (5, 17):
-        had = [members for members in farm.killed if killer in members]
-        assert len(had) == 3
-        assert [len(members) for members in had[1:]] == [1, 1]
+        assert [len(cases) for cases in farm.killed if killer in cases][1:] == [1]
+    assert farm.most == 1, "something ran beside a suspect"
 
 
 def test_a_cluster_without_workers_or_scheduler_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(room, "LOOK", 0.005)
     monkeypatch.setattr(room, "PATIENCE", 0.02)
     farm = Farm(set())
-    farm.workers = []
+    farm.threads = 0
     with pytest.raises(VfifeError, match="no worker for"):
-        list(on_cluster(farm, load_model(BASE), NUMBERS, WANTED))
+        list(ClusterRunner(farm)(load_model(BASE), NUMBERS, WANTED))
 
     def gone() -> dict[str, int]:
         raise OSError("Timed out trying to connect")
 
     farm.nthreads = gone  # type: ignore[method-assign]
     with pytest.raises(VfifeError, match=r"scheduler .* is lost \(Timed out.*the same command goes on"):
-        list(on_cluster(farm, load_model(BASE), NUMBERS, WANTED))
+        list(ClusterRunner(farm)(load_model(BASE), NUMBERS, WANTED))
 
 
 def test_what_is_no_cluster_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -158,7 +142,7 @@ def test_what_is_no_cluster_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.system("starts a cluster")
-def test_no_other_machine_can_reach_a_local_cluster(runner: Any) -> None:
+def test_no_other_machine_can_reach_a_local_cluster(runner: ClusterRunner) -> None:
     """Scheduler, dashboard and workers listen on this machine alone."""
     psutil = pytest.importorskip("psutil")
     list(runner(load_model(BASE), NUMBERS[:2], WANTED))

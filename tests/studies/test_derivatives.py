@@ -20,7 +20,7 @@ from vfife.modelfile.parameter import Parameter, holds, numbers
 from vfife.solvers.tangents import changes, displaced, tangents
 from vfife.solvers.transient import run
 from vfife.studies.methods.derivatives import floors, rounding, sensitivity, silent_moments
-from vfife.studies.methods.finite_difference import NEAR, alike, beside, placed
+from vfife.studies.methods.finite_difference import NEAR, Variants, with_same_steps
 
 EXAMPLES = "examples"
 # What the number at the end of a path is measured in: powers of mass, length and time.
@@ -76,7 +76,10 @@ def test_derivatives_are_differences_of_whole_runs(case_b):
         "body.coupler.mass",
     ):
         value = numbers(mechanism)[path]
-        up, down = (run(placed(text, path, value, (1.0 + sign * 1e-5) * value, base)) for sign in (1.0, -1.0))
+        up, down = (
+            run(Variants(text, base).with_number(path, value, (1.0 + sign * 1e-5) * value))
+            for sign in (1.0, -1.0)
+        )
         for measure in ("C.force.max", "follower.angular_acceleration.max"):
             both = [over_turn(record, last_turn(record))[measure] for record in (up, down)]
             difference = (both[0] - both[1]) / 2e-5 / case_b.measures[measure]
@@ -138,13 +141,13 @@ def test_a_series_has_its_jacobian():
     def force(record):
         return record.block("contact_normal_force")[:, 0]
 
-    near = [beside(text, path, value, assembly) for path, value in chosen.items()]
+    near = [Variants(text, assembly).neighbours(path, value) for path, value in chosen.items()]
     sides = [[force(record) for record in pair] for (pair,) in tangents(assembly, near)]
     assert 0.5 * (sides[0][0] + sides[0][1]) == pytest.approx(force(run(assembly)), rel=1e-9)
     found = np.stack([(up - down) / one.apart for (up, down), one in zip(sides, near, strict=True)], axis=1)
     for k, (path, value) in enumerate(chosen.items()):
         up, down = (
-            force(run(placed(text, path, value, (1.0 + sign * 1e-5) * value, assembly)))
+            force(run(Variants(text, assembly).with_number(path, value, (1.0 + sign * 1e-5) * value)))
             for sign in (1.0, -1.0)
         )
         assert found[:, k] == pytest.approx(
@@ -220,7 +223,11 @@ def test_drives_of_every_kind_carry_their_derivatives():
     seen = 0
     for one in found.derivatives:
         up, down = (
-            run(placed(text, one.path, one.value, one.value + sign * 1e-5 * abs(one.value), base))
+            run(
+                Variants(text, base).with_number(
+                    one.path, one.value, one.value + sign * 1e-5 * abs(one.value)
+                )
+            )
             for sign in (1.0, -1.0)
         )
         for measure, size in found.measures.items():
@@ -240,7 +247,7 @@ def test_tables_whose_pieces_begin_later_change_as_their_values_do():
     mechanism = mechanisms.every_drive()
     text, assembly = dump(mechanism), assemble(mechanism, 4e-6, duration=4e-3, force_step=True)
     path, value, seen = "driver.timed.times.1", 0.002, 0
-    near = beside(text, path, value, assembly)
+    near = Variants(text, assembly).neighbours(path, value)
     changed = changes(assembly, near)
     for start in assembly.topology.function_start:
         for time in (0.0005, 0.0019, 0.0021, 0.0037, 0.0046):
@@ -334,8 +341,8 @@ def test_neighbours_are_what_their_texts_give(name):
     for path, value in known[::4]:
         change = path, value * (1.0 + NEAR)
         one, alone = (
-            placed(text, path, value, change[1], assembly),
-            alike(loads(text, set=[change]), assembly),
+            Variants(text, assembly).with_number(path, value, change[1]),
+            with_same_steps(loads(text, set=[change]), assembly),
         )
         assert (
             one.state.tobytes() == alone.state.tobytes() and one.tables.tobytes() == alone.tables.tobytes()

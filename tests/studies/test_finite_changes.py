@@ -22,8 +22,8 @@ from vfife.studies.methods.finite_difference import (
     WIDTHS,
     FiniteChanges,
     agreement,
-    alike,
-    compared,
+    compared_with_changes,
+    with_same_steps,
 )
 from vfife.studies.methods.local_search import pattern_search
 
@@ -71,7 +71,7 @@ def changed(
 
 def judged(slopes: list[float], changes: FiniteChanges) -> Derivative:
     """What is known of the measure "f"."""
-    return compared(
+    return compared_with_changes(
         Derivative("p", 1.0, {"f": slopes[0]}, {"f": (min(slopes), max(slopes))}),
         {"f": slopes},
         changes,
@@ -165,7 +165,7 @@ def test_another_step_size_is_that_of_a_mechanism_assembled_with_it(name):
     assert ratios == pytest.approx([1.0, 1.4, 1.7, 2.0], rel=0.04)
     for size in sizes:
         found = size.of(base)
-        again = alike(mechanism, found)
+        again = with_same_steps(mechanism, found)
         assert found.state.tobytes() == again.state.tobytes() and found.topology == again.topology
         assert (found.choice.steps, found.choice.step) == (
             again.choice.steps,

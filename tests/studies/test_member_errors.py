@@ -17,10 +17,10 @@ from vfife.modelfile import load
 from vfife.results.studied import Study
 from vfife.store.member_errors import MemberError, error_over_change, sample_of, sample_size
 from vfife.studies.engine.cases import Outcome
-from vfife.studies.engine.run_missing import STEP, Engine, asked_of, opened
-from vfife.studies.engine.study_file import StudyTables, of_mapping
-from vfife.studies.methods.tolerance import share_that_fails, spreads
+from vfife.studies.engine.run_missing import STEP, Engine, description_of, open_study
+from vfife.studies.methods.tolerance import failing_share, spreads
 from vfife.studies.spec.limits import Bound, quantile
+from vfife.studies.spec.study_file import StudyTables, plain_tables
 
 CASE_B, IDEAL = "examples/four_bar_case_b.toml", "examples/four_bar_ideal.toml"
 SIZE = 1e-6
@@ -64,7 +64,7 @@ class Linear:
 
 
 def plan_of(count: int, model: str = CASE_B):
-    raw = of_mapping({
+    raw = plain_tables({
         "measures": ["C.force.max", "C.impacts"], "turns": 2, "method": "random", "count": count,
         "vary": {"play": {"path": "joint.C.clearance", "from": 1e-4, "to": 3e-4}},
     })  # fmt: skip
@@ -74,7 +74,7 @@ def plan_of(count: int, model: str = CASE_B):
 def made(path, count: int, runner, contacts: bool = True) -> Study:
     plan = plan_of(count)
     base = plan.base
-    with opened(path, asked_of(plan), plan.numbers()) as file:
+    with open_study(path, description_of(plan), plan.numbers()) as file:
         engine = Engine(file, base, runner=runner)
         assert engine.run()
         engine.base = base if contacts else load(IDEAL)
@@ -229,7 +229,7 @@ def test_limits_of_quantiles_and_shares_hold_the_numerical_error(tmp_path) -> No
 def test_machines_near_their_limit_count_to_both_sides() -> None:
     error = MemberError(20, 0.5, 0.5, 0.5, 1.5)
     values, bound = [0.0, 1.0, 1.4, 1.6, 2.0, 9.0, math.nan], Bound("m", high=1.5)
-    exact, wide = share_that_fails(values, bound, None, 0.95), share_that_fails(values, bound, error, 0.95)
+    exact, wide = failing_share(values, bound, None, 0.95), failing_share(values, bound, error, 0.95)
     assert exact.value == wide.value == 4.0 / 7.0 and wide.low < exact.low and wide.high > exact.high
     assert [bound.surely_fails(value, 0.3) for value in values] == [
         False,

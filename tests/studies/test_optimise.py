@@ -1,6 +1,4 @@
-"""Searches whose answers are known: a parabola, a limit that binds, the front of two parabolas; and a search
-that is broken off.
-"""
+"""Searches whose answers are known: a parabola, a limit that binds, the front of two parabolas; and a search that is broken off."""
 
 from __future__ import annotations
 
@@ -12,7 +10,16 @@ import pytest
 
 from vfife.errors import VfifeError
 from vfife.studies.methods import optimise
-from vfife.studies.methods.optimise import Axis, Found, Numbers, Search, Values, best, dominates, searched
+from vfife.studies.methods.optimise import (
+    Axis,
+    Candidate,
+    Parameters,
+    Search,
+    Values,
+    ask_and_tell,
+    dominates,
+    pareto_front,
+)
 from vfife.studies.spec.limits import Bound
 
 pytest.importorskip("optuna")
@@ -20,7 +27,7 @@ pytest.importorskip("optuna")
 XY = (Axis("x", -2.0, 3.0), Axis("y", 0.1, 10.0, logarithmic=True))
 
 
-def parabola(asked: Sequence[Numbers]) -> list[Values | None]:
+def parabola(asked: Sequence[Parameters]) -> list[Values | None]:
     """Least, 1, at x = 1, y = 1."""
     return [
         {"f": 1 + (float(one["x"]) - 1) ** 2 + math.log(float(one["y"])) ** 2, "x": float(one["x"])}
@@ -30,7 +37,7 @@ def parabola(asked: Sequence[Numbers]) -> list[Values | None]:
 
 def test_the_least_is_found() -> None:
     search = Search(XY, ("f",), members=112, seed=1)
-    (found,) = best(search, searched(search, parabola))
+    (found,) = pareto_front(search, ask_and_tell(search, parabola))
     assert found.values is not None
     assert found.values["f"] == pytest.approx(1.0, abs=0.03)
     assert found.parameters["x"] == pytest.approx(1.0, abs=0.2)
@@ -39,21 +46,21 @@ def test_the_least_is_found() -> None:
 def test_a_limit_binds() -> None:
     """At most 0.5 of x: the least is 1.25, on the limit."""
     search = Search(XY, ("f",), (Bound("x", high=0.5),), members=112, seed=1)
-    members = searched(search, parabola)
-    (found,) = best(search, members)
+    members = ask_and_tell(search, parabola)
+    (found,) = pareto_front(search, members)
     assert found.parameters["x"] <= 0.5
     assert found.values is not None and found.values["f"] == pytest.approx(1.25, abs=0.08)
     assert any(not one.feasible for one in members)
 
 
-def two(asked: Sequence[Numbers]) -> list[Values | None]:
+def two(asked: Sequence[Parameters]) -> list[Values | None]:
     return [{"a": float(one["x"]) ** 2, "b": (float(one["x"]) - 2) ** 2} for one in asked]
 
 
 def test_the_front_of_two_parabolas() -> None:
     """x² and (x - 2)²: the front is √a + √b = 2, and none of it dominates another."""
     search = Search(XY[:1], ("a", "b"), members=96, seed=2)
-    front = best(search, searched(search, two))
+    front = pareto_front(search, ask_and_tell(search, two))
     assert len(front) > 15
     for one in front:
         assert one.values is not None
@@ -76,11 +83,11 @@ def test_a_search_broken_off_asks_for_the_same_members_again(minimised: tuple[st
         seed=3,
         batch=8,
     )
-    whole = searched(search, parabola)
+    whole = ask_and_tell(search, parabola)
     kept: dict[tuple[object, ...], Values | None] = {}
     computed = 0
 
-    def through(asked: Sequence[Numbers]) -> list[Values | None]:
+    def through(asked: Sequence[Parameters]) -> list[Values | None]:
         nonlocal computed
         for one in asked:
             key = tuple(one.items())
@@ -92,55 +99,51 @@ def test_a_search_broken_off_asks_for_the_same_members_again(minimised: tuple[st
         return [kept[tuple(one.items())] for one in asked]
 
     with pytest.raises(KeyboardInterrupt):
-        searched(search, through)
+        ask_and_tell(search, through)
     computed = -1000
-    assert searched(search, through) == whole
+    assert ask_and_tell(search, through) == whole
     assert computed == -1000 + len(kept) - 27
 
 
 def test_members_that_fail_do_not_end_it() -> None:
-    def failing(asked: Sequence[Numbers]) -> list[Values | None]:
+    def failing(asked: Sequence[Parameters]) -> list[Values | None]:
         return [
             None if float(one["x"]) > 1 else {"g": 0.0} if float(one["x"]) < -1 else found
             for one, found in zip(asked, parabola(asked), strict=True)
         ]
 
     search = Search(XY, ("f",), (Bound("x", low=-10.0),), members=48, seed=4)
-    heard: list[Found] = []
-    found = searched(search, failing, told=heard.extend)
-    assert found == heard
+    found = ask_and_tell(search, failing)
     assert len(found) == 48
     assert {
         one.feasible for one in found if float(one.parameters["x"]) > 1 or float(one.parameters["x"]) < -1
     } == {False}
-    assert best(search, found)[0].parameters["x"] <= 1
+    assert pareto_front(search, found)[0].parameters["x"] <= 1
 
 
-def test_nothing_within_the_limits_has_no_best() -> None:
+def test_nothing_within_the_limits_has_no_pareto_front() -> None:
     search = Search(XY, ("f",), (Bound("f", high=0.5),), members=16)
-    assert best(search, searched(search, parabola)) == []
+    assert pareto_front(search, ask_and_tell(search, parabola)) == []
 
 
 def test_without_optuna_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "optuna", None)
     with pytest.raises(VfifeError, match=r"vfife\[optimise\]"):
-        optimise.imported()
+        optimise.optuna_module()
 
 
 def test_a_front_of_what_shall_be_small_and_what_shall_be_large() -> None:
-    """Of x^2, to be small, and 4 x - x^2, to be large: both grow up to x = 2, where the front ends; brute
-    force says which members are on it.
-    """
+    """Of x^2, to be small, and 4 x - x^2, to be large: both grow up to x = 2, where the front ends; brute force says which members are on it."""
     values = [(float(x), {"a": x * x, "b": 4.0 * x - x * x}) for x in np.linspace(0.0, 3.0, 13)]
-    found = [Found(k, {"x": x}, one, True) for k, (x, one) in enumerate(values)]
+    found = [Candidate(k, {"x": x}, one, True) for k, (x, one) in enumerate(values)]
     search = Search((Axis("x", 0.0, 3.0),), ("a",), maximised=("b",))
-    assert [one.parameters["x"] for one in best(search, found)] == [x for x, _ in values if x <= 2.0]
-    (only,) = best(Search((Axis("x", 0.0, 3.0),), (), maximised=("b",)), found)
+    assert [one.parameters["x"] for one in pareto_front(search, found)] == [x for x, _ in values if x <= 2.0]
+    (only,) = pareto_front(Search((Axis("x", 0.0, 3.0),), (), maximised=("b",)), found)
     assert only.parameters["x"] == 2.0
 
 
 def test_the_largest_is_found() -> None:
     search = Search((Axis("x", -2.0, 3.0),), (), members=48, seed=1, maximised=("g",))
-    members = searched(search, lambda asked: [{"g": 3.0 - (float(one["x"]) - 1.0) ** 2} for one in asked])
-    (found,) = best(search, members)
+    members = ask_and_tell(search, lambda asked: [{"g": 3.0 - (float(one["x"]) - 1.0) ** 2} for one in asked])
+    (found,) = pareto_front(search, members)
     assert found.values is not None and found.values["g"] == pytest.approx(3.0, abs=0.02)

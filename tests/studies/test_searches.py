@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from vfife.studies.engine.study_file import StudyTables
-from vfife.studies.methods.searches import allotment_of, numbers_at, search_of
+from vfife.studies.methods.allocation import read_allotment
+from vfife.studies.methods.optimise import read_search
+from vfife.studies.spec.plan import case_numbers
 from vfife.studies.spec.sampling import Truncated
+from vfife.studies.spec.study_file import StudyTables
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = re.findall(
@@ -33,9 +35,9 @@ def test_the_files_of_the_documentation_are_understood(folder: Path) -> None:
         pytest.approx(mass.centre - 0.05),
         pytest.approx(mass.centre + 0.05),
     )
-    _, task = allotment_of(StudyTables.load(folder / "crank.toml"))
+    _, task = read_allotment(StudyTables.load(folder / "crank.toml"))
     assert [len(one) for one in task.options] == [7, 3, 1]
-    assert task.fits == (True, True, False)
+    assert task.chosen == (True, True, False)
     assert task.bound.high == 2000.0
     assert all(
         one.cost == pytest.approx(cost)
@@ -50,11 +52,11 @@ def test_the_files_of_the_documentation_are_understood(folder: Path) -> None:
     (folder / "crank.toml").write_text(
         ranges.replace('"C.penetration.max"]', '"C.penetration.max", "crank.torque.ripple"]') + search
     )
-    plan, found = search_of(StudyTables.load(folder / "crank.toml"))
+    plan, found = read_search(StudyTables.load(folder / "crank.toml"))
     assert found.minimised == ("C.force.max", "crank.torque.ripple") and found.members == 400
     assert [(one.low, one.high) for one in found.axes[:1]] == [(1e-4, 2e-4)]
     assert found.axes[1].values == (1e-4, 2e-4)
-    assert numbers_at(plan.parameters, {"play_C": 1.5e-4, "play_D": 2e-4}) == {
+    assert case_numbers(plan.parameters, {"play_C": 1.5e-4, "play_D": 2e-4}) == {
         "joint.C.clearance": 1.5e-4,
         "joint.D.clearance": 2e-4,
     }

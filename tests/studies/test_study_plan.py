@@ -14,8 +14,8 @@ import pytest
 from schemas import complaints
 from studies.studies import ASKED, BASE
 from vfife.errors import ModelError
-from vfife.studies.engine.study_file import StudyTables, study_schema
 from vfife.studies.spec.plan import Plan
+from vfife.studies.spec.study_file import StudyTables, study_schema
 
 HEAD = f'model = "{BASE.as_posix()}"\nmeasures = "C.force.max"\n'
 
@@ -225,7 +225,7 @@ def test_faults_of_the_model_are_told_with_those_of_the_study(tmp_path: Path) ->
 
 def test_channels_are_reduced_by_their_names(tmp_path: Path) -> None:
     plan = plan_of(ASKED.replace('"C.impacts"', '"mean(C.force)", "range(follower.angle)"'), tmp_path)
-    assert plan.asked.measures == ("C.force.max", "mean(C.force)", "range(follower.angle)")
+    assert plan.spec.measures == ("C.force.max", "mean(C.force)", "range(follower.angle)")
     assert (
         "there is no such channel" in faults_of(ASKED.replace('"C.impacts"', '"mean(C.fource)"'), tmp_path)[0]
     )

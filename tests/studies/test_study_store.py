@@ -24,7 +24,7 @@ from vfife.studies import forecast
 from vfife.studies.engine import run_missing
 from vfife.studies.engine.cases import Outcome, Wanted, run_members
 from vfife.studies.engine.cluster import Resources
-from vfife.studies.engine.study_file import StudyTables
+from vfife.studies.spec.study_file import StudyTables
 from vfife.studies.study import StudyWork
 
 
@@ -281,9 +281,9 @@ def test_another_text_of_the_step_or_of_ones_own_laws_is_another_study(
             ({"own_laws": [law]}, "another text of your own laws"),
             ({}, ""),
         ):
-            assert says in run_missing.same_question(file, {**kept, **change}) and bool(says) == bool(
-                run_missing.same_question(file, {**kept, **change})
-            )
+            assert says in run_missing.difference(file.meta[run_missing.WHAT], {**kept, **change}) and bool(
+                says
+            ) == bool(run_missing.difference(file.meta[run_missing.WHAT], {**kept, **change}))
 
 
 def test_damaged_rows_are_left_out_and_computed_again(asked: Path, tmp_path: Path, closed: Closed) -> None:

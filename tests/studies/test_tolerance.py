@@ -20,7 +20,7 @@ def spread_of(
 ) -> tolerance.Spread:
     """The spread of one measure over machines with these values."""
     found = SimpleNamespace(measures={"C.force.max": "N"}, path=None, errors={})
-    monkeypatch.setattr(tolerance, "sampled", lambda _: None)
+    monkeypatch.setattr(tolerance, "check_sample", lambda _: None)
     monkeypatch.setattr(tolerance, "machines", lambda _: ([outcome(one) for one in values], len(values)))
     (one,) = tolerance.spreads(found, () if bound is None else (bound,))  # type: ignore[arg-type]
     return one

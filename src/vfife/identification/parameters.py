@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import Fault, ModelError, shown, suggestion
 from ..model.mechanism import Mechanism
 from ..modelfile.parameter import NO_NUMBER, Parameter, numbers
-from ..studies.methods.optimise import Between
+from ..studies.methods.optimise import Interval
 from ..units import ends_of
 
 Array = NDArray[np.float64]
@@ -25,7 +25,7 @@ LOGARITHMIC_RATIO = 10.0  # of the bounds, from which the logarithm of a paramet
 
 
 @dataclass(frozen=True)
-class FitParameter(Between):
+class FitParameter(Interval):
     """A parameter: its name, the paths of all numbers that have its value, unit and bounds (SI), and the
     value in the model, if there is one.
     """

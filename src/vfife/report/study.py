@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from ..results.studied import Study
     from ..store.member_errors import MemberError
     from ..store.studyfile import StudyCase
-    from ..studies.methods.allocation import Allocated
-    from ..studies.methods.searches import Allotment
+    from ..studies.methods.allocation import Allocated, Allotment
     from ..studies.methods.tolerance import Spread
 
 MOST_FAILED = 10  # failed members that are shown
@@ -414,33 +413,33 @@ def optimum(
 
 def allocation(task: Allotment, found: Allocated, file: str, unit: str) -> Document:
     """The cheapest fits with which nearly all machines keep a limit."""
-    asked, choice, estimate = task.asked, found.choice, found.estimate
+    table, choice, estimate = task.table, found.choice, found.estimate
     data = {
         "file": file,
-        "fits": None if choice is None else task.chosen(choice),
+        "fits": None if choice is None else task.fits(choice),
         "cost": None if choice is None else choice.cost,
-        "measure": asked.measure,
+        "measure": table.measure,
         "limit": task.bound.high,
-        "share": asked.share,
-        "confidence": asked.confidence,
+        "share": table.share,
+        "confidence": table.confidence,
         "quantile": None if estimate is None else estimate.value,
         "failures": found.failures,
         "machines": found.count,
-        "rejected": [{"fits": task.chosen(one), "cost": one.cost} for one in found.rejected],
+        "rejected": [{"fits": task.fits(one), "cost": one.cost} for one in found.rejected],
     }
     if choice is None or estimate is None:
         return Document([], data=data)
     rows = []
-    for one, option, own in zip(task.parameters, choice.options, task.fits, strict=True):
+    for one, option, own in zip(task.parameters, choice.options, task.chosen, strict=True):
         if own:
             low, high = option.clearance.limits
             rows.append(
                 (one.name, option.name, f"{option.cost:g}", f"{quantity(low, 'm')} to {quantity(high, 'm')}")
             )
     quantile = (
-        f"{100.0 * asked.share:g} % quantile of {asked.measure}: {quantity(estimate.value, unit)}, limit"
+        f"{100.0 * table.share:g} % quantile of {table.measure}: {quantity(estimate.value, unit)}, limit"
         f" {quantity(task.bound.high, unit)}; {found.failures} of {found.count:,} machines are beyond it"
-        f" ({100.0 * asked.confidence:g} % confidence)"
+        f" ({100.0 * table.confidence:g} % confidence)"
     )
     cheaper = (
         f"cost {choice.cost:g}; {len(found.rejected):,} choices as cheap or cheaper do not keep the limit"

@@ -1,5 +1,5 @@
-"""How the answer moves: one mechanism with many numbers, from a study file or from Python, kept in one study
-file.
+"""``vfife.study``, ``optimise`` and ``allocate``: cases of one mechanism with other numbers, saved in one
+study file.
 """
 
 from __future__ import annotations
@@ -22,13 +22,14 @@ from ..solvers.status import Status
 from ..store.lock import Lock
 from .engine.cases import Outcome
 from .engine.cluster import THREADS, Resources
-from .engine.run_missing import Engine, asked_of, opened
-from .engine.study_file import StudyTables, of_mapping
+from .engine.run_missing import Engine, description_of, open_study
 from .forecast import allotment_forecast, search_forecast, study_forecast
-from .methods.optimise import Found, best, imported
-from .methods.searches import allotment_of, allotted, optimised, search_of
+from .methods.allocation import allocate_fits, read_allotment
+from .methods.local_search import optimise as run_search
+from .methods.optimise import Candidate, optuna_module, pareto_front, read_search
 from .spec.limits import Estimate
 from .spec.plan import Plan
+from .spec.study_file import StudyTables, plain_tables
 
 ENDING = ".study"
 Answer = TypeVar("Answer")
@@ -52,8 +53,8 @@ def study(
 ) -> Study:
     """Runs a mechanism once for every choice of some of its numbers, and gives what was wanted of each run.
 
-    >>> vfife.study(model, {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}, ["C.force.max"], turns=10).data  #
-    doctest: +SKIP
+    >>> vary = {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}
+    >>> vfife.study(model, vary, ["C.force.max"], turns=10).data  # doctest: +SKIP
 
     ``model``: a mechanism, a model file, or alone the path of a study file. ``vary``: by path a list of
     values, or by any name a table as a study file has it (``path``, ``values``, ``from`` and ``to`` ...).
@@ -77,7 +78,7 @@ def study(
 
 @dataclass(frozen=True)
 class StudyWork:
-    """The cases of a plan, computed by ``resources`` into a study ``file``, a temporary one for None;
+    """The cases of a plan, computed by ``resources`` into a study ``file``, a temporary one without it;
     ``force`` replaces another study.
     """
 
@@ -87,9 +88,8 @@ class StudyWork:
     force: bool = False
 
     def run(self, job: Job, retry: bool = False, lock: Lock | None = None) -> tuple[Study, bool]:
-        """Compute what the file does not have, with ``retry`` also what failed: the study, and whether it is
-        complete. ``lock``: of the file, where it is
-        held already.
+        """Compute the cases that the file does not have, with ``retry`` also those that failed; return the
+        study, and whether it is complete. ``lock``: that of the file, where the caller holds it.
         """
         job.begin(study_forecast(self.plan, self.known, retry))
         with self.engine(job, self.plan.numbers(), 0, lock) as engine:
@@ -97,8 +97,8 @@ class StudyWork:
             return engine.study(), whole
 
     def search(self, job: Job, forecast: Forecast, work: Callable[[Engine], Answer]) -> tuple[Answer, Study]:
-        """Return what a search comes to, and the study of its members. Raises Interrupted with the study of
-        those that ended.
+        """Return the answer of a search, and the study of its cases. Raises Interrupted with the study of
+        those that have ended.
         """
         job.begin(forecast)
         with self.engine(job, [], forecast.known + forecast.count) as engine:
@@ -109,78 +109,62 @@ class StudyWork:
 
     @property
     def known(self) -> Path | None:
-        """The file whose members are not computed again."""
+        """The file whose cases are not computed again."""
         return None if self.force or self.file is None else Path(self.file)
 
     @contextmanager
     def engine(
         self, job: Job, numbers: Sequence[Any], members: int, lock: Lock | None = None
     ) -> Iterator[Engine]:
-        """The engine of these members, whose file is locked and open meanwhile; a cluster that cannot be had
-        costs no file.
-
-        ``members``: how many the job reports at least.
+        """Open the engine of these cases, whose file is locked meanwhile; a cluster that cannot be had costs
+        no file. ``members``: how many the job reports at least.
         """
 
         def report(done: int, total: int, outcome: Outcome) -> None:
             job.count(done, max(total, members), "members", outcome.status != Status.COMPLETE)
 
-        with ExitStack() as held:
-            path = (
-                Path(held.enter_context(TemporaryDirectory())) / f"s{ENDING}"
-                if self.file is None
-                else Path(self.file)
-            )
-            held.enter_context(job)
-            job.hold(held.enter_context(lock or locked(path)))
-            runner = held.enter_context(self.resources.runner())
-            study = held.enter_context(opened(path, asked_of(self.plan), numbers, replace=self.force))
-            yield Engine(study, self.plan.base, self.resources, runner, report, lasting=self.file is not None)
+        with ExitStack() as stack:
+            path = Path(self.file or Path(stack.enter_context(TemporaryDirectory())) / f"s{ENDING}")
+            stack.enter_context(job)
+            job.hold(stack.enter_context(lock or study_lock(path)))
+            runner = stack.enter_context(self.resources.runner())
+            description = description_of(self.plan)
+            file = stack.enter_context(open_study(path, description, numbers, replace=self.force))
+            yield Engine(file, self.plan.base, self.resources, runner, report, lasting=self.file is not None)
 
 
-def locked(path: Path) -> Lock:
-    """The right to write a study file. Raises HeldError."""
+def study_lock(path: Path) -> Lock:
+    """Return the lock of a study file. Raises HeldError."""
     return Lock(path.absolute().parent, f"{path.name}.lock", "this study")
 
 
 def tables_of(model: Any, vary: Any, measures: Any, more: Mapping[str, Any], caller: str) -> StudyTables:
-    """The arguments as the tables of a study file. Raises ModelError."""
+    """Return the arguments of a function as the tables of a study file. Raises ModelError."""
     if vary is None and measures is None and isinstance(model, str | os.PathLike):
-        if more:
-            fault = Fault(
-                next(iter(more)),
-                "a study file says this itself",
-                shown(next(iter(more.values()))),
-                "",
-                "leave it out, or change the file",
-            )
-            raise ModelError([fault], caller)
+        for name, value in more.items():
+            what, remedy = "a study file says this itself", "leave it out, or change the file"
+            raise ModelError([Fault(name, what, shown(value), "", remedy)], caller)
         return StudyTables.load(Path(model))
     if not isinstance(model, str | os.PathLike | Mechanism):
-        fault = Fault(
-            "model",
-            f"this is {kind_of(model)}",
-            shown(model),
-            "a Mechanism, or a model file",
-            "make one, or name a file",
-        )
-        raise ModelError([fault], caller)
+        limit, remedy = "a Mechanism, or a model file", "make one, or name a file"
+        raise ModelError([Fault("model", f"this is {kind_of(model)}", shown(model), limit, remedy)], caller)
     base = model if isinstance(model, Mechanism) else load(Path(model))
-    named = [measures] if isinstance(measures, str) else None if measures is None else list(measures)
-    raw = of_mapping({"measures": named, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **more})
+    names = [measures] if isinstance(measures, str) else None if measures is None else list(measures)
+    raw = plain_tables({"measures": names, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **more})
     return StudyTables(raw, caller, base=base)
 
 
 @dataclass(frozen=True)
 class Optimum:
-    """What a search came to: ``best``, the one best member or the Pareto front of several measures, the best
-    of the first measure first, and empty where none keeps the limits; every one of its ``members`` in order;
-    the ``study`` that they are kept in; how many of the last members derivatives led to (``refined``), and
-    ``why`` there are no more of these, where they did not come to an end. Numbers are in SI units.
+    """The answer of an optimisation, in SI units.
+
+    ``best``: the best case, or the Pareto front of several measures, the best of the first measure first;
+    empty where none keeps the limits. ``members``: all cases in order, saved in the ``study``. ``refined``:
+    how many of the last of them are of the local search, and ``why`` it ended, where it did not converge.
     """
 
-    best: tuple[Found, ...]
-    members: tuple[Found, ...]
+    best: tuple[Candidate, ...]
+    members: tuple[Candidate, ...]
     study: Study
     refined: int = 0
     why: str = ""
@@ -188,9 +172,10 @@ class Optimum:
 
 @dataclass(frozen=True)
 class Allocation:
-    """The cheapest fits by parameter and what they ``cost`` (None where no choice keeps the limit), the
-    ``quantile`` of the measure with them, ``failures`` of so many ``machines`` tried, the choices
-    ``rejected`` that are as cheap or cheaper, and the ``study`` of all members.
+    """The answer of an allocation: the cheapest ``fits`` by parameter and their ``cost`` (None where no
+    choice keeps the limit), the ``quantile`` of the measure with them, the number of ``failures`` among
+    ``machines``, choices ``rejected`` that are as cheap or cheaper with their costs, and the ``study`` of all
+    machines.
     """
 
     fits: Mapping[str, str] | None
@@ -221,10 +206,10 @@ def optimise(
     several by NSGA-II (optuna, extra ``optimise``); from the best of one f on derivatives of the run lead to
     at most ``refine`` members more (SLSQP), where the measures have any.
 
-    >>> vfife.optimise(model, {"play": {"path": "joint.C.clearance", "from": "0.1 mm", "to": "0.5 mm"}},
-    ["C.force.max", "C.impacts"],
-    ...     optimise={"minimise": ["C.force.max"], "members": 100}, limit={"C.impacts": 40}).best  # doctest:
-    +SKIP
+    >>> vary = {"play": {"path": "joint.C.clearance", "from": "0.1 mm", "to": "0.5 mm"}}
+    >>> aim = {"minimise": ["C.force.max"], "members": 100}
+    >>> measures, limit = ["C.force.max", "C.impacts"], {"C.impacts": 40}
+    >>> vfife.optimise(model, vary, measures, optimise=aim, limit=limit).best  # doctest: +SKIP
 
     ``model``, ``vary`` and ``measures`` as of :func:`vfife.study`, or alone the path of a study file; every
     parameter has ``from`` and ``to``, or ``values``. ``more`` are the other keys of a study file:
@@ -240,14 +225,16 @@ def optimise(
     HeldError, StorageError, DeviceError; after Ctrl-C a KeyboardInterrupt whose ``result`` is the study of
     the members that ended, which are kept in ``file``, too.
     """
-    plan, search = search_of(tables_of(model, vary, measures, more, "optimise()"))
-    imported()
+    plan, search = read_search(tables_of(model, vary, measures, more, "optimise()"))
+    optuna_module()
     job = job_of("optimise", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
     work = StudyWork(file, plan, Resources(workers, None, cluster, device), force)
-    (found, last), study = work.search(
-        job, search_forecast(plan, search, work.known), lambda engine: optimised(engine, plan, search)
+    (candidates, last), study = work.search(
+        job, search_forecast(plan, search, work.known), lambda engine: run_search(engine, plan, search)
     )
-    return Optimum(tuple(best(search, found)), tuple(found), study, len(last.members), last.why)
+    return Optimum(
+        tuple(pareto_front(search, candidates)), tuple(candidates), study, len(last.candidates), last.reason
+    )
 
 
 def allocate(
@@ -278,12 +265,12 @@ def allocate(
 
     Raises what :func:`vfife.optimise` raises, but needs no optuna.
     """
-    plan, task = allotment_of(tables_of(model, vary, measures, more, "allocate()"))
+    plan, task = read_allotment(tables_of(model, vary, measures, more, "allocate()"))
     job = job_of("allocate", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
     work = StudyWork(file, plan, Resources(workers, None, cluster, device), force)
     found, study = work.search(
-        job, allotment_forecast(plan, task, work.known), lambda engine: allotted(engine, task)
+        job, allotment_forecast(plan, task, work.known), lambda engine: allocate_fits(engine, task)
     )
-    chosen, rejected = found.choice, tuple((task.chosen(one), one.cost) for one in found.rejected)
-    cheapest, cost = (None, None) if chosen is None else (task.chosen(chosen), chosen.cost)
+    chosen, rejected = found.choice, tuple((task.fits(one), one.cost) for one in found.rejected)
+    cheapest, cost = (None, None) if chosen is None else (task.fits(chosen), chosen.cost)
     return Allocation(cheapest, cost, found.estimate, found.failures, found.count, rejected, study)

@@ -90,12 +90,11 @@ def schema(out: OutOption = None, study: StudyOption = False) -> None:
     and limits.
     """
     if study:
-        from ...studies.engine.study_file import text
+        from ...studies.spec.study_file import schema_text
     else:
-        from ...modelfile.jsonschema import text
-
+        from ...modelfile.jsonschema import text as schema_text
     if out is None:
-        typer.echo(text(), nl=False)
+        typer.echo(schema_text(), nl=False)
         return
     with writing(str(out), "What was there is as it was."):
-        write_text(out, text())
+        write_text(out, schema_text())

@@ -54,24 +54,25 @@ def optimise(
     """
     with sentences(str(file)):
         from ...studies.engine.cluster import Resources
-        from ...studies.engine.study_file import StudyTables
         from ...studies.forecast import search_forecast
-        from ...studies.methods.searches import optimised, search_of
+        from ...studies.methods.local_search import optimise as run_search
+        from ...studies.methods.optimise import read_search
+        from ...studies.spec.study_file import StudyTables
         from ...studies.study import StudyWork
 
         take_laws(laws)
         resources = Resources(workers, None, cluster, device)
-        plan, search = search_of(StudyTables.load(file))
+        plan, search = read_search(StudyTables.load(file))
         job = StudyCommand(file, output_, yes, quiet, "search")
         target = job.target
         work = StudyWork(target, plan, resources, force)
     with searching(job):
         forecast = search_forecast(plan, search, work.known)
-        (found, more), _ = work.search(job, forecast, lambda engine: optimised(engine, plan, search))
-    from ...studies.engine.run_missing import units_of
-    from ...studies.methods.optimise import best
+        (found, more), _ = work.search(job, forecast, lambda engine: run_search(engine, plan, search))
+    from ...studies.methods.optimise import pareto_front
+    from ...studies.spec.study_file import units_of
 
-    front, units = best(search, found), units_of(plan)
+    front, units = pareto_front(search, found), units_of(plan)
     feasible = sum(one.feasible for one in found)
     if as_json or not quiet:
         from ...report.study import optimum
@@ -80,8 +81,8 @@ def optimise(
             "file": str(target),
             "members": len(found),
             "feasible": feasible,
-            "refined": len(more.members),
-            "why": more.why,
+            "refined": len(more.candidates),
+            "why": more.reason,
         }
         answer(optimum(search, plan.parameters, front, units, counts), as_json)
     if not front:
@@ -115,21 +116,20 @@ def allocate(
     """
     with sentences(str(file)):
         from ...studies.engine.cluster import Resources
-        from ...studies.engine.run_missing import units_of
-        from ...studies.engine.study_file import StudyTables
         from ...studies.forecast import allotment_forecast
-        from ...studies.methods.searches import allotment_of, allotted
+        from ...studies.methods.allocation import allocate_fits, read_allotment
+        from ...studies.spec.study_file import StudyTables, units_of
         from ...studies.study import StudyWork
 
         take_laws(laws)
         resources = Resources(workers, None, cluster, device)
-        plan, task = allotment_of(StudyTables.load(file))
+        plan, task = read_allotment(StudyTables.load(file))
         job = StudyCommand(file, output_, yes, quiet, "search")
         target = job.target
         work = StudyWork(target, plan, resources, force)
     with searching(job):
         found, _ = work.search(
-            job, allotment_forecast(plan, task, work.known), lambda engine: allotted(engine, task)
+            job, allotment_forecast(plan, task, work.known), lambda engine: allocate_fits(engine, task)
         )
     if as_json or not quiet:
         from ...report.study import allocation

@@ -110,8 +110,8 @@ def run(
     """
     with sentences(str(file)):
         from ...studies.engine.cluster import Resources
-        from ...studies.engine.study_file import StudyTables
         from ...studies.spec.plan import SEARCH
+        from ...studies.spec.study_file import StudyTables
         from ...studies.study import StudyWork
 
         take_laws(laws)
@@ -121,7 +121,7 @@ def run(
                 " STUDY.toml"
             )
         plan = StudyTables.load(file).plan()
-        if plan.asked.method == SEARCH:
+        if plan.spec.method == SEARCH:
             raise ValueError(
                 f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate;'
                 " give it to one of them"
@@ -168,19 +168,19 @@ def add(
     with ExitStack() as held:
         with sentences(str(file)):
             from ...studies.engine.cluster import Resources
-            from ...studies.engine.run_missing import added, split
-            from ...studies.study import StudyWork, locked
+            from ...studies.engine.run_missing import extended_plan, split_values
+            from ...studies.study import StudyWork, study_lock
 
             take_laws(laws)
             resources = Resources(workers, None, cluster, device)
             items, points = (
-                [split(text, "a value") for text in values or ()],
-                [split(text, "--point") for text in point or ()],
+                [split_values(text, "a value") for text in values or ()],
+                [split_values(text, "--point") for text in point or ()],
             )
             lock = (
-                held.enter_context(locked(file)) if file.exists() else None
+                held.enter_context(study_lock(file)) if file.exists() else None
             )  # two that add at once would lose what one of them asks for
-            plan = added(
+            plan = extended_plan(
                 file, dict(pair for item in items for pair in item), [dict(one) for one in points], count
             )
             work = StudyWork(file, plan, resources)

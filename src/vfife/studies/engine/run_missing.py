@@ -1,4 +1,9 @@
-"""The missing members of a study file: one engine computes and keeps them, for studies and for searches."""
+"""The missing cases of a study file: one engine computes and saves them, for studies and for searches.
+
+A study asks for all of its cases at once, a search for those that it needs next (ask), from whose measures it
+decides on others (tell). Both go through the same file, in which each case is saved as it ends: whatever ends
+the work, the same call goes on with the rest.
+"""
 
 from __future__ import annotations
 
@@ -14,56 +19,46 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ...assembly.assemble import assemble
 from ...compiler.runtime.cache import sources as sources_of_the_step
 from ...errors import VfifeError, shown, suggestion
 from ...laws import ContactLaw, FrictionLaw
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.paths import parsed
-from ...results.series import REDUCTION
-from ...results.studied import Study, unit_of
-from ...results.view import standing
+from ...results.studied import Study
 from ...solvers.status import Status
 from ...store.member_errors import sample_of
 from ...store.provenance import own_laws, versions
 from ...store.studyfile import WHAT, StudyCase, StudyFile, hash_of
-from ..spec.plan import Parameter, Plan
-from ..spec.varied import number
+from ..spec.parameters import read_value
+from ..spec.plan import Plan, StudyParameter
+from ..spec.study_file import StudyReading, StudyTables, case_spec, units_of
 from .cases import Outcome, Wanted, run_members
 from .cluster import THREADS, Resources, Runner
-from .study_file import StudyTables, Written, wanted_of
 
 Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]
 NOTHING: Any = MappingProxyType({})
 STEP = "run.step"  # path of the step in a model
-RATIO = 1.5  # step of a repetition over that of its member; the coarser run costs two thirds of the member
+RATIO = 1.5  # step of a repetition over that of its case; the coarser run costs two thirds of the case
 
 
-def asked_of(plan: Plan) -> dict[str, Any]:
-    """What a study file says of a plan: enough to go on with it, to add to it, and to read it without any
-    other file.
+def description_of(plan: Plan) -> dict[str, Any]:
+    """Return what a study file says of a plan: enough to go on with it, to add to it, and to read it without
+    any other file.
     """
-    base = plan.base
+    base, spec, keys = plan.base, plan.spec, ("name", "unit", "kind", "words")
     return {
         "name": plan.name,
-        "note": plan.asked.note.strip(),
+        "note": spec.note.strip(),
         "model": base.name,
         "source": base.source,
         "text": dump(base),
         "raw": plan.raw,
-        "wanted": {**dataclasses.asdict(wanted_of(plan.asked)), "measures": list(plan.asked.measures)},
+        "wanted": {**dataclasses.asdict(case_spec(spec)), "measures": list(spec.measures)},
         "measures": units_of(plan),
         "parameters": [
-            {
-                "name": one.name,
-                "paths": list(one.paths),
-                "unit": one.unit,
-                "kind": one.kind,
-                "words": one.words,
-            }
-            for one in plan.parameters
+            {**{key: getattr(one, key) for key in keys}, "paths": list(one.paths)} for one in plan.parameters
         ],
         "own_laws": own_laws(base),
         "versions": versions(),
@@ -71,47 +66,36 @@ def asked_of(plan: Plan) -> dict[str, Any]:
     }
 
 
-def units_of(plan: Plan) -> dict[str, str]:
-    """Units of measures, and of channels that are reduced."""
-    measures = plan.asked.measures
-    reduced = {name: match[2] for name in measures if (match := REDUCTION.fullmatch(name))}
-    view = standing(assemble(plan.base)) if reduced else None
-    found = {name: unit_of(name) for name in measures}
-    if view is not None:
-        found |= {name: view.series.column(channel).unit for name, channel in reduced.items()}
-    return found
-
-
-def same_question(file: StudyFile, asked: Mapping[str, Any]) -> str:
-    """Why members of a file cannot stand beside those of a plan, empty where they can."""
-    kept = file.meta[WHAT]
-    if kept["text"] != asked["text"]:
+def difference(saved: Mapping[str, Any], description: Mapping[str, Any]) -> str:
+    """Return why cases of a saved study cannot be mixed with those of a description, empty where they can."""
+    if saved["text"] != description["text"]:
         return "is that of another model"
-    if kept["wanted"] != asked["wanted"] or kept["measures"] != asked["measures"]:
+    if saved["wanted"] != description["wanted"] or saved["measures"] != description["measures"]:
         return "wants other measures, turns or another step"
-    if [one["paths"] for one in kept["parameters"]] != [one["paths"] for one in asked["parameters"]]:
+    if [one["paths"] for one in saved["parameters"]] != [one["paths"] for one in description["parameters"]]:
         return "varies other numbers"
-    if texts_of(kept) != texts_of(asked):
+    if law_texts(saved) != law_texts(description):
         return "was made with another text of your own laws"
-    if kept["step"] != asked["step"]:
-        return f"was computed by the text of vfife {kept['versions'].get('vfife', '')}, which steps otherwise"
+    if saved["step"] != description["step"]:
+        return (
+            f"was computed by the text of vfife {saved['versions'].get('vfife', '')}, which steps otherwise"
+        )
     return ""
 
 
-def texts_of(asked: Mapping[str, Any]) -> dict[tuple[str, str], str]:
-    """Texts of the user's own laws, by kind and name."""
-    return {(one["kind"], one["name"]): one["text"] for one in asked["own_laws"]}
+def law_texts(description: Mapping[str, Any]) -> dict[tuple[str, str], str]:
+    """Return the texts of user laws by kind and name."""
+    return {(one["kind"], one["name"]): one["text"] for one in description["own_laws"]}
 
 
 @dataclasses.dataclass
 class Engine:
-    """Compute the members of a study file that it has no outcome of, and keep them: all at once for a study,
-    or as a search asks for them.
+    """Computes the cases of a study file that have no outcome, and saves each as it ends: all of them for a
+    study (:meth:`run`), or those that a search asks for (:meth:`ask`).
 
-    What ended is kept, whatever ends the work. ``runner`` is what runs members, as
-    :func:`~vfife.studies.engine.cases.run_members` does, this process without one; outcomes may come in any
-    order, and twice. ``progress`` is called after each member with how many have ended, of how many, and its
-    outcome. ``lasting``: the file remains when the work is done.
+    ``runner`` runs cases as :func:`~vfife.studies.engine.cases.run_members` does, which is used without one;
+    outcomes may come in any order, and twice. ``progress`` is called after each case with the number of cases
+    that have ended, of all cases, and the outcome. ``lasting``: the file remains when the work is done.
     """
 
     file: StudyFile
@@ -123,93 +107,82 @@ class Engine:
 
     @property
     def wanted(self) -> Wanted:
-        """What is wanted of each member."""
+        """What is computed of each case."""
         return Wanted.of(self.file.meta[WHAT]["wanted"])
 
     def run(self, retry: bool = False) -> bool:
-        """Compute the members without an outcome, with ``retry`` also those that failed; return whether all
-        were computed.
-
-        Raises StorageError where nothing can be written.
+        """Compute the cases without an outcome, with ``retry`` also those that failed; return whether all
+        were computed, which they are not after Ctrl-C. Raises StorageError where nothing can be written.
         """
-        wanted, members, ended = self.wanted, self.file.members(), self.file.outcomes()
-        left = alike_first([one for one in members if not done(one, ended.get(one.number), retry)])
-        before, new = len(members) - len(left), set[int]()
-        with suppress(KeyboardInterrupt), closing(self._outcomes(left, wanted)) as found:
-            for member, outcome in found:
-                self.file.record(member, outcome)
-                new.add(member.number)
+        wanted, cases, outcomes = self.wanted, self.file.members(), self.file.outcomes()
+        left = sorted_by_model([one for one in cases if not is_done(one, outcomes.get(one.number), retry)])
+        before, new = len(cases) - len(left), set[int]()
+        with suppress(KeyboardInterrupt), closing(self._outcomes(left, wanted)) as results:
+            for case, outcome in results:
+                self.file.record(case, outcome)
+                new.add(case.number)
                 if self.progress is not None:
-                    self.progress(before + len(new), len(members), outcome)
-        whole = before + len(new) == len(members)
+                    self.progress(before + len(new), len(cases), outcome)
+        whole = before + len(new) == len(cases)
         if not whole:
             self.file.flush()
         self.file.finish(Status.COMPLETE.value if whole else Status.INTERRUPTED.value)
         return whole
 
     def ask(self, numbers: Sequence[Numbers]) -> list[Mapping[str, float] | None]:
-        """Return the measures of members that a search asks for, None of those that failed.
+        """Return the measures of cases that a search asks for, None of those that failed.
 
-        Raises KeyboardInterrupt where they were not all computed, StorageError where nothing can be written.
+        Cases are known by the hash of their numbers, so a search that was interrupted asks for the same ones
+        again and gets them from the file. Raises KeyboardInterrupt where they were not all computed,
+        StorageError where nothing can be written.
         """
-        names = [hash_of(one) for one in numbers]
-        if not self._known.keys() >= set(names):
-            self.file.add(
-                [one for one, name in zip(numbers, names, strict=True) if name not in self._known],
-                self.file.meta[WHAT],
-            )
+        hashes = [hash_of(one) for one in numbers]
+        missing = [one for one, key in zip(numbers, hashes, strict=True) if key not in self._known]
+        if missing:
+            self.file.add(missing, self.file.meta[WHAT])
             if not self.run():
                 raise KeyboardInterrupt
             del self._known
-        return [self._known[name] for name in names]
+        return [self._known[key] for key in hashes]
 
     @cached_property
     def _known(self) -> dict[str, Mapping[str, float] | None]:
-        """Measures of the members that the file has, by the hash of their numbers."""
+        """Measures of the cases that have an outcome, by the hash of their numbers."""
+        known: dict[str, Mapping[str, float] | None] = {}
         outcomes = self.file.outcomes()
-        ended = [
-            (one, outcomes[one.number])
-            for one in self.file.members()
-            if done(one, outcomes.get(one.number), retry=False)
-        ]
-        return {
-            one.hash: outcome["measures"] if outcome["status"] == Status.COMPLETE else None
-            for one, outcome in ended
-        }
+        for one in self.file.members():
+            outcome = outcomes.get(one.number)
+            if outcome is not None and is_done(one, outcome, retry=False):
+                known[one.hash] = outcome["measures"] if outcome["status"] == Status.COMPLETE else None
+        return known
 
     def repeat_sample(self) -> bool:
-        """Compute a sample of the members again with other steps, by which the numerical error of their
-        measures is known.
+        """Repeat a sample of the cases with another step, by which the numerical error of their measures is
+        estimated; return whether the sample is complete, which it is not after Ctrl-C.
 
-        A member that is not stable with the coarser step is repeated with a finer one, and one that fails
-        with both is kept as failed. A static analysis has no step, and is not repeated. Returns whether the
-        sample is complete: after Ctrl-C it is not.
+        The other step is coarser, so that a repetition costs less than its case; one that is not stable with
+        it is repeated with a finer step, and one that fails with both is saved as failed. A static analysis
+        has no step, and is not repeated.
         """
         if self.base.settings.analysis == "static":
             return True
         outcomes, repeats = self.file.outcomes(), self.file.repeats()
-        left = [
-            one
-            for one in sample_of(self.file.members(), outcomes)
-            if repeats.get(one.number, {}).get("hash") != one.hash
-        ]
+        sample = sample_of(self.file.members(), outcomes)
+        left = [one for one in sample if repeats.get(one.number, {}).get("hash") != one.hash]
         if not left:
             return True
         self.file.begin_repeats({"order": 1 if self.base.contacts else 2, "ratio": RATIO})
-        wanted = dataclasses.replace(self.wanted, step=None)
+        wanted, outputs = dataclasses.replace(self.wanted, step=None), self.base.settings.outputs
         try:
             for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):
                 failed = []
-                steps = [
-                    {STEP: repeated_step(outcomes[one.number], self.base.settings.outputs, ratio)}
-                    for one in left
-                ]
-                with closing(self._outcomes(left, wanted, steps)) as found:
-                    for member, outcome in found:
+                steps = [{STEP: repeated_step(outcomes[one.number], outputs, ratio)} for one in left]
+                with closing(self._outcomes(left, wanted, steps)) as results:
+                    for case, outcome in results:
                         if outcome.status == Status.COMPLETE or last:
-                            self.file.record_repeat(member, outcome)
+                            self.file.record_repeat(case, outcome)
                         else:
-                            failed.append(member)
+                            failed.append(case)
                 left = sorted(failed, key=lambda one: one.number)
         except KeyboardInterrupt:
             return False
@@ -218,37 +191,31 @@ class Engine:
         return True
 
     def _outcomes(
-        self, members: Sequence[StudyCase], wanted: Wanted, more: Sequence[Numbers] = ()
+        self, cases: Sequence[StudyCase], wanted: Wanted, further: Sequence[Numbers] = ()
     ) -> Generator[tuple[StudyCase, Outcome]]:
-        """Run members, each with ``more`` numbers where there are any; no more of them once it is closed."""
-        if not members:
+        """Run cases, each with its ``further`` numbers, if any; once closed, begin no more of them."""
+        if not cases:
             return
         stop, run = threading.Event(), self.runner or run_members
-        numbers = [{**one.numbers, **other} for one, other in zip_longest(members, more, fillvalue=NOTHING)]
-        found = run(
-            self.base, numbers, wanted, workers=self.resources.workers, lanes=self.resources.lanes, stop=stop
-        )
+        numbers = [{**one.numbers, **other} for one, other in zip_longest(cases, further, fillvalue=NOTHING)]
+        workers, lanes = self.resources.workers, self.resources.lanes
+        results = run(self.base, numbers, wanted, workers=workers, lanes=lanes, stop=stop)
         try:
-            for k, outcome in found:
-                yield members[k], complete(outcome, wanted)
+            for k, outcome in results:
+                yield cases[k], with_reason(outcome, wanted)
         finally:
             stop.set()
-            if isinstance(found, Generator):
-                found.close()
+            if isinstance(results, Generator):
+                results.close()
 
     def study(self) -> Study:
         """Return the study as far as the file has it."""
-        return Study(
-            self.file.path if self.lasting else None,
-            self.file.meta,
-            self.file.members(),
-            self.file.outcomes(),
-            self.file.repeats(),
-        )
+        file, path = self.file, self.file.path if self.lasting else None
+        return Study(path, file.meta, file.members(), file.outcomes(), file.repeats())
 
 
 def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> float:
-    """The step (s) nearest ``ratio`` times that of a member by which a turn has a whole number of
+    """Return the step (s) nearest ``ratio`` times that of a case by which a turn has a whole number of
     ``outputs``, and each of these of steps.
     """
     turn = outcome["steps"] // outcome["turns"]
@@ -257,140 +224,117 @@ def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> flo
     return float(outcome["step"] * turn / max(1, count))
 
 
-def done(member: StudyCase, outcome: Mapping[str, Any] | None, retry: bool) -> bool:
-    """Whether nothing of a member is left to compute."""
-    return (
-        outcome is not None
-        and outcome["hash"] == member.hash
-        and not (retry and outcome["status"] != Status.COMPLETE)
-    )
+def is_done(case: StudyCase, outcome: Mapping[str, Any] | None, retry: bool) -> bool:
+    """Whether nothing of a case is left to compute."""
+    if outcome is None or outcome["hash"] != case.hash:
+        return False
+    return not retry or bool(outcome["status"] == Status.COMPLETE)
 
 
-def alike_first(members: list[StudyCase]) -> list[StudyCase]:
-    """Members that differ in their joints alone one after another, for what is closed and assembled serves
-    all of them.
+def sorted_by_model(cases: list[StudyCase]) -> list[StudyCase]:
+    """Sort cases so that those that differ in their joints alone follow each other: they share the solved
+    start and the assembly, of which few are cached.
     """
-    return sorted(
-        members,
-        key=lambda one: [
-            (path, str(value)) for path, value in one.numbers.items() if not path.startswith("joint.")
-        ],
-    )
+
+    def model(case: StudyCase) -> list[tuple[str, str]]:
+        return [(path, str(value)) for path, value in case.numbers.items() if not path.startswith("joint.")]
+
+    return sorted(cases, key=model)
 
 
-def complete(outcome: Outcome, wanted: Wanted) -> Outcome:
-    """The outcome with a reason where a measure is missing."""
+def with_reason(outcome: Outcome, wanted: Wanted) -> Outcome:
+    """Return the outcome, with a reason where a measure is missing."""
     missing = [name for name in wanted.measures if name not in outcome.values]
     if not missing or outcome.reason is not None:
         return outcome
     return dataclasses.replace(outcome, reason=f"it has no measure {', '.join(missing)}")
 
 
-def opened(
-    path: Path, asked: Mapping[str, Any], numbers: Sequence[Numbers], *, replace: bool = False
+def open_study(
+    path: Path, description: Mapping[str, Any], numbers: Sequence[Numbers], *, replace: bool = False
 ) -> StudyFile:
-    """Return the study file with these members, which is made, or gone on with and added to. Raises
-    VfifeError where another study is there.
+    """Open the study file with these cases, which are added to those that it has; begin it where there is
+    none.
+
+    Raises VfifeError where another study is there.
     """
     if not path.exists() or replace:
-        return StudyFile.begin(path, asked, numbers)
+        return StudyFile.begin(path, description, numbers)
     file = StudyFile.write(path)
     try:
-        if why := same_question(file, asked):
+        if why := difference(file.meta[WHAT], description):
             raise VfifeError(f"{path}: the study in this file {why}; name another file, or replace it")
         if numbers:
-            file.add(numbers, asked)
+            file.add(numbers, description)
     except BaseException:
         file.close()
         raise
     return file
 
 
-def split(text: str, what: str) -> list[tuple[str, str]]:
-    """Names and values of ``name=value,value,name=value``. Raises ValueError."""
-    found: list[tuple[str, str]] = []
+def split_values(text: str, what: str) -> list[tuple[str, str]]:
+    """Return the names and values of ``name=value,value,name=value``. Raises ValueError."""
+    pairs: list[tuple[str, str]] = []
     for part in text.split(","):
         name, sign, value = part.partition("=")
         if sign:
-            found.append((name.strip(), value.strip()))
-        elif found:
-            found[-1] = (found[-1][0], f"{found[-1][1]},{part.strip()}")
+            pairs.append((name.strip(), value.strip()))
+        elif pairs:
+            pairs[-1] = (pairs[-1][0], f"{pairs[-1][1]},{part.strip()}")
         else:
             raise ValueError(f'{what} {text}: this is not NAME=VALUE; write it as in play="0.3 mm, 0.4 mm"')
-    return found
+    return pairs
 
 
-def added(
+def extended_plan(
     path: Path, values: Mapping[str, Any], points: Sequence[Mapping[str, Any]] = (), count: int | None = None
 ) -> Plan:
-    """The plan of a study file with what is added. Raises ModelError with all faults, VfifeError."""
-    found = Study.open(path)
-    before, raw = plan_of(found), copy.deepcopy(found.asked["raw"])
+    """Return the plan of a study file with further values of parameters by name, further single ``points``,
+    or a ``count`` of samples in all. Raises ModelError with all faults, VfifeError.
+    """
+    study = Study.open(path)
+    plan, raw = plan_of(study), copy.deepcopy(study.asked["raw"])
+    parameters = {one.name: one for one in plan.parameters}
     for name, more in values.items():
         listed = [parsed(one.strip()) for one in more.split(",")] if isinstance(more, str) else list(more)
-        extend(
-            raw,
-            next(one for one in before.parameters if one.name == found.parameter(name).name),
-            listed,
-            str(path),
-        )
-    if points:
-        own = [
-            {
-                found.parameter(name).name: parsed(one) if isinstance(one, str) else one
-                for name, one in point.items()
-            }
-            for point in points
-        ]
-        raw["point"] = [*raw.get("point", []), *own]
+        add_values(raw, parameters[study.parameter(name).name], listed, str(path))
+    for point in points:
+        numbers = {name: parsed(one) if isinstance(one, str) else one for name, one in point.items()}
+        named = {study.parameter(name).name: value for name, value in numbers.items()}
+        raw["point"] = [*raw.get("point", []), named]
     if count is not None:
-        if count < (drawn := before.asked.count or 0):
-            raise VfifeError(
-                f"{path}: {drawn:,} samples are asked for already, and --count {count} says how many there"
-                " shall be in all; give more"
-            )
+        if count < (drawn := plan.spec.count or 0):
+            what = f"{path}: {drawn:,} samples are asked for already"
+            raise VfifeError(f"{what}, and --count {count} says how many there shall be in all; give more")
         raw["count"] = count
-    return StudyTables(raw, str(path), base=before.base, name=found.name).plan()
+    return StudyTables(raw, str(path), base=plan.base, name=study.name).plan()
 
 
-def plan_of(found: Study) -> Plan:
-    """The plan of a study. Raises VfifeError where a law of the user's own is not at hand."""
-    return StudyTables(
-        copy.deepcopy(found.asked["raw"]), str(found.path), base=base_of(found), name=found.name
-    ).plan()
-
-
-def extend(raw: dict[str, Any], one: Parameter, more: list[Any], where: str) -> None:
-    """Adds values to a parameter, which has them one by one from then on. Raises VfifeError for one of which
-    samples are taken.
-    """
+def add_values(raw: dict[str, Any], one: StudyParameter, more: list[Any], path: str) -> None:
+    """Add values to a parameter, which lists them from then on. Raises VfifeError for one that is sampled."""
     if one.values is None:
-        raise VfifeError(
-            f"{where}: samples are taken of {one.name}; add some with --count, or single members with --point"
-        )
-    had = list(one.values)
-    new = [
-        value for value in more if number(value, one.held, ("vary", one.name, "values"), Written()) not in had
-    ]
-    raw["vary"][one.name] = {"path": list(one.paths), "values": [*had, *new]}
+        remedy = "add some with --count, or single members with --point"
+        raise VfifeError(f"{path}: samples are taken of {one.name}; {remedy}")
+    where, by, listed = ("vary", one.name, "values"), StudyReading(), list[Any](one.values)
+    listed += [value for value in more if read_value(value, one.field, where, by) not in one.values]
+    raw["vary"][one.name] = {"path": list(one.paths), "values": listed}
 
 
-def base_of(found: Study) -> Mechanism:
-    """The model of a study, from the text in its file. Raises VfifeError where a law of the user's own is not
-    at hand.
-    """
-    unknown = [
-        law
-        for law in found.asked["own_laws"]
-        if law["name"] not in (ContactLaw if law["kind"] == "contact" else FrictionLaw).registry
-    ]
+def plan_of(study: Study) -> Plan:
+    """Return the plan of a study. Raises VfifeError where a user law of its model is not loaded."""
+    raw = copy.deepcopy(study.asked["raw"])
+    return StudyTables(raw, str(study.path), base=base_of(study), name=study.name).plan()
+
+
+def base_of(study: Study) -> Mechanism:
+    """Return the model of a study. Raises VfifeError where a user law of it is not loaded."""
+    registries = {"contact": ContactLaw.registry, "friction": FrictionLaw.registry}
+    unknown = [law for law in study.asked["own_laws"] if law["name"] not in registries[law["kind"]]]
     if unknown:
         names = ", ".join(law["name"] for law in unknown)
         remedy = suggestion(names, [], f"give the file that defines it: --laws {unknown[0]['file']}")
-        raise VfifeError(
-            f"{found.path}: its model uses the law {shown(names)} of your own, which is not known here;"
-            f" {remedy}"
-        )
-    base = loads(found.asked["text"])
-    base.source = found.asked["source"]
+        what = f"{study.path}: its model uses the law {shown(names)} of your own"
+        raise VfifeError(f"{what}, which is not known here; {remedy}")
+    base = loads(study.asked["text"])
+    base.source = study.asked["source"]
     return base

@@ -1,4 +1,10 @@
-"""The cheapest fits of the joints of a machine with which nearly all machines keep a limit."""
+"""The cheapest fits of the joints of a machine with which nearly all machines keep a limit: the tables
+``[allocation]`` and ``[cost]``.
+
+Choices of fits are tried from the cheapest on, so the first that passes is the cheapest of all. Trying one to
+its end costs hundreds of machines, and one that is far too loose shows it after a few: so several choices are
+tried at the same time, each with a few machines first.
+"""
 
 from __future__ import annotations
 
@@ -7,22 +13,54 @@ import itertools
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from ...errors import Fault, VfifeError
-from ..spec.limits import Estimate, allowed_failures, needed, quantile
-from ..spec.sampling import Array, Distribution, of_fit, places
+from ...errors import Fault, VfifeError, kind_of, shown, suggestion
+from ...schema import Measure, Text, Whole, described
+from ..engine.run_missing import Engine
+from ..spec.limits import CONFIDENCE, Bound, Estimate, allowed_failures, flat, needed, quantile, read_bounds
+from ..spec.plan import MOST_MEMBERS, Plan, StudyParameter, case_numbers
+from ..spec.sampling import Array, Clearance, Distribution, of_fit, places
+from ..spec.study_file import StudyReading, StudyTables, search_plan
 
 GRADE = re.compile(r"IT([0-9]{1,2})")
 MOST_CHOICES = 200_000
 FIRST = 8  # machines of a choice that are tried before more of them are
+WIDTH = 128  # machines that are asked for at once
+TABLE, COST, LIMIT = "allocation", "cost", "limit"
+Evaluate = Callable[
+    [Sequence[Sequence[float]]], Array
+]  # a measure at rows of clearances (m), one for each joint
+
+
+@dataclass(frozen=True)
+class AllocationTable:
+    """The table ``[allocation]``."""
+
+    measure: str = described(Text(), "the measure that has a limit")
+    share: float = described(
+        Measure("1", above=0.0, high=0.9999), "share of all machines that shall keep the limit", 0.99
+    )
+    confidence: float = described(
+        Measure("1", above=0.0, high=0.9999), "with which the sample shall show that", CONFIDENCE
+    )
+    count: int | None = described(
+        Whole(1, MOST_MEMBERS), "machines that are drawn; the fewest that can show it unless given", None
+    )
+    seed: int = described(Whole(0, 2**31 - 1), "which machines are drawn", 1)
+
+    @property
+    def least(self) -> int:
+        """The fewest machines that can show the share with this confidence."""
+        return needed(1.0 - self.share, self.confidence)
 
 
 @dataclass(frozen=True)
 class Option:
-    """A fit that a joint may have, what it costs, and how the clearance is distributed then."""
+    """A fit that a joint may have, its cost, and the distribution of the clearance (m)."""
 
     name: str
     cost: float
@@ -31,7 +69,7 @@ class Option:
 
 @dataclass(frozen=True)
 class Choice:
-    """An option for every joint, and what they cost together."""
+    """An option for every joint, and their cost in all."""
 
     options: tuple[Option, ...]
     cost: float
@@ -43,12 +81,35 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Allocated:
-    """The cheapest choice that keeps the limit (None where none does), its quantile, what was looked at on
-    the way.
+class Allotment:
+    """An allocation as it was read: the parameters, the options of each (one for a parameter without costs),
+    the limit.
 
-    ``rejected``: dearer or equal choices are not among them; ``machines``: members that were asked for;
-    ``failures`` of the chosen of ``count``.
+    ``chosen``: whether the fit of a parameter is to be chosen.
+    """
+
+    parameters: tuple[StudyParameter, ...]
+    options: tuple[tuple[Option, ...], ...]
+    bound: Bound
+    table: AllocationTable
+    chosen: tuple[bool, ...]
+
+    def fits(self, choice: Choice) -> dict[str, str]:
+        """Return the fits of a choice by the parameters whose fits are to be chosen."""
+        return {
+            one.name: fit
+            for one, fit, own in zip(self.parameters, choice.names, self.chosen, strict=True)
+            if own
+        }
+
+
+@dataclass(frozen=True)
+class Allocated:
+    """The cheapest choice that keeps the limit (None where none does), its quantile, its ``failures`` among
+    ``count`` machines.
+
+    ``rejected``: choices as cheap or cheaper that do not keep it; ``machines``: cases that were asked for in
+    all.
     """
 
     choice: Choice | None
@@ -59,33 +120,125 @@ class Allocated:
     machines: int
 
 
-Evaluate = Callable[[Sequence[Sequence[float]]], Array]
+def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
+    """Read the allocation of a study file. Raises ModelError with every fault."""
+    plan, units = search_plan(tables, TABLE, 'measure = "C.force.max"')
+    by = StudyReading()
+    table = by.table((TABLE,), AllocationTable, tables.raw[TABLE])
+    limits = tables.raw.get(LIMIT, {})
+    bounds = {one.measure: one for one in read_bounds(limits, units, by)}
+    if table.measure is not None and table.measure not in dict(flat(limits)):
+        remedy = f'add it under [limit], as in "{table.measure}" = ...'
+        by.refuse((TABLE, "measure"), "it has no limit", shown(table.measure), "a measure of [limit]", remedy)
+    elif table.measure in bounds and math.isfinite(bounds[table.measure].low):
+        by.refuse(
+            (LIMIT, table.measure, "low"),
+            "an allocation keeps a largest value alone",
+            "",
+            "",
+            "leave low out",
+        )
+    if None not in (table.share, table.confidence, table.count) and table.count < table.least:
+        by.add(too_few_machines(table).at((TABLE, "count")))
+    costs = tables.raw.get(COST, {})
+    costs = costs if isinstance(costs, dict) else {}
+    names = [one.name for one in plan.parameters]
+    for name in costs:
+        if name not in names:
+            by.refuse(
+                (COST, name, ""),
+                "costs of what is not varied",
+                "",
+                "",
+                suggestion(name, names, "name a table of [vary]"),
+            )
+    options = [read_options(one, costs.get(one.name), by) for one in plan.parameters]
+    if not any(name in costs for name in names):
+        remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"
+        by.refuse((COST, ""), "no fit has costs, so there is nothing to choose", "", "", remedy)
+    by.check(tables.source)
+    return plan, Allotment(
+        plan.parameters, tuple(options), bounds[table.measure], table, tuple(name in costs for name in names)
+    )
+
+
+def too_few_machines(table: AllocationTable) -> Fault:
+    """Return the fault of a count of machines that cannot show the share."""
+    what = (
+        f"too few machines to show {100.0 * table.share:g} % with {100.0 * table.confidence:g} % confidence"
+    )
+    return Fault("", what, str(table.count), f"at least {table.least}", "ask for more, or leave it out")
+
+
+def read_options(one: StudyParameter, costs: Any, by: StudyReading) -> tuple[Option, ...]:
+    """Read the fits that a parameter may have; its own distribution where it has no costs."""
+    where = (COST, one.name)
+    if costs is None:
+        if one.distribution is None:
+            by.refuse(
+                ("vary", one.name, ""),
+                "machines are drawn, and this has values",
+                "",
+                "a fit, a tolerance or a distribution",
+                "give one",
+            )
+            return ()
+        return (Option("", 0.0, one.distribution),)
+    if not isinstance(one.distribution, Clearance):
+        by.refuse(
+            where,
+            "costs of what has no fit",
+            "",
+            'fit = "H8/f7" and diameter in its table of [vary]',
+            "add the fit",
+        )
+        return ()
+    bad = costs
+    if isinstance(costs, dict):
+        bad = {
+            key: value
+            for key, value in costs.items()
+            if isinstance(value, bool) or not isinstance(value, int | float)
+        }
+    if bad or not isinstance(costs, dict):
+        by.refuse(
+            where,
+            f"this is {kind_of(costs)}",
+            shown(bad),
+            "a number for each grade or fit",
+            "write them as in IT7 = 5",
+        )
+        return ()
+    fit = one.distribution.fit
+    letters = "/".join(name.rstrip("0123456789") for name in (fit.hole.name, fit.shaft.name))
+    try:
+        return tuple(options_of(letters, fit.diameter, costs))
+    except Fault as fault:
+        by.add(fault.at(where))
+        return ()
 
 
 def options_of(letters: str, diameter: float, costs: Mapping[str, float]) -> list[Option]:
-    """The fits that a joint may have, cheapest first.
+    """Return the fits that a joint may have, cheapest first.
 
-    ``costs`` has either fits as they are ("H8/f7"), or grades ("IT7"), each with what a hole or a shaft of it
-    costs: then the options are those of ``letters`` as in "H/f", in every pair of a hole with a shaft of its
-    own grade or of the next finer one. Raises Fault.
+    ``costs`` has either fits ("H8/f7"), or grades ("IT7"), each with the cost of a hole or a shaft: then the
+    options are those of ``letters`` as in "H/f", in every pair of a hole with a shaft of its own grade or of
+    the next finer one. Raises Fault.
     """
     if not costs:
         raise Fault("", "no costs", "", 'a cost for each grade, as in "IT7" = 5, or for each fit', "add them")
     for name, cost in costs.items():
         if not (math.isfinite(cost) and cost >= 0.0):
             raise Fault("", "a cost that is none", f"{name} = {cost:g}", "0 or more", "correct it")
-    if all("/" in name for name in costs):
-        named = [(name, cost) for name, cost in costs.items()]
-    else:
-        named = list(graded(letters, costs))
-    found = [Option(name, float(cost), of_fit(name, diameter)) for name, cost in named]
-    return sorted(found, key=lambda option: (option.cost, option.clearance.limits[1], option.name))
+    fits = costs.items() if all("/" in name for name in costs) else fits_of_grades(letters, costs)
+    options = [Option(name, float(cost), of_fit(name, diameter)) for name, cost in fits]
+    return sorted(options, key=lambda option: (option.cost, option.clearance.limits[1], option.name))
 
 
-def graded(letters: str, costs: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Fits of the grades that have a cost. Raises Fault."""
-    parts = letters.split("/")
-    if len(parts) != 2 or not parts[0].isupper() or not parts[1].islower():
+def fits_of_grades(letters: str, costs: Mapping[str, float]) -> Iterator[tuple[str, float]]:
+    """Yield the fits of the grades that have a cost, and their costs. Raises Fault."""
+    hole_letter, _, shaft_letter = letters.partition("/")
+    if not hole_letter.isupper() or not shaft_letter.islower() or "/" in shaft_letter:
         raise Fault(
             "",
             "no letters of a fit",
@@ -95,7 +248,7 @@ def graded(letters: str, costs: Mapping[str, float]) -> Iterator[tuple[str, floa
         )
     grades = {}
     for name, cost in costs.items():
-        if (found := GRADE.fullmatch(name)) is None:
+        if (match := GRADE.fullmatch(name)) is None:
             raise Fault(
                 "",
                 "neither a grade nor a fit",
@@ -103,137 +256,128 @@ def graded(letters: str, costs: Mapping[str, float]) -> Iterator[tuple[str, floa
                 '"IT7" or "H8/f7", all of one kind',
                 "correct the name",
             )
-        grades[int(found[1])] = cost
+        grades[int(match[1])] = cost
     for hole, shaft in itertools.product(sorted(grades), repeat=2):
         if hole - 1 <= shaft <= hole:
-            yield f"{parts[0]}{hole}/{parts[1]}{shaft}", grades[hole] + grades[shaft]
+            yield f"{hole_letter}{hole}/{shaft_letter}{shaft}", grades[hole] + grades[shaft]
 
 
 def by_cost(joints: Sequence[Sequence[Option]]) -> Iterator[Choice]:
-    """Every combination of the options of the joints, the cheapest first. The options of a joint are in the
-    order of their costs.
+    """Yield every combination of the options of the joints, the cheapest first. The options of a joint are in
+    the order of their costs.
+
+    A heap holds the combinations that are one step dearer in one joint than one that was yielded: so it stays
+    small, where sorting all of them would need as many as there are.
     """
+
+    def entry(chosen: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
+        return math.fsum(options[k].cost for options, k in zip(joints, chosen, strict=True)), chosen
+
     start = (0,) * len(joints)
-    heap, seen = [(math.fsum(options[0].cost for options in joints), start)], {start}
+    heap, seen = [entry(start)], {start}
     while heap:
-        cost, places_ = heapq.heappop(heap)
-        yield Choice(tuple(options[k] for options, k in zip(joints, places_, strict=True)), cost)
-        for joint, k in enumerate(places_):
-            following = (*places_[:joint], k + 1, *places_[joint + 1 :])
-            if k + 1 < len(joints[joint]) and following not in seen:
-                seen.add(following)
-                heapq.heappush(
-                    heap,
-                    (
-                        math.fsum(options[n].cost for options, n in zip(joints, following, strict=True)),
-                        following,
-                    ),
-                )
+        cost, chosen = heapq.heappop(heap)
+        yield Choice(tuple(options[k] for options, k in zip(joints, chosen, strict=True)), cost)
+        for joint, k in enumerate(chosen):
+            dearer = (*chosen[:joint], k + 1, *chosen[joint + 1 :])
+            if k + 1 < len(joints[joint]) and dearer not in seen:
+                seen.add(dearer)
+                heapq.heappush(heap, entry(dearer))
+
+
+@dataclass
+class Trial:
+    """A choice under trial: the clearances of its machines, a row each, and the values of those that were
+    run.
+    """
+
+    choice: Choice
+    clearances: Array
+    values: Array = field(default_factory=lambda: np.empty(0))
+
+    def failures(self, limit: float) -> int:
+        """Count the machines beyond the limit, or without a value."""
+        return int(np.count_nonzero(~(self.values <= limit)))
+
+    def next(self, room: int) -> Array:
+        """Return clearances of the next machines: as many again as were run, eight at first, no more than
+        there is room for.
+        """
+        start = len(self.values)
+        return self.clearances[start : start + min(max(FIRST, start), room)]
 
 
 def allocate(
     joints: Sequence[Sequence[Option]],
     evaluate: Evaluate,
     limit: float,
-    share: float = 0.99,
-    *,
-    confidence: float = 0.95,
-    count: int | None = None,
-    seed: int = 0,
-    width: int = 64,
-    told: Callable[[Choice, int, int], None] | None = None,
+    table: AllocationTable,
+    width: int = WIDTH,
 ) -> Allocated:
-    """The cheapest choice with which a measure is at most ``limit`` in a share of all machines.
+    """Find the cheapest choice with which a measure is at most ``limit`` in a share of all machines.
 
-    Of every choice the same ``count`` machines are drawn, independent ones, those with most play first. A
-    choice is refused as soon as more of them are beyond the limit (or without a value) than show the share
-    with this confidence, and taken when all have been tried: so the first that is taken is the cheapest of
-    all. ``evaluate`` gives the measure at rows of clearances, one for each joint; rows that it had may come
-    again. ``width``: as many rows are asked for at once. ``told`` hears of each choice that is decided, of
-    its failures and machines. Raises Fault for a count too small to show the share, VfifeError for more
-    choices than can be looked at.
+    Of every choice the same ``table.count`` machines are drawn, independent ones, those with most clearance
+    first. A choice is rejected as soon as more of them are beyond the limit (or without a value) than show
+    the share with this confidence, and taken when all have been run. ``evaluate`` may get the same row again;
+    ``width``: rows that it gets at once. Raises Fault for a count too small to show the share, VfifeError for
+    more choices than can be tried.
     """
-    least = needed(1.0 - share, confidence)
-    count = least if count is None else count
-    allowed = allowed_failures(count, 1.0 - share, confidence)
+    count = table.count or table.least
+    allowed = allowed_failures(count, 1.0 - table.share, table.confidence)
     if allowed < 0:
-        raise Fault(
-            "",
-            f"too few machines to show {100 * share:g} % with {100 * confidence:g} % confidence",
-            str(count),
-            f"at least {least}",
-            "ask for more",
-        )
-    if math.prod(map(len, joints)) > MOST_CHOICES:
+        raise too_few_machines(table)
+    if (combinations := math.prod(map(len, joints))) > MOST_CHOICES:
         raise VfifeError(
-            f"{math.prod(map(len, joints)):,} choices of fits are more than {MOST_CHOICES:,}; leave grades or"
-            " joints out"
+            f"{combinations:,} choices of fits are more than {MOST_CHOICES:,}; leave grades or joints out"
         )
-    unit = places("random", count, len(joints), seed)
+    unit = places("random", count, len(joints), table.seed)
     unit = unit[np.argsort(-unit.sum(axis=1), kind="stable")]
-    # Of each option the clearances of all machines, once: choices share them.
+    # The clearances of all machines with each option, which choices share.
     drawn = {
         id(option): option.clearance.quantile(unit[:, k])
         for k, options in enumerate(joints)
         for option in options
     }
-    left, rejected, machines = by_cost(joints), list[Choice](), 0
+    untried, rejected, machines = by_cost(joints), list[Choice](), 0
     trials = list[Trial]()
     while True:
-        trials += [
-            Trial(choice, np.stack([drawn[id(one)] for one in choice.options], axis=1))
-            for choice in itertools.islice(left, max(0, width // FIRST - len(trials)))
-        ]
+        for choice in itertools.islice(untried, max(0, width // FIRST - len(trials))):
+            trials.append(Trial(choice, np.stack([drawn[id(one)] for one in choice.options], axis=1)))
         if not trials:
             return Allocated(None, None, 0, count, tuple(rejected), machines)
-        batch = next_rows(trials, width)
-        rows = [row for trial, many in batch for row in trial.next(many)]
-        values, at = evaluate(rows), 0
-        machines += len(rows)
-        for trial, many in batch:
-            trial.values = np.concatenate([trial.values, values[at : at + many]])
-            at += many
-        for trial in [trial for trial in trials if trial.failures(limit) > allowed]:
-            trials.remove(trial)
-            rejected.append(trial.choice)
-            if told is not None:
-                told(trial.choice, trial.failures(limit), len(trial.values))
-        if trials and len(trials[0].values) == count:
-            first = trials[0]
-            if told is not None:
-                told(first.choice, first.failures(limit), count)
-            known = np.where(np.isfinite(first.values), first.values, math.inf)
-            cheaper = tuple(one for one in rejected if one.cost <= first.choice.cost)
-            return Allocated(
-                first.choice, quantile(known, share), first.failures(limit), count, cheaper, machines
-            )
+        machines += run_machines(trials, evaluate, width)
+        rejected += [trial.choice for trial in trials if trial.failures(limit) > allowed]
+        trials = [trial for trial in trials if trial.failures(limit) <= allowed]
+        if trials and len(trials[0].values) == count:  # the cheapest of those that are left
+            choice, values, failures = trials[0].choice, trials[0].values, trials[0].failures(limit)
+            estimate = quantile(np.where(np.isfinite(values), values, math.inf), table.share)
+            cheaper = tuple(one for one in rejected if one.cost <= choice.cost)
+            return Allocated(choice, estimate, failures, count, cheaper, machines)
 
 
-class Trial:
-    """A choice under trial: its machines, and the values of those that were tried."""
-
-    def __init__(self, choice: Choice, clearances: Array) -> None:
-        self.choice, self.clearances, self.values = choice, clearances, np.empty(0)
-
-    def next(self, many: int) -> list[list[float]]:
-        """Clearances of the next machines."""
-        start = len(self.values)
-        found: list[list[float]] = self.clearances[start : start + many].tolist()
-        return found
-
-    def failures(self, limit: float) -> int:
-        """Machines beyond the limit, or without a value."""
-        return int(np.count_nonzero(~(self.values <= limit)))
-
-
-def next_rows(trials: Sequence[Trial], width: int) -> list[tuple[Trial, int]]:
-    """Whose machines are tried next, and how many: the cheapest choice first, as many again as it has had;
-    room that is left goes to others.
+def run_machines(trials: Sequence[Trial], evaluate: Evaluate, width: int) -> int:
+    """Run the next machines of the trials, the cheapest choice first, others while there is room; return how
+    many were run.
     """
-    found, room = [], width
+    batches = list[Array]()
     for trial in trials:
-        many = min(max(FIRST, len(trial.values)), len(trial.clearances) - len(trial.values), room)
-        if many > 0:
-            found.append((trial, many))
-            room -= many
-    return found
+        batches.append(trial.next(width - sum(map(len, batches))))
+    values = evaluate(np.concatenate(batches).tolist())
+    for trial, part in zip(
+        trials, np.split(values, np.cumsum([len(batch) for batch in batches])[:-1]), strict=True
+    ):
+        trial.values = np.concatenate([trial.values, part])
+    return len(values)
+
+
+def allocate_fits(engine: Engine, task: Allotment) -> Allocated:
+    """Allocate fits, the machines being cases of a study file. Raises VfifeError."""
+    names, measure = [one.name for one in task.parameters], task.bound.measure
+
+    def evaluate(rows: Sequence[Sequence[float]]) -> Array:
+        outcomes = engine.ask(
+            [case_numbers(task.parameters, dict(zip(names, row, strict=True))) for row in rows]
+        )
+        return np.array([math.nan if one is None else one.get(measure, math.nan) for one in outcomes])
+
+    return allocate(task.options, evaluate, task.bound.high, task.table)

@@ -1,16 +1,18 @@
-"""Comparison of laws: one mechanism under each, side by side in lanes; runs that are complete stay in its
-folder until all of them are.
+"""Comparison of laws: one mechanism under each of them, in lanes; complete runs are saved in its folder until
+all are complete.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import hashlib
+import itertools
 import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +30,8 @@ from ...measures.ranges import finer
 from ...model.mechanism import Mechanism
 from ...results.comparison import Comparison
 from ...simulation.result import Result
-from ...simulation.simulate import Prepared, carry_out, concluded, halved, prepare
+from ...simulation.simulate import Prepared, concluded, halved, prepare
+from ...simulation.simulate import carry_out as run_prepared
 from ...simulation.start import reference_of
 from ...solvers.arguments import Arguments, Loop, RunArguments
 from ...solvers.record import Record
@@ -39,11 +42,13 @@ from ...solvers.transient import choose_loop
 from ...store.schemas import is_run_file
 
 Array = NDArray[np.float64]
-ROOM = 720  # outputs between two looks
+ROOM = 720  # outputs that a lane hands over at once
 
 
-class Recorded(Lane):
-    """A run in a lane. It is ``doubtful`` where numbers left all bounds: then its own run tells where."""
+class RecordingLane(Lane):
+    """A run in a lane. Where its numbers left all bounds it has no ``result``: a run of its own then reports
+    where.
+    """
 
     def __init__(self, number: int, prepared: Prepared, assembly: Assembly) -> None:
         super().__init__(number, assembly, loop=prepared.loop)
@@ -53,7 +58,9 @@ class Recorded(Lane):
 
     @property
     def outputs(self) -> int:
-        """Outputs up to the next look; a turn is looked at when it ends."""
+        """Outputs up to the next call of :meth:`take`; a turn that may repeat the one before it ends with
+        one.
+        """
         room = self.settling.room if self.settling is not None else 0
         return min(ROOM, room or ROOM, self.assembly.choice.outputs - self.done)
 
@@ -74,8 +81,8 @@ class Recorded(Lane):
         """Whether no output is left to make."""
         return super().ended or (self.settling is not None and self.settling.ended)
 
-    def end(self) -> Recorded | None:
-        """Its result; where an automatic step was too large, it is made again with half of that."""
+    def end(self) -> RecordingLane | None:
+        """Make the result; where an automatic step was too large, return the run with half of it."""
         if self.doubtful:
             self.parts.clear()
             return None
@@ -85,14 +92,14 @@ class Recorded(Lane):
             self.assembly, steps, rows, self.handed, wall, loop, final=self.final, reached=int(steps[-1])
         )
         if self.prepared.searches and (tried := finer(record)) is not None:
-            return Recorded(self.number, self.prepared, halved(self.prepared, self.assembly, tried))
+            return RecordingLane(self.number, self.prepared, halved(self.prepared, self.assembly, tried))
         self.result = concluded(record, self.prepared.reference)
         return None
 
 
-def fits(one: Prepared) -> bool:
-    """Whether a run may be made in a lane: not one with companions, which have the lanes beside it, nor one
-    that is made again at half its step.
+def fits_lane(one: Prepared) -> bool:
+    """Whether a run may be made in a lane: not with companions, which need the lanes beside it, and not one
+    that is refined.
     """
     return (
         not (one.static or one.companions or one.refined)
@@ -100,58 +107,57 @@ def fits(one: Prepared) -> bool:
     )
 
 
-def carried_out(
-    ready: Sequence[Prepared], told: Callable[[Progress], None] | None = None
+def run_all(
+    runs: Sequence[Prepared], progress: Callable[[Progress], None] | None = None
 ) -> Iterator[tuple[int, Result]]:
-    """Results by the place of what was prepared, as they end: on all cores in lanes where that is possible,
-    then one after the other. ``told`` hears how far all of them are.
+    """Yield results with the index of their run as they end: in lanes on all cores where that is possible,
+    then one after another.
     """
-    alone = [k for k, one in enumerate(ready) if not fits(one)]
-    beside = [Recorded(k, one, one.assembly) for k, one in enumerate(ready) if k not in alone]
-    alike, began = Counter(one.assembly.topology for one in beside), time.perf_counter()
+    lanes = [RecordingLane(k, one, one.assembly) for k, one in enumerate(runs) if fits_lane(one)]
+    lanes = lanes if len(lanes) > 1 else []
+    left, began = set(range(len(runs))), time.perf_counter()
 
     def tick() -> None:
-        if told is not None:
+        if progress is not None:
             done, steps = (
-                sum(one.done * one.every for one in beside),
-                sum(one.assembly.choice.steps for one in beside),
+                sum(one.done * one.every for one in lanes),
+                sum(one.assembly.choice.steps for one in lanes),
             )
-            told(Progress(done, steps, time.perf_counter() - began))
+            progress(Progress(done, steps, time.perf_counter() - began))
 
-    for one in stepped(beside, len(beside), alike=max(alike.values()), tick=tick) if len(beside) > 1 else ():
+    largest_kind = max(Counter(one.assembly.topology for one in lanes).values(), default=0)
+    for one in stepped(lanes, len(lanes), alike=largest_kind, tick=tick) if lanes else ():
         if one.result is not None:
+            left.remove(one.number)
             yield one.number, one.result
             tick()
-        else:
-            alone.append(one.number)
-    for k in sorted([*alone, *(one.number for one in beside if len(beside) == 1)]):
-        yield k, carry_out(ready[k], progress=told)
+    for k in sorted(left):
+        yield k, run_prepared(runs[k], progress=progress)
 
 
 NAME = "part-{}.sqlite"
 
 
+@dataclass(frozen=True)
 class Parts:
-    """The complete runs in a folder, each under a name that is made of its model, of what was asked, and of
-    the text of the step.
+    """The complete runs of an unfinished comparison in a ``folder``, or nowhere.
+
+    Their names are hashes of the model, the run arguments, the versions and the text of the step.
     """
 
-    def __init__(self, folder: str | Path | None) -> None:
-        self.folder = None if folder is None else Path(folder)
+    folder: Path | None
 
-    def path(self, folder: Path, one: Prepared) -> Path:
-        """Where a run is kept."""
+    def path(self, one: Prepared) -> Path:
+        """Return the file of a run, which exists once it is complete."""
         meta = one.kept
-        told = [meta["model"], sorted(meta["asked"].items()), meta["versions"], one.companions]
-        return folder / NAME.format(hashlib.blake2b(repr(told).encode(), digest_size=10).hexdigest())
+        key = [meta["model"], sorted(meta["asked"].items()), meta["versions"], one.companions]
+        return (self.folder or Path(os.devnull)) / NAME.format(
+            hashlib.blake2b(repr(key).encode(), digest_size=10).hexdigest()
+        )
 
-    def path_of(self, one: Prepared) -> Path:
-        """Where a run would be kept; a place that is none without a folder."""
-        return self.path(self.folder or Path(os.devnull), one)
-
-    def found(self, one: Prepared) -> Result | None:
-        """A run that was made before; None where there is none, or it is damaged."""
-        if not (path := self.path_of(one)).is_file():
+    def load(self, one: Prepared) -> Result | None:
+        """Return a run that was made before; None where there is none, or it is damaged."""
+        if not (path := self.path(one)).is_file():
             return None
         with suppress(RunFileError):
             result = Result.load(path)
@@ -160,13 +166,13 @@ class Parts:
                 return result
         return None
 
-    def keep(self, one: Prepared, result: Result) -> None:
-        """Keeps a run. Raises StorageError where it cannot be written."""
+    def save(self, one: Prepared, result: Result) -> None:
+        """Save a complete run. Raises StorageError where it cannot be written."""
         if self.folder is not None:
-            Result(result.record).save(self.path(self.folder, one))
+            Result(result.record).save(self.path(one))
 
     def remove(self) -> None:
-        """Takes away what was kept, for all of it is told."""
+        """Remove all of them, as the comparison is complete."""
         if self.folder is not None:
             for path in self.folder.glob(NAME.format("*")):
                 if is_run_file(path):
@@ -229,39 +235,37 @@ def compare(
     given.kind("folder", folder, (str, Path, type(None)), "a folder")
     given.check()
     names = chosen_joints(mechanism, joints)
-    variants = list(varied(mechanism, contact, friction, names))
+    variants = list(law_variants(mechanism, contact, friction, names))
     reference = (
         reference_of(mechanism, asked.turns, asked.duration)
         if outlook(mechanism, asked.turns, asked.duration).through
         else None
     )
-    ready = prepared(variants, reference, asked)
-    found = Comparison(mechanism.name, names, reference=reference, planned=len(variants))
-    results: dict[int, Result] = {}
+    labels, runs = [label for label, _ in variants], prepare_all(variants, reference, asked)
+    parts = Parts(None if folder is None else Path(folder))
     lines: list[Callable[[Progress], None] | None] = [None]
     name = progress if callable(progress) and not isinstance(progress, Job) else lambda text: None
     job = job_of(
         "compare", folder, confirm, progress, lambda one: None if lines[-1] is None else lines[-1](one)
     )
-    parts = Parts(folder)
-    job.begin(forecast([one for _, one in ready if not parts.path_of(one).is_file()], len(ready)))
+    job.begin(forecast([one for one in runs if not parts.path(one).is_file()], len(runs)))
+    results: dict[int, Result] = {}
     with job, suppress(KeyboardInterrupt):
-        lines.append(name(f"{len(ready)} runs, side by side" if len(ready) > 1 else ready[0][0]))
-        for k, result in made(ready, parts, job):
-            lines.append(name(f"{len(results) + 1} of {len(ready)}: {ready[k][0]}"))
+        lines.append(name(f"{len(runs)} runs, side by side" if len(runs) > 1 else labels[0]))
+        for k, result in run_missing(runs, parts, job):
+            lines.append(name(f"{len(results) + 1} of {len(runs)}: {labels[k]}"))
             if result.record.status == Status.INTERRUPTED:
                 break
             results[k] = result
-    for _, result in sorted(results.items()):
-        found.results.append(result)
-        found.rows.append(numbers_of(result, names))
-    return found
+    complete = [results[k] for k in sorted(results)]
+    rows = [row_of(one, names) for one in complete]
+    return Comparison(mechanism.name, names, rows, list(complete), reference, planned=len(runs))
 
 
 def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
     """The forecast of runs that are left of those planned: side by side in lanes, or one after another."""
     costs = [run_cost(one.assembly, companions=one.companions, refined=one.refined) for one in left]
-    lanes = stream_lanes(1) if left and fits(left[0]) else 1
+    lanes = stream_lanes(1) if left and fits_lane(left[0]) else 1
     faster = cores() * min(lanes, len(left)) / LANES[lanes] if lanes > 1 and len(left) > 1 else 1.0
     seconds = sum(one.seconds for one in costs) / faster
     if seconds > WORTH and costs[0].loop == "generated":
@@ -282,27 +286,27 @@ def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
     )
 
 
-def made(
-    ready: Sequence[tuple[str, Prepared]], parts: Parts, told: Callable[[Progress], None]
+def run_missing(
+    runs: Sequence[Prepared], parts: Parts, progress: Callable[[Progress], None]
 ) -> Iterator[tuple[int, Result]]:
-    """Results by their place, those first that were made before; each is kept until the last one is there."""
-    kept = {k: result for k, (_, one) in enumerate(ready) if (result := parts.found(one)) is not None}
-    yield from kept.items()
-    left = [k for k in range(len(ready)) if k not in kept]
-    for count, (at, result) in enumerate(carried_out([ready[k][1] for k in left], told), len(kept) + 1):
-        if result.record.status == Status.COMPLETE and count < len(ready):
-            parts.keep(ready[left[at]][1], result)
-        yield left[at], result
+    """Yield results with the index of their run, those first that were made before; each is saved until the
+    last one has ended.
+    """
+    saved = {k: result for k, one in enumerate(runs) if (result := parts.load(one)) is not None}
+    yield from saved.items()
+    left = [k for k in range(len(runs)) if k not in saved]
+    for count, (index, result) in enumerate(run_all([runs[k] for k in left], progress), len(saved) + 1):
+        if result.record.status == Status.COMPLETE and count < len(runs):
+            parts.save(runs[left[index]], result)
+        yield left[index], result
 
 
 def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[str, ...]:
     """Joints whose laws are changed. Raises VfifeError for one without clearance."""
     known = mechanism.clearances
     if not known:
-        raise VfifeError(
-            "no joint of this mechanism has clearance, so there is no law to compare; give one kind ="
-            ' "clearance"'
-        )
+        what = "no joint of this mechanism has clearance, so there is no law to compare"
+        raise VfifeError(f'{what}; give one kind = "clearance"')
     names = tuple(dict.fromkeys(joints)) if joints is not None else tuple(known)
     for name in names:
         if name in mechanism.joints and name not in known:
@@ -316,32 +320,35 @@ def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[s
     return names
 
 
-def varied(
+def law_variants(
     mechanism: Mechanism, contact: Sequence[Choice], friction: Sequence[Choice], joints: Sequence[str]
 ) -> Iterator[tuple[str, Mechanism]]:
-    """Name and mechanism of every pair of laws; None in place of a law keeps the joint's own."""
+    """Yield label and mechanism of every pair of laws; where no law of a kind is named, each joint keeps its
+    own.
+    """
     if not contact and not friction:
         raise VfifeError("name contact laws, friction laws or both; `vfife laws` lists them")
     contacts: list[Law | type[Law] | None] = [law_of(one, ContactLaw, "contact") for one in contact] or [None]
     frictions: list[Law | type[Law] | None] = [law_of(one, FrictionLaw, "friction") for one in friction] or [
         None
     ]
-    for normal in contacts:
-        for tangential in frictions:
-            changed = dict(mechanism.joints)
-            for name in joints:
-                joint = mechanism.clearances[name]
-                laws = {
-                    "contact": carried(joint.contact, normal),
-                    "friction": carried(joint.friction, tangential),
-                }
-                changed[name] = dataclasses.replace(joint, **laws)  # type: ignore[arg-type]
-            label = " with ".join(law.name for law in (normal, tangential) if law is not None)
-            yield label, dataclasses.replace(mechanism, joints=changed)
+    for normal, tangential in itertools.product(contacts, frictions):
+        changed = dict(mechanism.joints)
+        for name in joints:
+            joint = mechanism.clearances[name]
+            laws = {
+                "contact": replaced_law(joint.contact, normal),
+                "friction": replaced_law(joint.friction, tangential),
+            }
+            changed[name] = dataclasses.replace(joint, **laws)  # type: ignore[arg-type]
+        label = " with ".join(law.name for law in (normal, tangential) if law is not None)
+        yield label, dataclasses.replace(mechanism, joints=changed)
 
 
 def law_of(one: Choice, base: type[Law], kind: str) -> Law | type[Law]:
-    """The law that is meant. Raises VfifeError for a name that no law has, and for a law of the other kind."""
+    """Return a law or its class. Raises VfifeError for a name that no law has, and for a law of the other
+    kind.
+    """
     if isinstance(one, str):
         if one not in base.registry:
             remedy = suggestion(one, base.registry, f"name a {kind} law")
@@ -353,68 +360,61 @@ def law_of(one: Choice, base: type[Law], kind: str) -> Law | type[Law]:
     return one
 
 
-def carried(old: Law, new: Law | type[Law] | None) -> Law:
-    """The new law with what the old one and it both have: fields of the same name and unit."""
-    if new is None:
-        return old
-    if isinstance(new, Law):
-        return new
-    had = {one.name: one.metadata.get("unit") for one in dataclasses.fields(old)}
-    same = {
+def replaced_law(old: Law, new: Law | type[Law] | None) -> Law:
+    """Return the new law with the fields of the old one that have the same name and unit; an instance as it
+    is, the old one for None.
+    """
+    if new is None or isinstance(new, Law):
+        return old if new is None else new
+    units = {one.name: one.metadata.get("unit") for one in dataclasses.fields(old)}
+    shared = {
         one.name
         for one in dataclasses.fields(new)
-        if one.name in had and had[one.name] == one.metadata.get("unit")
+        if one.name in units and units[one.name] == one.metadata.get("unit")
     }
-    values = {name: getattr(old, name) for name in same if getattr(old, name) is not None}
+    values = {name: getattr(old, name) for name in shared if getattr(old, name) is not None}
     try:
         return new(**values)
     except (TypeError, ValueError) as error:
-        raise VfifeError(
-            f"the law {new.name!r} cannot take the place of {old.name!r}: {error}; give it in Python as an"
-            " instance"
-        ) from None
+        what = f"the law {new.name!r} cannot take the place of {old.name!r}: {error}"
+        raise VfifeError(f"{what}; give it in Python as an instance") from None
 
 
-def prepared(
+def prepare_all(
     variants: Sequence[tuple[str, Mechanism]], reference: Result | None, asked: RunArguments
-) -> list[tuple[str, Prepared]]:
-    """Every variant, ready to run. Raises VfifeError with all that cannot be run."""
-    faults, ready = [], []
+) -> list[Prepared]:
+    """Prepare the run of every variant. Raises VfifeError with all that cannot be run."""
+    faults, runs = [], []
     for label, variant in variants:
         try:
-            ready.append((label, prepare(variant, asked, reference if reference is not None else False)))
+            runs.append(prepare(variant, asked, reference if reference is not None else False))
         except ValueError as error:
             faults.append(f"{label}: {error}")
     if faults:
         raise VfifeError("\n".join(dict.fromkeys(faults)))
-    return ready
+    return runs
 
 
-def numbers_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
-    """The row of a run."""
-    measures, mechanism = result.measures, result.record.assembly.mechanism
-    noun = mechanism.clearances[joints[0]]
-    each: dict[str, dict[str, Any]] = {
-        name: (
-            {key: measures[f"{name}.{key}"] for key in PER_JOINT if f"{name}.{key}" in measures}
-            | {"lip_force": measures.get(f"{name}.force.lip")}
-        )
-        for name in joints
-    }
-    ledger = result.ledger
-    lip = [value for key, value in measures.items() if key.endswith(".angular_acceleration.lip")]
-    lips = [one["lip_force"] for one in each.values() if one["lip_force"] is not None]
+def row_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
+    """Return the row of a run in the table of a comparison."""
+    measures, joint = result.measures, result.record.assembly.mechanism.clearances[joints[0]]
+    each: dict[str, dict[str, Any]] = {}
+    for name in joints:
+        numbers = {key: measures[f"{name}.{key}"] for key in PER_JOINT if f"{name}.{key}" in measures}
+        each[name] = {**numbers, "lip_force": measures.get(f"{name}.force.lip")}
+    ledger, rows = result.ledger, each.values()
+    accelerations = [value for key, value in measures.items() if key.endswith(".angular_acceleration.lip")]
     return {
-        "contact": noun.contact.name,
-        "friction": noun.friction.name,
+        "contact": joint.contact.name,
+        "friction": joint.friction.name,
         "status": result.record.status,
         "part": measures.part,
-        "force": max(one["force.max"] for one in each.values()),
-        "lip_force": max(lips, default=None),
-        "lip_acceleration": max(lip, default=None),
-        "penetration": max(one["penetration.max"] for one in each.values()),
-        "impacts": int(sum(one["impacts"] for one in each.values())),
-        "contact_share": sum(one["share.continuous_contact"] for one in each.values()) / len(each),
+        "force": max(one["force.max"] for one in rows),
+        "lip_force": max((one["lip_force"] for one in rows if one["lip_force"] is not None), default=None),
+        "lip_acceleration": max(accelerations, default=None),
+        "penetration": max(one["penetration.max"] for one in rows),
+        "impacts": int(sum(one["impacts"] for one in rows)),
+        "contact_share": sum(one["share.continuous_contact"] for one in rows) / len(each),
         "energy_lost": float(ledger.terms["contact_loss"][-1] + ledger.terms["friction_loss"][-1]),
         "energy_error": ledger.error,
         "wall_s": result.record.wall,

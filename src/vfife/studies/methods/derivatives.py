@@ -1,5 +1,5 @@
-"""Which number matters: the derivative of every measure by every number of a model, from one run whose steps
-carry their derivatives along.
+"""Derivatives of the measures of a run by the numbers of its model, from the tangents of its steps, judged by
+finite changes.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from functools import partial
 from statistics import fmean
 from types import MappingProxyType
 
@@ -21,43 +20,39 @@ from ...errors import Fault, ModelError, VfifeError, suggestion
 from ...job.amounts import counted
 from ...job.cost import LANES, Forecast, cores, run_cost, timed
 from ...job.job import job_of
-from ...measures.catalogue import (
-    BY_TURN,
-    INFLUENCE,
-    MOMENT,
-    OVER_TURN,
-    PEAKS,
-    Measure,
-    compared,
-    last_turn,
-    over_turn,
-)
+from ...measures.catalogue import INFLUENCE, MOMENT, OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
 from ...measures.ranges import over_tries, ranged
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
-from ...modelfile.parameter import holds, numbers
+from ...modelfile.parameter import numbers
 from ...results.derivatives import Derivative, Sensitivity
 from ...results.studied import UNITS, unit_of
 from ...results.view import standing
 from ...simulation.result import Result
 from ...simulation.simulate import Prepared, carry_out, prepare
 from ...solvers.arguments import Arguments
-from ...solvers.companions import SENSITIVE, measured_rows
-from ...solvers.ensemble import StepSize, step_sizes
-from ...solvers.record import Record, recorded_rows
+from ...solvers.companions import SENSITIVE
+from ...solvers.ensemble import step_sizes
+from ...solvers.record import Record
 from ...solvers.status import Progress, Status
 from ...solvers.tangents import Neighbours, Pairs, comparable, displaced, tangents
 from ...solvers.transient import choose_loop, run
-from ..engine.study_file import known_measures
-from .finite_difference import WIDE, FiniteChanges, Way, assembled, beside, finite_changes, neighbours
-from .finite_difference import compared as checked
-from .finite_difference import references as ideal_changes
+from ..spec.study_file import known_measures
+from .finite_difference import (
+    WIDE,
+    Direction,
+    LastTurn,
+    Variants,
+    compared_with_changes,
+    finite_changes,
+    ideal_references,
+)
 
 LARGEST = ("*.force.max", "*.torque.max", "*.angular_acceleration.max")
 NOTHING = 1e-9  # per cent by one per cent: what rounding leaves of no dependence
-# per cent by one per cent: rounding of a finite change, of which a billionth of the measure is a
-# hundred-thousandth
-NO_CHANGE = 1e-6
+NO_CHANGE = (
+    1e-6  # per cent by one per cent: rounding of a finite change, 1e-9 of the measure over 1e-3 of the number
+)
 ROUNDING = 1e-9  # of the largest measure of its unit: below it a measure is what rounding leaves of nothing
 PURE = "1", "%"
 MOST_RUNS = 8  # that go side by side in the widest vector
@@ -123,19 +118,25 @@ def sensitivity(
         job.begin(forecast(prepared, mechanism, sum(value != 0.0 for value in chosen.values()), runs))
         result = carry_out(prepared, progress=job)
     refuse_unended(result.record)
-    record, reference = result.record, None if result.reference is None else result.reference.measures
+    record = result.record
+    reference = None if result.reference is None else result.reference.measures
     window = last_turn(record)
-    known = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
-    whole = {name: value for found in known.values() for name, value in found.items()}
-    whole |= compared(record, whole, reference)
-    whole = silent_moments(record.assembly, whole) | whole
-    names = matching("of", [one for one in LARGEST if fits(one, whole)] or ["*"] if of is None else of, whole)
+    by_measure = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
+    values = {name: value for found in by_measure.values() for name, value in found.items()}
+    values |= compared(record, values, reference)
+    values = silent_moments(record.assembly, values) | values
+    names = matching(
+        "of", [one for one in LARGEST if fits(one, values)] or ["*"] if of is None else of, values
+    )
     relative = any(name.endswith(INFLUENCE) for name in names)
-    every = (
-        tuple(one for one in OVER_TURN if names.keys() & known[one].keys() or (relative and one in PEAKS))
+    measures = (
+        tuple(
+            one for one in OVER_TURN if names.keys() & by_measure[one].keys() or (relative and one in PEAKS)
+        )
         or PEAKS
     )
-    ways, refused = neighbours(text, chosen, record.assembly)
+    variants = Variants(text, record.assembly)
+    directions, refused = variants.directions(chosen)
     count = (
         runs
         if runs is not None and record.assembly.contacts
@@ -143,19 +144,21 @@ def sensitivity(
         if record.companions is None
         else DISPLACED
     )
-    question = Question(text, result, names, every, count, relative)
-    found = question.derivatives(ways)
-    nothing = rounding(
-        whole,
-        {name: max((size_of_change(one, name) for one in found), default=0.0) for name in names},
-        floors(record.assembly, whole),
+    derivatives = Differentiation(
+        variants, result, tuple(names), LastTurn(measures), count, relative
+    ).derivatives(directions)
+    sizes = {name: max((size_of_change(one, name) for one in derivatives), default=0.0) for name in names}
+    remainders = rounding(values, sizes, floors(record.assembly, values)) & names.keys()
+    kept = {name: value for name, value in names.items() if name not in remainders}
+    found = Sensitivity(
+        mechanism.name, kept, derivatives, refused, doubtful(result, kept, measures), remainders
     )
-    asked, names = frozenset(names), {name: value for name, value in names.items() if name not in nothing}
-    told = Sensitivity(mechanism.name, names, found, refused, doubtful(result, names, every), nothing & asked)
-    told.derivatives = [
-        one for one in found if any(matters(told, name, one.path) for name in names if name in one.values)
+    found.derivatives = [
+        one
+        for one in derivatives
+        if any(matters(found, name, one.path) for name in kept if name in one.values)
     ]
-    return told
+    return found
 
 
 def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | None) -> Forecast:
@@ -167,13 +170,12 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     variant = timed(lambda: assemble(assembly.mechanism, assembly.choice.step, force_step=True))
     displaced = runs or DISPLACED if assembly.contacts else 1
     each = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
-    seconds = (
-        alone.seconds * (1.0 + each * count * LANES[lanes] / (lanes * cores())) + VARIANTS * count * variant
+    beside = each * count * LANES[lanes] / (lanes * cores())
+    seconds = alone.seconds * (1.0 + beside) + VARIANTS * count * variant
+    what = (
+        f"a run of {assembly.choice.steps:,} steps and {counted(count, 'number')} by which it has derivatives"
     )
-    work = (
-        f"a run of {assembly.choice.steps:,} steps and {counted(count, 'number')} by which it has"
-        " derivatives, each checked by finite changes"
-    )
+    work = f"{what}, each checked by finite changes"
     note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
     less = "ask for fewer numbers (to) or turns"
     return Forecast(
@@ -206,73 +208,131 @@ def matters(found: Sensitivity, name: str, path: str) -> bool:
 
 
 @dataclass(frozen=True)
-class Question:
-    """What derivatives are taken of: a run, measures of its last turn, and how many displaced runs they are
-    means over.
+class Differentiation:
+    """Derivatives of the measures ``names`` of a run's last turn, as means over a ``count`` of displaced
+    runs.
+
+    ``relative``: some of the measures are relative to the ideal mechanism.
     """
 
-    text: str
+    variants: Variants
     result: Result
-    names: Mapping[str, float]
-    every: tuple[Measure, ...]
+    names: Sequence[str]
+    measures: LastTurn
     count: int
     relative: bool
 
-    def derivatives(self, ways: list[Way]) -> list[Derivative]:
-        """By each number: tangents of the run's step with displaced runs, tangents at other step sizes, and
-        finite changes at all of them.
+    @property
+    def ideal(self) -> Variants | None:
+        """The ideal mechanism, where the measures need it."""
+        if not self.relative or self.result.reference is None:
+            return None
+        return Variants(self.variants.text, self.result.reference.record.assembly, ideal=True)
+
+    def derivatives(self, directions: list[Direction]) -> list[Derivative]:
+        """Return the derivatives by each number: by the tangents of displaced runs and of other step sizes,
+        judged by finite changes at all of these sizes.
         """
         base, reference = (
-            self.result.record.assembly,
+            self.variants.assembly,
             None if self.result.reference is None else self.result.reference.measures,
         )
-        ideals = references(self.text, ways, self.result) if self.relative else {}
+        references = self.neighbour_references(directions)
         sizes = step_sizes(base)
         found: dict[str, Derivative] = {}
         slopes: dict[str, dict[str, list[float]]] = {}
         for k, size in enumerate(sizes):
             near = [
-                Way(
-                    way.path,
-                    way.value,
-                    Neighbours(size.of(way.near.up), size.of(way.near.down), way.near.apart),
-                )
-                for way in ways
+                one._replace(near=Neighbours(size.of(one.near.up), size.of(one.near.down), one.near.apart))
+                for one in directions
             ]
-            for way, pairs in paired(size.of(base), near if k else ways, 1 if k else self.count, self.every):
-                one, several = derivatives(
-                    way, pairs, self.names, self.every, ideals.get(way.path, (reference, reference))
+            for direction, pairs in record_pairs(
+                size.of(base), near if k else directions, self.measures, 1 if k else self.count
+            ):
+                quotients = self.quotients(
+                    direction, pairs, references.get(direction.path, (reference, reference))
                 )
-                found.setdefault(way.path, one)
-                for name, values in several.items():
-                    slopes.setdefault(way.path, {}).setdefault(name, []).extend(values)
-        changes = self.changes({way.path: way.value for way in ways}, sizes)
-        largest: dict[str, float] = {}
-        for way in ways:
-            for name in self.names:
-                central = changes.central(name, way.path, way.value, WIDE)
-                largest[name] = max(largest.get(name, 0.0), abs(central[0] * way.value) if central else 0.0)
+                if direction.path not in found:
+                    means = {name: fmean(values) for name, values in quotients.items()}
+                    ranges = {name: (min(values), max(values)) for name, values in quotients.items()}
+                    found[direction.path] = Derivative(
+                        direction.path, direction.value, means, ranges, runs=len(pairs)
+                    )
+                for name, values in quotients.items():
+                    slopes.setdefault(direction.path, {}).setdefault(name, []).extend(values)
+        chosen = {one.path: one.value for one in directions}
+        ideal = self.ideal
+        ideals = {} if ideal is None else ideal_references(ideal, chosen, LastTurn(PEAKS))
+        changes = finite_changes(self.variants, chosen, sizes, self.measures, reference, ideals)
+        largest = {
+            name: max(
+                (
+                    abs(central[0] * value)
+                    for path, value in chosen.items()
+                    if (central := changes.central(name, path, value, WIDE))
+                ),
+                default=0.0,
+            )
+            for name in self.names
+        }
         return [
-            checked(found[way.path], slopes[way.path], changes, largest) for way in ways if way.path in slopes
+            compared_with_changes(found[one.path], slopes[one.path], changes, largest)
+            for one in directions
+            if one.path in slopes
         ]
 
-    def changes(self, chosen: Mapping[str, float], sizes: Sequence[StepSize]) -> FiniteChanges:
-        """Measures of the model and of it with each number changed."""
-        record = self.result.record
-        base, variants = record.assembly, assembled(self.text, chosen, record.assembly)
-        reference, ideals = None, {}
-        if self.result.reference is not None:
-            reference = self.result.reference.measures
-            if self.relative:
-                ideal = self.result.reference.record.assembly
-                ideals = ideal_changes(
-                    self.text, chosen, ideal, lambda one: over_turn(one, last_turn(one), PEAKS)
-                )
-        whole = set(self.every) <= set(BY_TURN)
-        rows = measured_rows(base) if whole else recorded_rows(base)
-        return finite_changes(
-            base, variants, sizes, rows, partial(_measured, every=self.every), ideals, reference, whole=whole
-        )  # fmt: skip
+    def neighbour_references(self, directions: Sequence[Direction]) -> dict[str, tuple[Reference, Reference]]:
+        """Return the largest values of the ideal mechanism to both sides of each number that it has."""
+        if (ideal := self.ideal) is None:
+            return {}
+        own = [
+            Direction(one.path, one.value, ideal.neighbours(one.path, one.value))
+            for one in directions
+            if ideal.has(one.path, one.value)
+        ]
+        peaks = LastTurn(PEAKS)
+        return {
+            one.path: (peaks(pairs[0][0]), peaks(pairs[0][1]))
+            for one, pairs in record_pairs(ideal.assembly, own, peaks, 1)
+        }
+
+    def quotients(
+        self, direction: Direction, pairs: Pairs, references: tuple[Reference, Reference]
+    ) -> dict[str, list[float]]:
+        """Return the change of each measure between two records, over that of the number, for each displaced
+        run.
+
+        Where an onset or a reversal falls in its step adds an error of either sign, which a mean over places
+        in the step takes off.
+        """
+        found: dict[str, list[float]] = {}
+        for pair in pairs:
+            up, down = (
+                self.measures(record, reference) for record, reference in zip(pair, references, strict=True)
+            )
+            for name in self.names:
+                if name in up and name in down:
+                    found.setdefault(name, []).append((up[name] - down[name]) / direction.near.apart)
+        return found
+
+
+def record_pairs(
+    assembly: Assembly, directions: list[Direction], measures: LastTurn, count: int
+) -> Iterator[tuple[Direction, Pairs]]:
+    """Yield the records to both sides of each number: by tangents, of a ``count`` of displaced runs; by two
+    runs where functions of time have other pieces on both sides. Outputs are as few as the measures need.
+    """
+    smooth = [one for one in directions if comparable(assembly, one.near)]
+    shares = displaced(count, assembly.mechanism.settings.parts)
+    kept = measures.rows(assembly) if measures.extremes else None
+    yield from zip(
+        smooth,
+        tangents(assembly, [one.near for one in smooth], shares, kept=kept, whole=measures.extremes),
+        strict=True,
+    )
+    for one in directions:
+        if one not in smooth:
+            yield one, [(run(one.near.up), run(one.near.down))]
 
 
 def silent_moments(assembly: Assembly, whole: Mapping[str, float]) -> dict[str, float]:
@@ -330,14 +390,12 @@ def rounding(
 
 
 def refuse_unended(record: Record) -> None:
-    """Raises KeyboardInterrupt for a run that was interrupted, and VfifeError for one that came to no end."""
+    """Raise KeyboardInterrupt for a run that was interrupted, VfifeError for one that did not complete."""
     if record.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     if record.status != Status.COMPLETE:
-        raise VfifeError(
-            f"the run ended as {record.status} after step {record.reached}, so it has no derivatives; see"
-            " vfife run"
-        )
+        what = f"the run ended as {record.status} after step {record.reached}"
+        raise VfifeError(f"{what}, so it has no derivatives; see vfife run")
 
 
 def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
@@ -391,82 +449,12 @@ def matching(name: str, patterns: Sequence[str], known: dict[str, float]) -> dic
     }
 
 
-def references(text: str, ways: list[Way], result: Result) -> dict[str, tuple[Reference, Reference]]:
-    """Largest values of the ideal mechanism to both sides of each number that it has: those of play are none
-    of its own.
-    """
-    if result.reference is None:
-        return {}
-    ideal = result.reference.record.assembly
-    own = [
-        one
-        for one in ways
-        if not one.path.startswith("joint.") or holds(ideal.mechanism, one.path, one.value)
-    ]
-    near = [Way(one.path, one.value, beside(text, one.path, one.value, ideal, ideal=True)) for one in own]
-
-    def both(pair: tuple[Record, Record]) -> tuple[Reference, Reference]:
-        up, down = (over_turn(record, last_turn(record), PEAKS) for record in pair)
-        return up, down
-
-    return {way.path: both(pairs[0]) for way, pairs in paired(ideal, near, 1, PEAKS)}
-
-
-def paired(
-    assembly: Assembly, ways: list[Way], count: int, every: tuple[Measure, ...]
-) -> Iterator[tuple[Way, Pairs]]:
-    """Of each number the records to both sides: by the derivatives of steps, or by two runs where functions
-    of time have other pieces.
-
-    By steps also of ``count`` displaced runs, and of no more outputs than the measures need.
-    """
-    smooth = [way for way in ways if comparable(assembly, way.near)]
-    whole = set(every) <= set(BY_TURN)
-    shares = displaced(count, assembly.mechanism.settings.parts)
-    kept = measured_rows(assembly) if whole else None
-    yield from zip(
-        smooth, tangents(assembly, [way.near for way in smooth], shares, kept=kept, whole=whole), strict=True
-    )
-    for way in ways:
-        if way not in smooth:
-            yield way, [(run(way.near.up), run(way.near.down))]
-
-
-def derivatives(
-    way: Way,
-    pairs: Pairs,
-    names: Mapping[str, float],
-    every: tuple[Measure, ...],
-    ideals: tuple[Reference, Reference] = (None, None),
-) -> tuple[Derivative, dict[str, list[float]]]:
-    """The change of measures between two records, by that of the number: the mean over displaced runs, and
-    that of each run.
-
-    Where an onset or a reversal falls in its step adds an error of either sign, which a mean over places in
-    the step takes off.
-    """
-    found: dict[str, list[float]] = {}
-    for pair in pairs:
-        up, down = (_measured(record, every, ideal) for record, ideal in zip(pair, ideals, strict=True))
-        for name in names:
-            if name in up and name in down:
-                found.setdefault(name, []).append((up[name] - down[name]) / way.near.apart)
-    middle = {name: fmean(values) for name, values in found.items()}
-    ranges = {name: (min(values), max(values)) for name, values in found.items()}
-    return Derivative(way.path, way.value, middle, ranges, runs=len(pairs)), found
-
-
-def _measured(record: Record, every: tuple[Measure, ...], reference: Reference) -> dict[str, float]:
-    found = over_turn(record, last_turn(record), every)
-    return found | compared(record, found, reference)
-
-
-def doubtful(result: Result, names: Mapping[str, float], every: tuple[Measure, ...]) -> frozenset[str]:
+def doubtful(result: Result, names: Iterable[str], measures: tuple[Measure, ...]) -> frozenset[str]:
     """Measures whose companions lie apart by more than a run may that is not sensitive: their derivatives
     mean nothing.
     """
     ideal = None if result.reference is None else result.reference.measures
-    found = (ranged if result.record.companions is None else over_tries)(result.record, ideal, every)
+    found = (ranged if result.record.companions is None else over_tries)(result.record, ideal, measures)
     return frozenset(
         name
         for name in names

@@ -1,14 +1,14 @@
-"""A model with one other number each: neighbours of a run for derivatives, and finite changes that
-derivatives are compared with.
+"""A model with one other number: neighbours of a run for its derivatives, and finite changes that these are
+compared with.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Protocol, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,90 +16,114 @@ from numpy.typing import NDArray
 from ...assembly.assemble import assemble, reassembled
 from ...assembly.assembled import Assembly
 from ...errors import VfifeError
+from ...measures.catalogue import BY_TURN, Measure, compared, last_turn, over_turn
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import loads
 from ...modelfile.parameter import Parameter, holds
 from ...results.derivatives import Derivative, Kind
-from ...solvers.ensemble import Look, StepSize, measures_of
+from ...solvers.companions import measured_rows
+from ...solvers.ensemble import StepSize, measures_of
 from ...solvers.record import Record, recorded_rows
 from ...solvers.tangents import Neighbours
 
 NEAR = 1e-5  # of a number, on both sides, at which its neighbours are assembled
+Share: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
+Values: TypeAlias = Mapping[str, float]
+Span: TypeAlias = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Way:
-    """A number of the model, its value (SI) and the models to both sides."""
+class Direction(NamedTuple):
+    """A number of the model by which measures are differentiated: its value (SI) and the models to both sides
+    of it.
+    """
 
     path: str
     value: float
     near: Neighbours
 
 
-def neighbours(
-    text: str, chosen: Mapping[str, float], assembly: Assembly
-) -> tuple[list[Way], dict[str, str]]:
-    """The models to both sides of each number; and of those that cannot be assembled, why."""
-    ways, refused = (
-        [],
-        {path: "zero, of which there is no small part" for path, value in chosen.items() if value == 0.0},
-    )
-    for path, value in chosen.items():
-        if path in refused:
-            continue
-        try:
-            ways.append(Way(path, value, beside(text, path, value, assembly)))
-        except VfifeError as error:
-            refused[path] = str(error).strip().splitlines()[-1].strip()
-    return ways, refused
+@dataclass(frozen=True)
+class Variants:
+    """The model of ``text`` with one other number at a time, assembled for as many steps as ``assembly``,
+    each the same part of a turn.
 
-
-def beside(text: str, path: str, value: float, assembly: Assembly, *, ideal: bool = False) -> Neighbours:
-    """A number a little larger and a little smaller; where only one of them is a mechanism, that and the
-    model itself.
-
-    ``ideal``: of the mechanism without its play, which ``assembly`` is then of, while ``text`` has it.
+    ``ideal``: without clearance, as ``assembly`` then is, while ``text`` has it.
     """
-    models: list[tuple[float, Assembly]] = []
-    trouble: VfifeError | None = None
-    for sign in (1.0, -1.0):
-        try:
-            models.append(
-                (sign, placed(text, path, value, value + sign * NEAR * abs(value), assembly, ideal=ideal))
-            )
-        except VfifeError as error:
-            trouble = error
-    if trouble is not None and not models:
-        raise trouble
-    if trouble is not None:
-        models.append((0.0, assembly))
-        models.sort(key=lambda one: -one[0])
-    (above, up), (below, down) = models
-    return Neighbours(up, down, (above - below) * NEAR * abs(value))
+
+    text: str
+    assembly: Assembly
+    ideal: bool = False
+
+    def with_number(self, path: str, value: float, changed: float) -> Assembly:
+        """Assemble the model with ``changed`` in place of ``value`` (SI). Raises VfifeError.
+
+        Numbers of a clearance joint change its contact rows alone, in most mechanisms: these are replaced in
+        the assembly.
+        """
+        base = self.assembly
+        if not holds(base.mechanism, path, value):
+            mechanism = loads(self.text, set=[(path, changed)])
+            return with_same_steps(mechanism.ideal() if self.ideal else mechanism, base)
+        mechanism = Parameter(base.mechanism, path).set(changed)
+        if path.startswith("joint.") and path.split(".")[1] in base.contacts:
+            with suppress(ValueError):
+                if all(
+                    name in mechanism.contacts for name in base.contacts
+                ):  # the four contacts of a block in a guide have other names
+                    return reassembled(base, {name: mechanism.contacts[name] for name in base.contacts})
+        return with_same_steps(mechanism, base)
+
+    def neighbours(self, path: str, value: float) -> Neighbours:
+        """Assemble the models to both sides of a number, or to one side and the model itself. Raises
+        VfifeError where there is neither.
+        """
+        models: list[tuple[float, Assembly]] = []
+        errors = []
+        for sign in (1.0, -1.0):
+            try:
+                models.append((sign, self.with_number(path, value, value + sign * NEAR * abs(value))))
+            except VfifeError as error:
+                errors.append(error)
+        if not models:
+            raise errors[-1]
+        if errors:
+            models.append((0.0, self.assembly))
+            models.sort(key=lambda model: -model[0])
+        (above, up), (below, down) = models
+        return Neighbours(up, down, (above - below) * NEAR * abs(value))
+
+    def directions(self, chosen: Values) -> tuple[list[Direction], dict[str, str]]:
+        """Return the numbers with their neighbours; and of those that cannot be assembled, the reason."""
+        directions, refused = (
+            [],
+            {path: "zero, of which there is no small part" for path, value in chosen.items() if value == 0.0},
+        )
+        for path, value in chosen.items():
+            if path in refused:
+                continue
+            try:
+                directions.append(Direction(path, value, self.neighbours(path, value)))
+            except VfifeError as error:
+                refused[path] = str(error).strip().splitlines()[-1].strip()
+        return directions, refused
+
+    def finite(self, chosen: Values) -> dict[Share, Assembly]:
+        """Assemble the model with each number changed by each of ``SHARES``, where the model allows it."""
+        variants: dict[Share, Assembly] = {}
+        for path, value in chosen.items():
+            for share in SHARES:
+                with suppress(ValueError):  # beyond a limit, or no longer a mechanism: the other side remains
+                    variants[path, share] = self.with_number(path, value, value + share * abs(value))
+        return variants
+
+    def has(self, path: str, value: float) -> bool:
+        """Whether the model, which may be the ideal one, has a number; it has none of those of clearance."""
+        return not path.startswith("joint.") or holds(self.assembly.mechanism, path, value)
 
 
-def placed(
-    text: str, path: str, was: float, value: float, assembly: Assembly, *, ideal: bool = False
-) -> Assembly:
-    """The model with another number, assembled for as many steps, each the same part of a turn."""
-    if not holds(assembly.mechanism, path, was):
-        mechanism = loads(text, set=[(path, value)])
-        return alike(mechanism.ideal() if ideal else mechanism, assembly)
-    mechanism = Parameter(assembly.mechanism, path).set(value)
-    if path.startswith("joint.") and path.split(".")[1] in assembly.contacts:
-        with suppress(
-            ValueError
-        ):  # numbers of play reach the rows of their contact alone, in most mechanisms
-            if all(
-                name in mechanism.contacts for name in assembly.contacts
-            ):  # a block in a guide has four contacts with names of their own
-                return reassembled(assembly, {name: mechanism.contacts[name] for name in assembly.contacts})
-    return alike(mechanism, assembly)
-
-
-def alike(mechanism: Mechanism, assembly: Assembly) -> Assembly:
-    """A mechanism assembled for as many steps as another one, each the same part of a turn."""
+def with_same_steps(mechanism: Mechanism, assembly: Assembly) -> Assembly:
+    """Assemble a mechanism for as many steps as another one, each the same part of a turn."""
     choice, turn = assembly.choice, turn_of(mechanism)
     scale = turn / choice.turn if turn is not None and choice.turn is not None else 1.0
     length: dict[str, Any] = {"duration": choice.step * scale * choice.steps} if choice.turn is None else {
@@ -108,6 +132,29 @@ def alike(mechanism: Mechanism, assembly: Assembly) -> Assembly:
     outputs = assembly.mechanism.settings.outputs
     found = assemble(mechanism, choice.step * scale, outputs=outputs, force_step=True, **length)
     return replace(found, layout=assembly.layout) if found.topology == assembly.topology else found
+
+
+@dataclass(frozen=True)
+class LastTurn:
+    """Some measures of the last turn of a run; those against the ideal mechanism with its own as
+    ``reference``.
+    """
+
+    measures: tuple[Measure, ...]
+
+    @property
+    def extremes(self) -> bool:
+        """Whether all of them are extremes and totals, for which a turn may be one output."""
+        return set(self.measures) <= set(BY_TURN)
+
+    def rows(self, assembly: Assembly) -> NDArray[np.uint32]:
+        """Return the rows of the state that they need."""
+        return measured_rows(assembly) if self.extremes else recorded_rows(assembly)
+
+    def __call__(self, record: Record, reference: Values | None = None) -> dict[str, float]:
+        """Take them."""
+        values = over_turn(record, last_turn(record), self.measures)
+        return values | compared(record, values, reference)
 
 
 WIDE, CLOSE = (
@@ -121,28 +168,14 @@ CURVATURE = 0.02
 # Of the largest effect on a measure: a smaller disagreement matters to nobody, and is covered by the range.
 INSIGNIFICANT = 1e-3
 # Of the largest effect on a measure: step sizes that agree on less may do so by chance, and the range reaches
-# as much further, but no more
-# than a few times its own width. Of 344 derivatives of the gallery one, a five-thousandth of the largest, was
-# outside without it.
+# as much further, but no more than a few times its own width. Of 344 derivatives of the gallery one, a five-
+# thousandth of the largest, was outside without it.
 LEAST_KNOWN, WIDTHS = 1e-4, 5.0
 # A range whose ends are further apart than this factor is that of a motion that is nearly chaotic: it may be
 # wider still at finer steps.
 FACTOR = 5.0
 # Fewer step sizes give no range: a very short run, or one whose coarser steps diverge.
 LEAST_SIZES = 3
-
-Share: TypeAlias = tuple[str, float]  # a path and the share by which its number is changed
-Values: TypeAlias = Mapping[str, float]
-Span: TypeAlias = tuple[float, float]
-
-
-class Measured(Protocol):
-    """Measures of the last turn of a record; those against the ideal mechanism with its own as
-    ``reference``.
-    """
-
-    def __call__(self, record: Record, *, reference: Values | None) -> Values:
-        """Take them."""
 
 
 @dataclass(frozen=True)
@@ -177,70 +210,44 @@ class FiniteChanges:
         return [0.5 * (one + other) for one, other in zip(up, down, strict=False)]
 
 
-def assembled(text: str, chosen: Mapping[str, float], base: Assembly) -> dict[Share, Assembly]:
-    """Return the variants of a model with each number of ``chosen`` changed by each of ``SHARES``; none
-    where the model does not allow it.
-    """
-    found: dict[Share, Assembly] = {}
-    for path, value in chosen.items():
-        for share in SHARES:
-            with suppress(ValueError):  # beyond a limit, or no longer a mechanism: the other side remains
-                found[path, share] = placed(text, path, value, value + share * abs(value), base)
-    return found
-
-
-def references(
-    text: str, chosen: Mapping[str, float], ideal: Assembly, peaks: Look
+def ideal_references(
+    variants: Variants, chosen: Values, look: Callable[[Record], Values]
 ) -> dict[Share, Values | None]:
-    """Return the largest values of the ideal mechanism for each change of a number that it has."""
-    variants: dict[Share, Assembly] = {}
-    for path, value in chosen.items():
-        if path.startswith("joint.") and not holds(ideal.mechanism, path, value):
-            continue  # a number of the clearance
-        for share in SHARES:
-            try:
-                variants[path, share] = placed(
-                    text, path, value, value + share * abs(value), ideal, ideal=True
-                )
-            except (VfifeError, ValueError):
-                continue
-    rows = recorded_rows(ideal)
+    """Run the ideal mechanism with each finite change of a number that it has; return its measures."""
+    ideals = variants.finite({path: value for path, value in chosen.items() if variants.has(path, value)})
+    rows = recorded_rows(variants.assembly)
     return dict(
-        zip(variants, measures_of([(one, rows, peaks) for one in variants.values()], whole=True), strict=True)
+        zip(ideals, measures_of([(one, rows, look) for one in ideals.values()], whole=True), strict=True)
     )
 
 
 def finite_changes(
-    base: Assembly,
-    variants: Mapping[Share, Assembly],
+    variants: Variants,
+    chosen: Values,
     sizes: Sequence[StepSize],
-    rows: NDArray[np.uint32],
-    measured: Measured,
-    ideals: Mapping[Share, Values | None],
+    measures: LastTurn,
     reference: Values | None,
-    *,
-    whole: bool,
+    ideals: Mapping[Share, Values | None],
 ) -> FiniteChanges:
-    """Run a model and its variants at each step size, side by side. ``rows`` of the state are those that
-    ``measured`` needs.
+    """Run a model, and it with finite changes of the numbers ``chosen``, at each step size, all in lanes.
 
-    ``whole``: all measures are of extremes and totals.
+    ``reference`` and ``ideals``: measures of the ideal mechanism, and of it with the same changes.
     """
-    keys: list[Share | None] = [None, *variants]
-    tasks = []
+    changed = variants.finite(chosen)
+    models: list[tuple[Share | None, Assembly]] = [(None, variants.assembly), *changed.items()]
+    rows, tasks = measures.rows(variants.assembly), []
     for size in (
         sizes
     ):  # runs with one step stay in phase: contacts begin in all lanes of a register at nearly the same time
-        for key in keys:
-            assembly = base if key is None else variants[key]
-            own = reference if key is None else ideals.get(key, reference)
-            tasks.append((size.of(assembly), rows, partial(measured, reference=own)))
-    values = measures_of(tasks, whole=whole)
-    each = {key: values[k :: len(keys)] for k, key in enumerate(keys)}
-    return FiniteChanges(each[None], {key: each[key] for key in variants})
+        for share, assembly in models:
+            own = reference if share is None else ideals.get(share, reference)
+            tasks.append((size.of(assembly), rows, partial(measures, reference=own)))
+    values = measures_of(tasks, whole=measures.extremes)
+    own_values, *changed_values = (values[k :: len(models)] for k in range(len(models)))
+    return FiniteChanges(own_values, dict(zip(changed, changed_values, strict=True)))
 
 
-def compared(
+def compared_with_changes(
     found: Derivative,
     slopes: Mapping[str, Sequence[float]],
     changes: FiniteChanges,

@@ -1,5 +1,5 @@
-"""Search of the best values of parameters, with optuna: axes and their scales, limits, and the Pareto front
-of several measures.
+"""Optimisation of a study: axes, aims and limits, read from the table ``[optimise]``; the cases that optuna asks
+for; candidates, and the Pareto front of these. :mod:`.local_search` goes on from the best of them.
 """
 
 from __future__ import annotations
@@ -11,13 +11,30 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, Protocol
 
-from ...errors import VfifeError
+from ...errors import VfifeError, shown, suggestion
 from ...numerics.scalar import log, power
-from ..spec.limits import Bound
+from ...schema import Text, Whole, described
+from ...schema.parts import Many
+from ..spec.limits import Bound, read_bounds
+from ..spec.plan import MOST_MEMBERS, Plan
+from ..spec.sampling import Uniform
+from ..spec.study_file import StudyReading, StudyTables, search_plan
+
+EXTRA = 'the search is done by optuna, which is not installed here: pip install "vfife[optimise]"'
+REFINE = 20  # cases of the local search, at most
+STARTUP = 2  # batches at random first
+HUGE = 1e300  # excess of a case without measures, which has to be a number
+TABLE, LIMIT = "optimise", "limit"
+BATCH = 16  # cases asked for at once; part of the search, so that it does not depend on the machine
+Parameters = dict[str, float | str]
+Values = Mapping[str, float]
+Evaluate = Callable[
+    [Sequence[Parameters]], Sequence[Values | None]
+]  # measures of cases, None of one that failed
 
 
 class Ends(Protocol):
-    """What lies between two bounds (SI)."""
+    """Two bounds (SI), and whether what lies between them is divided by its logarithm."""
 
     @property
     def low(self) -> float: ...
@@ -31,54 +48,45 @@ class Ends(Protocol):
     def value(self, share: float) -> float: ...
 
 
-class Between:
-    """The way from ``low`` to ``high``, both above zero where it is ``logarithmic``."""
+class Interval:
+    """The values from ``low`` to ``high``, both above zero where it is ``logarithmic``, by shares from 0 to
+    1.
+    """
 
     def value(self: Ends, share: float) -> float:
-        """The value (SI) at a share of the way, which is held between the bounds; at its ends it is a bound
-        to the bit.
-        """
+        """Return the value (SI) at a share, which is clipped to 0 and 1; there it is the bound to the bit."""
         share = min(max(share, 0.0), 1.0)
         if share == 1.0:
             return self.high
-        found = (
+        value = (
             self.low * power(self.high / self.low, share)
             if self.logarithmic
             else self.low + share * (self.high - self.low)
         )
-        return min(max(found, self.low), self.high)
+        return min(max(value, self.low), self.high)
 
     def share(self: Ends, value: float) -> float:
-        """Where a value lies on the way."""
+        """Return the share of a value."""
         if self.logarithmic:
             return log(value / self.low) / log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
     def slope(self: Ends, share: float) -> float:
-        """Derivative of the value by the share."""
+        """Return the derivative of the value by the share."""
         return self.value(share) * log(self.high / self.low) if self.logarithmic else self.high - self.low
 
 
-EXTRA = 'the search is done by optuna, which is not installed here: pip install "vfife[optimise]"'
-BATCH = 16  # members asked for at once; it is part of the search, so it does not hang on the machine
-STARTUP = 2  # batches at random first
-
-Number = float | str
-Numbers = dict[str, Number]
-Values = Mapping[str, float]
-
-
 @dataclass(frozen=True)
-class Axis(Between):
-    """What may be varied: from ``low`` to ``high`` in SI units, evenly or by its logarithm, or one of
-    ``values``; ``whole`` numbers are rounded.
+class Axis(Interval):
+    """A parameter of a search: from ``low`` to ``high`` (SI), or one of ``values``; ``whole`` numbers are
+    rounded.
     """
 
     name: str
     low: float = math.nan
     high: float = math.nan
     logarithmic: bool = False
-    values: tuple[Number, ...] = ()
+    values: tuple[float | str, ...] = ()
     whole: bool = False
 
     @property
@@ -89,8 +97,9 @@ class Axis(Between):
 
 @dataclass(frozen=True)
 class Search:
-    """What is searched for: the least of ``minimised`` and the most of ``maximised`` measures over ``axes``,
-    within ``bounds``, in so many ``members``, and ``refine`` more at the most that derivatives lead to.
+    """Minimise the measures ``minimised`` and maximise ``maximised`` over ``axes``, within ``bounds``.
+
+    ``members``: number of cases; ``refine``: number of further cases for the local search, at most.
     """
 
     axes: tuple[Axis, ...]
@@ -104,33 +113,159 @@ class Search:
 
     @property
     def aims(self) -> tuple[tuple[str, float], ...]:
-        """Measures, each with what multiplies it so that less is better."""
+        """Measures, each with the factor by which less is better."""
         return (*((name, 1.0) for name in self.minimised), *((name, -1.0) for name in self.maximised))
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """Measures that are minimised, maximised or limited, each once."""
+        return tuple(
+            dict.fromkeys([*(name for name, _ in self.aims), *(bound.measure for bound in self.bounds)])
+        )
 
 
 @dataclass(frozen=True)
-class Found:
-    """A member of the search: its place among them, its parameters, measures (None where it failed), whether
-    it keeps the limits.
+class Candidate:
+    """A case of a search: its number, its parameters, its measures (None where it failed), whether it keeps
+    all limits.
     """
 
     number: int
-    parameters: Numbers
+    parameters: Parameters
     values: Values | None
     feasible: bool
 
+    def measure(self, name: str) -> float:
+        """Return a measure, NaN where it has none."""
+        return (self.values or {}).get(name, math.nan)
 
-Ask = Callable[[Sequence[Numbers]], Sequence[Values | None]]
+
+def candidate(search: Search, number: int, parameters: Parameters, values: Values | None) -> Candidate:
+    """Judge a case: it is feasible where it has all that is minimised or maximised, within the limits."""
+    case = Candidate(number, parameters, values, False)
+    complete = all(math.isfinite(case.measure(name)) for name, _ in search.aims)
+    feasible = complete and all(bound.excess(case.measure(bound.measure)) <= 0.0 for bound in search.bounds)
+    return Candidate(number, parameters, values, feasible)
 
 
-def searched(search: Search, ask: Ask, told: Callable[[list[Found]], None] | None = None) -> list[Found]:
-    """Every member of a search, in order. ``ask`` computes members, or takes them from where they are kept,
-    and says None for one that failed; ``told`` hears of each batch. Raises VfifeError without optuna.
+def pareto_front(search: Search, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return the feasible candidates that no other dominates, the best of the first measure first; of one
+    measure the best candidate.
 
-    One measure is searched by the tree-structured Parzen estimator, several by NSGA-II; both hold to the
-    limits by their excess.
+    Of candidates with equal measures the first is returned.
     """
-    optuna = imported()
+    first: dict[tuple[float, ...], Candidate] = {}
+    for one in candidates:
+        if one.feasible:
+            first.setdefault(tuple(sign * one.measure(name) for name, sign in search.aims), one)
+    return [first[values] for values in sorted(first) if not any(dominates(other, values) for other in first)]
+
+
+def dominates(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether values are nowhere larger than others, and somewhere smaller."""
+    return all(a <= b for a, b in zip(one, other, strict=True)) and any(
+        a < b for a, b in zip(one, other, strict=True)
+    )
+
+
+def nearest(search: Search, candidates: Sequence[Candidate]) -> Candidate | None:
+    """Return the best candidate; where none is feasible, the one that exceeds the limits least, as shares of
+    these.
+    """
+    complete = [
+        one for one in candidates if all(math.isfinite(one.measure(name)) for name in search.measures)
+    ]
+
+    def excess(one: Candidate) -> float:
+        sizes = [
+            max((abs(end) for end in (bound.low, bound.high) if math.isfinite(end)), default=0.0) or 1.0
+            for bound in search.bounds
+        ]
+        return sum(
+            max(bound.excess(one.measure(bound.measure)), 0.0) / size
+            for bound, size in zip(search.bounds, sizes, strict=True)
+        )
+
+    return next(iter(pareto_front(search, candidates) or sorted(complete, key=excess)), None)
+
+
+@dataclass(frozen=True)
+class OptimiseTable:
+    """The table ``[optimise]``."""
+
+    minimise: tuple[str, ...] = described(
+        Many(Text()), "measures that shall be as small as possible; of several the Pareto front is told", ()
+    )
+    maximise: tuple[str, ...] = described(Many(Text()), "measures that shall be as large as possible", ())
+    members: int = described(Whole(1, MOST_MEMBERS), "how many members are computed", 200)
+    seed: int = described(
+        Whole(0, 2**31 - 1), "which members the search asks for: the same seed, the same search", 1
+    )
+    batch: int = described(Whole(1, 4096), "members that are asked for at once", BATCH)
+    refine: int = described(
+        Whole(0, 10000),
+        "members more that derivatives may lead to from the best one of one measure on; 0: none",
+        REFINE,
+    )
+
+
+def read_search(tables: StudyTables) -> tuple[Plan, Search]:
+    """Read the search of a study file with ``[optimise]``. Raises ModelError with every fault."""
+    plan, units = search_plan(tables, TABLE, 'minimise = ["C.force.max"]')
+    by = StudyReading()
+    table = by.table((TABLE,), OptimiseTable, tables.raw[TABLE])
+    bounds = read_bounds(tables.raw.get(LIMIT, {}), units, by)
+    minimise, maximise = table.minimise or (), table.maximise or ()
+    for key, names in (("minimise", minimise), ("maximise", maximise)):
+        for k, name in enumerate(names):
+            if name not in units:
+                by.refuse(
+                    (TABLE, key, k),
+                    "it is not measured",
+                    shown(name),
+                    "",
+                    suggestion(name, units, "name one of the measures"),
+                )
+            elif key == "maximise" and name in minimise:
+                by.refuse(
+                    (TABLE, key, k),
+                    "it shall be small as well",
+                    shown(name),
+                    "",
+                    "leave it out of one of both",
+                )
+    if table.minimise == () == table.maximise:
+        by.refuse(
+            (TABLE, "minimise"),
+            "nothing is sought",
+            "[]",
+            "one measure or more, here or in maximise",
+            "name one",
+        )
+    axes = []
+    for one in plan.parameters:
+        if one.values is not None:
+            axes.append(Axis(one.name, values=one.values))
+        elif isinstance(one.distribution, Uniform):
+            axes.append(Axis(one.name, *one.distribution.limits, whole=isinstance(one.field, Whole)))
+        else:
+            what = "a search needs a range or values, and this has a distribution"
+            by.refuse(("vary", one.name, ""), what, one.words, "from and to, or values", "give these")
+    by.check(tables.source)
+    further = table.refine if len(minimise) + len(maximise) == 1 else 0
+    return plan, Search(
+        tuple(axes), minimise, bounds, table.members, table.seed, table.batch, maximise, further
+    )
+
+
+def ask_and_tell(search: Search, evaluate: Evaluate) -> list[Candidate]:
+    """Return the candidates that optuna asks for, in order. Raises VfifeError without optuna.
+
+    One measure is minimised by the tree-structured Parzen estimator, several by NSGA-II; both take the limits
+    by their excess. A batch is asked for as a whole before any of it is told, so that the search is the same
+    on every machine.
+    """
+    optuna = optuna_module()
     excess: dict[int, list[float]] = {}
 
     def constraints(trial: Any) -> list[float]:
@@ -138,72 +273,32 @@ def searched(search: Search, ask: Ask, told: Callable[[list[Found]], None] | Non
 
     directions = ["minimize" if sign > 0.0 else "maximize" for _, sign in search.aims]
     study = optuna.create_study(directions=directions, sampler=sampler(optuna, search, constraints))
-    spaces, found = {one.name: space(optuna, one) for one in search.axes}, list[Found]()
-    while len(found) < search.members:
-        trials = [study.ask(spaces) for _ in range(min(search.batch, search.members - len(found)))]
-        batch: list[Found] = []
-        for trial, values in zip(trials, ask([dict(trial.params) for trial in trials]), strict=True):
-            one = judged(search, trial.number, dict(trial.params), values)
-            # Rounded: a sampler may compare what it is told, and the excess of a member that failed has to be
-            # a number.
+    space, candidates = {one.name: distribution(optuna, one) for one in search.axes}, list[Candidate]()
+    while len(candidates) < search.members:
+        trials = [study.ask(space) for _ in range(min(search.batch, search.members - len(candidates)))]
+        for trial, values in zip(trials, evaluate([dict(trial.params) for trial in trials]), strict=True):
+            one = candidate(search, trial.number, dict(trial.params), values)
             excess[trial.number] = [
-                min(bound.excess((values or {}).get(bound.measure, math.nan)), 1e300)
-                for bound in search.bounds
+                min(bound.excess(one.measure(bound.measure)), HUGE) for bound in search.bounds
             ]
-            objectives = [(values or {}).get(name, math.nan) for name, _ in search.aims]
+            objectives = [one.measure(name) for name, _ in search.aims]
             if all(map(math.isfinite, objectives)):
                 study.tell(trial, objectives)
             else:
                 study.tell(trial, state=optuna.trial.TrialState.FAIL)
-            batch.append(one)
-        found += batch
-        if told is not None:
-            told(batch)
-    return found
+            candidates.append(one)
+    return candidates
 
 
-def judged(search: Search, number: int, parameters: Numbers, values: Values | None) -> Found:
-    """A member with whether it has all that is sought, within the limits."""
-    known = values or {}
-    whole = all(math.isfinite(known.get(name, math.nan)) for name, _ in search.aims)
-    return Found(
-        number,
-        parameters,
-        values,
-        whole and all(bound.excess(known.get(bound.measure, math.nan)) <= 0.0 for bound in search.bounds),
-    )
-
-
-def best(search: Search, found: Sequence[Found]) -> list[Found]:
-    """The Pareto front: members within the limits than which no other is as good in every measure sought and
-    better in one, the best of the first measure first.
-
-    Of one measure that is the best. Of members with equal measures the first is told.
-    """
-    kept: dict[tuple[float, ...], Found] = {}
-    for one in found:
-        if one.feasible and one.values is not None:
-            kept.setdefault(tuple(sign * one.values[name] for name, sign in search.aims), one)
-    front = [at for at in sorted(kept) if not any(dominates(other, at) for other in kept)]
-    return [kept[at] for at in front]
-
-
-def dominates(one: Sequence[float], other: Sequence[float]) -> bool:
-    """Whether one is nowhere worse and somewhere better."""
-    return all(a <= b for a, b in zip(one, other, strict=True)) and any(
-        a < b for a, b in zip(one, other, strict=True)
-    )
-
-
-def space(optuna: ModuleType, axis: Axis) -> Any:
-    """What optuna is told of a parameter."""
+def distribution(optuna: ModuleType, axis: Axis) -> Any:
+    """Return the distribution of optuna for a parameter."""
     if axis.values:
         return optuna.distributions.CategoricalDistribution(list(axis.values))
     return optuna.distributions.FloatDistribution(axis.low, axis.high, log=axis.logarithmic)
 
 
 def sampler(optuna: ModuleType, search: Search, constraints: Callable[[Any], list[float]]) -> Any:
-    """The sampler of a search; optuna calls how it takes limits an experiment, and says so each time."""
+    """Return the sampler of a search, without the warning that its constraints are experimental."""
     limited = constraints if search.bounds else None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -220,8 +315,8 @@ def sampler(optuna: ModuleType, search: Search, constraints: Callable[[Any], lis
         )
 
 
-def imported() -> ModuleType:
-    """optuna, which is quiet. Raises VfifeError where it is not installed."""
+def optuna_module() -> ModuleType:
+    """Return optuna, silenced. Raises VfifeError where it is not installed."""
     try:
         import optuna
     except ImportError:

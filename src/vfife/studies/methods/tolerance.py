@@ -1,5 +1,5 @@
-"""What a sample of machines says of all that are made to these tolerances: quantiles of each measure, and the
-share that fails a limit.
+"""Tolerance analysis: quantiles of each measure over all machines, and the share that fails a limit, from a
+sample.
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import ModelError, VfifeError
+from ...errors import VfifeError
 from ...results.studied import Study
 from ...store.member_errors import MemberError
 from ..engine.run_missing import plan_of
-from ..engine.study_file import Written, planned
+from ..spec.case_rows import case_rows
 from ..spec.limits import CONFIDENCE, Bound, Estimate, mean, quantile, read_bounds, share, widened
+from ..spec.study_file import StudyReading
 from .sensitivity_indices import value_of
 
 SHARES = (0.01, 0.5, 0.95, 0.99)
@@ -25,12 +26,12 @@ SHARES = (0.01, 0.5, 0.95, 0.99)
 
 @dataclass(frozen=True)
 class Spread:
-    """A measure of all machines: how many of the sample's ``machines`` have it (``count``), mean, standard
-    deviation, quantiles by their shares, and of its limit (None without one) the share of the machines that
-    fail it; a machine that failed as a whole is among them.
+    """The spread of a measure over all machines, estimated from a sample of ``machines``, a ``count`` of
+    which have it.
 
-    ``average`` is the mean with its limits. ``numerical`` is the numerical error of a member, which all
-    limits hold; None where it is not estimated: then they are those of sampling alone.
+    ``quantiles`` are by share; ``failing`` is the share that fails the limit ``bound`` (None without one), a
+    machine without the measure among them; ``average`` is the mean with its limits. ``numerical`` is the
+    numerical error of a case, which all limits include; None where it is not estimated.
     """
 
     measure: str
@@ -53,8 +54,8 @@ def tolerance(
     quantiles: Sequence[float] = SHARES,
     confidence: float = CONFIDENCE,
 ) -> list[Spread]:
-    """What the machines of a study say of all that are made to its fits and tolerances: a spread for each
-    measure, in SI units.
+    """Estimate the spread of each measure of a study over all machines made to its fits and tolerances (SI
+    units).
 
     >>> vfife.tolerance("runs/crank.study", {"C.force.max": "2 kN"})[0].failing  # doctest: +SKIP
 
@@ -86,11 +87,10 @@ def tolerance(
 
 
 def bounds_of(found: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bound, ...]:
-    """Limits as given, or else those of the study. Raises ModelError."""
-    by = Written()
+    """Read limits, or those of the study where there are none. Raises ModelError."""
+    by = StudyReading()
     bounds = read_bounds(dict(limit) if limit else found.asked["raw"].get("limit", {}), found.measures, by)
-    if by.faults:
-        raise ModelError(by.faults, str(found.path or "this study"))
+    by.check(str(found.path or "this study"))
     return bounds
 
 
@@ -100,83 +100,65 @@ def spreads(
     shares: Sequence[float] = SHARES,
     confidence: float = CONFIDENCE,
 ) -> list[Spread]:
-    """How each measure of a study spreads over its machines. Raises VfifeError where the members are no
-    sample, or fewer than two have ended.
+    """Estimate the spread of each measure. Raises VfifeError where the cases are no sample, or fewer than two
+    have ended.
     """
-    sampled(found)
-    outcomes, wanted = machines(found)
+    check_sample(found)
+    outcomes, drawn = machines(found)
     if len(outcomes) < 2:
-        raise VfifeError(
-            f"{found.path or 'this study'}: {len(outcomes)} of {wanted} machines have ended, and a spread"
-            " needs two"
-        )
+        name = found.path or "this study"
+        raise VfifeError(f"{name}: {len(outcomes)} of {drawn} machines have ended, and a spread needs two")
     limits = {one.measure: one for one in bounds}
     rows = []
     for measure, unit in found.measures.items():
         values = np.array([value_of(one, measure) for one in outcomes])
-        kept, bound = values[np.isfinite(values)], limits.get(measure)
-        error = found.errors.get(measure)
-        failing = None if bound is None else share_that_fails(values.tolist(), bound, error, confidence)
-        quantiles = {
-            one: widened(quantile(kept, one, confidence), error.at_quantile(one) if error else 0.0)
-            for one in shares
-        }
-        average = widened(mean(kept, confidence), error.rms if error else 0.0)
-        deviation = float(np.std(kept, ddof=1)) if len(kept) > 1 else math.nan
-        rows.append(
-            Spread(
-                measure,
-                unit,
-                len(values),
-                len(kept),
-                average.value,
-                deviation,
-                quantiles,
-                bound,
-                failing,
-                average,
-                error,
-            )
-        )
+        finite, bound, error = values[np.isfinite(values)], limits.get(measure), found.errors.get(measure)
+        failing = None if bound is None else failing_share(values.tolist(), bound, error, confidence)
+        margins = {one: error.at_quantile(one) if error else 0.0 for one in shares}
+        quantiles = {one: widened(quantile(finite, one, confidence), margins[one]) for one in shares}
+        average = widened(mean(finite, confidence), error.rms if error else 0.0)
+        deviation = float(np.std(finite, ddof=1)) if len(finite) > 1 else math.nan
+        counts = len(values), len(finite), average.value, deviation
+        rows.append(Spread(measure, unit, *counts, quantiles, bound, failing, average, error))
     return rows
 
 
-def share_that_fails(
+def failing_share(
     values: Sequence[float], bound: Bound, error: MemberError | None, confidence: float
 ) -> Estimate:
-    """The share of all machines that fails a limit; machines nearer to it than their numerical error count to
-    both sides.
+    """Estimate the share of all machines that fails a limit.
+
+    Machines nearer to it than their numerical error count as sound in the lower limit, as failing in the
+    upper.
     """
     near, count = error.rms if error else 0.0, len(values)
-    found = [share(sum(fails), count, confidence) for fails in (
-        (bound.surely_fails(value, near) for value in values), (bound.excess(value) > 0.0 for value in values),
-        (bound.may_fail(value, near) for value in values),
-    )]  # fmt: skip
-    return Estimate(found[1].value, found[0].low, found[2].high)
+    least = share(sum(bound.surely_fails(value, near) for value in values), count, confidence)
+    most = share(sum(bound.may_fail(value, near) for value in values), count, confidence)
+    middle = share(sum(bound.excess(value) > 0.0 for value in values), count, confidence)
+    return Estimate(middle.value, least.low, most.high)
 
 
 def machines(found: Study) -> tuple[list[Mapping[str, Any]], int]:
-    """What the machines of the sample came to that have ended, each as often as it was drawn, and how many
-    were drawn.
+    """Return the outcomes of the machines of the sample that have ended, each as often as it was drawn, and
+    how many were drawn.
 
-    The file may have others: points one by one, members of a search, samples of former tolerances. They are
-    no draws.
+    Other cases in the file were not drawn: single points, cases of a search, samples of former tolerances.
     """
-    rows = planned(plan_of(found), Written()) or []
+    rows = case_rows(plan_of(found), StudyReading()) or []
     at = {found.at(one): found.outcomes[one.number] for one in found.done}
     return [at[row] for row in rows if row in at], len(rows)
 
 
-def sampled(found: Study) -> None:
-    """Raises VfifeError where members of a study are chosen, not drawn: then they say nothing of how often a
-    value comes.
-    """
+def check_sample(found: Study) -> None:
+    """Raise VfifeError where cases were chosen, not drawn: then they do not show how frequent a value is."""
     method = found.asked["raw"].get("method", "grid")
     chosen = [one.name for one in found.parameters if one.gridded]
     if method not in ("random", "latin", "sobol") or chosen:
         what = f"{', '.join(chosen)} has values" if chosen else f'method = "{method}"'
+        remedy = (
+            'give every parameter a fit, a tolerance or a distribution, and method = "random" with a count'
+        )
+        where = found.path or "this study"
         raise VfifeError(
-            f"{found.path or 'this study'}: its members are chosen, not drawn ({what}), so no share of"
-            " machines follows; give every parameter a fit, a tolerance or a distribution, and method ="
-            ' "random" with a count'
+            f"{where}: its members are chosen, not drawn ({what}), so no share of machines follows; {remedy}"
         )

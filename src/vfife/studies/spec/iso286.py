@@ -15,157 +15,64 @@ from dataclasses import dataclass
 from ...errors import Fault
 
 LEAST, MOST = 1e-3, 0.5  # m, the sizes for which the tables are meant
-STEPS = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)  # mm, each up to and including
-FINE_STEPS = (
-    3,
-    6,
-    10,
-    14,
-    18,
-    24,
-    30,
-    40,
-    50,
-    65,
-    80,
-    100,
-    120,
-    140,
-    160,
-    180,
-    200,
-    225,
-    250,
-    280,
-    315,
-    355,
-    400,
-    450,
-    500,
-)
-# µm, IT1 to IT11 of each step; IT12 to IT18 are ten times the grade five before.
-GRADES = (
-    (0.8, 1.2, 2, 3, 4, 6, 10, 14, 25, 40, 60),
-    (1, 1.5, 2.5, 4, 5, 8, 12, 18, 30, 48, 75),
-    (1, 1.5, 2.5, 4, 6, 9, 15, 22, 36, 58, 90),
-    (1.2, 2, 3, 5, 8, 11, 18, 27, 43, 70, 110),
-    (1.5, 2.5, 4, 6, 9, 13, 21, 33, 52, 84, 130),
-    (1.5, 2.5, 4, 7, 11, 16, 25, 39, 62, 100, 160),
-    (2, 3, 5, 8, 13, 19, 30, 46, 74, 120, 190),
-    (2.5, 4, 6, 10, 15, 22, 35, 54, 87, 140, 220),
-    (3.5, 5, 8, 12, 18, 25, 40, 63, 100, 160, 250),
-    (4.5, 7, 10, 14, 20, 29, 46, 72, 115, 185, 290),
-    (6, 8, 12, 16, 23, 32, 52, 81, 130, 210, 320),
-    (7, 9, 13, 18, 25, 36, 57, 89, 140, 230, 360),
-    (8, 10, 15, 20, 27, 40, 63, 97, 155, 250, 400),
-)
+Row = tuple[float, ...]
+
+
+def numbers(text: str) -> Row:
+    """Return the numbers of a line."""
+    return tuple(map(float, text.split()))
+
+
+def by_letter(text: str) -> dict[str, Row]:
+    """Return the numbers of each line by the letter before them."""
+    return {line.split()[0]: numbers(line.partition(" ")[2]) for line in text.strip().splitlines()}
+
+
+STEPS = numbers("3 6 10 18 30 50 80 120 180 250 315 400 500")  # mm, each up to and including
+FINE_STEPS = numbers("3 6 10 14 18 24 30 40 50 65 80 100 120 140 160 180 200 225 250 280 315 355 400 450 500")
+# µm, IT1 to IT11 of each step, a line each; IT12 to IT18 are ten times the grade five before.
+GRADES = tuple(map(numbers, """\
+0.8 1.2 2 3 4 6 10 14 25 40 60
+1 1.5 2.5 4 5 8 12 18 30 48 75
+1 1.5 2.5 4 6 9 15 22 36 58 90
+1.2 2 3 5 8 11 18 27 43 70 110
+1.5 2.5 4 6 9 13 21 33 52 84 130
+1.5 2.5 4 7 11 16 25 39 62 100 160
+2 3 5 8 13 19 30 46 74 120 190
+2.5 4 6 10 15 22 35 54 87 140 220
+3.5 5 8 12 18 25 40 63 100 160 250
+4.5 7 10 14 20 29 46 72 115 185 290
+6 8 12 16 23 32 52 81 130 210 320
+7 9 13 18 25 36 57 89 140 230 360
+8 10 15 20 27 40 63 97 155 250 400
+""".splitlines()))  # fmt: skip
 # µm below the nominal size: the upper deviation of a shaft, and of a hole the lower one with its sign turned.
-CLEAR = {
-    "d": (20, 30, 40, 50, 65, 80, 100, 120, 145, 170, 190, 210, 230),
-    "e": (14, 20, 25, 32, 40, 50, 60, 72, 85, 100, 110, 125, 135),
-    "f": (6, 10, 13, 16, 20, 25, 30, 36, 43, 50, 56, 62, 68),
-    "g": (2, 4, 5, 6, 7, 9, 10, 12, 14, 15, 17, 18, 20),
-    "h": (0,) * 13,
-}
-WIDE = {
-    "a": (
-        270,
-        270,
-        280,
-        290,
-        290,
-        300,
-        300,
-        310,
-        320,
-        340,
-        360,
-        380,
-        410,
-        460,
-        520,
-        580,
-        660,
-        740,
-        820,
-        920,
-        1050,
-        1200,
-        1350,
-        1500,
-        1650,
-    ),
-    "b": (
-        140,
-        140,
-        150,
-        150,
-        150,
-        160,
-        160,
-        170,
-        180,
-        190,
-        200,
-        220,
-        240,
-        260,
-        280,
-        310,
-        340,
-        380,
-        420,
-        480,
-        540,
-        600,
-        680,
-        760,
-        840,
-    ),
-    "c": (
-        60,
-        70,
-        80,
-        95,
-        95,
-        110,
-        110,
-        120,
-        130,
-        140,
-        150,
-        170,
-        180,
-        200,
-        210,
-        230,
-        240,
-        260,
-        280,
-        300,
-        330,
-        360,
-        400,
-        440,
-        480,
-    ),
-}
+CLEAR = by_letter("""
+d  20 30 40 50 65 80 100 120 145 170 190 210 230
+e  14 20 25 32 40 50 60 72 85 100 110 125 135
+f  6 10 13 16 20 25 30 36 43 50 56 62 68
+g  2 4 5 6 7 9 10 12 14 15 17 18 20
+h  0 0 0 0 0 0 0 0 0 0 0 0 0
+""")
+WIDE = by_letter("""
+a  270 270 280 290 290 300 300 310 320 340 360 380 410 460 520 580 660 740 820 920 1050 1200 1350 1500 1650
+b  140 140 150 150 150 160 160 170 180 190 200 220 240 260 280 310 340 380 420 480 540 600 680 760 840
+c  60 70 80 95 95 110 110 120 130 140 150 170 180 200 210 230 240 260 280 300 330 360 400 440 480
+""")
 # µm above it: the lower deviation of a shaft; k of IT4 to IT7 only, else zero.
-TIGHT = {
-    "k": (0, 1, 1, 1, 2, 2, 2, 3, 3, 4, 4, 4, 5),
-    "m": (2, 4, 6, 7, 8, 9, 11, 13, 15, 17, 20, 21, 23),
-    "n": (4, 8, 10, 12, 15, 17, 20, 23, 27, 31, 34, 37, 40),
-    "p": (6, 12, 15, 18, 22, 26, 32, 37, 43, 50, 56, 62, 68),
-}
+TIGHT = by_letter("""
+k  0 1 1 1 2 2 2 3 3 4 4 4 5
+m  2 4 6 7 8 9 11 13 15 17 20 21 23
+n  4 8 10 12 15 17 20 23 27 31 34 37 40
+p  6 12 15 18 22 26 32 37 43 50 56 62 68
+""")
 LETTERS = ("a", "b", "c", "d", "e", "f", "g", "h", "js", "k", "m", "n", "p")
 ZONE = re.compile(r"([A-Za-z]{1,2})([0-9]{1,2})")
 
 
 @dataclass(frozen=True)
 class Zone:
-    """A tolerance zone such as f7 at a size: its deviations from the nominal size, ``low`` and ``high``, in
-    m.
-    """
+    """A tolerance zone such as f7 at a size, with its deviations ``low`` and ``high`` (m)."""
 
     name: str
     low: float
@@ -202,8 +109,9 @@ class Fit:
 
 
 def fit(text: str, diameter: float) -> Fit:
-    """The fit that a text such as "H8/f7" names, at a nominal diameter in m. Raises Fault for what ISO 286-1
-    or these tables do not have.
+    """Return the fit of a text such as "H8/f7" at a nominal diameter (m).
+
+    Raises Fault for what ISO 286-1 or these tables do not have.
 
     >>> one = fit("H8/f7", 0.02)
     >>> round(one.least * 1e6, 3), round(one.most * 1e6, 3)
@@ -211,105 +119,79 @@ def fit(text: str, diameter: float) -> Fit:
     """
     parts = [part.strip() for part in text.split("/")]
     if len(parts) != 2 or not parts[0][:1].isupper() or not parts[1][:1].islower():
-        raise Fault(
-            "",
-            "no fit",
-            f'"{text}"',
+        limit, remedy = (
             "the zone of a hole, a stroke, the zone of a shaft",
             'write it as in "H8/f7", the hole first',
         )
+        raise Fault("", "no fit", f'"{text}"', limit, remedy)
     return Fit(zone(parts[0], diameter), zone(parts[1], diameter), diameter)
 
 
 def tolerance(grade: int, diameter: float) -> float:
-    """The standard tolerance IT1 to IT18 of a size in m, in m. Raises Fault."""
+    """Return the standard tolerance IT1 to IT18 (m) of a size (m). Raises Fault."""
     return in_micrometres(grade, step_of(diameter)) / 1e6
 
 
 def zone(name: str, diameter: float) -> Zone:
-    """The zone of a hole (a capital, as H8) or of a shaft (as f7) at a diameter in m. Raises Fault."""
+    """Return the zone of a hole (a capital, as H8) or of a shaft (as f7) at a diameter (m). Raises Fault."""
     step = step_of(diameter)
-    found = ZONE.fullmatch(name)
-    letter = found[1].lower() if found else ""
-    if found is None or letter not in LETTERS or found[1] not in (letter, letter.upper()):
-        known = ", ".join(LETTERS)
-        raise Fault(
-            "",
-            "a zone that the tables do not have",
-            f'"{name}"',
-            f"{known} of shafts, in capitals of holes, with a grade",
-            'as in "H8"',
-        )
-    grade = int(found[2])
+    match = ZONE.fullmatch(name)
+    letter = match[1].lower() if match else ""
+    if match is None or letter not in LETTERS or match[1] not in (letter, letter.upper()):
+        limit = f"{', '.join(LETTERS)} of shafts, in capitals of holes, with a grade"
+        raise Fault("", "a zone that the tables do not have", f'"{name}"', limit, 'as in "H8"')
+    grade = int(match[2])
     width = in_micrometres(grade, step)
     if letter == "js":
         return Zone(name, -0.5 * width / 1e6, 0.5 * width / 1e6)
     below = letter in CLEAR or letter in WIDE
-    if found[1].isupper():
+    if match[1].isupper():
         low = clear(letter, diameter) if below else upper_of_tight_hole(letter, grade, step, name) - width
     else:
         low = -clear(letter, diameter) - width if below else tight(letter, grade, step)
     return Zone(name, low / 1e6, (low + width) / 1e6)
 
 
-def step_of(diameter: float, steps: tuple[int, ...] = STEPS) -> int:
-    """Number of the step that a diameter in m is in. Raises Fault outside 1 to 500 mm."""
+def step_of(diameter: float, steps: Row = STEPS) -> int:
+    """Return the index of the step of a diameter (m). Raises Fault outside 1 to 500 mm."""
     if not LEAST <= diameter <= MOST:
-        raise Fault(
-            "",
-            "a size beyond the tables of fits",
-            f"{1e3 * diameter:g} mm",
-            "1 mm to 500 mm",
-            "correct the diameter or its unit",
-        )
+        what, remedy = "a size beyond the tables of fits", "correct the diameter or its unit"
+        raise Fault("", what, f"{1e3 * diameter:g} mm", "1 mm to 500 mm", remedy)
     return bisect_left(steps, round(1e3 * diameter, 9))
 
 
 def in_micrometres(grade: int, step: int) -> float:
-    """The tolerance of a grade in a step. Raises Fault."""
+    """Return the tolerance of a grade in a step (µm). Raises Fault."""
     if not 1 <= grade <= 18:
-        raise Fault(
-            "",
-            "a grade that there is not",
-            f"IT{grade}",
-            "IT1 to IT18",
-            "choose one of these; running fits have 5 to 11",
-        )
-    return float(GRADES[step][grade - 1] if grade <= 11 else 10 * in_micrometres(grade - 5, step))
+        remedy = "choose one of these; running fits have 5 to 11"
+        raise Fault("", "a grade that there is not", f"IT{grade}", "IT1 to IT18", remedy)
+    return GRADES[step][grade - 1] if grade <= 11 else 10.0 * in_micrometres(grade - 5, step)
 
 
 def clear(letter: str, diameter: float) -> float:
-    """How far below the nominal size a shaft of this letter begins, in µm."""
-    return float(
-        WIDE[letter][step_of(diameter, FINE_STEPS)] if letter in WIDE else CLEAR[letter][step_of(diameter)]
-    )
+    """Return how far below the nominal size a shaft of this letter begins (µm)."""
+    return WIDE[letter][step_of(diameter, FINE_STEPS)] if letter in WIDE else CLEAR[letter][step_of(diameter)]
 
 
 def tight(letter: str, grade: int, step: int) -> float:
-    """Lower deviation of a shaft k to p, in µm."""
-    return 0.0 if letter == "k" and not 4 <= grade <= 7 else float(TIGHT[letter][step])
+    """Return the lower deviation of a shaft k to p (µm)."""
+    return 0.0 if letter == "k" and not 4 <= grade <= 7 else TIGHT[letter][step]
 
 
 def upper_of_tight_hole(letter: str, grade: int, step: int, name: str) -> float:
-    """Upper deviation of a hole K to P in µm: that of the shaft with its sign turned, and up to IT8 (P: IT7)
-    the delta rule, by which a hole of a grade and a shaft of the next finer one have the interference that
-    hole and shaft have when their parts are exchanged.
+    """Return the upper deviation of a hole K to P (µm).
+
+    It is that of the shaft with its sign turned; up to IT8 (P: IT7) the delta rule is added, by which a hole
+    of a grade and a shaft of the next finer one have the interference of the two with exchanged letters.
     """
     if letter == "k" and grade > 8 and step:
-        raise Fault(
-            "",
-            "a zone that the standard does not have above 3 mm",
-            f'"{name}"',
-            "K up to grade 8",
-            "choose K8, or JS of this grade",
-        )
+        what, remedy = "a zone that the standard does not have above 3 mm", "choose K8, or JS of this grade"
+        raise Fault("", what, f'"{name}"', "K up to grade 8", remedy)
     if letter == "n" and grade > 8 and step:
         return 0.0
     if letter == "m" and grade == 6 and STEPS[step] == 315:
         return -9.0  # an exception that the standard makes
-    delta = (
-        in_micrometres(grade, step) - in_micrometres(grade - 1, step)
-        if step and 3 <= grade <= (7 if letter == "p" else 8)
-        else 0.0
-    )
+    delta = 0.0
+    if step and 3 <= grade <= (7 if letter == "p" else 8):
+        delta = in_micrometres(grade, step) - in_micrometres(grade - 1, step)
     return delta - TIGHT[letter][step]

@@ -1,7 +1,8 @@
-"""What a sample of machines says of all of them: quantiles and shares, with limits of confidence.
+"""Quantiles, shares and means of all machines, estimated from a sample with limits of confidence; limits of
+measures.
 
-The machines are taken to be independent draws; samples of a hypercube or of Sobol's sequence say more than
-that, so their limits are wide ones.
+The machines are taken to be independent draws. A hypercube or Sobol's sequence estimates better than that, so
+for them the limits are wider than needed. scipy.stats has most of this, but takes half a second to import.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number of all machines as a sample shows it, and limits between which it lies with the confidence
-    asked for; infinite where the sample is too small to say.
+    """An estimate of a number of all machines, and its limits of confidence; infinite where the sample is too
+    small for them.
     """
 
     value: float
@@ -31,7 +32,7 @@ class Estimate:
 
 
 def quantile(values: Array, share: float, confidence: float = CONFIDENCE) -> Estimate:
-    """The value below which a share of all machines lies, from the finite ``values`` of a sample.
+    """Estimate the value below which a share of all machines lies, from the finite ``values`` of a sample.
 
     The estimate lies between the values of ranks (n - 1) q below and above. The limits are values of the
     sample themselves: of n draws the number B below the quantile is binomial, so those of ranks r and s, the
@@ -54,8 +55,10 @@ def quantile(values: Array, share: float, confidence: float = CONFIDENCE) -> Est
 
 
 def share(count: int, of: int, confidence: float = CONFIDENCE) -> Estimate:
-    """The share of all machines, of whom ``count`` were found in a sample, with Wilson's limits: the shares p
-    for which the count is not further than z standard deviations √(p (1 - p) n) from p n (Wilson 1927).
+    """Estimate the share of all machines that have a property, from a ``count`` ``of`` a sample.
+
+    The limits are Wilson's (1927): the shares p for which the count is not further than z standard deviations
+    √(p (1 - p) n) from p n.
     """
     from scipy.special import ndtri
 
@@ -81,24 +84,22 @@ def mean(values: Array, confidence: float = CONFIDENCE) -> Estimate:
     n = len(values)
     if n < 2:
         return Estimate(float(values[0]) if n else math.nan, -math.inf, math.inf)
-    middle, half = (
-        float(np.mean(values)),
-        float(ndtri(0.5 * (1.0 + confidence)) * np.std(values, ddof=1)) / math.sqrt(n),
-    )
+    middle = float(np.mean(values))
+    half = float(ndtri(0.5 * (1.0 + confidence)) * np.std(values, ddof=1)) / math.sqrt(n)
     return Estimate(middle, middle - half, middle + half)
 
 
 def widened(estimate: Estimate, error: float) -> Estimate:
-    """An estimate whose limits hold a further error to both sides, too."""
+    """Return an estimate with limits that are wider by an error to both sides."""
     return Estimate(estimate.value, estimate.low - error, estimate.high + error)
 
 
 def allowed_failures(of: int, failing: float, confidence: float = CONFIDENCE) -> int:
-    """How many of a sample may fail where at most a share ``failing`` of all machines shall, with this
-    confidence; -1 where it is too small.
+    """Return how many of a sample may fail if at most a share ``failing`` of all machines does, with this
+    confidence; -1 where the sample is too small.
 
-    The greatest k with P(B ≤ k) ≤ 1 - confidence, B binomial of the share: did more machines than that fail,
-    so few in a sample would be rarer.
+    It is the greatest k with P(B ≤ k) ≤ 1 - confidence, B binomial of the share: if a larger share failed, so
+    few failures in a sample would be less probable.
     """
     import numpy as np
 
@@ -106,14 +107,14 @@ def allowed_failures(of: int, failing: float, confidence: float = CONFIDENCE) ->
 
 
 def needed(failing: float, confidence: float = CONFIDENCE) -> int:
-    """Machines of which none fails that show with this confidence that at most a share does: (1 - failing)^n
-    ≤ 1 - confidence.
+    """Return the size n of a sample without failures that shows with this confidence that at most a share
+    ``failing`` of all machines fails: (1 - failing)^n ≤ 1 - confidence.
     """
     return math.ceil(math.log(1.0 - confidence) / math.log1p(-failing) - 1e-9)
 
 
 def cumulative(n: int, p: float) -> Array:
-    """P(B ≤ k) for k = 0 to n, B binomial."""
+    """Return P(B ≤ k) for k = 0 to n, B binomial of n and p."""
     import numpy as np
     from scipy.special import bdtr
 
@@ -133,70 +134,53 @@ class Bound:
     high: float = math.inf
 
     def excess(self, value: float) -> float:
-        """How far beyond it a value is, zero or less where it is kept; infinite for no value."""
+        """Return how far a value is beyond it, zero or less where it is kept; infinite for NaN."""
         over = max(value - self.high, self.low - value)
         return over if math.isfinite(value) else math.inf
 
     def surely_fails(self, value: float, error: float) -> bool:
-        """Whether a value is beyond the limit, to whichever side it is wrong by an ``error``; no value fails."""
+        """Whether a value is beyond the limit even if it is wrong by an ``error``; NaN fails."""
         return not math.isfinite(value) or value - error > self.high or value + error < self.low
 
     def may_fail(self, value: float, error: float) -> bool:
-        """Whether a value is beyond the limit, or would be if it is wrong by an ``error``."""
+        """Whether a value is beyond the limit, or may be, as it may be wrong by an ``error``."""
         return not math.isfinite(value) or value + error > self.high or value - error < self.low
 
     def words(self, unit: str) -> str:
-        """The limit as a person says it."""
-        said = "" if unit == "1" else f" {unit}"
+        """Return the limit in words."""
+        suffix = "" if unit == "1" else f" {unit}"
         ends = ((self.low, "at least"), (self.high, "at most"))
-        return " and ".join(f"{word} {end:.6g}{said}" for end, word in ends if math.isfinite(end))
+        return " and ".join(f"{word} {end:.6g}{suffix}" for end, word in ends if math.isfinite(end))
 
 
 def read_bounds(raw: Any, units: Mapping[str, str], by: Reading) -> tuple[Bound, ...]:
-    """The limits of a table ``[limit]``: by measure the most that is allowed, or a table of ``low`` and
-    ``high``. What is wrong is told.
-    """
+    """Read the table ``[limit]``: by measure the largest value, or a table of ``low`` and ``high``."""
     if not isinstance(raw, dict):
-        by.refuse(
-            ("limit",),
-            f"this is {kind_of(raw)}",
-            shown(raw),
-            "a table",
-            'write [limit] and, under it, "C.force.max" = "2 kN"',
-        )
+        remedy = 'write [limit] and, under it, "C.force.max" = "2 kN"'
+        by.refuse(("limit",), f"this is {kind_of(raw)}", shown(raw), "a table", remedy)
         return ()
-    found = []
-    for measure, given in flat(raw):
+    bounds = []
+    for measure, limit in flat(raw):
         where = ("limit", measure)
         if measure not in units:
-            by.refuse(
-                where,
-                "a limit of what is not measured",
-                "",
-                "",
-                suggestion(measure, units, "name one of the measures"),
-            )
+            remedy = suggestion(measure, units, "name one of the measures")
+            by.refuse(where, "a limit of what is not measured", "", "", remedy)
             continue
-        ends = given if isinstance(given, dict) else {"high": given}
+        ends = limit if isinstance(limit, dict) else {"high": limit}
         read = {key: quantity(value, units[measure], (*where, key), by) for key, value in ends.items()}
         known = {key: value for key, value in read.items() if value is not None}
         if len(known) < len(read):
             continue
         if not known.get("low", -math.inf) < known.get("high", math.inf):
-            by.refuse(
-                where,
-                "no number is within this limit",
-                shown(given),
-                "low below high",
-                "exchange or correct them",
-            )
+            what, remedy = "no number is within this limit", "exchange or correct them"
+            by.refuse(where, what, shown(limit), "low below high", remedy)
         else:
-            found.append(Bound(measure, **known))
-    return tuple(found)
+            bounds.append(Bound(measure, **known))
+    return tuple(bounds)
 
 
 def flat(raw: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Measures and what is said of them; a name without quotes has become tables in tables."""
+    """Yield measures and their limits; of a name without quotes TOML has made tables in tables."""
     for key, value in raw.items():
         name = f"{above}.{key}" if above else str(key)
         if isinstance(value, dict) and value and not set(value) <= set(ENDS):
@@ -206,7 +190,7 @@ def flat(raw: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def quantity(value: Any, unit: str, where: tuple[str, ...], by: Reading) -> float | None:
-    """A quantity in SI units; None where it is none, which is told."""
+    """Read a quantity in SI units; None where it is none."""
     try:
         return number(value, "1" if unit == "%" else unit)
     except Fault as error:

@@ -1,0 +1,197 @@
+"""The cases of a study: every value with every other, first with first, samples of what has a distribution,
+points one by one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from typing import Any
+
+from ...errors import Fault, kind_of, shown, suggestion
+from ...schema import Measure, Reading, Whole
+from .parameters import read_value
+from .plan import GRIDS, MOST_MEMBERS, SEARCH, Number, Plan, StudyParameter
+from .sampling import points
+
+Row = tuple[Number, ...]  # values of a case, in the order of the parameters
+
+
+def with_cases(plan: Plan, extra: Any, by: Reading) -> Plan:
+    """Return the plan with its cases; ``extra`` are further ones, as tables of values by name."""
+    if not isinstance(extra, list):
+        by.refuse(("point",), f"this is {kind_of(extra)}", shown(extra), "tables [[point]]", "write them so")
+        extra = []
+    singles = tuple(
+        point for k, one in enumerate(extra) if (point := read_point(plan, one, k, by)) is not None
+    )
+    rows = case_rows(plan, by)
+    return dataclasses.replace(
+        plan, points=singles, members=() if rows is None else tuple(dict.fromkeys((*rows, *singles)))
+    )
+
+
+def case_rows(plan: Plan, by: Reading) -> list[Row] | None:
+    """Return the values of every case but the single points; None where there cannot be any."""
+    method, count = plan.spec.method, plan.spec.count
+    free = [one for one in plan.parameters if one.values is None]
+    if method == SEARCH:
+        return []
+    if method in GRIDS:
+        for one in free:
+            what = f"a {method} takes values, and {one.name} has {described_distribution(one)}"
+            remedy = 'list its values, give from, to and count, or take samples: method = "sobol" and count'
+            by.refuse(("vary", one.name, ""), what, "", "", remedy)
+        if count is not None:
+            by.refuse(
+                ("count",),
+                f"a {method} takes no samples",
+                str(count),
+                "",
+                "remove it, or name another method",
+            )
+        if free or count is not None:
+            return None
+        return paired_rows(plan, by) if method == "list" else grid_rows(plan, [()], by)
+    if not free:
+        remedy = 'give a number from and to, or mean and deviation, or set method = "grid"'
+        by.refuse(
+            ("method",),
+            "there is nothing to take samples of: every parameter has values",
+            f'"{method}"',
+            "",
+            remedy,
+        )
+    if count is None:
+        by.refuse(("count",), "this key is missing", "", "number of samples", "add it, as in count = 256")
+    if not free or count is None or too_many(plan, count, by):
+        return None
+    try:
+        samples = sample_rows(free, method, count, plan.spec.seed, by)
+    except Fault as fault:
+        by.add(fault.at(("method",)))
+        return None
+    return grid_rows(plan, samples, by) if samples else None
+
+
+def described_distribution(one: StudyParameter) -> str:
+    """Describe what a parameter without values has."""
+    return (
+        "a range"
+        if one.kind == "uniform"
+        else f"the fit {one.words}"
+        if one.kind == "fit"
+        else f"a {one.kind} distribution"
+    )
+
+
+def too_many(plan: Plan, samples: int, by: Reading) -> bool:
+    """Refuse more cases than anybody means, before any is made."""
+    sizes = [len(one.values) for one in plan.parameters if one.values is not None] + (
+        [samples] if samples > 1 else []
+    )
+    count = math.prod(sizes)
+    if count <= MOST_MEMBERS:
+        return False
+    product = " x ".join(f"{size:,}" for size in sizes)
+    by.refuse(
+        ("vary", ""),
+        f"{product} = {count:,} members",
+        "",
+        f"at most {MOST_MEMBERS:,}",
+        "give fewer values, or take samples",
+    )
+    return True
+
+
+def grid_rows(plan: Plan, samples: list[Row], by: Reading) -> list[Row] | None:
+    """Combine every value with every other, and with every sample of the parameters without values."""
+    if too_many(plan, len(samples), by):
+        return None
+    axes = [one.values for one in plan.parameters if one.values is not None]
+    rows = []
+    for values, sample in itertools.product(itertools.product(*axes), samples):
+        listed, drawn = iter(values), iter(sample)
+        rows.append(tuple(next(drawn if one.values is None else listed) for one in plan.parameters))
+    return rows
+
+
+def paired_rows(plan: Plan, by: Reading) -> list[Row] | None:
+    """Combine first with first, second with second."""
+    lists = [one.values or () for one in plan.parameters]
+    if len({len(one) for one in lists}) > 1:
+        sizes = ", ".join(
+            f"{one.name} {len(values)}" for one, values in zip(plan.parameters, lists, strict=True)
+        )
+        what = "lists that go together are of different lengths"
+        by.refuse(("vary", ""), what, sizes, "one length", 'complete them, or set method = "grid"')
+        return None
+    return list(zip(*lists, strict=True))
+
+
+def sample_rows(
+    parameters: list[StudyParameter], method: str, count: int, seed: int, by: Reading
+) -> list[Row]:
+    """Return the samples of parameters in the order of the method, a row as often as it was drawn; none where
+    one is refused.
+
+    Raises Fault for a method or a count that cannot be.
+    """
+    drawn = points(
+        [one.distribution for one in parameters if one.distribution is not None], method, count, seed
+    )
+    columns = [within_limits(one, drawn[:, k].tolist(), by) for k, one in enumerate(parameters)]
+    return list(zip(*columns, strict=True)) if all(columns) else []
+
+
+def within_limits(one: StudyParameter, values: list[float], by: Reading) -> list[Number]:
+    """Return samples as the model takes them; none, and a fault, where some lie beyond the limits of the
+    field.
+    """
+    field, limits, beyond = one.field, "", list[float]()
+    if isinstance(field, Whole):
+        values = [float(round(value)) for value in values]
+        limits, beyond = (
+            f"{field.low} to {field.high}",
+            [value for value in values if not field.low <= value <= field.high],
+        )
+    elif isinstance(field, Measure):
+        limits, beyond = field.limits(), [value for value in values if not field.allows(value)]
+    if beyond:
+        what = f"{len(beyond)} of {len(values)} samples are beyond the limits of {one.paths[0]}"
+        remedy = "cut the distribution off with from and to"
+        by.refuse(("vary", one.name, ""), what, f"{beyond[0]:.6g} {one.unit}", limits, remedy)
+    return [] if beyond else list(values)
+
+
+def read_point(plan: Plan, table: Any, k: int, by: Reading) -> Row | None:
+    """Read a single case: a value for each parameter by its name."""
+    if not isinstance(table, dict):
+        by.refuse(
+            ("point", k), f"this is {kind_of(table)}", shown(table), "a table of values by name", "write one"
+        )
+        return None
+    names, before = [one.name for one in plan.parameters], len(by.faults)
+    for name in table:
+        if name not in names:
+            by.refuse(
+                ("point", k, name),
+                "no parameter is called so",
+                shown(table[name]),
+                "",
+                suggestion(name, names, "name one"),
+            )
+    values = []
+    for one in plan.parameters:
+        if one.name in table:
+            values.append(read_value(table[one.name], one.field, ("point", k, one.name), by))
+        else:
+            by.refuse(
+                ("point", k, one.name),
+                "a point has a value for each parameter",
+                "",
+                ", ".join(names),
+                "add it",
+            )
+    return None if len(by.faults) > before else tuple(value for value in values if value is not None)

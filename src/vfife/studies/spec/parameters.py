@@ -1,0 +1,285 @@
+"""Parameters of a study, read from the tables under ``[vary]``: paths of the model, unit, values or their
+distribution.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from ...errors import Fault, Path, shown
+from ...model.mechanism import Mechanism
+from ...modelfile.parameter import NO_NUMBER, Parameter
+from ...numerics.scalar import power
+from ...schema import Choice, Measure, Reading, Value, Whole
+from .plan import Number, StudyParameter, VaryTable
+from .sampling import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
+
+ZONE = re.compile(r"[A-Za-z]{1,2}[0-9]{1,2}")
+KINDS = {  # keys of each kind of table
+    "values": ("values",),
+    "range": ("low", "high"),
+    "normal": ("mean", "deviation"),
+    "fit": ("fit", "diameter"),
+    "tolerance": ("nominal", "tolerance"),
+}
+ALLOWED = (
+    "values, or from and to, or mean and deviation (with from and to it is cut off), or fit and diameter, or"
+    " nominal and tolerance"
+)
+# Keys of numbers in a file by their fields, and the key at which the distribution of a kind is refused.
+FILE_KEYS = {"low": "from", "high": "to", "mean": "mean", "deviation": "deviation", "nominal": "nominal"}
+FAULTY = {"fit": "fit", "range": "to", "normal": "mean", "tolerance": "tolerance"}
+AT_TOP = "set {} at the top of the study"
+RUN_KEYS = {  # numbers of the run that a study sets itself, and what to do instead
+    "turns": AT_TOP.format("turns"), "duration": AT_TOP.format("turns"), "settle": AT_TOP.format("settle"),
+    "companions": "a study takes none", "analysis": "members turn a crank",
+}  # fmt: skip
+
+
+def read_parameters(
+    tables: Mapping[str, VaryTable], model: Mechanism | None, by: Reading
+) -> list[StudyParameter]:
+    """Read the parameters, none without a model; those with faults are left out."""
+    parameters, owners = [], dict[str, str]()
+    for name, table in tables.items():
+        if model is None or table.path is None:
+            continue
+        field, paths = read_paths(("vary", name, "path"), table.path, model, by)
+        for path in paths:
+            if path in owners:
+                what = f"{path} is varied by {owners[path]} already"
+                by.refuse(("vary", name, "path"), what, "", "one name for each number", "remove one of them")
+            owners[path] = name
+        if field is not None and (parameter := read_parameter(name, table, field, paths, by)) is not None:
+            parameters.append(parameter)
+    return parameters
+
+
+def read_paths(
+    where: Path, texts: tuple[str, ...], model: Mechanism, by: Reading
+) -> tuple[Value | None, tuple[str, ...]]:
+    """Return the field of the numbers at some paths, None where they have none in common, and the paths in
+    full.
+    """
+    fields: list[tuple[str, Value]] = []
+    for text in texts:
+        try:
+            one = Parameter(model, text)
+        except Fault as fault:
+            by.add(fault.at(where, value=shown(text)))
+            continue
+        if one.keys[0] == "run" and one.keys[-1] in RUN_KEYS:
+            remedy = f"remove it: {RUN_KEYS[str(one.keys[-1])]}"
+            by.refuse(where, "the study says this itself, for all members", shown(text), "", remedy)
+        elif isinstance(one.field, Measure | Whole | Choice):
+            fields.append((one.path, one.field))
+        else:
+            kind = "what stands there is of a kind that has no such number"
+            kind = kind if len(one.keys) > 2 else "a table, not a number of the model, is there"
+            what = kind if one.field is None else "this is no number that can be varied"
+            by.refuse(where, what, shown(text), "", NO_NUMBER)
+    paths, kinds = tuple(path for path, _ in fields), {(type(field), unit_of(field)) for _, field in fields}
+    if len(fields) < len(texts):
+        return None, paths
+    if len(kinds) > 1:
+        units = ", ".join(f"{path} in {unit_of(field)}" for path, field in fields)
+        by.refuse(
+            where,
+            "numbers of different kinds cannot be the same",
+            units,
+            "one unit",
+            "vary them under names of their own",
+        )
+        return None, paths
+    return fields[0][1], paths
+
+
+def unit_of(field: Value) -> str:
+    """Return the unit of a field."""
+    return field.unit if isinstance(field, Measure) else "1"
+
+
+def read_parameter(
+    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], by: Reading
+) -> StudyParameter | None:
+    """Read a parameter; None where something of it was refused."""
+    where, before, unit = ("vary", name), len(by.faults), unit_of(field)
+    kind = kind_of_table(table, where, by)
+    numbers: dict[str, Any] = {
+        key: read_value(value, field, (*where, FILE_KEYS[key]), by)
+        for key in FILE_KEYS
+        if (value := getattr(table, key)) is not None
+    }
+    if isinstance(numbers.get("deviation"), float) and numbers["deviation"] <= 0.0:
+        by.refuse(
+            (*where, "deviation"),
+            "zero or negative",
+            shown(table.deviation),
+            "a deviation above 0",
+            "correct it",
+        )
+    values = None if table.values is None else read_values(table.values, field, where, by)
+    if kind is None or len(by.faults) > before:
+        return None
+    if isinstance(field, Choice) and values is None:
+        by.refuse(
+            (*where, "values"),
+            "words have no range",
+            "",
+            " or ".join(field.options[:8]),
+            "list them as values",
+        )
+        return None
+    distribution = None
+    try:
+        check_ends(table, numbers)
+        if kind == "range" and table.count is not None:
+            values = range_values(table, numbers, field)
+        elif values is None:
+            distribution = distribution_of(table, kind, numbers, unit)
+            kind = (
+                {Uniform: "uniform", Truncated: "truncated"}.get(type(distribution), kind)
+                if kind in ("range", "normal")
+                else kind
+            )
+    except Fault as fault:
+        by.add(fault.at((*where, FAULTY[kind])))
+        return None
+    return StudyParameter(
+        name, paths, unit, kind, f"{table.fit}" if kind == "fit" else "", values, distribution, field
+    )
+
+
+def kind_of_table(table: VaryTable, where: Path, by: Reading) -> str | None:
+    """Return the kind of values that a table has; None where it has none, two or part of one."""
+    kinds = [kind for kind, keys in KINDS.items() if any(getattr(table, key) is not None for key in keys)]
+    if "normal" in kinds and "range" in kinds:
+        kinds.remove("range")
+    if len(kinds) != 1:
+        what = f"{' and '.join(kinds)} exclude each other" if kinds else "nothing says which values it takes"
+        by.refuse((*where, ""), what, "", ALLOWED, "give one of these")
+        return None
+    (kind,) = kinds
+    missing = [FILE_KEYS.get(key, key) for key in KINDS[kind] if getattr(table, key) is None]
+    for key in missing:
+        by.refuse((*where, key), "this key is missing", "", ALLOWED, "add it")
+    for key in ("count", "spacing"):
+        if kind != "range" and getattr(table, key) not in (None, "linear"):
+            by.refuse(
+                (*where, key), "only a range is cut into values", shown(getattr(table, key)), "", "remove it"
+            )
+    return None if missing else kind
+
+
+def read_value(value: Any, field: Value, where: Path, by: Reading) -> Number | None:
+    """Read a value in SI units as the model's field takes it; a word where the field takes words.
+
+    A deviation has the unit of the field but not its limits; words that stand for a number are no ends of a
+    range.
+    """
+    if isinstance(field, Measure) and where[-1] == "deviation":
+        field = Measure(field.unit)
+    elif isinstance(field, Measure) and where[-1] in ("from", "to", "mean") and isinstance(value, str):
+        field = Measure(field.unit, field.above, field.low, field.high)
+    read: Any = field.read(value, where, by)
+    return read if read is None or isinstance(read, str) else float(read)
+
+
+def read_values(values: tuple[Any, ...], field: Value, where: Path, by: Reading) -> tuple[Number, ...]:
+    """Read values that are listed one by one, each of which may come once."""
+    read = [read_value(value, field, (*where, "values", k), by) for k, value in enumerate(values)]
+    again = next((k for k, value in enumerate(read) if value is not None and value in read[:k]), None)
+    if again is not None:
+        by.refuse(
+            (*where, "values", again),
+            "the same value twice",
+            shown(values[again]),
+            "each value once",
+            "remove it",
+        )
+    if not read:
+        by.refuse((*where, "values"), "an empty list", "[]", "one value or more", "add values")
+    return tuple(value for value in read if value is not None)
+
+
+def check_ends(table: VaryTable, numbers: Mapping[str, Any]) -> None:
+    """Raise Fault where the ends of a range are not in order."""
+    low, high = numbers.get("low"), numbers.get("high")
+    if low is not None and high is not None and not low < high:
+        raise Fault(
+            "",
+            "not above from",
+            shown(table.high),
+            f"above {shown(table.low)}",
+            "exchange them, or correct one",
+        )
+
+
+def range_values(table: VaryTable, numbers: Mapping[str, Any], field: Value) -> tuple[Number, ...]:
+    """Return the values that a range is cut into, its ends among them. Raises Fault for a logarithmic range
+    that does not begin above 0.
+    """
+    low, high, count = numbers["low"], numbers["high"], table.count or 2
+    if table.spacing == "linear":
+        values = [low + (high - low) * k / (count - 1) for k in range(count - 1)]
+    elif low > 0.0:
+        values = [low * power(high / low, k / (count - 1)) for k in range(count - 1)]
+    else:
+        raise Fault(
+            "",
+            "a logarithmic range begins above 0",
+            f"{low:g}",
+            "a from above 0",
+            'set spacing = "linear", or correct from',
+        )
+    values.append(high)
+    return tuple(sorted({float(round(value)) for value in values}) if isinstance(field, Whole) else values)
+
+
+def distribution_of(table: VaryTable, kind: str, numbers: Mapping[str, Any], unit: str) -> Distribution:
+    """Return the distribution of a table. Raises Fault."""
+    low, high = numbers.get("low"), numbers.get("high")
+    if kind == "range":
+        if table.spacing == "logarithmic":
+            raise Fault(
+                "", "samples of a range are spread evenly", "", "", "give count as well, or leave spacing out"
+            )
+        return Uniform(numbers["low"], numbers["high"])
+    if kind == "fit":
+        if unit != "m":
+            raise Fault(
+                "",
+                f"a fit says a clearance in m, and this is a number in {unit}",
+                "",
+                "a path of a clearance",
+                "name one",
+            )
+        return of_fit(f"{table.fit}", float(table.diameter or 0.0), cut=table.cut)
+    if kind == "tolerance":
+        return tolerance_distribution(numbers["nominal"], table.tolerance, unit)
+    if low is None and high is None:
+        return Normal(numbers["mean"], numbers["deviation"])
+    ends = (-math.inf if low is None else low, math.inf if high is None else high)
+    return Truncated(numbers["mean"], numbers["deviation"], *ends)
+
+
+def tolerance_distribution(nominal: float, tolerance: tuple[Any, ...], unit: str) -> Distribution:
+    """Return the distribution of a size with a tolerance. Raises Fault."""
+    if len(tolerance) == 1 and isinstance(tolerance[0], str) and ZONE.fullmatch(tolerance[0].strip()):
+        if unit != "m":
+            what = f"a zone of ISO 286 is one of lengths, and this is a number in {unit}"
+            raise Fault("", what, shown(tolerance[0]), "", "give both deviations")
+        return of_zone(tolerance[0].strip(), nominal)
+    if len(tolerance) > 2:
+        raise Fault(
+            "",
+            "a tolerance has one size or two",
+            shown(tolerance),
+            "",
+            "give the lower and the upper deviation",
+        )
+    sizes = [Measure(unit).take(one, True) for one in tolerance]
+    return of_tolerance(nominal, *((-abs(sizes[0]), abs(sizes[0])) if len(sizes) == 1 else sizes))

@@ -1,0 +1,328 @@
+"""Study files: their tables, read and checked against the model before any run, and their JSON Schema."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any, NamedTuple
+
+from ...assembly.assemble import assemble
+from ...errors import Fault, ModelError, Path, StepError, VfifeError, article, kind_of, shown, suggestion
+from ...measures.catalogue import measures, of_whole_runs
+from ...model.functions import turn_of
+from ...model.mechanism import Mechanism
+from ...modelfile import dump, loads
+from ...modelfile.jsonschema import DIALECT, noun_table
+from ...modelfile.read import load, raw_of, text_of
+from ...modelfile.tables import Raw, Table
+from ...results.series import REDUCTION
+from ...results.studied import UNITS, unit_of
+from ...results.view import View, standing
+from ...schema import Field, Reading, meaning_of
+from ..engine.cases import Wanted
+from .case_rows import with_cases
+from .parameters import read_parameters
+from .plan import SEARCH, Amount, OneOrMore, Plan, StudySpec, VaryTable
+
+MOST_MODELS = 16  # whose names are cached: a command reads a study file more than once
+VARY, POINT = "vary", "point"
+METHOD_TABLES = (
+    "sensitivity",
+    "tolerance",
+    "allocation",
+    "optimise",
+    "limit",
+    "cost",
+)  # read by the commands that analyse a study
+IDENTITY, TITLE = "urn:vfife:study", "Study file of vfife"
+Json = dict[str, Any]
+
+
+class StudyReading(Reading):
+    """Reads the tables of a study file."""
+
+    def __init__(self) -> None:
+        super().__init__(written=True)
+
+    def missing(self, path: Path, field: Field) -> None:
+        """Refuse a table without a key that it needs, with its meaning."""
+        self.refuse(path, "this key is missing", "", meaning_of(field), "add it")
+
+    def table(self, path: Path, kind: type, holder: Any) -> Any:
+        """Return the object of a table, in part where something of it was refused."""
+        before = len(self.faults)
+        return self.made(kind, self.values(path, Table(kind).fields, holder), before)
+
+    def check(self, source: str) -> None:
+        """Raise ModelError with the faults, where there are any."""
+        if self.faults:
+            raise ModelError(self.faults, source)
+
+
+@dataclass(frozen=True)
+class StudyTables:
+    """The tables of a study file, or of arguments with the same keys.
+
+    ``source``: what faults call them; ``folder``: that of the model file; ``base``: the model, where Python
+    has it; ``name``: of the study, that of the model unless given.
+    """
+
+    raw: Raw
+    source: str
+    folder: FilePath = FilePath()
+    base: Mechanism | None = None
+    name: str = ""
+
+    @classmethod
+    def load(cls, path: str | FilePath) -> StudyTables:
+        """Read a study file. Raises ModelError."""
+        path = FilePath(path)
+        return cls(raw_of(text_of(path), str(path)), str(path), path.parent, None, path.stem)
+
+    def plan(self) -> Plan:
+        """Return the plan, of the model with the numbers of ``[set]``. Raises ModelError with every fault of
+        both.
+        """
+        by, base = StudyReading(), self.base
+        keys = {key: value for key, value in self.raw.items() if key not in (VARY, POINT, *METHOD_TABLES)}
+        if base is not None:
+            keys = {"model": base.source or base.name, **keys}
+        spec = by.table((), StudySpec, keys)
+        varied = vary_tables(self.raw, by)
+        faults = list[Fault]()
+        model = base_model(spec, self.folder, base, faults)
+        parameters = read_parameters(varied, model, by)
+        if model is not None:
+            check_measures(model, spec.measures, by)
+            check_turns(model, spec, by)
+            plan = Plan(self.name or model.name, model, spec, tuple(parameters), raw=dict(self.raw))
+            if not by.faults and not faults:
+                plan = with_cases(plan, self.raw.get(POINT, []), by)
+        if by.faults or faults or model is None:
+            raise ModelError([*by.faults, *faults], self.source)
+        return plan
+
+
+def plain_tables(arguments: Mapping[str, Any]) -> Raw:
+    """Return arguments as a file has them: arrays as lists, NumPy's numbers as Python's, nothing for None."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {str(key): plain(one) for key, one in value.items()}
+        if hasattr(value, "tolist"):
+            return plain(value.tolist())
+        return [plain(one) for one in value] if isinstance(value, list | tuple | range) else value
+
+    return {key: plain(value) for key, value in arguments.items() if value is not None}
+
+
+def vary_tables(raw: Raw, by: StudyReading) -> dict[str, VaryTable]:
+    """Read the tables under ``[vary]`` by name; a list in place of a table has the values of the path that is
+    its key.
+    """
+    tables = raw.get(VARY)
+    if not isinstance(tables, dict) or not tables:
+        what = "nothing is varied" if tables is None or tables == {} else f"this is {kind_of(tables)}"
+        remedy = 'add one, as in [vary.play] with path = "joint.C.clearance"'
+        by.refuse((VARY, ""), what, "", "a table for each number that varies", remedy)
+        return {}
+    read = {}
+    for name, holder in tables.items():
+        if isinstance(holder, list):
+            holder = {"path": name, "values": holder}
+        if not isinstance(holder, dict):
+            remedy = (
+                'give its path and values, as in path = "joint.C.clearance", values = ["0.1 mm", "0.2 mm"]'
+            )
+            by.refuse(
+                (VARY, name),
+                f"this is {kind_of(holder)}",
+                shown(holder),
+                "a table, or a list of values",
+                remedy,
+            )
+        elif any(sign in name for sign in "[]/\n") or not name.strip():
+            what = "a name with signs that name something else"
+            by.refuse((VARY, name, ""), what, shown(name), "a plain name", "choose another name")
+        else:
+            read[name] = by.table((VARY, name), VaryTable, holder)
+    return read
+
+
+def base_model(
+    spec: StudySpec, folder: FilePath, base: Mechanism | None, faults: list[Fault]
+) -> Mechanism | None:
+    """Return the model with the numbers of ``[set]``; its faults are added to ``faults``."""
+    items = [(path, value) for path, value in (spec.set or {}).items() if value is not None]
+    if spec.model is None:
+        return None
+    try:
+        if base is not None:
+            return loads(dump(base), items, file=base.source) if items else base
+        return load(folder / spec.model, items)
+    except ModelError as error:
+        faults += [one.at(f"{article('model')} {spec.model}, {one.where}") for one in error.faults]
+    except (TypeError, ValueError) as error:
+        faults.append(Fault("model", f"no model file can hold it: {error}"))
+    return None
+
+
+def case_spec(spec: StudySpec) -> Wanted:
+    """Return what the engine needs to know of each case."""
+    step = None if spec.step == "auto" else float(spec.step)
+    return Wanted(tuple(spec.measures), spec.turns, spec.settle, spec.last, step)
+
+
+def search_plan(tables: StudyTables, table: str, example: str) -> tuple[Plan, Mapping[str, str]]:
+    """Return the plan of a search, which has no cases of its own, and the units of its measures. Raises
+    ModelError.
+    """
+    by = StudyReading()
+    if not isinstance(tables.raw.get(table), dict):
+        by.refuse(
+            (table, ""), "this table is missing", "", "what the search is for", f"add it, as in {example}"
+        )
+    by.check(tables.source)
+    raw = {**{key: value for key, value in tables.raw.items() if key != "count"}, "method": SEARCH}
+    plan = dataclasses.replace(tables, raw=raw).plan()
+    return plan, units_of(plan)
+
+
+class Names(NamedTuple):
+    """Names of the measures and of the channels of a model."""
+
+    measures: tuple[str, ...]
+    channels: tuple[str, ...]
+
+
+NAMES: OrderedDict[str, Names] = OrderedDict()  # by the text of the model
+
+
+def names_of(base: Mechanism) -> Names:
+    """Return the names of a model. Raises VfifeError where it cannot be assembled."""
+    text = dump(base)
+    names = NAMES.get(text)
+    if names is None:
+        view = standing(assemble(base))
+        names = NAMES[text] = Names(tuple(known_measures(view)), tuple(view.series))
+        if len(NAMES) > MOST_MODELS:
+            NAMES.popitem(last=False)
+    return names
+
+
+def known_measures(view: View) -> list[str]:
+    """Return the measures that a model has at its start, and those that need a turn."""
+    names = list(measures(view.record))
+    names += [
+        f"{name.removesuffix('.max')}.lip"
+        for name in names
+        if name.endswith((".force.max", ".angular_acceleration.max"))
+    ]
+    torques = [name.removesuffix(".torque.max") for name in names if name.endswith(".torque.max")]
+    names += [f"{name}.torque.{kind}" for name in torques for kind in ("mean", "ripple")]
+    return [*names, *(f"{name}.power.mean" for name in torques), "mechanism.efficiency"]
+
+
+def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) -> None:
+    """Refuse names that no measure of the model has, and channels that it does not have."""
+    try:
+        known, channels = names_of(base)
+    except VfifeError as error:
+        by.refuse(("model",), f"it cannot be assembled: {error}", base.name, "", "see vfife check")
+        return
+    # A measure may be missing at the start, as one of wear is. It may be one of any part, unless others of
+    # its kind are there.
+    endings = {name.partition(".")[2] for name in known}
+    parts = (base.bodies, base.joints, base.drivers, base.springs, base.loads)
+    owners = {"ground", "mechanism", *(name for part in parts for name in part)}
+    for k, name in enumerate(names or ()):
+        if (reduction := REDUCTION.fullmatch(name)) is not None:
+            if reduction[2] not in channels:
+                remedy = suggestion(reduction[2], channels, "name a channel of the run")
+                by.refuse(("measures", k), "there is no such channel", shown(name), "", remedy)
+        elif name not in known:
+            owner, _, ending = name.partition(".")
+            if owner not in owners or ending not in UNITS or ending in endings:
+                remedy = suggestion(name, known, "the names are those of vfife run MODEL.toml --json")
+                by.refuse(("measures", k), "there is no such measure", shown(name), "", remedy)
+    if names and len(set(names)) < len(names):
+        by.refuse(("measures",), "the same measure twice", "", "each one once", "remove it")
+
+
+def units_of(plan: Plan) -> dict[str, str]:
+    """Return the units of the measures of a plan, and of channels that are reduced."""
+    units = {name: unit_of(name) for name in plan.spec.measures}
+    channels = {name: match[2] for name in plan.spec.measures if (match := REDUCTION.fullmatch(name))}
+    if channels:
+        series = standing(assemble(plan.base)).series
+        units |= {name: series.column(channel).unit for name, channel in channels.items()}
+    return units
+
+
+def check_turns(base: Mechanism, spec: StudySpec, by: Reading) -> None:
+    """Refuse a model whose turns cannot be counted, and a step that it cannot have."""
+    if base.settings.analysis == "static":
+        by.refuse(
+            ("model",),
+            "a static analysis has no turns",
+            base.name,
+            "a model that moves",
+            'set "run.analysis" = "dynamic" in [set]',
+        )
+    elif turn_of(base) is None:
+        by.refuse(
+            ("model",), "no driver turns a crank, so turns cannot be counted", base.name, "", "drive a body"
+        )
+    elif isinstance(spec.step, float):
+        try:
+            assemble(base, spec.step)
+        except StepError as error:
+            limit = str(error).partition(": ")[2].partition(";")[0]
+            by.refuse(("step",), "too large for the model", f"{spec.step:g} s", limit, "set it smaller")
+        except VfifeError:
+            pass  # check_measures has refused the model
+    if None not in (spec.last, spec.turns) and spec.last > spec.turns:
+        by.refuse(
+            ("last",),
+            "more turns than a member makes",
+            str(spec.last),
+            f"at most {spec.turns}",
+            "give fewer, or more turns",
+        )
+
+
+def remark_on_last(spec: StudySpec) -> str:
+    """Return a sentence on measures of the whole run, which do not heed ``last``; empty without any."""
+    names = of_whole_runs(spec.measures) if spec.last > 1 else []
+    if not names:
+        return ""
+    what = f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} of the whole run, from its first turn on"
+    return f"{what}; last = {spec.last} does not change that."
+
+
+def study_schema() -> Json:
+    """Return the schema, in what drafts 4 and 7 have in common."""
+    schema = noun_table(Table(StudySpec), "The file", {})
+    table = noun_table(Table(VaryTable), "[vary.NAME]", {})
+    values = {**OneOrMore(Amount()).json(), "description": "the values of the path that the key is"}
+    amounts = {"type": "object", "additionalProperties": Amount().json()}
+    of_vary = "what is varied, by names of your own, or by path with a list of values"
+    of_point = "members one by one: a value for each parameter by its name"
+    varied = {"type": "object", "additionalProperties": {"anyOf": [table, values]}, "description": of_vary}
+    other = {"type": "object", "description": "read by the commands that analyse a study"}
+    schema["properties"] |= {
+        VARY: varied,
+        POINT: {"type": "array", "items": amounts, "description": of_point},
+        **dict.fromkeys(METHOD_TABLES, other),
+    }
+    schema["required"] = [*schema.get("required", ()), VARY]
+    return {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, **schema}
+
+
+def schema_text() -> str:
+    """Return the schema as text."""
+    return json.dumps(study_schema(), indent=1, ensure_ascii=False) + "\n"
