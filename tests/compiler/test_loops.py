@@ -109,8 +109,8 @@ const room = (length) => new Float64Array(length);
 const memory = [
   state, room(state.length), room(state.length), room(3), tables, [], [1, 1, state.length, 8, 1000], room(1), kept, extremes, [], [], room(1),
 ];
-advance(...memory, 1, 1000, 0, 1, 1, rows.subarray(0, size));
-advance(...memory, 1, 999, 1, count, outputs, rows.subarray(size));
+advance(memory, 1, 1000, 0, 1, 1, rows.subarray(0, size));
+advance(memory, 1, 999, 1, count, outputs, rows.subarray(size));
 const bits = Array.from(new BigUint64Array(rows.buffer), String);
 console.log(JSON.stringify(Array.from({{ length: outputs + 1 }}, (_, m) => bits.slice(m * size, (m + 1) * size))));
 """

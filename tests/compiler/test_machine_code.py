@@ -47,7 +47,7 @@ def instructions(assembly: str, function: str) -> Counter[str]:
 @pytest.mark.parametrize(
     "mechanism", [four_bar("BCD"), four_bar("BCD", "two-particle", section=SQUARE)], ids=["rigid", "frames"]
 )
-@pytest.mark.parametrize("function", ["lean", "whole"])
+@pytest.mark.parametrize("function", ["fast_steps", "full_step"])
 def test_four_lanes_are_packed(mechanism, function):
     """Nothing is added, multiplied, divided or rooted lane by lane, and nothing is called."""
     assembly = listing(text(mechanism, 4))
@@ -66,7 +66,7 @@ def test_four_lanes_are_packed(mechanism, function):
 def test_derivatives_are_not_fused_where_the_processor_could():
     """They would be other numbers on a processor that cannot; a processor with AVX2 can."""
     assembly = listing(text(four_bar("BCD"), 4, directions=1), "x86_64-unknown-linux-gnu", "x86-64-v3")
-    assert instructions(assembly, "lean")["vmulpd"] > 300
+    assert instructions(assembly, "fast_steps")["vmulpd"] > 300
     assert not FUSED.search(assembly)
 
 
@@ -88,13 +88,17 @@ def test_a_step_is_compiled_in_two_pieces(width, hurried, monkeypatch):
     made = native.machine(native.SELDOM if hurried else native.EFFORT).emit_assembly(
         llvm.parse_assembly(one.seldom)
     )
-    assert sum(instructions(made, "whole")[name] for name in ("vmulsd", "mulsd", "vmulpd", "mulpd")) > 20
+    assert sum(instructions(made, "full_step")[name] for name in ("vmulsd", "mulsd", "vmulpd", "mulpd")) > 20
     assert not FUSED.search(made)
     defined = [
         set(re.findall(r"^define (?!internal)[^@]*@(\w+)\(", piece, re.M))
         for piece in (*one[:2], modules.text())
     ]
-    assert defined == [{"lean", "functions"}, {"whole", "resize"}, {"advance", "stream", "polynomial"}]
+    assert defined == [
+        {"fast_steps", "functions"},
+        {"full_step", "resize"},
+        {"advance", "stream", "polynomial"},
+    ]
     assert defined[0] | defined[1] == set(
         re.findall(r"^define [^@]*@(\w+)\(", written(topologies[0], width), re.M)
     )
@@ -103,7 +107,7 @@ def test_a_step_is_compiled_in_two_pieces(width, hurried, monkeypatch):
 @X86
 def test_the_reading_tells_packed_from_scalar():
     """A step in one lane is scalar: what the test above would see if the compiler gave up."""
-    found = instructions(listing(text(journal_in_bearing(), 1)), "lean")
+    found = instructions(listing(text(journal_in_bearing(), 1)), "fast_steps")
     assert found["vmulsd"] + found["mulsd"] > 20 and found["vsqrtsd"] + found["sqrtsd"] >= 1
 
 

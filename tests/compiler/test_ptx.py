@@ -104,13 +104,13 @@ def test_registers_and_spills(tmp_path):
     said = assembled(ptx(text_of(four_bar("BCD"))), 90, tmp_path)
     (registers,) = re.findall(r"Used (\d+) registers", said)
     stores, loads = map(
-        int, re.findall(r"for lean\n.*?(\d+) bytes spill stores, (\d+) bytes spill loads", said)[0]
+        int, re.findall(r"for fast_steps\n.*?(\d+) bytes spill stores, (\d+) bytes spill loads", said)[0]
     )
     assert int(registers) <= 255
     assert stores <= 1100 and loads <= 920, "1004 and 820 when this was measured"
     assert {
         name for name, size in re.findall(r"for (\w+)\n.*?(\d+) bytes spill stores", said) if int(size) > 200
-    } == {"lean"}
+    } == {"fast_steps"}
 
 
 @pytest.mark.system("assembles code for a card")

@@ -141,4 +141,4 @@ def test_what_is_put_aside_has_short_addresses():
     in ideal joints.
     """
     for width in (1, 4):
-        assert '"frame-pointer"="all"' in re.search(r"@lean\(.*$", written(CASE_C, width), re.M)[0]
+        assert '"frame-pointer"="all"' in re.search(r"@fast_steps\(.*$", written(CASE_C, width), re.M)[0]

@@ -40,7 +40,7 @@ def bar(elements: int) -> Mechanism:
 
 CASE_C = assembled(four_bar("BCD")).topology
 STEPS = {
-    "lean": trace(CASE_C), "whole": trace(CASE_C, True), "frames": trace(assembled(bar(5)).topology),
+    "fast": trace(CASE_C), "full": trace(CASE_C, True), "frames": trace(assembled(bar(5)).topology),
     "ideal": trace(assembled(four_bar("C")).topology, True),
 }  # fmt: skip
 
@@ -112,18 +112,18 @@ def test_rows_are_read_before_they_are_written_and_nothing_is_written_before_the
 
 def test_a_rounding_has_an_operator_of_its_own():
     """Two for the directions of each of three bodies; 1.5 2^52 itself is nowhere."""
-    operations = STEPS["lean"].operations
+    operations = STEPS["fast"].operations
     assert sum(operation.operator == "round" for operation in operations) >= 6
     assert not any(
         isinstance(o, float) and abs(o) > 1e15 for operation in operations for o in operation.operands
     )
 
 
-def test_only_the_lean_step_has_a_rare_condition():
+def test_only_the_fast_step_has_an_unlikely_condition():
     """A contact that begins writes its speed in the whole step alone."""
-    lean, whole = STEPS["lean"], STEPS["whole"]
-    assert lean.rare is not False and whole.rare is False
-    assert set(lean.stores) < set(whole.stores)
+    fast, full = STEPS["fast"], STEPS["full"]
+    assert fast.rare is not False and full.rare is False
+    assert set(fast.stores) < set(full.stores)
     assert STEPS["frames"].rare is False
 
 
@@ -135,7 +135,7 @@ def test_lines_and_blocks_are_linear_in_the_elements():
     counts = [len(trace(topology).operations) for topology in (small, large)]
     assert counts[1] == pytest.approx(4 * counts[0], rel=0.05)
     text = written(large, 1)
-    (lean,) = re.findall(r"define i64 @lean\(.*?\n}", text, re.S)
+    (lean,) = re.findall(r"define i64 @fast_steps\(.*?\n}", text, re.S)
     assert max(len(block.splitlines()) for block in re.split(r"^\w+:$", lean, flags=re.M)) < 4 * llvm.BLOCK
 
 

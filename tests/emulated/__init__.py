@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from vfife.compiler.runtime import loops
-from vfife.compiler.runtime.native import Called
 
 PAGE, STACK = 4096, 1 << 20  # bytes
 WIDEST, SMALL = (
@@ -68,18 +67,18 @@ class Room:
         return ctypes.addressof(ctypes.c_char.from_buffer(self.kept[-1]))
 
 
-def loading(processor: Callable[[], Processor]) -> type[loops.Straight]:
+STRAIGHT = loops.straight
+
+
+def loading(processor: Callable[[], Processor]) -> Callable[[bytes], loops.Stepped]:
     """Steps in memory that are called in an emulated processor."""
 
-    class Emulated(loops.Straight):
-        def __init__(self, code: bytes, lanes: int) -> None:
-            super().__init__(code, lanes)
-            processor().renewed()
+    def emulated(code: bytes) -> loops.Stepped:
+        stepped = STRAIGHT(code)
+        processor().renewed()
+        for name, called in stepped.functions.items():
+            address = called.code.engine.get_function_address(name)
+            called.function = lambda *arguments, address=address: processor().call(address, *arguments)
+        return stepped
 
-        def function(self, name: str) -> Called:
-            called = super().function(name)
-            address = self.code.engine.get_function_address(name)
-            called.function = lambda *arguments: processor().call(address, *arguments)
-            return called
-
-    return Emulated
+    return emulated

@@ -94,8 +94,8 @@ def test_functions_give_the_bits_of_the_gathered_text(name, laws):
         ours, out = np.zeros(size), np.zeros((COMPARED, len(kept), 1))
         ours[: layout.rows] = runner.states[:, 0]
         copies = (np.zeros(size), np.zeros(layout.rows), np.zeros(3), functions, integers.tolist(), numbers)
-        watched = (out_of_phase, kept, extremes, *limited, broken)
-        advance.advance(ours, *copies, *watched, 1, 1, n0, 1, COMPARED, out.reshape(-1))
+        memory = advance.Memory(ours, *copies, out_of_phase, kept, extremes, *limited, broken)
+        advance.advance(memory, 1, 1, n0, 1, COMPARED, out.reshape(-1))
         assert broken == 0.0
         assert (bits(runner.advance(1, COMPARED)) == bits(out)).all(), n0
         assert (bits(runner.states[:, 0]) == bits(ours[: layout.rows])).all(), n0

@@ -7,7 +7,7 @@ import pytest
 
 from vfife.compiler.trace.tables import tables
 from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, CONTACT_INDEX, HEADER, PARTICLE
-from vfife.kernels.constraint import apply_response, joint_compliance, levers
+from vfife.kernels.constraint import Row, apply_response, joint_compliance, levers
 from vfife.kernels.contact import apply_contact_force
 from vfife.kernels.factors import factor, fill
 from vfife.kernels.topology import KEPT, PINNED, Topology
@@ -45,7 +45,7 @@ def test_velocities_and_forces_change_as_one():
     j, b, k = I[r], I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal]
     for name, value in {"nx": 0.6, "ny": 0.8, "jn": 0.11, "jt": -0.07, "bn": 0.05, "bt": 0.13}.items():
         S[j + getattr(CONTACT, name)] = value
-    gn, gt, gm = joint_compliance(S, I, j, b, k)
+    gn, gt, gm = joint_compliance(S, I, b, k, Row(0.6, 0.8, 0.05, 0.11), Row(-0.8, 0.6, 0.13, -0.07))
     apply_contact_force(S, j, b, k, NORMAL, FRICTION)
     apply_response(S, I, H, NORMAL, FRICTION)
     bodies = [layout.record("particle", i) for i in (1, 2, 3)]

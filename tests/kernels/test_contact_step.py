@@ -150,5 +150,5 @@ def test_a_film_takes_the_sense_of_its_surfaces(monkeypatch, spin):
         "film_law",
         lambda law, depth, turning, sense, S, at: seen.append((turning, sense)) or (0.0,) * 5,
     )
-    contact.film_coefficients(S, 0, j, b, k, 1e-6)
+    contact.film_coefficients(S, 0, j, b, k)
     assert seen == [(pytest.approx(8e-5 * 2.0 * spin), math.copysign(1.0, spin))]

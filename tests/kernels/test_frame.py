@@ -11,6 +11,7 @@ import pytest
 from support import EPS
 from vfife.compiler.trace.tables import tables
 from vfife.kernels import step as loop
+from vfife.kernels.arrays import HEADER
 from vfife.kernels.topology import Topology
 
 LENGTH, EA, EI = 0.7, 2.07e8, 1.7e4
@@ -54,7 +55,9 @@ class Element:
             self.S[self.layout[f"particle_{axis}"][1:]] = values
         for name in ("fx", "fy", "mz"):
             self.S[self.layout[name]] = 0.0
-        loop.elements(self.S, self.I, 0, 1, self.taken % self.path_unit == 0)
+        loop.elements(
+            self.S, self.I, self.I[HEADER.frame], self.I[HEADER.frame_end], self.taken % self.path_unit == 0
+        )
         self.taken += 1
         return np.array([self.S[self.layout[name]][node] for node in (1, 2) for name in ("fx", "fy", "mz")])
 

@@ -97,7 +97,7 @@ def stepped(m: Mechanism) -> np.ndarray:
     loop.functions(S, a.tables, I, 0)
     loop.move(S, I, 0.0, 0.0)
     loop.loads(S, I)
-    loop.springs(S, I, 0.0, 1.0, 0.0)
+    loop.springs(S, I, 0.0, forces.STANDING)
     return np.array([[S[layout.row(axis, p)] for axis in ("fx", "fy", "mz")] for p in (1, 2)])
 
 

@@ -141,7 +141,7 @@ def test_what_is_refused_is_told_with_line_and_replacement(case):
 HELPERS = {
     "range": "def range(x):\n    return x\n", "both": "def both(x):\n    return x\n", "either": "def either(x):\n    return x\n",
     "select": "def select(x):\n    return x\n", "abs": "def abs(x):\n    return 2.0 * x\n", "nearest": "def nearest(x):\n    return 2.0 * x\n",
-    "seldom": "def seldom(x):\n    return x\n", "contact_law": "def contact_law(x):\n    return x\n", "min": "def min(x):\n    return x\n",
+    "unlikely": "def unlikely(x):\n    return x\n", "contact_law": "def contact_law(x):\n    return x\n", "min": "def min(x):\n    return x\n",
     "step": "def step(x):\n    return x\n",  # the kernel's own
     "named": "def other(x):\n    return 2.0 * x\n\nstep = named = other\n",
     "twice": "import functools\n@functools.lru_cache\ndef twice(x):\n    return x\n",

@@ -203,35 +203,24 @@ def test_least_squares_and_pseudoinverses() -> None:
 def arguments(name: str) -> list[object]:
     """What a routine is called with: two matrices, so that the second is reached."""
     rng = np.random.default_rng(7)
-    a = rng.normal(size=2 * 7 * 5)
+    a = rng.normal(size=(2, 7, 5))
     square = rng.normal(size=(2, 6, 6))
     square[1, 3] = square[1, 2] + square[1, 0]
     near = rng.uniform(0.01, 40.0, 30)
     return {
-        "multiply": [a, rng.normal(size=2 * 5 * 4), np.zeros(2 * 7 * 4), 2, 35, 20, 28, 7, 5, 4],
-        "multiply_vectors": [a, rng.normal(size=10), np.zeros(14), 2, 35, 5, 7, 5],
-        "eliminate": [square.ravel(), rng.normal(size=2 * 6 * 3), np.zeros(2), 2, 6, 3],
-        "factors": [a, np.zeros(2 * 49), np.zeros(2 * 35), np.zeros(35 + 15 + 7), 2, 7, 5, 1],
+        "multiply": [a, rng.normal(size=(2, 5, 4)), np.zeros((2, 7, 4))],
+        "multiply_vectors": [a, rng.normal(size=(2, 5)), np.zeros((2, 7))],
+        "eliminate": [square, rng.normal(size=(2, 6, 3)), np.zeros(2)],
+        "factors": [a, np.zeros((2, 7, 7)), np.zeros((2, 7, 5)), np.zeros(35 + 15 + 7)],
         "decompose": [
             a,
-            np.zeros(2 * 49),
-            np.zeros(10),
-            np.zeros(2 * 25),
+            np.zeros((2, 7, 7)),
+            np.zeros((2, 5)),
+            np.zeros((2, 5, 5)),
             np.zeros(35 + 50 + 25 + 7),
             2,
-            7,
-            5,
-            2,
         ],
-        "diagonalise": [
-            (square + np.swapaxes(square, 1, 2)).ravel(),
-            np.zeros(12),
-            np.zeros(72),
-            np.zeros(48),
-            2,
-            6,
-        ],
-        "eigenvalues": [square.ravel(), np.zeros(12), np.zeros(12), np.zeros(36), 2, 6],
+        "eigenvalues": [square, np.zeros((2, 6)), np.zeros((2, 6)), np.zeros((6, 6))],
         "factorise": [
             np.array([4.0, 1.0, 5.0, -2.0, 0.5, 6.0, 1.0, 7.0]),
             np.array([0.0, 2.0, 5.0, 7.0]),
@@ -273,6 +262,6 @@ def test_rows_of_one_length_are_rotated_alike_when_one_is_turned_round() -> None
     found = []
     for sign in (1.0, -1.0):
         room = [3.0, 1.0, sign * 1.0, sign * 3.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0]
-        singular.orthogonalise(room, 0, 4, 8, 2, 0.0)
+        singular.orthogonalise(room, singular.Room(2, 2, 0, 0, M=0, J=4, squares=8, rank=0, X=0), 0.0)
         found.append([abs(one) for one in room])
     assert found[0] == found[1] and sorted(round(one, 12) for one in found[0][8:]) == [4.0, 16.0]

@@ -101,7 +101,7 @@ def eight_wide(code_for, monkeypatch):
     code_for(AVX512)
     if not here:
         x86.processor()
-        monkeypatch.setattr(loops, "Straight", loading(x86.processor))
+        monkeypatch.setattr(loops, "straight", loading(x86.processor))
 
 
 @X86
@@ -153,7 +153,7 @@ def aarch64(monkeypatch):
         "object_code": arm.object_code,
     }.items():
         monkeypatch.setattr(native, name, value)
-    monkeypatch.setattr(loops, "Straight", loading(arm.processor))
+    monkeypatch.setattr(loops, "straight", loading(arm.processor))
     forgotten()
     yield
     forgotten()

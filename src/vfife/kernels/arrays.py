@@ -23,6 +23,11 @@ from numpy.typing import NDArray
 from .blocks import BLOCKS, BY_NAME, Role
 from .topology import Topology
 
+# Arrays that kernels are called with: rows of a state, records and rows, numbers of steps.
+Numbers = NDArray[np.float64]
+Integers = NDArray[np.uint32]
+Counts = NDArray[np.int64]
+
 
 class Fields:
     """Row of each field within a record; a field of several rows is named by its first."""
@@ -74,7 +79,7 @@ CONTACT_INDEX = Fields(
             "constrained",
             "contact",
             "friction",
-            "ahead",
+            "implicit_half_step",
             "kinked",
             "film",
             "simultaneous",
@@ -100,6 +105,7 @@ JOINT_INDEX = Fields(
         "row",
         "bearing",
         "journal",
+        "carrier",
         "place",
         "turn",
         "first",
@@ -108,11 +114,10 @@ JOINT_INDEX = Fields(
         "rows",
         "piece",
         "pieces",
-        "carrier",
     )
 )
 CONSTRAINT_INDEX = Fields(
-    (name, 1) for name in ("row", "bearing", "journal", "start", "at", "closing", "carrier")
+    (name, 1) for name in ("row", "bearing", "journal", "carrier", "start", "at", "closing")
 )
 SPRING_INDEX = Fields((name, 1) for name in ("row", "first", "second", "kind"))
 DRIVEN_INDEX = Fields((name, 1) for name in ("row", "body", "function"))
@@ -147,8 +152,9 @@ HEADER = Fields(
     (name, 1)
     for name in (
         *LISTS,
+        *(f"{name}_end" for name in LISTS),
         *(f"{name}_count" for name in LISTS),
-        *("plain", "plain_count", "profile", "profile_count", "inverse", "y", "gn", "gt"),
+        *("plain", "plain_end", "profile", "profile_count", "inverse", "y", "gn", "gt"),
         *(
             "path_unit",
             "damped",
@@ -221,8 +227,9 @@ class Layout:
         return self.whole[name]
 
     def row(self, name: str, index: int = 0) -> int:
-        """Row of entity ``index`` in block ``name``; of its first row where the block is wider. Of bound
-        blocks the index is the particle's.
+        """Row of entity ``index`` in block ``name``; of its first row where the block is wider.
+
+        Of bound blocks the index is the particle's.
         """
         block = BY_NAME[name]
         if block.entity == "bound":

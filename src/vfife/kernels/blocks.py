@@ -36,23 +36,24 @@ class Block:
 
 
 def _blocks(role: Role, entity: str, table: str) -> list[Block]:
+    """Blocks of a table with a line each, or for several that differ in their axis only: names | unit |
+    meaning | width, if not 1.
+    """
     rows = [[cell.strip() for cell in line.split("|")] for line in table.strip().splitlines()]
     return [
         Block(name, entity, unit, role, meaning, int(width[0]) if width else 1)
-        for name, unit, meaning, *width in rows
+        for names, unit, meaning, *width in rows
+        for name in names.split()
     ]
 
 
 BLOCKS: tuple[Block, ...] = (
     *_blocks("state", "particle", """
-        particle_x | m | position at step n
-        particle_y | m | position at step n
+        particle_x particle_y | m | position at step n
         particle_theta | rad | rotation at step n
-        particle_u | m/s | velocity at step n + 1/2
-        particle_v | m/s | velocity at step n + 1/2
+        particle_u particle_v | m/s | velocity at step n + 1/2
         particle_w | rad/s | angular velocity at step n + 1/2
-        particle_ax | m/s^2 | acceleration at step n
-        particle_ay | m/s^2 | acceleration at step n
+        particle_ax particle_ay | m/s^2 | acceleration at step n
         particle_aw | rad/s^2 | angular acceleration at step n"""),
     *_blocks("state", "frame", """
         frame_axial_force | N | axial force, tension positive, at step n
@@ -61,8 +62,7 @@ BLOCKS: tuple[Block, ...] = (
         reference_length | m | length at the start of the path unit"""),
     *_blocks("memory", "frame", """
         reference_inverse_length | 1/m | its inverse, or that of the length without forces where stiffness counts on it
-        reference_cosine | 1 | direction at the start of the path unit
-        reference_sine | 1 | direction at the start of the path unit
+        reference_cosine reference_sine | 1 | direction at the start of the path unit
         reference_theta_1 | rad | rotation of the first node at the start of the path unit
         reference_theta_2 | rad | rotation of the second node at the start of the path unit"""),
     *_blocks("memory", "unit", """
@@ -90,18 +90,15 @@ BLOCKS: tuple[Block, ...] = (
         contact_regime | 1 | which smooth part of the friction law's curve held at step n"""),
     *_blocks("state", "wear", """
         wear_work | N m | normal force times sliding distance up to step n
-        wear_x | N m | the same, each part along the direction from the bearing's centre to the journal's in which it was done
-        wear_y | N m | the same, each part along the direction from the bearing's centre to the journal's in which it was done"""),
+        wear_x wear_y | N m | the same, each part along the direction from the bearing's centre to the journal's in which it was done"""),
     *_blocks("state", "joint", """
-        joint_fx | N | force on the journal at step n
-        joint_fy | N | force on the journal at step n
+        joint_fx joint_fy | N | force on the journal at step n
         joint_moment | N m | moment on the journal's body at step n"""),
     *_blocks("memory", "constraint", """
         constraint_force | N or N m | reaction along one constraint at step n
         constraint_before | N or N m | the same at step n - 1"""),
     *_blocks("state", "spring", """
-        spring_fx | N | force on the second body at step n
-        spring_fy | N | force on the second body at step n
+        spring_fx spring_fy | N | force on the second body at step n
         spring_moment | N m | moment on the second body's pin at step n
         spring_energy | J | elastic energy at step n
         spring_damping_power | W | power lost in damping at step n
@@ -111,8 +108,7 @@ BLOCKS: tuple[Block, ...] = (
         spring_regime | 1 | of a stop: the limit beyond which it was at step n, -1 or 1, else 0"""),
     *_blocks("state", "driven", """
         driven_torque | N m | torque of the driver at step n
-        driven_fx | N | force of the ground on the driven body at step n
-        driven_fy | N | force of the ground on the driven body at step n
+        driven_fx driven_fy | N | force of the ground on the driven body at step n
         driven_power | W | power of the driver at step n
         driven_work | J | work of the driver up to step n + 1/2"""),
     *_blocks("state", "body", """
@@ -156,19 +152,15 @@ BLOCKS: tuple[Block, ...] = (
     *_blocks("parameter", "particle", """
         particle_inverse_mass | 1/kg | 0 where the motion is prescribed
         particle_inverse_inertia | 1/(kg m^2) | 0 where the rotation is prescribed
-        particle_load_x | N | constant load, weight included
-        particle_load_y | N | constant load, weight included
+        particle_load_x particle_load_y | N | constant load, weight included
         particle_load_m | N m | constant moment"""),
     *_blocks("parameter", "frame", """
         frame_axial_stiffness | N | E A
         frame_bending_stiffness | N m^2 | E I"""),
     *_blocks("parameter", "contact", """
-        contact_bearing_x | m | bearing centre in its body's frame
-        contact_bearing_y | m | bearing centre in its body's frame
-        contact_journal_x | m | journal centre in its body's frame
-        contact_journal_y | m | journal centre in its body's frame
-        contact_line_x | 1 | on a line: direction into its material, in the bearing's frame
-        contact_line_y | 1 | on a line: direction into its material, in the bearing's frame
+        contact_bearing_x contact_bearing_y | m | bearing centre in its body's frame
+        contact_journal_x contact_journal_y | m | journal centre in its body's frame
+        contact_line_x contact_line_y | 1 | on a line: direction into its material, in the bearing's frame
         contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing or slot, R_B + R_J outside, -R_J on a line
         contact_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
         contact_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
@@ -181,34 +173,25 @@ BLOCKS: tuple[Block, ...] = (
         harmonic_cosine | m | of a worn profile: depth that goes with the cosine of so many times the angle; the mean depth in the first
         harmonic_sine | m | of a worn profile: depth that goes with its sine"""),
     *_blocks("parameter", "joint", """
-        joint_bearing_x | m | pin in the bearing body's frame
-        joint_bearing_y | m | pin in the bearing body's frame
-        joint_journal_x | m | pin in the journal body's frame
-        joint_journal_y | m | pin in the journal body's frame
-        joint_direction_x | 1 | direction of a guide, in the bearing body's frame
-        joint_direction_y | 1 | direction of a guide, in the bearing body's frame
+        joint_bearing_x joint_bearing_y | m | pin in the bearing body's frame
+        joint_journal_x joint_journal_y | m | pin in the journal body's frame
+        joint_direction_x joint_direction_y | 1 | direction of a guide, in the bearing body's frame
         joint_offset | rad or m | angle, or travel, between the bodies at the start; length of a massless link
         joint_ratio | 1 | turns of the journal's body for one of the bearing's"""),
     *_blocks("parameter", "piece", """
-        piece_x | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
-        piece_y | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
-        piece_cosine | 1 | direction there
-        piece_sine | 1 | direction there
+        piece_x piece_y | m | begin of a piece of a path, in the frame of the bearing's body, from its pin
+        piece_cosine piece_sine | 1 | direction there
         piece_curvature | 1/m | curvature, positive to the left
         piece_opens | 1 | 0 where the piece goes on before its begin, else 1
-        piece_end_x | m | end of the piece
-        piece_end_y | m | end of the piece
-        piece_end_cosine | 1 | direction there, 0 where the piece goes on beyond its end
-        piece_end_sine | 1 | direction there, 0 where the piece goes on beyond its end"""),
+        piece_end_x piece_end_y | m | end of the piece
+        piece_end_cosine piece_end_sine | 1 | direction there, 0 where the piece goes on beyond its end"""),
     *_blocks("parameter", "knot", """
         knot_begin | m | penetration from which a piece of a contact law's table counts
         knot_mean | N/m^k | mean of loading and unloading over the penetration from there: coefficients, constant first | 4
         knot_half | N/m^k | half of what they are apart | 4"""),
     *_blocks("parameter", "spring", """
-        spring_first_x | m | pin in the first body's frame
-        spring_first_y | m | pin in the first body's frame
-        spring_second_x | m | pin in the second body's frame
-        spring_second_y | m | pin in the second body's frame
+        spring_first_x spring_first_y | m | pin in the first body's frame
+        spring_second_x spring_second_y | m | pin in the second body's frame
         spring_stiffness | N/m or N m/rad | along its axes | 3
         spring_damping | N s/m or N m s/rad | along its axes | 3
         spring_free | m or rad | free length, free angle, or lower limit of a stop
@@ -217,23 +200,16 @@ BLOCKS: tuple[Block, ...] = (
         driven_angle | rad | angle at t = 0 of a driver of constant speed
         driven_speed | rad/s | its speed
         driven_inertia | kg m^2 | inertia about the pivot
-        driven_moment_x | kg m | mass times centre of mass, in the body's frame from the pivot
-        driven_moment_y | kg m | mass times centre of mass, in the body's frame from the pivot
-        driven_weight_x | N/kg | gravity
-        driven_weight_y | N/kg | gravity"""),
+        driven_moment_x driven_moment_y | kg m | mass times centre of mass, in the body's frame from the pivot
+        driven_weight_x driven_weight_y | N/kg | gravity"""),
     *_blocks("parameter", "load", """
-        load_x | m | point of attack in the particle's frame
-        load_y | m | point of attack in the particle's frame
-        load_fx | 1 | force per unit of its function
-        load_fy | 1 | force per unit of its function
+        load_x load_y | m | point of attack in the particle's frame
+        load_fx load_fy | 1 | force per unit of its function
         load_m | 1 | moment per unit of its function"""),
     *_blocks("parameter", "function", """
-        function_first_x | m | pin from which a travel counts, in its particle's frame
-        function_first_y | m | pin from which a travel counts, in its particle's frame
-        function_second_x | m | pin that travels, in its particle's frame
-        function_second_y | m | pin that travels, in its particle's frame
-        function_along_x | 1 | direction of the travel, in the first particle's frame
-        function_along_y | 1 | direction of the travel, in the first particle's frame
+        function_first_x function_first_y | m | pin from which a travel counts, in its particle's frame
+        function_second_x function_second_y | m | pin that travels, in its particle's frame
+        function_along_x function_along_y | 1 | direction of the travel, in the first particle's frame
         function_gap | m | by how much the table's part for the way back lies before that for the way out"""),
     *_blocks("parameter", "system", """
         step | s | time step
@@ -243,29 +219,24 @@ BLOCKS: tuple[Block, ...] = (
     *_blocks("scratch", "system", """
         share | 1 | share of the pivots that is added near a singular position"""),
     *_blocks("scratch", "particle", """
-        fx | N | force so far at step n
-        fy | N | force so far at step n
+        fx fy | N | force so far at step n
         mz | N m | moment so far at step n"""),
     *_blocks("scratch", "bound", """
         c | 1 | cosine of the rotation at step n
         s | 1 | sine of the rotation at step n
-        vu | m/s | velocity at step n
-        vv | m/s | velocity at step n
+        vu vv | m/s | velocity at step n
         vw | rad/s | angular velocity at step n
-        step_x | m | displacement from step n to n + 1
-        step_y | m | displacement from step n to n + 1
+        step_x step_y | m | displacement from step n to n + 1
         step_turn | rad | rotation from step n to n + 1
         step_sine | 1 | its sine
         step_versine | 1 | 1 less its cosine
-        change_x | N | what a correction of the reactions adds to the force
-        change_y | N | what a correction of the reactions adds to the force
+        change_x change_y | N | what a correction of the reactions adds to the force
         change_m | N m | what a correction of the reactions adds to the moment
         touches | 1 | contacts that are solved together and press on it
         rn | 1/kg | velocities per unit of a joint's normal force | 3
         rt | 1/kg | velocities per unit of a joint's friction force | 3"""),
     *_blocks("scratch", "contact", """
-        nx | 1 | direction from bearing to journal centre, or into the line's material
-        ny | 1 | direction from bearing to journal centre, or into the line's material
+        nx ny | 1 | direction from bearing to journal centre, or into the line's material
         jn | m | lever of the normal force on the journal's body
         jt | m | lever of the friction force on the journal's body
         bn | m | lever of the normal force on the bearing's body
@@ -274,24 +245,21 @@ BLOCKS: tuple[Block, ...] = (
         damping_coefficient | N s/m | damping coefficient
         normal | N | normal force to start from
         friction | N | friction force to start from
-        more | N | change of the normal force in a sweep
+        change | N | change of the normal force in a sweep
         film_radial | N | force of a film towards the bearing's centre, at rest
         film_across | N | its force along t on the journal, at rest
         film_damping | N s/m | damping of that by the velocity along t
         film_cross | N s/m | force along t by the rate along n, and the reverse"""),
     *_blocks("scratch", "wear", """
-        wear_nx | 1 | direction from the bearing's centre to the journal's
-        wear_ny | 1 | direction from the bearing's centre to the journal's
+        wear_nx wear_ny | 1 | direction from the bearing's centre to the journal's
         wear_stretch | 1 | change of the penetration for one of the distance between worn surfaces
         wear_journal | m | depth of the journal's surface where the two meet"""),
     *_blocks("scratch", "constraint", """
-        constraint_nx | 1 | direction of the constraint, 0 for an angle
-        constraint_ny | 1 | direction of the constraint, 0 for an angle
+        constraint_nx constraint_ny | 1 | direction of the constraint, 0 for an angle
         constraint_jb | m | lever on the bearing's body
         constraint_jk | m | lever on the journal's body
         constraint_jc | 1 | lever on the carrier of gears, the other way
-        constraint_turn_x | 1 | change of the direction from step n to n + 1
-        constraint_turn_y | 1 | change of the direction from step n to n + 1
+        constraint_turn_x constraint_turn_y | 1 | change of the direction from step n to n + 1
         constraint_turn_b | m | change of the lever on the bearing's body
         constraint_turn_k | m | change of the lever on the journal's body
         constraint_turn_c | 1 | change of the lever on the carrier, which has none"""),

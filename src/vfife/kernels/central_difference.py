@@ -1,14 +1,29 @@
-"""Small pieces of a step that every loop shares: coefficients of the central difference, work, what drivers
-and links do.
-"""
+"""Small pieces of a step that every loop shares: coefficients of the central difference, work, what links do."""
+
+from typing import NamedTuple
 
 
-def coefficients(start, dt, damping):
-    """Coefficients of one central difference step with mass-proportional damping z = damping dt / 2.
+class Central(NamedTuple):
+    """Coefficients of a step: v_n = p (v_(n-1/2) + h a), v_(n+1/2) = decay v_(n-1/2) + gain a; h and gain in
+    s.
+    """
 
-    Returned: h, decay, gain, p with v_n = p (v + h a), v_(n+1/2) = decay v_(n-1/2) + gain a. With c1 = 1/(1 +
-    z), c2 = c1 (1 - z) this is d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1), which is Eq. 5 for z = 0. The
-    first step starts from v_0 itself: d_(-1) = d_0 - dt v_0 + dt^2 a_0 / 2.
+    h: float
+    decay: float
+    gain: float
+    p: float
+
+
+def undamped(start, dt) -> Central:
+    """Coefficients of a step without mass-proportional damping."""
+    return Central(0.0 if start else 0.5 * dt, 1.0, 0.5 * dt if start else dt, 1.0)
+
+
+def coefficients(start, dt, damping) -> Central:
+    """Coefficients of a step with mass-proportional damping z = damping dt / 2.
+
+    With c1 = 1/(1 + z), c2 = c1 (1 - z) this is d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1), which is Eq. 5
+    for z = 0. The first step starts from v_0 itself: d_(-1) = d_0 - dt v_0 + dt^2 a_0 / 2.
     """
     z = 0.5 * dt * damping
     c1 = 1.0 / (1.0 + z)
@@ -16,7 +31,7 @@ def coefficients(start, dt, damping):
     decay = 1.0 - z if start else c1 * (1.0 - z)
     gain = 0.5 * dt if start else dt * c1
     p = 1.0 if start else c1
-    return h, decay, gain, p
+    return Central(h, decay, gain, p)
 
 
 def resized(u, a, old, size, damping):
@@ -31,20 +46,6 @@ def resized(u, a, old, size, damping):
 def larger(a, b):
     """The larger of two numbers, the first where they compare equal or the second is no number."""
     return b if b > a else a
-
-
-def driven_reaction(c, s, w, alpha, fx, fy, mz, inertia, mx, my, gx, gy):
-    """Torque of the driver and force of the ground on a body turned about a fixed pivot, from the forces fx,
-    fy, mz it feels there.
-
-    (mx, my) is mass times centre of mass in the body's frame, seen from the pivot; its acceleration is alpha
-    x r - w^2 r.
-    """
-    rx = c * mx - s * my
-    ry = s * mx + c * my
-    ww = w * w
-    torque = inertia * alpha - mz - (rx * gy - ry * gx)
-    return torque, -alpha * ry - ww * rx - fx, alpha * rx - ww * ry - fy
 
 
 def chord_acceleration(dx, dy, ax, ay, inverse):

@@ -12,7 +12,19 @@ known after the first correction, and with it what is left. A run in coarse step
 with the same factors; where what is left is still not next to nothing (a fast light body on a long arm, a
 link that swings through in a few steps) Newton's method follows with the turned rows, and where that does not
 close either, the step is taken again in parts.
+
+Order of a step, in :func:`hold` and :func:`close`: rows and factors of t_n; the reactions extrapolated from
+the last two steps (:func:`warm_start`); then corrections, each of which moves the bodies to t_(n+1) under the
+forces so far (:func:`predict`), measures by what that opens the joints (:func:`residual`), solves for the
+reactions that close them, and adds these to the forces (:func:`correct`).
+
+Three coarsenesses of steps: ``HEADER.coarse`` is a flag (steps are coarse at all), ``HEADER.corrections`` the
+number of corrections with the factors of t_n, ``HEADER.newton`` a flag (the coarsest: the turned rows are
+always used). Which they are follows from ``Topology.coarse`` (``tables.py``). Names as in
+:mod:`~vfife.kernels.constraint`.
 """
+
+from typing import NamedTuple
 
 from .arrays import (
     CONSTRAINT,
@@ -26,87 +38,121 @@ from .arrays import (
     PARTICLE,
     SYSTEM,
 )
-from .constraint import gear_reaction, lever, levers, placed, pull, relative_turn
+from .central_difference import Central
+from .constraint import (
+    apply_reaction,
+    bodies,
+    clear,
+    guide_of,
+    guide_row,
+    lever,
+    levers,
+    relative_turn,
+    set_row,
+)
 from .elementary import sincos, turned
-from .factors import FLOOR, REDUNDANT, equations, factor, fill, fill_turned, halves, idle, solve, solve_turned
+from .factors import (
+    FLOOR,
+    REDUNDANT,
+    equations,
+    factor,
+    factor_turned,
+    fill,
+    fill_turned,
+    idle_reactions,
+    solve,
+    solve_turned,
+)
 from .frame import chord
-from .geometry import arm, seldom
+from .geometry import arm, unlikely
 from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
 
-# of what is open at t_n, of which all is closed in coarse steps, where rounding over dt^2 is small
+# share of what is open at t_n that a step closes; in coarse steps all of it, because rounding over dt^2 is
+# small there
 GAIN = 0.0625
 LEFT = 5e-11  # sizes of a mechanism that the corrections along the rows of t_n may leave open in a step
 LEFT_COARSE = 5e-10  # the same in coarse steps, in which it does not add up
 # the same where impacts change the reactions from step to step: next to nothing beside a penetration
 LEFT_BY_CONTACTS = 1e-8
+TURN = (
+    CONSTRAINT.turn_x - CONSTRAINT.nx
+)  # from direction and levers of a constraint to what they change by in a step
 # sizes that a third step of Newton's method may have to close; what it leaves is of the order of the square
 MUCH = 1e-6
 
 
-def ahead(S, I, dt):
-    """Turns of the driven bodies from t_n to t_(n+1)."""
-    for m in range(I[HEADER.driven_count]):
-        r = I[HEADER.driven] + DRIVEN_INDEX.SIZE * m
-        k = I[r + DRIVEN_INDEX.row]
+class Pins(NamedTuple):
+    """The two pins of a joint in space (m): the journal's seen from the bearing's (ex, ey), what a step moves
+    that by (dx, dy), the journal's arm (kx, ky) and what a step turns that by (dkx, dky).
+    """
+
+    ex: float
+    ey: float
+    dx: float
+    dy: float
+    kx: float
+    ky: float
+    dkx: float
+    dky: float
+
+
+def turn_driven(S, I, dt):
+    """Store the turns of the driven bodies from t_n to t_(n+1)."""
+    for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
         i = I[r + DRIVEN_INDEX.body]
         f = I[r + DRIVEN_INDEX.function]
-        angle = S[k + DRIVEN.speed] * dt if f == 0 else S[f + FUNCTION.next] - S[f + FUNCTION.value]
+        angle = (
+            S[I[r + DRIVEN_INDEX.row] + DRIVEN.speed] * dt
+            if f == 0
+            else S[f + FUNCTION.next] - S[f + FUNCTION.value]
+        )
         S[i + PARTICLE.step_x] = 0.0
         S[i + PARTICLE.step_y] = 0.0
         S[i + PARTICLE.step_turn] = angle
         S[i + PARTICLE.step_sine], S[i + PARTICLE.step_versine] = turned(angle)
 
 
-def extrapolate(S, q):
-    """Reaction that goes on as it did: with it the first correction closes the joints to third order in the
-    step.
-    """
-    # Linear extrapolation through the last two steps. The force is set to zero because apply_reaction adds to
-    # it.
-    force = S[q + CONSTRAINT.force]
-    before = S[q + CONSTRAINT.before]
-    S[q + CONSTRAINT.before] = force
-    S[q + CONSTRAINT.force] = 0.0
-    return force + (force - before)
-
-
 def begin(S, I):
-    """The reactions of the start go on as they are."""
-    for m in range(I[HEADER.constraint_count]):
-        q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m + CONSTRAINT_INDEX.row]
+    """At the start there is no step before: its reactions count as those of the start."""
+    for r in range(I[HEADER.constraint], I[HEADER.constraint_end], CONSTRAINT_INDEX.SIZE):
+        q = I[r + CONSTRAINT_INDEX.row]
         S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force]
 
 
-def apply_reaction(S, I, r, q, force):
-    """Adds a reaction along constraint q of joint r to the forces on its bodies."""
-    pull(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
-    if I[r + JOINT_INDEX.carrier] != 0:
-        gear_reaction(S, q, I[r + JOINT_INDEX.carrier], force)
-
-
 def warm_start(S, I):
-    """Reactions to start from."""
-    for m in range(I[HEADER.joint_count]):
-        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
-        for c in range(I[r + JOINT_INDEX.rows]):
-            q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            apply_reaction(S, I, r, q, extrapolate(S, q))
+    """Apply reactions extrapolated linearly through the last two steps: with them the first correction closes
+    the joints to third order in the step.
+
+    Starting from zero, or from the last step's reactions, would need one or two corrections more for the
+    same.
+    """
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
+        for m in range(I[r + JOINT_INDEX.rows]):
+            q = I[r + JOINT_INDEX.first] + m * CONSTRAINT.SIZE
+            last = S[q + CONSTRAINT.force]
+            guess = last + (last - S[q + CONSTRAINT.before])
+            S[q + CONSTRAINT.before] = last
+            S[q + CONSTRAINT.force] = guess
+            apply_reaction(S, I, r, q, PARTICLE.fx, guess)
 
 
 def minimum_norm(S, I):
-    """Takes off what moves nothing."""
-    idle(S, I, I[HEADER.y])
-    for m in range(I[HEADER.joint_count]):
-        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
-        for c in range(I[r + JOINT_INDEX.rows]):
-            q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            apply_reaction(S, I, r, q, -S[I[r + JOINT_INDEX.y] + c])
+    """Take off the part of redundant reactions that moves nothing: what is left has least norm, so that it
+    does not drift from step to step.
+    """
+    idle_reactions(S, I, I[HEADER.y])
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
+        for m in range(I[r + JOINT_INDEX.rows]):
+            q = I[r + JOINT_INDEX.first] + m * CONSTRAINT.SIZE
+            idle = S[I[r + JOINT_INDEX.y] + m]
+            S[q + CONSTRAINT.force] -= idle
+            apply_reaction(S, I, r, q, PARTICLE.fx, -idle)
 
 
 def predict(S, I, dt, decay, gain):
-    """Displacements from t_n to t_(n+1) of the pinned bodies under the forces so far."""
-    for q in range(I[HEADER.pinned_count]):
-        i = I[I[HEADER.pinned] + q]
+    """Store displacements from t_n to t_(n+1) of the pinned bodies under the forces so far."""
+    for q in range(I[HEADER.pinned], I[HEADER.pinned_end]):
+        i = I[q]
         im = dt * (gain * S[i + PARTICLE.inverse_mass])
         ii = dt * (gain * S[i + PARTICLE.inverse_inertia])
         S[i + PARTICLE.step_x] = dt * decay * S[i + PARTICLE.u] + im * S[i + PARTICLE.fx]
@@ -117,88 +163,87 @@ def predict(S, I, dt, decay, gain):
 
 
 def change(S, i, x, y):
-    """How a vector (x, y) that turns with a body changes from t_n to t_(n+1)."""
+    """How a vector (x, y) that turns with a body changes from t_n to t_(n+1); versine and sine of a small
+    angle keep its digits.
+    """
     s = S[i + PARTICLE.step_sine]
     v = S[i + PARTICLE.step_versine]
     return -(v * x + s * y), s * x - v * y
 
 
-def turning(S, q, nx, ny, jb, jk):
-    """How a row changes from t_n to t_(n+1)."""
-    S[q + CONSTRAINT.turn_x] = nx
-    S[q + CONSTRAINT.turn_y] = ny
-    S[q + CONSTRAINT.turn_b] = jb
-    S[q + CONSTRAINT.turn_k] = jk
-    S[q + CONSTRAINT.turn_c] = 0.0
-
-
 def residual(S, I):
-    """What opens in each constraint from t_n to t_(n+1), with a share of what is open; and how its row turns."""
-    # Opening = what the step moves the two pins apart + a share of what is open at t_n (Baumgarte's feedback,
-    # but of positions alone). Differences
-    # of increments come first and positions are multiplied by the small gain, so that rounding of positions
-    # hardly enters.
+    """Store in rows y what opens in each constraint from t_n to t_(n+1), with a share of what is open; and
+    how its row turns.
+
+    What opens is what the step moves the two pins apart; a share of what is open at t_n is added (Baumgarte's
+    feedback, but of positions alone). Differences of increments come first and positions are multiplied by
+    the small gain, so that rounding of positions hardly enters.
+    """
     gain = 1.0 if I[HEADER.coarse] != 0 else GAIN
-    for m in range(I[HEADER.joint_count]):
-        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
-        i = I[r + JOINT_INDEX.row]
-        b = I[r + JOINT_INDEX.bearing]
-        k = I[r + JOINT_INDEX.journal]
-        y = I[r + JOINT_INDEX.y]
-        q = I[r + JOINT_INDEX.first]
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
         f = I[r + JOINT_INDEX.function]
-        place = I[r + JOINT_INDEX.place]
-        turn = I[r + JOINT_INDEX.turn]
-        aim = S[i + JOINT.offset]
+        aim = S[I[r + JOINT_INDEX.row] + JOINT.offset]
         move = 0.0
         if f != 0:
             aim += S[f + FUNCTION.value]
             move = S[f + FUNCTION.next] - S[f + FUNCTION.value]
-        if place != NOWHERE:
-            bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[i + JOINT.bearing_x], S[i + JOINT.bearing_y])
-            kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[i + JOINT.journal_x], S[i + JOINT.journal_y])
-            ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
-            ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
-            dbx, dby = change(S, b, bx, by)
-            dkx, dky = change(S, k, kx, ky)
-            dx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + (dkx - dbx)
-            dy = (S[k + PARTICLE.step_y] - S[b + PARTICLE.step_y]) + (dky - dby)
-            if place == PINNED:
-                S[y] = dx + gain * ex
-                S[y + 1] = dy + gain * ey
-                turning(S, q, 0.0, 0.0, -dby, -dky)
-                turning(S, q + CONSTRAINT.SIZE, 0.0, 0.0, dbx, dkx)
-            else:
-                guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move)
-        if turn != FREE:
-            q = q + CONSTRAINT.SIZE * (I[r + JOINT_INDEX.rows] - 1)
-            y = y + (I[r + JOINT_INDEX.rows] - 1)
-            ratio = S[i + JOINT.ratio] if turn == GEARED else 1.0
-            c = I[r + JOINT_INDEX.carrier]
-            apart = (
-                relative_turn(
-                    S[b + PARTICLE.theta],
-                    S[k + PARTICLE.theta],
-                    ratio,
-                    S[c + PARTICLE.theta] if c != 0 else 0.0,
-                )
-                - aim
-            )
-            turned_by = relative_turn(
-                S[b + PARTICLE.step_turn],
-                S[k + PARTICLE.step_turn],
-                ratio,
-                S[c + PARTICLE.step_turn] if c != 0 else 0.0,
-            )
-            S[y] = (turned_by - move) + gain * apart
-            turning(S, q, 0.0, 0.0, 0.0, 0.0)
+        if I[r + JOINT_INDEX.place] != NOWHERE:
+            place_residual(S, I, r, gain, aim, move)
+        if I[r + JOINT_INDEX.turn] != FREE:
+            turn_residual(S, I, r, gain, aim, move)
 
 
-def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
-    """The same for a guide, a path or a massless link: the journal's pin is (ex, ey) from the bearing's, goes
-    (dx, dy), and a share is closed.
+def place_residual(S, I, r, gain, aim, move):
+    """Residual of the place that joint r holds: both rows of a revolute, or the one row of a guide, a path or
+    a massless link.
     """
-    i = I[r + JOINT_INDEX.row]
+    j, b, k = bodies(I, r)
+    y = I[r + JOINT_INDEX.y]
+    q = I[r + JOINT_INDEX.first]
+    bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[j + JOINT.bearing_x], S[j + JOINT.bearing_y])
+    kx, ky = arm(S[k + PARTICLE.c], S[k + PARTICLE.s], S[j + JOINT.journal_x], S[j + JOINT.journal_y])
+    ex = (S[k + PARTICLE.x] + kx) - (S[b + PARTICLE.x] + bx)
+    ey = (S[k + PARTICLE.y] + ky) - (S[b + PARTICLE.y] + by)
+    dbx, dby = change(S, b, bx, by)
+    dkx, dky = change(S, k, kx, ky)
+    dx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + (dkx - dbx)
+    dy = (S[k + PARTICLE.step_y] - S[b + PARTICLE.step_y]) + (dky - dby)
+    if I[r + JOINT_INDEX.place] == PINNED:
+        S[y] = dx + gain * ex
+        S[y + 1] = dy + gain * ey
+        set_row(S, q + TURN, 0.0, 0.0, -dby, -dky)
+        set_row(S, q + CONSTRAINT.SIZE + TURN, 0.0, 0.0, dbx, dkx)
+    else:
+        guide_residual(S, I, r, gain, aim, move, Pins(ex, ey, dx, dy, kx, ky, dkx, dky))
+
+
+def turn_residual(S, I, r, gain, aim, move):
+    """Residual of the turn that joint r holds, in its last row."""
+    j, b, k = bodies(I, r)
+    c = I[r + JOINT_INDEX.carrier]
+    last = I[r + JOINT_INDEX.rows] - 1
+    ratio = S[j + JOINT.ratio] if I[r + JOINT_INDEX.turn] == GEARED else 1.0
+    open_angle = (
+        relative_turn(
+            S[b + PARTICLE.theta], S[k + PARTICLE.theta], ratio, S[c + PARTICLE.theta] if c != 0 else 0.0
+        )
+        - aim
+    )
+    angle = relative_turn(
+        S[b + PARTICLE.step_turn],
+        S[k + PARTICLE.step_turn],
+        ratio,
+        S[c + PARTICLE.step_turn] if c != 0 else 0.0,
+    )
+    S[I[r + JOINT_INDEX.y] + last] = (angle - move) + gain * open_angle
+    set_row(S, I[r + JOINT_INDEX.first] + CONSTRAINT.SIZE * last + TURN, 0.0, 0.0, 0.0, 0.0)
+
+
+def guide_residual(S, I, r, gain, aim, move, pins: Pins):
+    """Residual of a guide, a path or a massless link, whose direction turns within the step: with the
+    bearing's body, along the path, with the link.
+    """
+    ex, ey, dx, dy, kx, ky, dkx, dky = pins
     b = I[r + JOINT_INDEX.bearing]
     k = I[r + JOINT_INDEX.journal]
     y = I[r + JOINT_INDEX.y]
@@ -207,16 +252,19 @@ def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
     nx = S[q + CONSTRAINT.nx]
     ny = S[q + CONSTRAINT.ny]
     dnx, dny = change(S, b, nx, ny)
-    if place == ON_PATH:  # its normal turns along it too
+    if place == ON_PATH:
+        # The distance from a path is measured at t_(n+1) itself: it has no increment without cancellation,
+        # but neither is it large.
         dcx, dsx = change(S, b, S[b + PARTICLE.c], S[b + PARTICLE.s])
-        measured, mx, my = placed(
-            S, place, I[r + JOINT_INDEX.piece], I[r + JOINT_INDEX.pieces], S[b + PARTICLE.c] + dcx, S[b + PARTICLE.s] + dsx,
-            S[i + JOINT.direction_x], S[i + JOINT.direction_y], ex + dx, ey + dy,
-        )  # fmt: skip
+        measured, mx, my = guide_row(
+            S, guide_of(S, I, r), S[b + PARTICLE.c] + dcx, S[b + PARTICLE.s] + dsx, ex + dx, ey + dy
+        )
         dnx = mx - nx
         dny = my - ny
         S[y] = measured
-    elif place == APART:  # its direction is that from pin to pin
+    elif place == APART:
+        # l_(n+1) - l_n = (l_(n+1)^2 - l_n^2)/(l_(n+1) + l_n), where the difference of squares follows from
+        # the increments.
         length = ex * nx + ey * ny
         after, _, mx, my = chord(ex + dx, ey + dy)
         dnx = mx - nx
@@ -235,125 +283,109 @@ def guided(S, I, r, gain, ex, ey, dx, dy, kx, ky, dkx, dky, aim, move):
     my = (S[k + PARTICLE.step_y] - S[b + PARTICLE.step_y]) + dky
     jb = lever(rx + mx, ry + my, dnx, dny) + lever(mx, my, nx, ny)
     jk = lever(kx + dkx, ky + dky, dnx, dny) + lever(dkx, dky, nx, ny)
-    turning(S, q, dnx, dny, jb, jk)
+    set_row(S, q + TURN, dnx, dny, jb, jk)
 
 
 def linearisation_error(S, I, dt, gain):
     """Square (m^2) of what the last correction along the rows of t_n leaves open, because they turn to
     t_(n+1) while its forces do not.
+
+    It is the change of each row times the displacements of that correction: no position is looked at again,
+    so it costs a tenth of a residual.
     """
     total = 0.0
-    for m in range(I[HEADER.joint_count]):
-        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
-        p = I[r + JOINT_INDEX.bearing]
-        j = I[r + JOINT_INDEX.journal]
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
         if I[r + JOINT_INDEX.place] != NOWHERE:
-            px, py, pw = correction_displacement(S, p, dt, gain)
-            jx, jy, jw = correction_displacement(S, j, dt, gain)
-            for c in range(2 if I[r + JOINT_INDEX.place] == PINNED else 1):
-                q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-                along = S[q + CONSTRAINT.turn_x] * (jx - px) + S[q + CONSTRAINT.turn_y] * (jy - py)
-                left = along + (S[q + CONSTRAINT.turn_k] * jw - S[q + CONSTRAINT.turn_b] * pw)
+            bx, by, bw = correction_displacement(S, I[r + JOINT_INDEX.bearing], dt, gain)
+            kx, ky, kw = correction_displacement(S, I[r + JOINT_INDEX.journal], dt, gain)
+            for m in range(2 if I[r + JOINT_INDEX.place] == PINNED else 1):
+                q = I[r + JOINT_INDEX.first] + m * CONSTRAINT.SIZE
+                along = S[q + CONSTRAINT.turn_x] * (kx - bx) + S[q + CONSTRAINT.turn_y] * (ky - by)
+                left = along + (S[q + CONSTRAINT.turn_k] * kw - S[q + CONSTRAINT.turn_b] * bw)
                 total += left * left
     return total
 
 
 def correction_displacement(S, i, dt, gain):
-    """By how much a correction displaces a body at t_(n+1)."""
+    """By how much (m, m, rad) a correction displaces body i at t_(n+1)."""
     im = dt * (gain * S[i + PARTICLE.inverse_mass])
     ii = dt * (gain * S[i + PARTICLE.inverse_inertia])
     return im * S[i + PARTICLE.change_x], im * S[i + PARTICLE.change_y], ii * S[i + PARTICLE.change_m]
 
 
 def correct(S, I, dt, gain):
-    """Adds corrections to the reactions, and to the bodies' forces, that are solved for."""
+    """Add the corrections in rows y to the reactions and to the bodies' forces."""
     apply_corrections(S, I, dt, gain)
-    scale = -1.0 / (dt * gain)
-    for m in range(I[HEADER.joint_count]):
-        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
-        for c in range(I[r + JOINT_INDEX.rows]):
-            S[I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE + CONSTRAINT.force] += (
-                scale * S[I[r + JOINT_INDEX.y] + c]
+    scale = -1.0 / (dt * gain)  # from displacements at t_(n+1), dt gain times accelerations, to forces
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
+        for m in range(I[r + JOINT_INDEX.rows]):
+            S[I[r + JOINT_INDEX.first] + m * CONSTRAINT.SIZE + CONSTRAINT.force] += (
+                scale * S[I[r + JOINT_INDEX.y] + m]
             )
 
 
 def apply_corrections(S, I, dt, gain):
-    """Adds to the bodies' forces the corrections that are solved for."""
-    for m in range(I[HEADER.joint_count]):
-        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
-        for i in (I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal]):
-            S[i + PARTICLE.change_x] = 0.0
-            S[i + PARTICLE.change_y] = 0.0
-            S[i + PARTICLE.change_m] = 0.0
+    """Add the corrections in rows y to the bodies' forces; what each body gets stays in PARTICLE.change_x,
+    change_y and change_m.
+
+    Sums of a body are taken first and added once: linearisation_error needs them by themselves.
+    """
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
+        clear(S, I[r + JOINT_INDEX.bearing] + PARTICLE.change_x)
+        clear(S, I[r + JOINT_INDEX.journal] + PARTICLE.change_x)
         if I[r + JOINT_INDEX.carrier] != 0:
-            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_x] = 0.0
-            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_y] = 0.0
-            S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_m] = 0.0
+            clear(S, I[r + JOINT_INDEX.carrier] + PARTICLE.change_x)
     scale = -1.0 / (dt * gain)
-    for m in range(I[HEADER.joint_count]):
-        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
-        for c in range(I[r + JOINT_INDEX.rows]):
-            q = I[r + JOINT_INDEX.first] + c * CONSTRAINT.SIZE
-            force = scale * S[I[r + JOINT_INDEX.y] + c]
-            accumulate(S, q, I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal], force)
-            if I[r + JOINT_INDEX.carrier] != 0:
-                S[I[r + JOINT_INDEX.carrier] + PARTICLE.change_m] -= force * S[q + CONSTRAINT.jc]
-    for q in range(I[HEADER.pinned_count]):
-        add_forces(S, I[I[HEADER.pinned] + q])
-    for m in range(I[HEADER.driven_count]):
-        add_forces(S, I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m + DRIVEN_INDEX.body])
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
+        for m in range(I[r + JOINT_INDEX.rows]):
+            q = I[r + JOINT_INDEX.first] + m * CONSTRAINT.SIZE
+            apply_reaction(S, I, r, q, PARTICLE.change_x, scale * S[I[r + JOINT_INDEX.y] + m])
+    for q in range(I[HEADER.pinned], I[HEADER.pinned_end]):
+        add_change(S, I[q])
+    for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
+        add_change(S, I[r + DRIVEN_INDEX.body])
 
 
-def accumulate(S, q, b, k, force):
-    """Adds a reaction to what has been added to the forces of its bodies."""
-    px = force * S[q + CONSTRAINT.nx]
-    py = force * S[q + CONSTRAINT.ny]
-    S[k + PARTICLE.change_x] += px
-    S[k + PARTICLE.change_y] += py
-    S[k + PARTICLE.change_m] += force * S[q + CONSTRAINT.jk]
-    S[b + PARTICLE.change_x] -= px
-    S[b + PARTICLE.change_y] -= py
-    S[b + PARTICLE.change_m] -= force * S[q + CONSTRAINT.jb]
-
-
-def add_forces(S, i):
-    """Forces of a body with what corrections add."""
+def add_change(S, i):
+    """Add the corrections of body i to its forces."""
     S[i + PARTICLE.fx] += S[i + PARTICLE.change_x]
     S[i + PARTICLE.fy] += S[i + PARTICLE.change_y]
     S[i + PARTICLE.mz] += S[i + PARTICLE.change_m]
 
 
 def closure_error(S, I, dt, decay, gain):
-    """What is to be closed under the forces so far; returned: its square (m^2 and rad^2)."""
+    """Store what is to be closed under the forces so far; return its square (m^2 and rad^2)."""
     predict(S, I, dt, decay, gain)
     residual(S, I)
     total = 0.0
-    for q in range(I[HEADER.constraint_count]):
-        total += S[I[HEADER.y] + q] * S[I[HEADER.y] + q]
+    for y in range(I[HEADER.y], I[HEADER.y] + I[HEADER.constraint_count]):
+        total += S[y] * S[y]
     return total
 
 
 def newton(S, I, dt, decay, gain):
-    """Corrects the reactions with the rows turned to t_(n+1); returned: as :func:`closure_error` has it, of
-    before.
+    """Correct the reactions with the rows turned to t_(n+1); return :func:`closure_error` from before the
+    correction.
     """
     total = closure_error(S, I, dt, decay, gain)
     fill_turned(S, I)
-    halves(S, I, S[SYSTEM.share] + (REDUNDANT if I[HEADER.redundant] != 0 else 0.0))
+    factor_turned(S, I, S[SYSTEM.share] + (REDUNDANT if I[HEADER.redundant] != 0 else 0.0))
     solve_turned(S, I, I[HEADER.y])
     correct(S, I, dt, gain)
     return total
 
 
-def once_more(S, I, dt, decay, gain):
-    """Corrects once more with the turned rows of the correction before; returned: as :func:`newton` has it."""
+def simplified_newton(S, I, dt, decay, gain):
+    """Correct once more with the turned rows and factors of the correction before; return
+    :func:`closure_error` from before.
+    """
     total = closure_error(S, I, dt, decay, gain)
     solve_turned(S, I, I[HEADER.y])
     correct(S, I, dt, gain)
     return total
 
 
-def repeat(S, I, dt, decay, gain, much):
+def close_by_newton(S, I, dt, decay, gain, much):
     """Newton's method where the corrections so far do not do; a coarse step that it does not close is one
     with an event.
     """
@@ -365,16 +397,19 @@ def repeat(S, I, dt, decay, gain, much):
         S[SYSTEM.event] = 1.0 if left > much else S[SYSTEM.event]
 
 
-def close(S, I, dt, decay, gain):
-    """Corrects the reactions so that the joints are closed at t_(n+1)."""
+def close(S, I, central: Central):
+    """Correct the reactions so that the joints are closed at t_(n+1)."""
     # 1. Corrections with the factors of t_n, which are there already: one in fine steps, more in coarse ones.
     # 2. What these leave open follows from how the rows turn (linearisation_error), without looking at
     # positions again. Only where it is not next
-    #    to nothing does Newton's method follow, with its own factors: an unlikely branch, which the lean step
+    #    to nothing does Newton's method follow, with its own factors: an unlikely branch, which the fast step
     # leaves out.
     # 3. In the coarsest steps Newton's method is the rule; its second correction has the factors of the first
-    # (once_more).
+    # (simplified_newton).
     # All tests are of squares, in (m and rad)^2: a root would be waited for.
+    decay = central.decay
+    gain = central.gain
+    dt = S[SYSTEM.step]
     much = MUCH * S[SYSTEM.size] * (MUCH * S[SYSTEM.size])
     for _ in range(I[HEADER.corrections]):
         predict(S, I, dt, decay, gain)
@@ -390,34 +425,30 @@ def close(S, I, dt, decay, gain):
             else LEFT
         )
         most = left * S[SYSTEM.size]
-        if seldom(linearisation_error(S, I, dt, gain) > most * most):
-            repeat(S, I, dt, decay, gain, much)
+        if unlikely(linearisation_error(S, I, dt, gain) > most * most):
+            close_by_newton(S, I, dt, decay, gain, much)
     else:
         newton(S, I, dt, decay, gain)
-        if seldom(once_more(S, I, dt, decay, gain) > much):
-            repeat(S, I, dt, decay, gain, much)
+        if unlikely(simplified_newton(S, I, dt, decay, gain) > much):
+            close_by_newton(S, I, dt, decay, gain, much)
     if I[HEADER.redundant] != 0:
         minimum_norm(S, I)
 
 
 def close_velocities(S, I, dt):
-    """Corrects the half-step velocities so that the joints are closed after a step of another size; the
-    reactions are told as they were.
+    """Correct the half-step velocities so that the joints are closed after a step of another size ``dt`` (s);
+    reactions stay as they were.
     """
     # The change of a step's size keeps positions; half-step velocities shift by dt^2 and open the joints by a
-    # third order of the step. With the
-    # forces set to zero, what correct() would add as reactions are impulses that close them; they are no
-    # reactions and are not recorded.
-    for q in range(I[HEADER.trig_count]):
-        i = I[I[HEADER.trig] + q]
+    # third order of the step. With the forces set to zero, what correct() would add as reactions are impulses
+    # that close them; they are no reactions and are not recorded.
+    for q in range(I[HEADER.trig], I[HEADER.trig_end]):
+        i = I[q]
         S[i + PARTICLE.s], S[i + PARTICLE.c] = sincos(S[i + PARTICLE.theta])
-    for q in range(I[HEADER.pinned_count]):
-        i = I[I[HEADER.pinned] + q]
-        S[i + PARTICLE.fx] = 0.0
-        S[i + PARTICLE.fy] = 0.0
-        S[i + PARTICLE.mz] = 0.0
+    for q in range(I[HEADER.pinned], I[HEADER.pinned_end]):
+        clear(S, I[q] + PARTICLE.fx)
     levers(S, I)
-    ahead(S, I, dt)
+    turn_driven(S, I, dt)
     fill(S, I)
     factor(S, I, FLOOR if I[HEADER.redundant] != 0 else 0.0)
     for _ in range(I[HEADER.velocity_corrections]):
@@ -425,21 +456,24 @@ def close_velocities(S, I, dt):
         residual(S, I)
         solve(S, I, I[HEADER.y])
         apply_corrections(S, I, dt, 1.0)
-    for q in range(I[HEADER.pinned_count]):
-        i = I[I[HEADER.pinned] + q]
+    for q in range(I[HEADER.pinned], I[HEADER.pinned_end]):
+        i = I[q]
         S[i + PARTICLE.u] += S[i + PARTICLE.inverse_mass] * S[i + PARTICLE.fx]
         S[i + PARTICLE.v] += S[i + PARTICLE.inverse_mass] * S[i + PARTICLE.fy]
         S[i + PARTICLE.w] += S[i + PARTICLE.inverse_inertia] * S[i + PARTICLE.mz]
 
 
-def hold(S, I, dt, decay, gain, start):
-    """Reactions of all ideal joints at t_n under the other forces."""
+def hold(S, I, start, central: Central):
+    """Solve for the reactions of all ideal joints at t_n under the other forces."""
+    dt = S[SYSTEM.step]
     levers(S, I)
-    ahead(S, I, dt)
+    turn_driven(S, I, dt)
     equations(S, I, dt, start)
     warm_start(S, I)
-    close(S, I, dt, decay, gain)
-    if seldom(start):
-        newton(S, I, dt, decay, gain)
-        newton(S, I, dt, decay, gain)
-        newton(S, I, dt, decay, gain)
+    close(S, I, central)
+    if unlikely(start):
+        # Nothing is known of the reactions before the start: three corrections of Newton's method find them
+        # from whatever the warm start was.
+        newton(S, I, dt, central.decay, central.gain)
+        newton(S, I, dt, central.decay, central.gain)
+        newton(S, I, dt, central.decay, central.gain)

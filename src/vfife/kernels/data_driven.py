@@ -24,9 +24,8 @@ from .step import functions, step
 from .topology import TIME
 
 # Steps between two copies of the state in the data-driven loop. A copy before every step takes a seventh of a
-# small step's time; the few steps
-# since the last copy are taken again instead, with the same bits.
-KEPT = 8
+# small step's time; the few steps since the last copy are taken again instead, with the same bits.
+COPY_EVERY = 8
 
 
 def copy_lane(to, source, rows, stride, w):
@@ -35,9 +34,12 @@ def copy_lane(to, source, rows, stride, w):
         to[q * stride + w] = source[q * stride + w]
 
 
-def lean(S, R, T, I, n, count, watching):
-    """Steps of the data-driven loop, one lane: up to ``count`` from step n; where ``watching``, one with an
-    event is undone and is the last.
+def fast_steps(S, R, T, I, n, count, watching):
+    """Take up to ``count`` steps of one lane from step n; where ``watching``, undo one with an event and end
+    before it. Return how many were taken.
+
+    The data-driven loop has no fast step that leaves unlikely branches out: it takes full steps and goes back
+    where one had an event.
     """
     watched = watching and I[HEADER.watched] != 0
     since = 0  # steps since the state was copied to R
@@ -52,18 +54,20 @@ def lean(S, R, T, I, n, count, watching):
                 functions(S, T, I, i)
                 step(S, I, i, False)
             return k - n
-        since = since + 1 if since + 1 < KEPT else 0
+        since = since + 1 if since + 1 < COPY_EVERY else 0
     return count
 
 
-def whole(S, T, I, n):
-    """Step n of the data-driven loop."""
+def full_step(S, T, I, n):
+    """Take step n, whatever happens in it."""
     functions(S, T, I, n)
     step(S, I, n, n == 0)
 
 
 def resize(S, I, C):
-    """The state of the data-driven loop for steps of another size."""
+    """Give the state of one lane the step size C[0] and phase C[1], and add C[2] to the count of repeated
+    steps.
+    """
     change_step(S, I, C[0], C[1], C[2])
 
 
@@ -77,32 +81,32 @@ def change_step(S, I, size, shift, repeated):
     """
     old = S[SYSTEM.step]
     zeta = S[SYSTEM.damping] if I[HEADER.damped] != 0 else 0.0
-    for q in range(I[HEADER.bound_count]):
-        retime(S, I[I[HEADER.bound] + q], old, size, zeta)
-    for q in range(I[HEADER.plain_count]):
-        retime(S, I[HEADER.plain] + PLAIN * q, old, size, zeta)
-    more = 0.5 * (size - old)
-    for m in range(I[HEADER.contact_count]):
-        j = I[I[HEADER.contact] + CONTACT_INDEX.SIZE * m]
-        S[j + CONTACT.damping_work] += more * S[j + CONTACT.damping_power]
-        S[j + CONTACT.friction_work] += more * S[j + CONTACT.friction_power]
-    for m in range(I[HEADER.spring_count]):
-        g = I[I[HEADER.spring] + SPRING_INDEX.SIZE * m]
-        S[g + SPRING.damping_work] += more * S[g + SPRING.damping_power]
-    for m in range(I[HEADER.driven_count]):
-        k = I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m]
-        S[k + DRIVEN.work] += more * S[k + DRIVEN.power]
-    S[SYSTEM.damping_work] += more * S[SYSTEM.damping_power]
-    S[SYSTEM.external_work] += more * S[SYSTEM.external_power]
-    for m in range(I[HEADER.constraint_count]):
-        q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m]
+    for q in range(I[HEADER.bound], I[HEADER.bound_end]):
+        retime(S, I[q], old, size, zeta)
+    for i in range(I[HEADER.plain], I[HEADER.plain_end], PLAIN):
+        retime(S, i, old, size, zeta)
+    longer = 0.5 * (size - old)
+    for r in range(I[HEADER.contact], I[HEADER.contact_end], CONTACT_INDEX.SIZE):
+        j = I[r + CONTACT_INDEX.row]
+        S[j + CONTACT.damping_work] += longer * S[j + CONTACT.damping_power]
+        S[j + CONTACT.friction_work] += longer * S[j + CONTACT.friction_power]
+    for r in range(I[HEADER.spring], I[HEADER.spring_end], SPRING_INDEX.SIZE):
+        g = I[r + SPRING_INDEX.row]
+        S[g + SPRING.damping_work] += longer * S[g + SPRING.damping_power]
+    for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
+        row = I[r + DRIVEN_INDEX.row]
+        S[row + DRIVEN.work] += longer * S[row + DRIVEN.power]
+    S[SYSTEM.damping_work] += longer * S[SYSTEM.damping_power]
+    S[SYSTEM.external_work] += longer * S[SYSTEM.external_power]
+    for r in range(I[HEADER.constraint], I[HEADER.constraint_end], CONSTRAINT_INDEX.SIZE):
+        q = I[r + CONSTRAINT_INDEX.row]
         S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force] - (
             S[q + CONSTRAINT.force] - S[q + CONSTRAINT.before]
         ) * (size / old)
     S[SYSTEM.pivots_before] = S[SYSTEM.pivots] - (S[SYSTEM.pivots] - S[SYSTEM.pivots_before]) * (size / old)
-    for m in range(I[HEADER.function_count]):
-        f = I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.row]
-        if I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.argument] == TIME:
+    for r in range(I[HEADER.function], I[HEADER.function_end], FUNCTION_INDEX.SIZE):
+        f = I[r + FUNCTION_INDEX.row]
+        if I[r + FUNCTION_INDEX.argument] == TIME:
             S[f + FUNCTION.next] = S[f + FUNCTION.value] + size * (
                 S[f + FUNCTION.rate] + 0.5 * size * S[f + FUNCTION.acceleration]
             )

@@ -9,7 +9,9 @@ import math
 
 
 def nearest(x):
-    """The nearest whole number, the even one of two, for |x| < 2**51: adding and taking off 1.5 * 2**52, which needs no conversion."""
+    """The nearest whole number, the even one of two, for |x| < 2**51: adding and taking off 1.5 * 2**52,
+    which needs no conversion.
+    """
     return (x + 6755399441055744.0) - 6755399441055744.0
 
 
@@ -43,7 +45,9 @@ def sincos(angle):
 
 
 def turned(angle):
-    """Sine and versine (1 - cosine) of a small angle (rad), relative error below 1e-16 for |angle| < 0.1, below 3e-8 for |angle| < 1."""
+    """Sine and versine (1 - cosine) of a small angle (rad), relative error below 1e-16 for |angle| < 0.1,
+    below 3e-8 for |angle| < 1.
+    """
     z = angle * angle
     z2 = z * z
     less = (1.0 / 6.0 - z * (1.0 / 120.0)) + z2 * (1.0 / 5040.0 - z * (1.0 / 362880.0))
@@ -94,7 +98,10 @@ def exp2(whole, part):
 
 
 def exp(x):
-    """e**x for |x| < 88; relative error below 1e-15. The multiple of ln 2 is taken off in two parts (msun, e_exp.c)."""
+    """e**x for |x| < 88; relative error below 1e-15.
+
+    The multiple of ln 2 is taken off in two parts (msun, e_exp.c).
+    """
     whole = nearest(x * 1.4426950408889634)
     return two_to(whole) * small_exp(
         (x - whole * 6.93147180369123816490e-01) - whole * 1.90821492927058770002e-10
@@ -183,7 +190,8 @@ def logarithmic(level):
 
 
 def power(x, exponent):
-    """x**exponent for 0 <= x < 2**32 and |exponent log2 x| < 120; relative error below 1e-14; 0 for x below 2**-95.
+    """x**exponent for 0 <= x < 2**32 and |exponent log2 x| < 120; relative error below 1e-14; 0 for x below
+    2**-95.
 
     x is brought to [sqrt(1/2), sqrt(2)) by exact powers of two, its logarithm is 2 artanh((m - 1)/(m + 1)).
     The exponent is split so that its product with the integer part of the logarithm is exact.

@@ -21,7 +21,7 @@ diagonal.
 
 from .arrays import CONSTRAINT, CONSTRAINT_INDEX, COUPLE_INDEX, HEADER, PARTICLE, SYSTEM
 from .central_difference import larger
-from .geometry import seldom
+from .geometry import unlikely
 
 # second differences of the product of pivots, over itself, that count as a passage: eight steps away from it
 NEAR = 32.0
@@ -29,10 +29,10 @@ NEAR = 32.0
 # steps away, or nearer
 AT_ALL = 2.0
 SINGULAR = 16.0  # share of the pivots there, in squared turns of a step: that of four steps away
-COARSE = 1e-2  # the largest such share
+LARGEST_SHARE = 1e-2
 FLOOR = 1e-8  # share of the pivots where joints are redundant
 LOST = 1e-12  # pivot, of what it was before elimination, that is nothing but rounding
-TURNED = CONSTRAINT.turn_b - CONSTRAINT.jb  # from a lever to its change
+TURN = CONSTRAINT.turn_b - CONSTRAINT.jb  # from a lever to its change
 LEAST = 1e-9  # pivot, of the diagonal, that is not divided by
 # share of the diagonal where joints are redundant: they are so only where they are closed, and there is no
 # hurry for them
@@ -40,13 +40,12 @@ REDUNDANT = 1e-5
 
 
 def fill(S, I):
-    """Lower half of the matrix G M^-1 G^T, summed over the bodies that two constraints share."""
-    for q in range(I[HEADER.profile_count]):
-        S[I[HEADER.profile] + q] = 0.0
-    for m in range(I[HEADER.couple_count]):
-        r = I[HEADER.couple] + COUPLE_INDEX.SIZE * m
-        a = I[r + COUPLE_INDEX.first]
-        c = I[r + COUPLE_INDEX.second]
+    """Fill the lower half of the matrix G M^-1 G^T, summed over the bodies that two constraints share."""
+    for q in range(I[HEADER.profile], I[HEADER.profile] + I[HEADER.profile_count]):
+        S[q] = 0.0
+    for r in range(I[HEADER.couple], I[HEADER.couple_end], COUPLE_INDEX.SIZE):
+        first = I[r + COUPLE_INDEX.first]
+        second = I[r + COUPLE_INDEX.second]
         body = I[r + COUPLE_INDEX.body]
         x = I[r + COUPLE_INDEX.first_lever]
         y = I[r + COUPLE_INDEX.second_lever]
@@ -54,40 +53,55 @@ def fill(S, I):
         ii = S[body + PARTICLE.inverse_inertia]
         sign = 1.0 if I[r + COUPLE_INDEX.same] != 0 else -1.0
         at = I[r + COUPLE_INDEX.at]
-        if I[r + COUPLE_INDEX.pins] != 0:  # two revolutes: their four entries at once
-            ax = S[x]
-            ay = S[x + CONSTRAINT.SIZE]
-            cx = sign * ii * S[y]
-            cy = sign * ii * S[y + CONSTRAINT.SIZE]
+        if (
+            I[r + COUPLE_INDEX.pins] != 0
+        ):  # two revolutes: their four entries at once, of directions (1, 0) and (0, 1)
             lower = I[r + COUPLE_INDEX.lower]
-            S[at] += sign * im + ax * cx
-            S[lower] += ay * cx
-            S[lower + 1] += sign * im + ay * cy
-            if a != c:
-                S[at + 1] += ax * cy
+            along_x = sign * ii * S[y]
+            along_y = sign * ii * S[y + CONSTRAINT.SIZE]
+            S[at] += sign * im + S[x] * along_x
+            S[lower] += S[x + CONSTRAINT.SIZE] * along_x
+            S[lower + 1] += sign * im + S[x + CONSTRAINT.SIZE] * along_y
+            if first != second:  # of a joint with itself this entry lies above the diagonal
+                S[at + 1] += S[x] * along_y
         else:
-            along = S[a + CONSTRAINT.nx] * S[c + CONSTRAINT.nx] + S[a + CONSTRAINT.ny] * S[c + CONSTRAINT.ny]
-            S[at] += sign * (im * along + ii * S[x] * S[y])
+            cosine = (
+                S[first + CONSTRAINT.nx] * S[second + CONSTRAINT.nx]
+                + S[first + CONSTRAINT.ny] * S[second + CONSTRAINT.ny]
+            )
+            S[at] += sign * (im * cosine + ii * S[x] * S[y])
+
+
+def first_column(I, r):
+    """First column of row r of the matrix that is not zero."""
+    return I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start]
+
+
+def column_zero(I, r):
+    """Row of the state in which column 0 of row r of the matrix would lie."""
+    return I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
 
 
 def factor(S, I, share):
-    """L D L^T of the matrix along its profile, in place, its diagonal enlarged by ``share``; a pivot lost to
-    rounding is left out.
+    """Factor the matrix into L D L^T along its profile, in place, its diagonal enlarged by ``share``; a pivot
+    lost to rounding is left out.
 
-    Returned: the product of the pivots of rows that close loops, over what each was before elimination.
+    D is kept as its inverse. Returns the product of the pivots of rows that close loops, over what each was
+    before elimination.
     """
     inverse = I[HEADER.inverse]
     stiff = 1.0
     # Row by row (Jennings' skyline scheme): a row has entries from column ``first`` on, and factors fill in
-    # nothing before that. ``at`` is where
-    # column 0 of the row would lie. The upper half is never stored: the second loop divides by the pivots
-    # only after the row's sums are done.
+    # nothing before that. ``at`` is where column 0 of the row would lie. The upper half is never stored: the
+    # second loop divides by the pivots only after the row's sums are done. A dense matrix would take n^3/6
+    # products where a chain of n joints takes 8 n; the topology is known, so that straight-line code has no
+    # loop.
     for r in range(I[HEADER.constraint_count]):
-        first = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start]
-        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
+        first = first_column(I, r)
+        at = column_zero(I, r)
         for c in range(first, r):
-            other = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * c + CONSTRAINT_INDEX.at]
-            start = max(first, I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * c + CONSTRAINT_INDEX.start])
+            other = column_zero(I, c)
+            start = max(first, first_column(I, c))
             value = S[at + c]
             for q in range(start, c):
                 value -= S[at + q] * S[other + q]
@@ -99,24 +113,24 @@ def factor(S, I, share):
             ratio = value * S[inverse + c]
             left -= value * ratio
             S[at + c] = ratio
-        one = 1.0 / left if left > LOST * diagonal else 0.0
-        S[inverse + r] = one
+        pivot = 1.0 / left if left > LOST * diagonal else 0.0
+        S[inverse + r] = pivot
         if I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.closing] != 0:
-            stiff = stiff * (diagonal * one)
+            stiff = stiff * (diagonal * pivot)
     return 1.0 / stiff if stiff > 0.0 else 0.0
 
 
 def passage(S, I, dt):
     """Share of the pivots by which the fastest turning pinned body is held back near a singular position."""
     spin = 0.0
-    for q in range(I[HEADER.pinned_count]):
-        spin = larger(spin, abs(S[I[I[HEADER.pinned] + q] + PARTICLE.w]))
+    for q in range(I[HEADER.pinned], I[HEADER.pinned_end]):
+        spin = larger(spin, abs(S[I[q] + PARTICLE.w]))
     share = SINGULAR * (dt * spin) * (dt * spin)
-    return share if share < COARSE else COARSE
+    return share if share < LARGEST_SHARE else LARGEST_SHARE
 
 
 def equations(S, I, dt, start):
-    """The matrix of t_n and its factors, damped where the step before saw the mechanism pass a singular
+    """Fill and factor the matrix of t_n, damped where the step before saw the mechanism pass a singular
     position: a test that waits for nothing.
     """
     fill(S, I)
@@ -124,13 +138,12 @@ def equations(S, I, dt, start):
     pivots = factor(S, I, floor)
     S[SYSTEM.share] = 0.0
     if I[HEADER.closing] != 0:
-        if seldom(start):
+        if unlikely(start):
             S[SYSTEM.pivots] = pivots
             S[SYSTEM.pivots_before] = pivots
         # The parabola through the last three products of pivots: near a passage it is small against its
-        # curvature, and its least value,
-        # last - slope^2 / (2 bent), is below two second differences. The damping comes a step later, so that
-        # factoring waits for no test.
+        # curvature, and its least value, last - slope^2 / (2 bent), is below two second differences. The
+        # damping comes a step later, so that factoring waits for no test.
         last = S[SYSTEM.pivots]
         slope = 0.5 * (pivots - S[SYSTEM.pivots_before])
         bent = (pivots - last) - (last - S[SYSTEM.pivots_before])
@@ -140,56 +153,76 @@ def equations(S, I, dt, start):
         S[SYSTEM.passing] = (
             1.0 if NEAR * bent > pivots and 2.0 * bent * (last - AT_ALL * bent) < slope * slope else 0.0
         )
-        if seldom(before > 0.5):
+        if unlikely(before > 0.5):
             fill(S, I)
             share = passage(S, I, dt)
             S[SYSTEM.share] = share
             factor(S, I, floor + share)
 
 
-def forward(S, I, y):
-    """Forward substitution with the factors in place."""
-    for r in range(I[HEADER.constraint_count]):
-        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
-        value = S[y + r]
-        for c in range(I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start], r):
-            value -= S[at + c] * S[y + c]
-        S[y + r] = value
-
-
-def backward(S, I, y):
-    """Division by D and backward substitution."""
+def solve(S, I, y):
+    """Solve for the right side in rows y, in place, with the factors of :func:`factor`."""
+    forward(S, I, y, 0)
     for r in range(I[HEADER.constraint_count]):
         S[y + r] = S[y + r] * S[I[HEADER.inverse] + r]
     for q in range(I[HEADER.constraint_count]):
         r = I[HEADER.constraint_count] - 1 - q
-        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
+        at = column_zero(I, r)
         value = S[y + r]
-        for c in range(I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start], r):
+        for c in range(first_column(I, r), r):
             S[y + c] -= S[at + c] * value
 
 
-def solve(S, I, y):
-    """Solution with the factors in place."""
-    forward(S, I, y)
-    backward(S, I, y)
+def forward(S, I, y, shift):
+    """Substitute forward with a lower half that lies ``shift`` rows behind the profile."""
+    for r in range(I[HEADER.constraint_count]):
+        at = column_zero(I, r) + shift
+        value = S[y + r]
+        for c in range(first_column(I, r), r):
+            value -= S[at + c] * S[y + c]
+        S[y + r] = value
 
 
-def idle(S, I, y):
-    """Part of the reactions that moves nothing, of redundant joints: (A + f D)^-1 f D times what they are,
-    with the floor f and the diagonal D.
+def idle_reactions(S, I, y):
+    """Store in rows y the part of the reactions that moves nothing, of redundant joints.
+
+    It is (A + f D)^-1 f D times the reactions, with the floor f and the diagonal D: what the floor has added
+    to the matrix moves back exactly that.
     """
     for r in range(I[HEADER.constraint_count]):
-        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
         q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.row]
-        S[y + r] = FLOOR * S[at + r] * S[q + CONSTRAINT.force]
+        S[y + r] = FLOOR * S[column_zero(I, r) + r] * S[q + CONSTRAINT.force]
     solve(S, I, y)
 
 
-def entry(S, a, c, x, y):
-    """What a body of unit mass and one of unit inertia add where row a stands with the turned row c, and the
-    reverse; levers in rows x and y.
+def fill_turned(S, I):
+    """Fill both halves of (G + dG) M^-1 G^T, the upper one ``profile_count`` rows behind the lower one."""
+    for q in range(I[HEADER.turned], I[HEADER.turned] + 2 * I[HEADER.profile_count]):
+        S[q] = 0.0
+    for r in range(I[HEADER.couple], I[HEADER.couple_end], COUPLE_INDEX.SIZE):
+        shift = I[HEADER.turned] - I[HEADER.profile]
+        at = I[r + COUPLE_INDEX.at] + shift
+        add_turned(S, I, r, 0, 0, at)
+        if I[r + COUPLE_INDEX.pins] != 0:  # two revolutes: their four entries
+            lower = I[r + COUPLE_INDEX.lower] + shift
+            add_turned(S, I, r, CONSTRAINT.SIZE, 0, lower)
+            add_turned(S, I, r, CONSTRAINT.SIZE, CONSTRAINT.SIZE, lower + 1)
+            if I[r + COUPLE_INDEX.first] != I[r + COUPLE_INDEX.second]:
+                add_turned(S, I, r, 0, CONSTRAINT.SIZE, at + 1)
+
+
+def add_turned(S, I, r, on, to, low):
+    """Add the body of couple r to two entries: of the rows ``on`` and ``to`` behind its first rows, at
+    ``low``, and of the two exchanged.
     """
+    a = I[r + COUPLE_INDEX.first] + on
+    c = I[r + COUPLE_INDEX.second] + to
+    x = I[r + COUPLE_INDEX.first_lever] + on
+    y = I[r + COUPLE_INDEX.second_lever] + to
+    body = I[r + COUPLE_INDEX.body]
+    sign = 1.0 if I[r + COUPLE_INDEX.same] != 0 else -1.0
+    im = sign * S[body + PARTICLE.inverse_mass]
+    ii = sign * S[body + PARTICLE.inverse_inertia]
     ax = S[a + CONSTRAINT.nx]
     ay = S[a + CONSTRAINT.ny]
     cx = S[c + CONSTRAINT.nx]
@@ -197,67 +230,24 @@ def entry(S, a, c, x, y):
     along = ax * cx + ay * cy
     below = along + (S[a + CONSTRAINT.turn_x] * cx + S[a + CONSTRAINT.turn_y] * cy)
     above = along + (S[c + CONSTRAINT.turn_x] * ax + S[c + CONSTRAINT.turn_y] * ay)
-    return below, above, (S[x] + S[x + TURNED]) * S[y], (S[y] + S[y + TURNED]) * S[x]
-
-
-def meet(S, I, a, c, x, y, im, ii, at):
-    """Adds a body to the two entries of a pair of rows; the entry of the lower half lies ``at`` rows from the
-    profile's begin.
-    """
-    below, above, under, over = entry(S, a, c, x, y)
-    low = I[HEADER.turned] + at
     high = low + I[HEADER.profile_count]
-    S[low] += im * below + ii * under
-    S[high] += im * above + ii * over
+    S[low] += im * below + ii * ((S[x] + S[x + TURN]) * S[y])
+    S[high] += im * above + ii * ((S[y] + S[y + TURN]) * S[x])
 
 
-def fill_turned(S, I):
-    """Both halves of (G + dG) M^-1 G^T."""
-    for q in range(2 * I[HEADER.profile_count]):
-        S[I[HEADER.turned] + q] = 0.0
-    for m in range(I[HEADER.couple_count]):
-        r = I[HEADER.couple] + COUPLE_INDEX.SIZE * m
-        a = I[r + COUPLE_INDEX.first]
-        c = I[r + COUPLE_INDEX.second]
-        body = I[r + COUPLE_INDEX.body]
-        x = I[r + COUPLE_INDEX.first_lever]
-        y = I[r + COUPLE_INDEX.second_lever]
-        sign = 1.0 if I[r + COUPLE_INDEX.same] != 0 else -1.0
-        im = sign * S[body + PARTICLE.inverse_mass]
-        ii = sign * S[body + PARTICLE.inverse_inertia]
-        at = I[r + COUPLE_INDEX.at] - I[HEADER.profile]
-        meet(S, I, a, c, x, y, im, ii, at)
-        if I[r + COUPLE_INDEX.pins] != 0:  # two revolutes: their four entries
-            lower = I[r + COUPLE_INDEX.lower] - I[HEADER.profile]
-            meet(S, I, a + CONSTRAINT.SIZE, c, x + CONSTRAINT.SIZE, y, im, ii, lower)
-            meet(
-                S,
-                I,
-                a + CONSTRAINT.SIZE,
-                c + CONSTRAINT.SIZE,
-                x + CONSTRAINT.SIZE,
-                y + CONSTRAINT.SIZE,
-                im,
-                ii,
-                lower + 1,
-            )
-            if a != c:
-                meet(S, I, a, c + CONSTRAINT.SIZE, x, y + CONSTRAINT.SIZE, im, ii, at + 1)
-
-
-def halves(S, I, share):
-    """L U of the matrix in place, L with a unit diagonal; pivots are kept as inverses, 0 where they are next
-    to nothing.
+def factor_turned(S, I, share):
+    """Factor the turned matrix into L U in place, L with a unit diagonal; pivots are kept as inverses, 0
+    where they are next to nothing.
     """
     shift = I[HEADER.turned] - I[HEADER.profile]
     up = I[HEADER.profile_count]
     inverse = I[HEADER.turned] + 2 * up
     for r in range(I[HEADER.constraint_count]):
-        first = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start]
-        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at] + shift
+        first = first_column(I, r)
+        at = column_zero(I, r) + shift
         for c in range(first, r):
-            other = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * c + CONSTRAINT_INDEX.at] + shift
-            start = max(first, I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * c + CONSTRAINT_INDEX.start])
+            other = column_zero(I, c) + shift
+            start = max(first, first_column(I, c))
             low = S[at + c]
             high = S[at + up + c]
             for q in range(start, c):
@@ -273,20 +263,15 @@ def halves(S, I, share):
 
 
 def solve_turned(S, I, y):
-    """Solution with the halves in place."""
+    """Solve for the right side in rows y, in place, with the factors of :func:`factor_turned`."""
     shift = I[HEADER.turned] - I[HEADER.profile]
     up = I[HEADER.profile_count]
     inverse = I[HEADER.turned] + 2 * up
-    for r in range(I[HEADER.constraint_count]):
-        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at] + shift
-        value = S[y + r]
-        for c in range(I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start], r):
-            value -= S[at + c] * S[y + c]
-        S[y + r] = value
+    forward(S, I, y, shift)
     for q in range(I[HEADER.constraint_count]):
         r = I[HEADER.constraint_count] - 1 - q
-        at = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at] + shift
+        at = column_zero(I, r) + shift
         value = S[y + r] * S[inverse + r]
         S[y + r] = value
-        for c in range(I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start], r):
+        for c in range(first_column(I, r), r):
             S[y + c] -= S[at + up + c] * value

@@ -39,20 +39,22 @@ def axial(length, la, ila, na, axial_stiffness):
 
 def bending(theta_1, theta_2, ila, m1a, m2a, bending_stiffness):
     """End moments (N m): increments 2EI/l (2 theta_1 + theta_2) and 2EI/l (theta_1 + 2 theta_2), Eq. 12b."""
-    k = 2.0 * bending_stiffness * ila
-    return m1a + k * (2.0 * theta_1 + theta_2), m2a + k * (theta_1 + 2.0 * theta_2)
+    unit = 2.0 * bending_stiffness * ila
+    return m1a + unit * (2.0 * theta_1 + theta_2), m2a + unit * (theta_1 + 2.0 * theta_2)
 
 
 def bending_released(theta, ila, ma, bending_stiffness):
-    """Moment at the end that is not released: increment 3EI/l theta (condensed stiffness, not Eq. 12b with a
-    zero struck in).
+    """Moment at the end that is not released: increment 3EI/l theta (condensed stiffness, not Eq.
+
+    12b with a zero struck in).
     """
     return ma + 3.0 * bending_stiffness * ila * theta
 
 
 def nodal_force(c, s, inverse, n, m1, m2):
-    """Force (N) of the element on the particle at its first node; the second takes the opposite. Shear from
-    Eq. 11: -(m1 + m2)/l.
+    """Force (N) of the element on the particle at its first node; the second takes the opposite.
+
+    Shear from Eq. 11: -(m1 + m2)/l.
     """
     q = (m1 + m2) * inverse
     return c * n + s * q, s * n - c * q

@@ -8,8 +8,8 @@ anticlockwise. Forces are those on the journal: -F_N n + F_T t.
 Paths of pieces of constant curvature, straight or round, and how far a point is from one.
 
 A piece begins at (x, y) along a unit vector t, with its normal n on its left, and bends to the left with a
-curvature k. Of a point at a = t . r and b = n . r from there, f = 2 b - k (a^2 + b^2) gives the signed
-distance f/(1 + sqrt(1 - k f)), positive on the left: one formula for lines and arcs. A piece counts where the
+curvature c. Of a point t . r along and n . r across from there, f = 2 n . r - c |r|^2 gives the signed
+distance f/(1 + sqrt(1 - c f)), positive on the left: one formula for lines and arcs. A piece counts where the
 foot of the point lies on it: past its begin and short of its end, where the path turns no corner. An arc
 turns by 180 degrees at most, so that both are half planes. Where several pieces count, the nearest is taken.
 """
@@ -46,9 +46,9 @@ def onset_speed(penetration, before, rate, dt):
     return math.sqrt(square if square > 0.0 else 0.0)
 
 
-def seldom(condition):
-    """Marks a branch that is taken in few steps: the lean step leaves it out and tells where the whole step
-    is needed.
+def unlikely(condition):
+    """Mark a branch that few steps take: the fast step leaves it out and reports that the full step is needed
+    (compiler/trace/straight_line.py).
     """
     return condition
 
@@ -72,17 +72,17 @@ def from_piece(S, i, x, y):
     """
     c = S[i + PIECE.cosine]
     s = S[i + PIECE.sine]
-    k = S[i + PIECE.curvature]
+    curvature = S[i + PIECE.curvature]
     rx = x - S[i + PIECE.x]
     ry = y - S[i + PIECE.y]
-    a = c * rx + s * ry
-    b = c * ry - s * rx
-    f = 2.0 * b - k * (a * a + b * b)
-    inside = 1.0 - k * f
+    along = c * rx + s * ry
+    across = c * ry - s * rx
+    f = 2.0 * across - curvature * (along * along + across * across)
+    inside = 1.0 - curvature * f
     root = math.sqrt(inside if inside > 0.0 else 0.0)
     inverse = 1.0 / (root + 1e-300)
-    nx, ny = arm(c, s, -k * a * inverse, (1.0 - k * b) * inverse)
-    past = S[i + PIECE.opens] * a
+    nx, ny = arm(c, s, -curvature * along * inverse, (1.0 - curvature * across) * inverse)
+    past = S[i + PIECE.opens] * along
     left = S[i + PIECE.end_cosine] * (x - S[i + PIECE.end_x]) + S[i + PIECE.end_sine] * (
         y - S[i + PIECE.end_y]
     )

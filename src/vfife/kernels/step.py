@@ -16,7 +16,6 @@ from .arrays import (
     FUNCTION,
     FUNCTION_INDEX,
     HEADER,
-    JOINT,
     JOINT_INDEX,
     LOAD,
     LOAD_INDEX,
@@ -26,13 +25,13 @@ from .arrays import (
     TILE_INDEX,
     UNIT,
 )
-from .central_difference import chord_acceleration, coefficients, driven_reaction, larger
+from .central_difference import Central, chord_acceleration, coefficients, larger, undamped
 from .closing import begin, close, hold
 from .constraint import reaction
-from .contact import contact_geometry, guides, solve_contacts, velocities
+from .contact import contact_geometry, guide_forces, predict_velocities, solve_contacts
 from .elementary import sincos
 from .frame import axial, bending, bending_released, chord, nodal_force, step_turn, turn
-from .geometry import arm, seldom
+from .geometry import arm, unlikely
 from .polynomial import polynomial
 from .spring import springs
 from .topology import CURRENT, SLIDING, TIME, TRAVEL, TURNED
@@ -92,8 +91,7 @@ def functions(S, T, I, n):
     time = (n + S[SYSTEM.shift]) * S[SYSTEM.step]
     after = (n + 1 + S[SYSTEM.shift]) * S[SYSTEM.step]
     dt = 0.0 if n == 0 else S[SYSTEM.step]  # the step that leads to t_n
-    for m in range(I[HEADER.function_count]):
-        r = I[HEADER.function] + FUNCTION_INDEX.SIZE * m
+    for r in range(I[HEADER.function], I[HEADER.function_end], FUNCTION_INDEX.SIZE):
         f = I[r + FUNCTION_INDEX.row]
         start = I[r + FUNCTION_INDEX.table]
         kind = I[r + FUNCTION_INDEX.argument]
@@ -108,10 +106,10 @@ def functions(S, T, I, n):
 
 
 def pass_kinks(S, I):
-    """Tells where a function has passed a kink."""
-    for m in range(I[HEADER.function_count]):
-        f = I[I[HEADER.function] + FUNCTION_INDEX.SIZE * m + FUNCTION_INDEX.row]
-        if seldom(S[f + FUNCTION.kinks] != S[f + FUNCTION.passed]):
+    """Report an event where a function has passed a kink."""
+    for r in range(I[HEADER.function], I[HEADER.function_end], FUNCTION_INDEX.SIZE):
+        f = I[r + FUNCTION_INDEX.row]
+        if unlikely(S[f + FUNCTION.kinks] != S[f + FUNCTION.passed]):
             S[SYSTEM.event] = 1.0
             S[f + FUNCTION.passed] = S[f + FUNCTION.kinks]
 
@@ -128,16 +126,15 @@ def drift(S, i, d):
 
 def move(S, I, time, d):
     """Bound particles at t_n: free ones drift, driven ones go as prescribed; then directions."""
-    for q in range(I[HEADER.bound_count]):
-        drift(S, I[I[HEADER.bound] + q], d)
-    for m in range(I[HEADER.driven_count]):
-        r = I[HEADER.driven] + DRIVEN_INDEX.SIZE * m
-        k = I[r + DRIVEN_INDEX.row]
+    for q in range(I[HEADER.bound], I[HEADER.bound_end]):
+        drift(S, I[q], d)
+    for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
+        row = I[r + DRIVEN_INDEX.row]
         i = I[r + DRIVEN_INDEX.body]
         f = I[r + DRIVEN_INDEX.function]
         if f == 0:
-            S[i + PARTICLE.theta] = S[k + DRIVEN.angle] + S[k + DRIVEN.speed] * time
-            S[i + PARTICLE.w] = S[k + DRIVEN.speed]
+            S[i + PARTICLE.theta] = S[row + DRIVEN.angle] + S[row + DRIVEN.speed] * time
+            S[i + PARTICLE.w] = S[row + DRIVEN.speed]
             S[i + PARTICLE.aw] = 0.0
         else:
             S[i + PARTICLE.theta] = S[f + FUNCTION.value]
@@ -147,45 +144,46 @@ def move(S, I, time, d):
         S[i + PARTICLE.fx] = S[i + PARTICLE.load_x]
         S[i + PARTICLE.fy] = S[i + PARTICLE.load_y]
         S[i + PARTICLE.mz] = S[i + PARTICLE.load_m]
-    for q in range(I[HEADER.trig_count]):
-        i = I[I[HEADER.trig] + q]
+    for q in range(I[HEADER.trig], I[HEADER.trig_end]):
+        i = I[q]
         S[i + PARTICLE.s], S[i + PARTICLE.c] = sincos(S[i + PARTICLE.theta])
 
 
-def load(S, k, i, follow, value):
-    """Force (N) and moment (N m) about particle i of a load, ``value`` times what record k has."""
+def load(S, row, i, follow, value):
+    """Force (N) and moment (N m) about particle i of the load in row ``row``, for a ``value`` of its
+    function.
+    """
     c = S[i + PARTICLE.c]
     s = S[i + PARTICLE.s]
-    rx, ry = arm(c, s, S[k + LOAD.x], S[k + LOAD.y])
-    px = value * S[k + LOAD.fx]
-    py = value * S[k + LOAD.fy]
+    rx, ry = arm(c, s, S[row + LOAD.x], S[row + LOAD.y])
+    px = value * S[row + LOAD.fx]
+    py = value * S[row + LOAD.fy]
     if follow != 0:
         px, py = arm(c, s, px, py)
-    return px, py, rx * py - ry * px + value * S[k + LOAD.m]
+    return px, py, rx * py - ry * px + value * S[row + LOAD.m]
 
 
 def loads(S, I):
-    """Loads over time, speed or angle, at t_n."""
-    for m in range(I[HEADER.load_count]):
-        r = I[HEADER.load] + LOAD_INDEX.SIZE * m
-        k = I[r + LOAD_INDEX.row]
+    """Add loads over time, speed or angle, at t_n, to the forces."""
+    for r in range(I[HEADER.load], I[HEADER.load_end], LOAD_INDEX.SIZE):
         i = I[r + LOAD_INDEX.body]
         value = S[I[r + LOAD_INDEX.function] + FUNCTION.value]
-        px, py, moment = load(S, k, i, I[r + LOAD_INDEX.follow], value)
+        px, py, moment = load(S, I[r + LOAD_INDEX.row], i, I[r + LOAD_INDEX.follow], value)
         S[i + PARTICLE.fx] += px
         S[i + PARTICLE.fy] += py
         S[i + PARTICLE.mz] += moment
 
 
-def elements(S, I, first, last, renew):
-    """Element forces from the reversed rigid-body motion; the reference is renewed where a path unit ends.
+def elements(S, I, first, end, renew):
+    """Add the forces of elements, from the reversed rigid-body motion; renew the reference where a path unit
+    ends.
 
-    Stiffness counts on the length that the element has there, as the paper's does, or for good on the length
-    that it has without forces.
+    ``first`` and ``end`` are records in I. Stiffness counts on the length that the element has at the
+    reference, as the paper's does, or for good on the length that it has without forces. Where a path unit is
+    one step, the forces at its start are those of the step before, in the same rows.
     """
-    own = I[HEADER.path_unit] == 1
-    for m in range(first, last):
-        r = I[HEADER.frame] + FRAME_INDEX.SIZE * m
+    single = I[HEADER.path_unit] == 1
+    for r in range(first, end, FRAME_INDEX.SIZE):
         e = I[r + FRAME_INDEX.row]
         i = I[r + FRAME_INDEX.first]
         j = I[r + FRAME_INDEX.second]
@@ -194,26 +192,9 @@ def elements(S, I, first, last, renew):
             S[j + PARTICLE.x] - S[i + PARTICLE.x], S[j + PARTICLE.y] - S[i + PARTICLE.y]
         )
         ila = S[e + FRAME.reference_inverse_length]
-        na = S[e + FRAME.axial_force] if own else S[a + UNIT.reference_axial_force]
+        na = S[e + FRAME.axial_force] if single else S[a + UNIT.reference_axial_force]
         n = axial(length, S[e + FRAME.reference_length], ila, na, S[e + FRAME.axial_stiffness])
-        release = I[r + FRAME_INDEX.release]
-        m1 = 0.0
-        m2 = 0.0
-        if release != 3:
-            ei = S[e + FRAME.bending_stiffness]
-            m1a = S[e + FRAME.moment_1] if own else S[a + UNIT.reference_moment_1]
-            m2a = S[e + FRAME.moment_2] if own else S[a + UNIT.reference_moment_2]
-            ca = S[e + FRAME.reference_cosine]
-            sa = S[e + FRAME.reference_sine]
-            rigid = step_turn(c, s, ca, sa) if own else turn(c, s, ca, sa)
-            theta_1 = S[i + PARTICLE.theta] - S[e + FRAME.reference_theta_1] - rigid
-            theta_2 = S[j + PARTICLE.theta] - S[e + FRAME.reference_theta_2] - rigid
-            if release == 0:
-                m1, m2 = bending(theta_1, theta_2, ila, m1a, m2a, ei)
-            elif release == 1:
-                m2 = bending_released(theta_2, ila, m2a, ei)
-            else:
-                m1 = bending_released(theta_1, ila, m1a, ei)
+        m1, m2 = end_moments(S, I, r, c, s, single)
         px, py = nodal_force(c, s, inverse, n, m1, m2)
         S[i + PARTICLE.fx] += px
         S[i + PARTICLE.fy] += py
@@ -232,14 +213,41 @@ def elements(S, I, first, last, renew):
             S[e + FRAME.reference_sine] = s
             S[e + FRAME.reference_theta_1] = S[i + PARTICLE.theta]
             S[e + FRAME.reference_theta_2] = S[j + PARTICLE.theta]
-            if not own:
+            if not single:
                 S[a + UNIT.reference_axial_force] = n
                 S[a + UNIT.reference_moment_1] = m1
                 S[a + UNIT.reference_moment_2] = m2
 
 
-def kick(S, i, h, decay, gain, p):
-    """Acceleration of a free particle at t_n and its velocity at t_(n+1/2); returned: its velocity at t_n."""
+def end_moments(S, I, r, c, s, single):
+    """Moments (N m) at both ends of element r in direction (c, s), by which of its ends are released."""
+    e = I[r + FRAME_INDEX.row]
+    a = I[r + FRAME_INDEX.unit]
+    release = I[r + FRAME_INDEX.release]
+    m1 = 0.0
+    m2 = 0.0
+    if release != 3:
+        ila = S[e + FRAME.reference_inverse_length]
+        ei = S[e + FRAME.bending_stiffness]
+        m1a = S[e + FRAME.moment_1] if single else S[a + UNIT.reference_moment_1]
+        m2a = S[e + FRAME.moment_2] if single else S[a + UNIT.reference_moment_2]
+        ca = S[e + FRAME.reference_cosine]
+        sa = S[e + FRAME.reference_sine]
+        rigid = step_turn(c, s, ca, sa) if single else turn(c, s, ca, sa)
+        theta_1 = S[I[r + FRAME_INDEX.first] + PARTICLE.theta] - S[e + FRAME.reference_theta_1] - rigid
+        theta_2 = S[I[r + FRAME_INDEX.second] + PARTICLE.theta] - S[e + FRAME.reference_theta_2] - rigid
+        if release == 0:
+            m1, m2 = bending(theta_1, theta_2, ila, m1a, m2a, ei)
+        elif release == 1:
+            m2 = bending_released(theta_2, ila, m2a, ei)
+        else:
+            m1 = bending_released(theta_1, ila, m1a, ei)
+    return m1, m2
+
+
+def kick(S, i, central: Central):
+    """Store acceleration of a free particle at t_n and its velocity at t_(n+1/2); return its velocity at t_n."""
+    h, decay, gain, p = central
     im = S[i + PARTICLE.inverse_mass]
     ii = S[i + PARTICLE.inverse_inertia]
     ax = im * S[i + PARTICLE.fx]
@@ -260,72 +268,74 @@ def kick(S, i, h, decay, gain, p):
     return un, vn, wn
 
 
-def lost_power(S, i, zeta, u, v, w):
-    """Power that mass-proportional damping takes from a particle."""
+def damping_power(S, i, zeta, u, v, w):
+    """Power (W) that mass-proportional damping takes from a particle."""
     ii = S[i + PARTICLE.inverse_inertia]
     return zeta * ((u * u + v * v) / S[i + PARTICLE.inverse_mass] + (w * w / ii if ii > 0.0 else 0.0))
 
 
-def tiles(S, I, renew, d, h, decay, gain, p):
-    """Elements, with the plain particles around them drifting just before and kicked just after, while they
-    are in the cache.
+def tiles(S, I, renew, d, central: Central):
+    """Step elements, with the plain particles around them drifting just before and kicked just after, while
+    they are in the cache.
     """
     lost = 0.0
     zeta = S[SYSTEM.damping]
     damped = I[HEADER.damped] != 0
-    for m in range(I[HEADER.tile_count]):
-        r = I[HEADER.tile] + TILE_INDEX.SIZE * m
-        for q in range(I[r + TILE_INDEX.drift], I[r + TILE_INDEX.drift_end]):
-            drift(S, I[HEADER.plain] + PLAIN * q, d)
-        elements(S, I, I[r + TILE_INDEX.frame], I[r + TILE_INDEX.frame_end], renew)
-        for q in range(I[r + TILE_INDEX.kick], I[r + TILE_INDEX.kick_end]):
-            i = I[HEADER.plain] + PLAIN * q
-            un, vn, wn = kick(S, i, h, decay, gain, p)
+    for r in range(I[HEADER.tile], I[HEADER.tile_end], TILE_INDEX.SIZE):
+        for i in range(I[r + TILE_INDEX.drift], I[r + TILE_INDEX.drift_end], PLAIN):
+            drift(S, i, d)
+        frames = I[HEADER.frame]
+        elements(
+            S,
+            I,
+            frames + FRAME_INDEX.SIZE * I[r + TILE_INDEX.frame],
+            frames + FRAME_INDEX.SIZE * I[r + TILE_INDEX.frame_end],
+            renew,
+        )
+        for i in range(I[r + TILE_INDEX.kick], I[r + TILE_INDEX.kick_end], PLAIN):
+            un, vn, wn = kick(S, i, central)
             if damped:
-                lost += lost_power(S, i, zeta, un, vn, wn)
+                lost += damping_power(S, i, zeta, un, vn, wn)
     if damped:
         S[SYSTEM.damping_power] = lost
 
 
-def settle(S, I, span, h, decay, gain, p):
-    """Kick of the bound particles; power of damping, of time-dependent loads and of prescribed travels at
-    t_n.
+def settle(S, I, span, central: Central):
+    """Kick the bound particles; store the power of damping, of time-dependent loads and of prescribed travels
+    at t_n.
     """
     lost = 0.0
     zeta = S[SYSTEM.damping]
     damped = I[HEADER.damped] != 0
     worked = I[HEADER.worked] != 0
-    for q in range(I[HEADER.bound_count]):
-        i = I[I[HEADER.bound] + q]
-        un, vn, wn = kick(S, i, h, decay, gain, p)
+    for q in range(I[HEADER.bound], I[HEADER.bound_end]):
+        i = I[q]
+        un, vn, wn = kick(S, i, central)
         if worked:
             S[i + PARTICLE.vu] = un
             S[i + PARTICLE.vv] = vn
             S[i + PARTICLE.vw] = wn
         if damped:
-            lost += lost_power(S, i, zeta, un, vn, wn)
+            lost += damping_power(S, i, zeta, un, vn, wn)
     if damped:
         lost += S[SYSTEM.damping_power]
         S[SYSTEM.damping_work] += span * lost
         S[SYSTEM.damping_power] = lost
     if worked:
-        power = outside(S, I)
+        power = external_power(S, I)
         S[SYSTEM.external_work] += span * power
         S[SYSTEM.external_power] = power
 
 
-def outside(S, I):
-    """Power of time-dependent loads and of prescribed travels at t_n."""
+def external_power(S, I):
+    """Power (W) of time-dependent loads and of prescribed travels at t_n."""
     power = 0.0
-    for m in range(I[HEADER.load_count]):
-        r = I[HEADER.load] + LOAD_INDEX.SIZE * m
-        g = I[r + LOAD_INDEX.row]
+    for r in range(I[HEADER.load], I[HEADER.load_end], LOAD_INDEX.SIZE):
         i = I[r + LOAD_INDEX.body]
         value = S[I[r + LOAD_INDEX.function] + FUNCTION.value]
-        px, py, moment = load(S, g, i, I[r + LOAD_INDEX.follow], 1.0)
+        px, py, moment = load(S, I[r + LOAD_INDEX.row], i, I[r + LOAD_INDEX.follow], 1.0)
         power += value * (px * S[i + PARTICLE.vu] + py * S[i + PARTICLE.vv] + moment * S[i + PARTICLE.vw])
-    for m in range(I[HEADER.joint_count]):
-        r = I[HEADER.joint] + JOINT_INDEX.SIZE * m
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
         f = I[r + JOINT_INDEX.function]
         if f != 0:
             power += S[I[r + JOINT_INDEX.first] + CONSTRAINT.force] * S[f + FUNCTION.rate]
@@ -333,34 +343,13 @@ def outside(S, I):
 
 
 def observe(S, I, span):
-    """What the driver does and how the bodies turn at t_n."""
-    for m in range(I[HEADER.driven_count]):
-        k = I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m + DRIVEN_INDEX.row]
-        i = I[I[HEADER.driven] + DRIVEN_INDEX.SIZE * m + DRIVEN_INDEX.body]
-        w = S[i + PARTICLE.w]
-        torque, rx, ry = driven_reaction(
-            S[i + PARTICLE.c], S[i + PARTICLE.s], w, S[i + PARTICLE.aw], S[i + PARTICLE.fx], S[i + PARTICLE.fy], S[i + PARTICLE.mz],
-            S[k + DRIVEN.inertia], S[k + DRIVEN.moment_x], S[k + DRIVEN.moment_y],
-            S[k + DRIVEN.weight_x], S[k + DRIVEN.weight_y],
-        )  # fmt: skip
-        power = torque * w
-        S[k + DRIVEN.work] += span * power
-        S[k + DRIVEN.power] = power
-        S[k + DRIVEN.torque] = torque
-        S[k + DRIVEN.fx] = rx
-        S[k + DRIVEN.fy] = ry
-        at = k + DRIVEN.force_squared_max
-        S[at] = larger(S[at], rx * rx + ry * ry)
-        at = k + DRIVEN.torque_max
-        S[at] = larger(S[at], abs(torque))
-    for m in range(I[HEADER.joint_count]):
-        i = I[I[HEADER.joint] + JOINT_INDEX.SIZE * m]
-        reaction(S, I, I[HEADER.joint] + JOINT_INDEX.SIZE * m)
-        at = i + JOINT.force_squared_max
-        S[at] = larger(S[at], S[i + JOINT.fx] * S[i + JOINT.fx] + S[i + JOINT.fy] * S[i + JOINT.fy])
-    for m in range(I[HEADER.body_count]):
-        r = I[HEADER.body] + BODY_INDEX.SIZE * m
-        k = I[r + BODY_INDEX.row]
+    """Store what drivers and ideal joints do and how the bodies turn at t_n, with their extremes."""
+    for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
+        observe_driver(S, I[r + DRIVEN_INDEX.row], I[r + DRIVEN_INDEX.body], span)
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
+        reaction(S, I, r)
+    for r in range(I[HEADER.body], I[HEADER.body_end], BODY_INDEX.SIZE):
+        row = I[r + BODY_INDEX.row]
         i = I[r + BODY_INDEX.first]
         j = I[r + BODY_INDEX.second]
         e = I[r + BODY_INDEX.frame]
@@ -378,44 +367,73 @@ def observe(S, I, span):
                 S[j + PARTICLE.ay] - S[i + PARTICLE.ay],
                 inverse,
             )
-        S[k + BODY.alpha] = alpha
-        at = k + BODY.alpha_max
-        S[at] = larger(S[at], abs(alpha))
+        S[row + BODY.alpha] = alpha
+        S[row + BODY.alpha_max] = larger(S[row + BODY.alpha_max], abs(alpha))
 
 
-def joints(S, I, start, span, central):
-    """All joints at t_n: clearances met, ideal reactions, then both again with what each does to the other."""
-    dt = S[SYSTEM.step]
-    h, decay, gain, p = central
+def observe_driver(S, row, i, span):
+    """Store torque, power and work of the driver in row ``row`` on body i, and the ground's force on that
+    body.
+
+    The body turns about a fixed pivot, its particle. (rx, ry) is mass times centre of mass from there, whose
+    acceleration is alpha x r - w^2 r; forces that the body feels there count against it.
+    """
+    w = S[i + PARTICLE.w]
+    alpha = S[i + PARTICLE.aw]
+    rx, ry = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], S[row + DRIVEN.moment_x], S[row + DRIVEN.moment_y])
+    ww = w * w
+    torque = (
+        S[row + DRIVEN.inertia] * alpha
+        - S[i + PARTICLE.mz]
+        - (rx * S[row + DRIVEN.weight_y] - ry * S[row + DRIVEN.weight_x])
+    )
+    fx = -alpha * ry - ww * rx - S[i + PARTICLE.fx]
+    fy = alpha * rx - ww * ry - S[i + PARTICLE.fy]
+    power = torque * w
+    S[row + DRIVEN.work] += span * power
+    S[row + DRIVEN.power] = power
+    S[row + DRIVEN.torque] = torque
+    S[row + DRIVEN.fx] = fx
+    S[row + DRIVEN.fy] = fy
+    S[row + DRIVEN.force_squared_max] = larger(S[row + DRIVEN.force_squared_max], fx * fx + fy * fy)
+    S[row + DRIVEN.torque_max] = larger(S[row + DRIVEN.torque_max], abs(torque))
+
+
+def joints(S, I, start, span, central: Central):
+    """Solve all joints at t_n: contacts met, ideal reactions, contact forces, then ideal reactions again
+    where contacts have changed them.
+
+    Contact forces depend on the velocities that the reactions leave, and the reactions on contact forces.
+    Both exactly would be one system with unknowns as many as joints; this way costs one pass through the
+    contacts, whose response through the ideal joints is solved with (joint_compliance), and leaves what the
+    second :func:`close` then closes.
+    """
     if I[HEADER.contact_count] > 0:
-        contact_geometry(S, I, start, p, h)
+        contact_geometry(S, I, start, central)
     if I[HEADER.joint_count] > 0:
-        hold(S, I, dt, decay, gain, start)
+        hold(S, I, start, central)
     if I[HEADER.contact_count] > 0:
-        velocities(S, I, p, h)
+        predict_velocities(S, I, central)
         solve_contacts(S, I, span, central)
-        guides(S, I)
+        guide_forces(S, I)
     if I[HEADER.close_again] != 0:
-        close(S, I, dt, decay, gain)
-    if seldom(start):
+        close(S, I, central)
+    if unlikely(start):
         begin(S, I)
 
 
 def step(S, I, n, start):
-    """One step: everything it needs and leaves is in S; functions of time are there already."""
+    """Take one step: everything it needs and leaves is in S; functions of time are there already."""
     dt = S[SYSTEM.step]
-    if I[HEADER.damped] != 0:
-        h, decay, gain, p = coefficients(start, dt, S[SYSTEM.damping])
-    else:
-        h, decay, gain, p = 0.0 if start else 0.5 * dt, 1.0, 0.5 * dt if start else dt, 1.0
+    central = coefficients(start, dt, S[SYSTEM.damping]) if I[HEADER.damped] != 0 else undamped(start, dt)
     span = 0.5 * dt if start else dt
     d = 0.0 if start else dt
     S[SYSTEM.event] = 0.0
     pass_kinks(S, I)
     move(S, I, (n + S[SYSTEM.shift]) * dt, d)
-    tiles(S, I, n % max(I[HEADER.path_unit], 1) == 0, d, h, decay, gain, p)
+    tiles(S, I, n % max(I[HEADER.path_unit], 1) == 0, d, central)
     loads(S, I)
-    springs(S, I, span, p, h)
-    joints(S, I, start, span, (h, decay, gain, p))
-    settle(S, I, span, h, decay, gain, p)
+    springs(S, I, span, central)
+    joints(S, I, start, span, central)
+    settle(S, I, span, central)
     observe(S, I, span)

@@ -12,8 +12,9 @@ def turned_slowness(slowness, inverse_transition, rate):
     """The slowness (s/m) that makes half of the branches' distance times it and the rate the force beyond
     their mean.
 
-    1/|rate| while the surfaces approach or part, and no more than that of the ``transition``, a share of the impact speed 1/slowness, where they
-    turn. The rate is the one expected; the force is solved for the rate that results.
+    1/|rate| while the surfaces approach or part, and no more than that of the ``transition``, a share of the
+    impact speed 1/slowness, where they turn. The rate is the one expected; the force is solved for the rate
+    that results.
     """
     slow = slowness * inverse_transition
     over = slow * abs(rate)

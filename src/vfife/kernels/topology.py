@@ -6,10 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 # What an ideal joint holds: a place (its rows: 0, 2, 1, 1, 1, 1) and the turn of one body with the other (0,
-# 1, 1); then kinds of contacts, springs
-# and arguments of functions. A revolute pins a place, a slider lets it go along a line and keeps the turn, a
-# gear couples turns alone,
-# a massless link keeps two pins apart.
+# 1, 1); then kinds of contacts, springs and arguments of functions. A revolute pins a place, a slider lets it
+# go along a line and keeps the turn, a gear couples turns alone, a massless link keeps two pins apart.
 NOWHERE, PINNED, ACROSS, ALONG, ON_PATH, APART = range(6)
 FREE, KEPT, GEARED = range(3)
 PLACE_ROWS, TURN_ROWS = (0, 2, 1, 1, 1, 1), (0, 1, 1)
@@ -27,12 +25,11 @@ class Topology:
     """Integers that say what is joined to what. Two models with equal topology share one generated step.
 
     Particle 0 is the ground; it carries the gears that nothing else does. Each tuple has one entry per
-    entity. ``contact_path`` and ``joint_path`` are indices of
-    paths, -1 for none; ``path_pieces`` the number of pieces of each; ``contact_knots`` those of the tables of
-    contact laws, all 0 where it is left out. ``guides`` are the first contact and the one after the last of
-    each block in a guide with play, whose corners are contacts of their own. ``wears`` are the contacts of
-    which wear is kept, ``profiles`` how many harmonics the worn profiles of bearing and journal have in each
-    of them; none unless said.
+    entity. ``contact_path`` and ``joint_path`` are indices of paths, -1 for none; ``path_pieces`` the number
+    of pieces of each; ``contact_knots`` those of the tables of contact laws, all 0 where it is left out.
+    ``guides`` are the first contact and the one after the last of each block in a guide with play, whose
+    corners are contacts of their own. ``wears`` are the contacts of which wear is kept, ``profiles`` how many
+    harmonics the worn profiles of bearing and journal have in each of them; none unless said.
     """
 
     particles: int

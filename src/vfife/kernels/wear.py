@@ -23,22 +23,22 @@ def profile(S, first, count, body, nx, ny):
     """Depth (m) of a worn profile of a body in the direction n, and its derivative by the angle (m/rad); the
     profile turns with the body.
     """
-    cb = S[body + PARTICLE.c]
-    sb = S[body + PARTICLE.s]
-    c = cb * nx + sb * ny
-    s = cb * ny - sb * nx
+    c_body = S[body + PARTICLE.c]
+    s_body = S[body + PARTICLE.s]
+    c = c_body * nx + s_body * ny
+    s = c_body * ny - s_body * nx
     depth = S[first + HARMONIC.cosine]
     slope = 0.0
-    ck = c
-    sk = s
-    for k in range(1, count):
-        a = S[first + HARMONIC.SIZE * k + HARMONIC.cosine]
-        b = S[first + HARMONIC.SIZE * k + HARMONIC.sine]
-        depth += a * ck + b * sk
-        slope += k * (b * ck - a * sk)
-        more = ck * c - sk * s
-        sk = sk * c + ck * s
-        ck = more
+    c_order = c  # cosine and sine of as many times the angle
+    s_order = s
+    for order in range(1, count):
+        cosine = S[first + HARMONIC.SIZE * order + HARMONIC.cosine]
+        sine = S[first + HARMONIC.SIZE * order + HARMONIC.sine]
+        depth += cosine * c_order + sine * s_order
+        slope += order * (sine * c_order - cosine * s_order)
+        c_next = c_order * c - s_order * s
+        s_order = s_order * c + c_order * s
+        c_order = c_next
     return depth, slope
 
 

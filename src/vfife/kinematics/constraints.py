@@ -121,7 +121,7 @@ def lifted(*modules: ModuleType) -> Any:
 
 
 SOMEWHERE = 1e-9  # of the length of a massless link whose pins a first guess puts in one place
-KERNEL = lifted(geometry, constraint)  # arm, lever, placed and relative_turn, as the step has them
+KERNEL = lifted(geometry, constraint)  # arm, lever, guide_row and relative_turn, as the step has them
 
 
 STILL, AT_REST = (
@@ -284,15 +284,16 @@ class Constraint:
         return [float(ax), float(ay)], [float(bx), float(by)]
 
     @cached_property
-    def _guide(self) -> tuple[int, list[float], int, float, float]:
-        """Kind of the row, numbers and count of the pieces of a path, direction of a guide."""
+    def _guide(self) -> tuple[constraint.Guide, list[float]]:
+        """The row of the place as the step has it, and the numbers of a path's pieces."""
         if isinstance(self.place, OnPath):
             numbers = self.place.path.numbers()
-            return ON_PATH, [value for piece in numbers for value in piece], len(numbers), 1.0, 0.0
-        if isinstance(self.place, Apart):
-            return APART, [], 0, 1.0, 0.0
+            return constraint.Guide(ON_PATH, 0, len(numbers), 1.0, 0.0), [
+                value for piece in numbers for value in piece
+            ]
         dx, dy = self.place.unit() if isinstance(self.place, Guided) else (1.0, 0.0)
-        return ACROSS if isinstance(self.place, Across) else ALONG, [], 0, dx, dy
+        kind = APART if isinstance(self.place, Apart) else ACROSS if isinstance(self.place, Across) else ALONG
+        return constraint.Guide(kind, 0, 0, dx, dy), []
 
     def _places(
         self, arm_a: Any, arm_b: Any, a: Any, b: Any, face: Any
@@ -305,10 +306,10 @@ class Constraint:
         ex, ey = (b[0] + arm_b[0]) - (a[0] + arm_a[0]), (b[1] + arm_b[1]) - (a[1] + arm_a[1])
         if isinstance(self.place, Coincide):
             return [ex, ey], [(1.0, 0.0), (0.0, 1.0)]
-        kind, pieces, count, dx, dy = self._guide
-        if kind == APART and ex == 0.0 and ey == 0.0:
+        guide, pieces = self._guide
+        if guide.place == APART and ex == 0.0 and ey == 0.0:
             ex = SOMEWHERE * self.place.length  # type: ignore[union-attr]  # pins in one place: any direction leads apart
-        measured, nx, ny = KERNEL.placed(pieces, kind, 0, count, *face, dx, dy, ex, ey)
+        measured, nx, ny = KERNEL.guide_row(pieces, guide, *face, ex, ey)
         return [measured], [(nx, ny)]
 
     def reaction(self, p: Array, multiplier: Array, length: float) -> tuple[float, float, float]:

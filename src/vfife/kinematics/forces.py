@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import VfifeError
 from ..kernels.arrays import FUNCTION, LOAD, PARTICLE, SPRING
+from ..kernels.central_difference import Central
 from ..kernels.elementary import sincos
 from ..kernels.spring import spring as spring_force
 from ..kernels.step import argument, load
@@ -34,6 +35,7 @@ from .pins import world
 
 Array = NDArray[np.float64]
 AXES = {"linear": LINEAR, "torsional": TORSIONAL, "stop": STOP, "bushing": BUSHING}
+STANDING = Central(h=0.0, decay=1.0, gain=0.0, p=1.0)  # a step of no length: velocities are what they are
 NO_BODIES = (TIME, "ground", "ground")  # of a function of time
 
 
@@ -331,7 +333,7 @@ def pull(spring: AnySpring, start: float, ends: Sequence[End]) -> list[tuple[flo
     for name, values in spring_fields(spring, start).items():
         first = element + getattr(SPRING, name)
         rows[first : first + len(values)] = values
-    spring_force(rows, element, 0, PARTICLE.SIZE, kind_of_spring(spring), 1.0, 0.0)
+    spring_force(rows, element, 0, PARTICLE.SIZE, kind_of_spring(spring), STANDING)
     return [
         (rows[base + PARTICLE.fx], rows[base + PARTICLE.fy], rows[base + PARTICLE.mz])
         for base in (0, PARTICLE.SIZE)

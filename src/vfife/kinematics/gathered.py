@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels.constraint import Guide
 from ..kernels.topology import ACROSS, ALONG, APART
 from ..model.rows import Across, Along, Apart, OnPath
 from ..numerics import dense
@@ -112,8 +113,8 @@ class Gathered:
                 ]
                 G.reshape(*lead, -1)[..., self.levers] = np.concatenate(levers, axis=-1)
             else:
-                phi[..., row], nx, ny = KERNEL.placed(
-                    (), kind, 0, 0, c[..., a], s[..., a], *group.direction, ex, ey
+                phi[..., row], nx, ny = KERNEL.guide_row(
+                    (), Guide(kind, 0, 0, *group.direction), c[..., a], s[..., a], ex, ey
                 )
                 _put(G, row, a, -nx, -ny, -KERNEL.lever(foot_x, foot_y, nx, ny))
                 _put(G, row, b, nx, ny, KERNEL.lever(bx, by, nx, ny))

@@ -154,8 +154,8 @@ RESERVED = frozenset(
         "select",
         "both",
         "either",
-        "seldom",
-        "seldom_ends",
+        "unlikely",
+        "unlikely_ends",
         "nearest",
     )
     + ("contact_law", "friction_law", "friction_regime", "film_law")

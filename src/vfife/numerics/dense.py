@@ -11,32 +11,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .library import call
-from .products import flat, product, times
+from .products import product, times
 
 Array = NDArray[np.float64]
 EPS = 2.0**-52
-NONE = np.zeros(0)
 
 
-def _shape(matrix: Any) -> tuple[Array, tuple[int, ...], int, int, int]:
-    """A matrix as an array, its leading dimensions and how many matrices these are, rows and columns."""
-    own = np.asarray(matrix, dtype=np.float64)
+class Stack(NamedTuple):
+    """Matrices (count, rows, columns), one behind the other, and the leading dimensions that they had."""
+
+    matrices: Array
+    lead: tuple[int, ...]
+
+    def shaped(self, *results: Array) -> tuple[Any, ...]:
+        """Results (count, ...), one for each matrix, with the leading dimensions; LinAlgError where one is
+        not a number.
+        """
+        if any(np.isnan(one).any() for one in results):
+            raise np.linalg.LinAlgError("a matrix has entries that are not finite")
+        return tuple(one.reshape(*self.lead, *one.shape[1:]) for one in results)
+
+
+def _stack(matrix: Any, square: bool = False) -> Stack:
+    """A copy of matrices that a routine may change."""
+    own = np.array(matrix, dtype=np.float64, order="C")
     rows, columns = own.shape[-2:]
-    return own, own.shape[:-2], math.prod(own.shape[:-2]), rows, columns
-
-
-def _square(matrix: Any) -> tuple[Array, tuple[int, ...], int, int]:
-    own, lead, count, rows, columns = _shape(matrix)
-    if rows != columns:
+    if square and rows != columns:
         raise np.linalg.LinAlgError(
             f"a square matrix is needed, not one of {rows} rows and {columns} columns"
         )
-    return own, lead, count, rows
-
-
-def _finite(sizes: Array) -> None:
-    if np.isnan(sizes).any():
-        raise np.linalg.LinAlgError("a matrix has entries that are not finite")
+    return Stack(own.reshape(math.prod(own.shape[:-2]), rows, columns), own.shape[:-2])
 
 
 def solve(matrix: Any, right: Any) -> Any:
@@ -45,19 +49,15 @@ def solve(matrix: Any, right: Any) -> Any:
 
     A right side with one dimension less than the matrix is a vector.
     """
-    own, lead, count, size = _square(matrix)
+    own, lead = _stack(matrix, square=True)
     b = np.asarray(right, dtype=np.float64)
-    vector = b.ndim == own.ndim - 1
+    vector = b.ndim == len(lead) + 1
     b = b[..., None] if vector else b
-    found = np.array(np.broadcast_to(b, (*lead, size, b.shape[-1])), order="C")
-    signs = np.empty(count)
-    call(
-        "eliminate", np.array(own, order="C").reshape(-1), found.reshape(-1), signs, count, size, b.shape[-1]
-    )
+    found, signs = np.array(np.broadcast_to(b, (*lead, *b.shape[-2:])), order="C"), np.empty(len(own))
+    call("eliminate", own, found.reshape(len(own), *found.shape[-2:]), signs)
     if not (signs != 0.0).all():
         raise np.linalg.LinAlgError("Singular matrix")
-    found = found[..., 0] if vector else found
-    return found
+    return found[..., 0] if vector else found
 
 
 class Solved(NamedTuple):
@@ -69,114 +69,99 @@ class Solved(NamedTuple):
 
 def solve_with_determinant(matrix: Array, right: Array) -> Solved:
     """x (..., n, columns) of A x = b by elimination with partial pivoting, and the determinant of each A."""
-    own, lead, count, size = _square(matrix)
-    triangle, found, signs = (
-        np.array(own, order="C"),
-        np.array(right, dtype=np.float64, order="C"),
-        np.empty(count),
-    )
-    call("eliminate", triangle.reshape(-1), found.reshape(-1), signs, count, size, found.shape[-1])
-    diagonal = np.diagonal(triangle, axis1=-2, axis2=-1)
-    return Solved(found, signs.reshape(lead) * np.abs(np.multiply.reduce(diagonal, axis=-1)))
+    own, lead = _stack(matrix, square=True)
+    found, signs = np.array(right, dtype=np.float64, order="C"), np.empty(len(own))
+    call("eliminate", own, found.reshape(len(own), *found.shape[-2:]), signs)
+    diagonal = np.diagonal(own, axis1=-2, axis2=-1)
+    return Solved(found, (signs * np.abs(np.multiply.reduce(diagonal, axis=-1))).reshape(lead))
 
 
 def determinant_sign(matrix: Any) -> Any:
     """Sign of the determinant of each matrix: -1, 0 or 1."""
-    own, lead, count, size = _square(matrix)
-    signs = np.empty(count)
-    call("eliminate", np.array(own, order="C").reshape(-1), NONE, signs, count, size, 0)
+    own, lead = _stack(matrix, square=True)
+    signs = np.empty(len(own))
+    call("eliminate", own, np.empty((*own.shape[:2], 0)), signs)
     return signs.reshape(lead) if lead else float(signs[0])
 
 
 def inverse(matrix: Any) -> Any:
     """Inverse of each matrix; LinAlgError where there is none."""
-    own, _, _, size = _square(matrix)
-    return solve(own, np.broadcast_to(np.eye(size), own.shape))
+    return solve(matrix, np.broadcast_to(np.eye(np.shape(matrix)[-1]), np.shape(matrix)))
 
 
-def svd(matrix: Any, full: bool = True) -> tuple[Any, Any, Any]:
-    """left (..., r, r), size (..., k) in falling order, right (..., c, c) with A = left size right; k columns
-    and rows where not ``full``.
-    """
-    own, lead, count, rows, columns = _shape(matrix)
+class Svd(NamedTuple):
+    """A = left diag(size) right: left (..., r, k), size (..., k) in falling order, right (..., k, c)."""
+
+    left: Any
+    size: Any
+    right: Any
+
+
+def svd(matrix: Any, full: bool = True) -> Svd:
+    """Singular values and vectors of each matrix; left (..., r, r) and right (..., c, c) where ``full``."""
+    own = _stack(matrix)
+    count, rows, columns = own.matrices.shape
     k = min(rows, columns)
-    wide, deep = (rows, columns) if full else (k, k)
-    left, size, right = np.empty((*lead, rows, wide)), np.empty((*lead, k)), np.empty((*lead, deep, columns))
-    call(
-        "decompose",
-        flat(own),
-        left.reshape(-1),
-        size.reshape(-1),
-        right.reshape(-1),
-        _room(rows, columns),
-        count,
-        rows,
-        columns,
-        2 if full else 1,
+    left, right = (
+        np.empty((count, rows, rows if full else k)),
+        np.empty((count, columns if full else k, columns)),
     )
-    _finite(size)
-    return left, size, right
+    return Svd(*own.shaped(*_decomposed(own.matrices, left, right, 2 if full else 1)))
 
 
 def singular_values(matrix: Any) -> Any:
     """Singular values (..., k) in falling order."""
-    own, lead, count, rows, columns = _shape(matrix)
-    size = np.empty((*lead, min(rows, columns)))
-    call("decompose", flat(own), NONE, size.reshape(-1), NONE, _room(rows, columns), count, rows, columns, 0)
-    _finite(size)
-    return size
+    own, none = _stack(matrix), np.empty((0, 0, 0))
+    return own.shaped(*_decomposed(own.matrices, none, none, 0))[1]
 
 
-def _room(rows: int, columns: int) -> Array:
-    """Room that a decomposition works in."""
+def _decomposed(matrices: Array, left: Array, right: Array, vectors: int) -> tuple[Array, ...]:
+    """Results of the routine ``decompose``."""
+    count, rows, columns = matrices.shape
     n, length = min(rows, columns), max(rows, columns)
-    return np.empty(n * length + 2 * n * n + 5 * n + length)
+    size, room = np.empty((count, n)), np.empty(n * length + 2 * n * n + 5 * n + length)
+    call("decompose", matrices, left, size, right, room, vectors)
+    return left, size, right
 
 
 def eigh(matrix: Any) -> tuple[Any, Any]:
-    """Eigenvalues (..., n) in rising order and vectors (..., n, n) as columns of symmetric matrices, whose
-    lower triangle is read.
+    """Eigenvalues (..., n) in rising order and vectors (..., n, n) as columns of symmetric matrices.
+
+    They are the singular values of A + s I, where the shift s, the largest sum of a row, leaves no eigenvalue
+    below zero. The error of a value is some roundings of s, as that of every method that turns a matrix as a
+    whole.
     """
-    own, lead, count, size = _square(matrix)
-    values, vectors = np.empty((*lead, size)), np.empty((*lead, size, size))
-    call(
-        "diagonalise",
-        flat(own),
-        values.reshape(-1),
-        vectors.reshape(-1),
-        np.empty(size * size + 2 * size),
-        count,
-        size,
-    )
-    _finite(values)
-    return values, vectors
+    (own, lead), size = _stack(matrix, square=True), np.shape(matrix)[-1]
+    shift = np.abs(own).sum(axis=-1).max(axis=-1, initial=0.0)
+    own[:, range(size), range(size)] += shift[:, None]
+    left, sizes, _ = svd(own)
+    return (sizes - shift[:, None])[:, ::-1].reshape(*lead, size), left[..., ::-1].reshape(*lead, size, size)
 
 
 def eigenvalue_sizes(matrix: Any) -> Any:
     """Absolute values (..., n) of the eigenvalues of general real matrices, in no order."""
-    own, lead, count, size = _square(matrix)
-    real, imaginary = np.empty((*lead, size)), np.empty((*lead, size))
-    call(
-        "eigenvalues", flat(own), real.reshape(-1), imaginary.reshape(-1), np.empty(size * size), count, size
-    )
-    _finite(real)
-    return np.sqrt(real * real + imaginary * imaginary)
+    own = _stack(matrix, square=True)
+    real, imaginary = np.empty(own.matrices.shape[:2]), np.empty(own.matrices.shape[:2])
+    call("eigenvalues", own.matrices, real, imaginary, np.empty(own.matrices.shape[1:]))
+    return own.shaped(np.sqrt(real * real + imaginary * imaginary))[0]
 
 
 def qr(matrix: Any, full: bool = False) -> tuple[Any, Any]:
     """Q (..., r, k) with orthonormal columns and an upper triangle R (..., k, c); k is the lesser of r and c,
     or r where ``full``.
     """
-    own, lead, count, rows, columns = _shape(matrix)
+    own = _stack(matrix)
+    count, rows, columns = own.matrices.shape
     k = rows if full else min(rows, columns)
-    q, r = np.empty((*lead, rows, k)), np.empty((*lead, k, columns))
-    room = np.empty(columns * rows + 3 * columns + rows)
-    call("factors", flat(own), q.reshape(-1), r.reshape(-1), room, count, rows, columns, int(full))
-    return q, r
+    q, r = np.empty((count, rows, k)), np.empty((count, k, columns))
+    call("factors", own.matrices, q, r, np.empty(columns * rows + 3 * columns + rows))
+    return q.reshape(*own.lead, rows, k), r.reshape(*own.lead, k, columns)
 
 
 def least_squares(matrix: Any, right: Any, tolerance: float | None = None) -> Any:
-    """x (c,) of least norm with the least |A x - b|; singular values up to ``tolerance`` of the largest count as zero (as in np.linalg.lstsq)."""
+    """x (c,) of least norm with the least |A x - b|; singular values up to ``tolerance`` of the largest count
+    as zero (as in np.linalg.lstsq).
+    """
     left, size, rows = svd(matrix, full=False)
     least = (EPS * max(np.shape(matrix)[-2:]) if tolerance is None else tolerance) * float(
         size.max(initial=0.0)

@@ -13,16 +13,15 @@ from ..compiler.trace.functiontext import WRITING
 from ..compiler.trace.source import Gathered
 from .routines import eigenvalues, functions, linear, singular
 
-# Routines and the kinds of their arguments: f1 a flat array of numbers, d a number, i an integer
-# (codegen.native).
+# Routines and the kinds of their arguments: f3 an array of numbers with three dimensions, d a number, i an
+# integer.
 ROUTINES: dict[Callable[..., None], str] = {
-    linear.multiply: "f1 f1 f1 i i i i i i i",
-    linear.multiply_vectors: "f1 f1 f1 i i i i i",
-    linear.eliminate: "f1 f1 f1 i i i",
-    singular.factors: "f1 f1 f1 f1 i i i i",
-    singular.decompose: "f1 f1 f1 f1 f1 i i i i",
-    eigenvalues.diagonalise: "f1 f1 f1 f1 i i",
-    eigenvalues.eigenvalues: "f1 f1 f1 f1 i i",
+    linear.multiply: "f3 f3 f3",
+    linear.multiply_vectors: "f3 f2 f2",
+    linear.eliminate: "f3 f3 f1",
+    singular.factors: "f3 f3 f3 f1",
+    singular.decompose: "f3 f3 f2 f3 f1 i",
+    eigenvalues.eigenvalues: "f3 f2 f2 f2",
     linear.factorise: "f1 f1 f1 i d",
     linear.substitute_back: "f1 f1 f1 f1 i",
     functions.turn_all: "f1 f1 f1",

@@ -21,42 +21,38 @@ def flat(values: Any) -> Array:
     return np.ascontiguousarray(values, dtype=np.float64).reshape(-1)
 
 
+def stacked(values: Array, lead: tuple[int, ...], own: int) -> Array:
+    """Matrices or vectors, whose last ``own`` dimensions are theirs, one behind the other: one, or one for
+    each of the leading dimensions.
+    """
+    deep = values.ndim > own
+    if deep and values.shape[:-own] != lead:
+        values = np.broadcast_to(values, (*lead, *values.shape[-own:]))
+    return np.ascontiguousarray(values).reshape(math.prod(lead) if deep else 1, *values.shape[-own:])
+
+
 def product(first: Any, second: Any) -> Any:
     """Matrix times matrix, (..., r, k) and (..., k, c); leading dimensions are broadcast."""
     a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
-    (rows, inner), (deep, columns) = a.shape[-2:], b.shape[-2:]
-    if inner != deep:
+    if a.shape[-1] != b.shape[-2]:
         raise ValueError(f"matrices of shapes {a.shape} and {b.shape} have no product")
     lead = a.shape[:-2] if a.shape[:-2] == b.shape[:-2] else np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
-    apart = []
-    parts = []
-    for one, size in ((a, rows * inner), (b, inner * columns)):
-        if one.ndim > 2 and one.shape[:-2] != lead:
-            one = np.broadcast_to(one, (*lead, *one.shape[-2:]))
-        parts.append(flat(one))
-        apart.append(size if one.ndim > 2 else 0)
-    found = np.empty((*lead, rows, columns))
-    call("multiply", *parts, found.reshape(-1), math.prod(lead), *apart, rows * columns, rows, inner, columns)
-    return found
+    found = np.empty((math.prod(lead), a.shape[-2], b.shape[-1]))
+    call("multiply", stacked(a, lead, 2), stacked(b, lead, 2), found)
+    return found.reshape(*lead, *found.shape[1:])
 
 
 def times(matrix: Any, vector: Any) -> Any:
     """Matrix times vector, (..., r, c) and (..., c); leading dimensions are broadcast."""
     a, x = np.asarray(matrix, dtype=np.float64), np.asarray(vector, dtype=np.float64)
-    rows, columns = a.shape[-2:]
-    if x.shape[-1] != columns:
+    if x.shape[-1] != a.shape[-1]:
         raise ValueError(f"a matrix of shape {a.shape} and a vector of shape {x.shape} have no product")
     if a.size <= SMALL:
         return _sums(a * x[..., None, :])
     lead = a.shape[:-2] if a.shape[:-2] == x.shape[:-1] else np.broadcast_shapes(a.shape[:-2], x.shape[:-1])
-    if a.ndim > 2 and a.shape[:-2] != lead:
-        a = np.broadcast_to(a, (*lead, rows, columns))
-    if x.ndim > 1 and x.shape[:-1] != lead:
-        x = np.broadcast_to(x, (*lead, columns))
-    apart = [rows * columns if a.ndim > 2 else 0, columns if x.ndim > 1 else 0]
-    found = np.empty((*lead, rows))
-    call("multiply_vectors", flat(a), flat(x), found.reshape(-1), math.prod(lead), *apart, rows, columns)
-    return found
+    found = np.empty((math.prod(lead), a.shape[-2]))
+    call("multiply_vectors", stacked(a, lead, 2), stacked(x, lead, 1), found)
+    return found.reshape(*lead, a.shape[-2])
 
 
 def _sums(terms: Array) -> Array:
@@ -74,8 +70,9 @@ def dot(first: Any, second: Any) -> Any:
 
 
 def norm(vector: Any, axis: int | None = None) -> Any:
-    """Length of a vector, or along an axis; of all entries of an array where no axis is named. Squares must
-    not overflow.
+    """Length of a vector, or along an axis; of all entries of an array where no axis is named.
+
+    Squares must not overflow.
     """
     if axis is None:
         own = flat(vector)

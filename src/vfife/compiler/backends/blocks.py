@@ -51,8 +51,9 @@ class External(NamedTuple):
 
 
 class Value(NamedTuple):
-    """A value: a kind, and the names of what it is made of. An array is its address and its shape, a tuple
-    its values.
+    """A value: a kind, and the names of what it is made of.
+
+    An array is its address and its shape, a tuple its values.
     """
 
     kind: Kind

@@ -94,22 +94,17 @@ class Expressions(Blocks):
         return Value(("i",) * value.kind.dimensions, value.parts[1:])
 
     def _subscript(self, node: ast.Subscript) -> Value:
-        value = (
-            self.value(node.value)
-            if not isinstance(node.value, ast.Name) or node.value.id not in self.bound
-            else None
-        )
-        if value is None or isinstance(value.kind, Array):
-            return self.item(*self.place(node))
+        value = self.value(node.value)
+        if isinstance(value.kind, Array):
+            return self.item(*self.place(node, value))
         parts, at = members(value), node.slice
         where = written(at)
         if not parts or where is None or not -len(parts) <= where < len(parts):
             self.refuse(node, "of a tuple one item is taken, by a number that is written there")
         return parts[where]
 
-    def place(self, node: ast.Subscript) -> tuple[str, str]:
+    def place(self, node: ast.Subscript, array: Value) -> tuple[str, str]:
         """Kind and address of an item of an array."""
-        array = self.value(node.value)
         if not isinstance(array.kind, Array):
             self.refuse(node, "this is no array")
         indices = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]

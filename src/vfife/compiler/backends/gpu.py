@@ -17,6 +17,7 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
+from ...kernels.advance import Memory, Outputs
 from ...kernels.arrays import Layout
 from ...kernels.topology import Topology
 from ..runtime import cache
@@ -32,8 +33,8 @@ from .llvm import Lane, Writer, operators, resize, searched, whole
 LEAST = 70  # compute capability (7.0) for which programs are written; later cards run them
 TILE = 32
 # What a kernel is given, and how many numbers of those that are addresses a member has: whole rows where
-# members lie side by side, else one after
-# the other; None where all members share them. N has the numbers of a run, as the driver takes them.
+# members lie side by side, else one after the other; None where all members share them. N has the numbers of
+# a run, as the driver takes them.
 SHARED = None
 ARGUMENTS: dict[str, str | None] = {
     "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "", "kept": SHARED, "keeping": "",
@@ -41,25 +42,22 @@ ARGUMENTS: dict[str, str | None] = {
     "due": "1", "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
 }  # fmt: skip
 # Arguments of ``stream`` in their order: arrays with their length, or 0 where the driver does not ask for it.
-# A card's lean step has its rows in
-# registers and needs no copy R; I is the topology of the data-driven loop.
+# A card's fast steps have their rows in registers and need no copy R; I is the topology of the data-driven
+# loop, and ``shares`` are of the start, which is taken elsewhere.
+LENGTHS = {
+    "T": "%stride",
+    "kept": "%keeping",
+    "extremes": "%resetting",
+    "sound": "%finite",
+    "limited": "%limiting",
+}
+STANDING_IN = {"R": "Q", "I": "N", "shares": "C"}
+ARRAYS = [STANDING_IN.get(name, name) for name in (*Memory._fields, *Outputs._fields)]
 PASSED = (
     *(
-        "ptr %S.own, i64 0",
-        "ptr %Q.own, i64 0",
-        "ptr %Q.own, i64 0",
-        "ptr %C.own, i64 0",
-        "ptr %T.own, i64 %stride",
-        "ptr %N, i64 0",
+        f"ptr %{name}{'' if ARGUMENTS[name] is SHARED else '.own'}, i64 {LENGTHS.get(name, 0)}"
+        for name in ARRAYS
     ),
-    *(
-        "ptr %N, i64 0",
-        "ptr %kept, i64 %keeping",
-        "ptr %extremes, i64 %resetting",
-        "ptr %sound, i64 %finite",
-        "ptr %limited, i64 %limiting",
-    ),
-    *(f"ptr %{name}.own, i64 0" for name in ("limits", "broken", "due", "every", "at", "stop", "out")),
     *("i64 %room", "i64 %until", "i64 %n", "i64 %count"),
 )
 SIDE_BY_SIDE = ("S", "Q", "C", "limits")
@@ -127,7 +125,7 @@ def lean(step: Trace, found: list[Function], layout: Layout) -> str:
     for row in after:
         w.out.append(f"  store double %h{row}, ptr {w.row(row)}, align 8")
     body = "\n".join(w.out)
-    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline {{
+    return f"""define internal i64 @fast_steps(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline {{
 entry:
   %end = add i64 %n0, %count
 {body}

@@ -42,8 +42,9 @@ CALLS = {
 
 
 def script(text: str, others: Iterable[str] = ()) -> str:
-    """The functions of a text as JavaScript; they may call each other and the ``others``. SourceError for
-    what cannot be said there.
+    """The functions of a text as JavaScript; they may call each other and the ``others``.
+
+    SourceError for what cannot be said there.
     """
     trees = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
     names = {*(tree.name for tree in trees), *others}
@@ -257,15 +258,15 @@ def written(topology: Topology, also: Iterable[int] = ()) -> str:
     )
     text = modules.gathered("advance") + modules.ONE_LANE
     parts = [
-        script(text, (*modules.STEPS, "clean")),
+        script(text, (*modules.STEPS, "fast_step")),
         definition("functions(S, T, I, n)", searched(functions(topology), layout)),
         definition(
             "resize(S, I, C)",
             ["const [size, shift, repeated] = C;", *map(line, woven(resize, streamed(resize)))],
         ),
-        definition("clean(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
+        definition("fast_step(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
         definition(
-            "whole(S, T, I, n)", ["functions(S, T, I, n);", *map(line, woven(whole, streamed(whole)))]
+            "full_step(S, T, I, n)", ["functions(S, T, I, n);", *map(line, woven(whole, streamed(whole)))]
         ),
     ]
     return "\n".join(parts)

@@ -112,8 +112,7 @@ class Writer:
             kind, condition = self.kind(name), values[0]
             if any(type(o) is float and o == 0.0 for o in operands[1:]):
                 # LLVM makes `x if x < 0.0 else 0.0` a minimum, which ARM and NVIDIA take of -0.0 and 0.0 as
-                # -0.0; it does not see
-                # through `freeze`, which does nothing.
+                # -0.0; it does not see through `freeze`, which does nothing.
                 condition = self.fresh(f"freeze {self.truth} {condition}")
             text = f"select {self.truth} {condition}, {kind} {values[1]}, {kind} {values[2]}"
         elif operator == "round":
@@ -160,8 +159,9 @@ class Writer:
         return self.fresh(f"icmp ne i{self.width} {bits}, 0")
 
     def lines(self, lines: Iterable[Line | Again], block: str = "body") -> str:
-        """Lines in their order; where the rare condition holds, the way goes to ``rare``. The name of the
-        last block is returned.
+        """Lines in their order; where the rare condition holds, the way goes to ``rare``.
+
+        The name of the last block is returned.
 
         After ``BLOCK`` lines a block ends with a way out that is never taken: the time of compilation grows
         with the square of a block.
@@ -250,7 +250,7 @@ def lean(step: Trace, width: int, changing: Collection[int], arranged: bool = Fa
     rare = "rare:\n  br label %home\n" if step.rare else ""
     phis = f"[ %{there}, %{last} ]" + (f", [ %{here}, %rare ]" if step.rare else "")
     counts = f"[ %next, %{last} ]" + (", [ %step, %rare ]" if step.rare else "")
-    return f"""define internal i64 @lean(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline{w.framed} {{
+    return f"""define internal i64 @fast_steps(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline{w.framed} {{
 entry:
   %end = add i64 %n0, %count
   %going = icmp sgt i64 %count, 0
@@ -298,7 +298,7 @@ def whole(step: Trace, width: int, searching: bool, fast: bool, stride: int = 0)
     w.begin(searching)
     w.lines(reread(woven(step, ordered(step))) if fast else woven(step, streamed(step)))
     body = "\n".join(w.out)
-    return f"""define internal void @whole(ptr noalias %S, ptr noalias %T, i64 %numbers, i64 %step) {care} {{
+    return f"""define internal void @full_step(ptr noalias %S, ptr noalias %T, i64 %numbers, i64 %step) {care} {{
   %going = icmp sge i64 %step, 0
 {body}
   ret void
@@ -408,8 +408,9 @@ never:
 
 
 def aligned(width: int) -> str:
-    """What a module says of its stack: vectors that are put aside do not straddle two cache lines. Who comes
-    from outside has it aligned so.
+    """What a module says of its stack: vectors that are put aside do not straddle two cache lines.
+
+    Who comes from outside has it aligned so.
     """
     if 8 * width <= STACK:
         return ""

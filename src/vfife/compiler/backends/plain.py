@@ -30,11 +30,11 @@ APART = (
     "resize",
     "newton",
     "residual",
-    "lean",
-    "whole",
+    "fast_steps",
+    "full_step",
     "event",
     "displace",
-    "watch",
+    "sound_lanes",
     "polynomial",
 )
 DECLARED = (
@@ -206,7 +206,7 @@ class Function(Expressions):
 
     def _augassign(self, statement: ast.AugAssign) -> None:
         if isinstance(statement.target, ast.Subscript):
-            item, place = self.place(statement.target)
+            item, place = self.place(statement.target, self.value(statement.target.value))
             now = self.item(item, place)
             self.put(
                 statement,
@@ -231,7 +231,7 @@ class Function(Expressions):
             for one, part in zip(target.elts, parts, strict=True):
                 self.give(one, part)
         elif isinstance(target, ast.Subscript):
-            self.put(target, *self.place(target), value)
+            self.put(target, *self.place(target, self.value(target.value)), value)
         elif isinstance(target, ast.Name):
             self.assign(target, target.id, value)
         else:
@@ -250,7 +250,9 @@ class Function(Expressions):
 
     def assign(self, node: ast.AST, name: str, value: Value) -> None:
         """Gives a name a value."""
-        if isinstance(value.kind, Array):
+        if isinstance(value.kind, Array) or (
+            isinstance(value.kind, tuple) and any(isinstance(one, Array) for one in value.kind)
+        ):
             if self.bound.setdefault(name, value) != value or name in self.places:
                 self.refuse(node, f"{name} stands for two arrays")
             return

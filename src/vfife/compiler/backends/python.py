@@ -8,10 +8,11 @@ import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from ...kernels.advance import Memory
 from ...kernels.arrays import Layout
 from ...kernels.topology import Topology
 from ..runtime import modules
-from ..runtime.loops import ENTRIES, Interpreted, Memory, Stepped, Take
+from ..runtime.loops import ENTRIES, Interpreted, Stepped, Take
 from ..trace.schedule import Line, Load, Store, Test, ordered, streamed, woven
 from ..trace.straight_line import Function, functions, resizing, trace
 from ..trace.tape import Operand, rows_used
@@ -70,8 +71,10 @@ def written(topology: Topology) -> str:
         modules.ONE_LANE,
         definition("functions(S, T, I, n)", searched(functions(topology), layout)),
         definition("resize(S, I, C)", change),
-        definition("clean(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
-        definition("whole(S, T, I, n)", ["functions(S, T, I, n)", *map(line, woven(whole, streamed(whole)))]),
+        definition("fast_step(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
+        definition(
+            "full_step(S, T, I, n)", ["functions(S, T, I, n)", *map(line, woven(whole, streamed(whole)))]
+        ),
     ]
     return "\n\n".join(parts)
 
@@ -84,4 +87,4 @@ def straight_line(topology: Topology) -> Callable[[Memory], Take]:
     exec(
         compile(written(topology), "<vfife straight line>", "exec"), space
     )  # the text is our own and the user's laws, never a model file's
-    return Stepped({name: Interpreted(space[name]) for name in ENTRIES}, 1)
+    return Stepped({name: Interpreted(space[name]) for name in ENTRIES})

@@ -28,8 +28,9 @@ MISSED: list[Callable[[], None]] = []  # called where something has to be compil
 
 
 def cache_folder() -> Path:
-    """Folder of compiled steps: ``VFIFE_CACHE``, else the user's cache folder. It holds nothing that changes
-    a result.
+    """Folder of compiled steps: ``VFIFE_CACHE``, else the user's cache folder.
+
+    It holds nothing that changes a result.
     """
     chosen = os.environ.get("VFIFE_CACHE")
     if chosen:

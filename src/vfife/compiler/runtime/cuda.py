@@ -1,5 +1,6 @@
-"""NVIDIA's driver behind a few words: a card, memory on it, a program, a launch. Whatever fails is told as a
-sentence.
+"""NVIDIA's driver behind a few words: a card, memory on it, a program, a launch.
+
+Whatever fails is told as a sentence.
 
 Members on a graphics card, one a thread: a stream with thousands of lanes, of which each goes its own way.
 """
@@ -15,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import DeviceError
-from ...kernels.arrays import Layout
+from ...kernels.arrays import Integers, Layout
+from ...kernels.arrays import Numbers as Rows
 from ...kernels.topology import Topology
 from ..backends.gpu import ARGUMENTS, LEAST, TILE, program
-from .loops import Integers, Rows
 from .runner import PARTS, STREAM_LOOK, Begun
 
 SAID = {
@@ -39,8 +40,9 @@ WITHOUT = "without it the processor gives the same numbers"
 
 
 class Card:
-    """The first card that this process may use. ``driver`` is the module ``cuda.bindings.driver``, or what
-    behaves as it does.
+    """The first card that this process may use.
+
+    ``driver`` is the module ``cuda.bindings.driver``, or what behaves as it does.
 
     Raises DeviceError with one sentence where there is no such module, no driver, no card, or one that is too
     old.
@@ -107,8 +109,10 @@ class Card:
         return int(free) if not int(code) else 0
 
     def program(self, ptx: str, name: str) -> Any:
-        """A kernel of a text. The driver makes machine code of it, which takes seconds, once in this process,
-        and keeps it for others.
+        """A kernel of a text.
+
+        The driver makes machine code of it, which takes seconds, once in this process, and keeps it for
+        others.
         """
         if ptx not in self.programs:
             self.programs[ptx] = self.call("cuModuleLoadData", ptx.encode() + b"\0")

@@ -150,7 +150,7 @@ class Loops:
         texts = [whole(trace, width, False, stride == width, stride) for trace in self.traces]
         names = [f"@law{k}(" for k in range(len(texts))]
         named = [
-            one.replace("@whole(", name).replace("define internal ", "define ")
+            one.replace("@full_step(", name).replace("define internal ", "define ")
             for one, name in zip(texts, names, strict=True)
         ]
         code = Code(object_code("\n".join([operators(width), *named])))
@@ -179,12 +179,12 @@ class Loops:
         for trace in self.traces:
             space: dict[str, Any] = {"sqrt": math.sqrt, "nearest": nearest}
             text = python.definition(
-                "whole(S, n)", [*map(python.line, woven(trace, ordered(trace))), "return True"]
+                "full_step(S, n)", [*map(python.line, woven(trace, ordered(trace))), "return True"]
             )
             exec(
                 compile(text, "<vfife law>", "exec"), space
             )  # the text is our own and the user's laws, never a model file's
-            functions.append(space["whole"])
+            functions.append(space["full_step"])
         return _listed(lambda S, place, rows, count: functions[place](S, 0))
 
     def javascript(self) -> str:
@@ -198,7 +198,7 @@ class Loops:
     def ptx(self) -> str:
         """PTX of kernels ``card0``, ``card1`` ..., for one thread each."""
         texts = [
-            whole(trace, 1, False, True, TILE).replace("@whole(", f"@law{k}(")
+            whole(trace, 1, False, True, TILE).replace("@full_step(", f"@law{k}(")
             for k, trace in enumerate(self.traces)
         ]
         kernels = [

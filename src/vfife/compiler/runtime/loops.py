@@ -17,11 +17,13 @@ import platform
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...kernels import advance as kernel
+from ...kernels.advance import RUN, Memory, Outputs
+from ...kernels.arrays import Integers, Numbers
 from ...kernels.topology import Topology
 from ..trace.functiontext import WRITING
 from ..trace.source import data_driven
@@ -41,152 +43,98 @@ def padded(count: int) -> int:
     return -(-count // LINE) * LINE
 
 
-def aligned(count: int) -> NDArray[np.float64]:
+def aligned(count: int) -> Numbers:
     """Zeros that begin a line, with room to the end of the last one's."""
     space = np.zeros(padded(count) + LINE)
     skip = (-space.ctypes.data // 8) % LINE
     return space[skip : skip + count]
 
 
-Rows = NDArray[np.float64]
-Integers = NDArray[np.uint32]
-Counts = NDArray[np.int64]
-
-NEVER = 2**62  # steps between two looks
+NEVER = 2**62  # steps between two checks of lanes that are never checked
 NONE: Integers = np.zeros(0, dtype=np.uint32)
-# Kinds of the arguments of the driver's functions.
 ENTRIES = {
-    "advance": "f1 f1 f1 f1 f1 u1 l1 f1 u1 u1 u1 f1 f1 i i i i i f1",
-    "stream": "->f1 f1 f1 f1 f1 u1 l1 u1 u1 u1 u1 f1 f1 l1 l1 l1 l1 f1 i i i i",
-}
-
-
-class Memory(NamedTuple):
-    """What a loop works on.
-
-    S (rows x lanes) is the state; Q, R (as S, in whole lines of the cache) and C (3 x lanes) are scratch; T
-    holds the tables of all lanes. Steps with events are taken again in ``parts``; ``shares`` (lanes) are
-    first steps that come beside those that are counted, where they are not zero. The rows ``kept`` are
-    recorded, ``extremes`` are rows that start anew before each output. A number of the rows ``limited`` lies
-    between two of ``limits`` (limited x 2 x lanes), and those that are kept are finite, or the lane breaks:
-    ``broken`` (lanes) then says after how many steps that was seen. It is 0 before, and negative in lanes
-    that are not watched.
-    """
-
-    S: Rows
-    Q: Rows
-    R: Rows
-    C: Rows
-    T: Rows
-    parts: int
-    shares: Rows
-    kept: Integers
-    extremes: Integers
-    limited: Integers
-    limits: Rows
-    broken: Rows
+    function.__name__: native.arguments_of(function) for function in (kernel.advance, kernel.stream)
+}  # kinds of their arguments
 
 
 def memory_of(
     size: int,
     lanes: int,
-    T: Rows,
+    tables: Numbers,
     parts: int,
     kept: Integers,
     extremes: Integers,
-    limited: Integers,
-    limits: Rows | None = None,
+    *,
+    limited: Integers = NONE,
+    limits: Numbers | None = None,
 ) -> Memory:
     """A memory for a state of ``size`` numbers, all lanes counted; nothing is out of phase or broken."""
     S, Q, R = aligned(size), aligned(padded(size)), aligned(padded(size))
+    numbers = np.array([lanes, lanes, size // lanes, parts, NEVER], dtype=np.int64)
     bounds = aligned(2 * len(limited) * lanes) if limits is None else limits
     return Memory(
-        S, Q, R, aligned(3 * lanes), T, parts, aligned(lanes), kept, extremes, limited, bounds, aligned(lanes)
+        S,
+        Q,
+        R,
+        aligned(3 * lanes),
+        tables,
+        NONE,
+        numbers,
+        aligned(lanes),
+        kept,
+        extremes,
+        limited,
+        bounds,
+        aligned(lanes),
     )
 
 
-class Lanes(NamedTuple):
-    """Outputs of a stream of simulations, lane by lane.
-
-    ``due``: the step of the next output; ``every``: steps between two; ``at``: outputs so far; ``stop``:
-    those after which it ends. ``out`` (lanes, room, kept) takes them; the rows ``sound`` are checked every
-    ``look`` steps.
-    """
-
-    due: Counts
-    every: Counts
-    at: Counts
-    stop: Counts
-    out: Rows
-    sound: Integers
-    look: int
-
-
 # (n0, steps, out, anew, look): len(out) times so many steps from step n0, out[m] filled with the rows kept
-# after each, or of no rows; whether
-# extremes begin anew before each; lanes are looked at where look divides the number of steps made.
+# after each, or of no rows; whether extremes begin anew before each; lanes are checked where look divides the
+# number of steps made.
 Take = Callable[..., None]
 
 
 class Stepped:
-    """A loop whose lanes lie side by side: ``advance`` and ``stream`` of the driver, for so many lanes."""
+    """A loop whose lanes lie side by side: ``advance`` and ``stream`` of the driver."""
 
-    def __init__(self, functions: Mapping[str, Any], lanes: int, integers: Integers = NONE) -> None:
-        self.functions, self.lanes, self.integers = functions, lanes, integers
+    def __init__(self, functions: Mapping[str, Any]) -> None:
+        self.functions = functions
 
-    def _copies(self, m: Memory, rows: int, look: int) -> tuple[Any, ...]:
-        """The first arguments of the driver's functions."""
-        numbers = np.array([self.lanes, self.lanes, rows, m.parts, look], dtype=np.int64)
-        return m.S, m.Q, m.R, m.C, m.T, self.integers, numbers
+    def __call__(self, memory: Memory) -> Take:
+        """Steps on a memory."""
+        advance = self.functions["advance"].bound(memory)
 
-    def __call__(self, m: Memory, rows: int = 0) -> Take:
-        """Steps on a memory; ``rows`` of a state where there is scratch behind them."""
-        copies = self._copies(m, rows or len(m.S) // self.lanes, NEVER)
-        numbers = copies[-1]
-        advance = self.functions["advance"].bound(
-            *copies, m.shares, m.kept, m.extremes, m.limited, m.limits, m.broken
-        )
-
-        def take(n0: int, steps: int, out: Rows, anew: bool = True, look: int = NEVER) -> None:
-            numbers[-1] = look
+        def take(n0: int, steps: int, out: Numbers, anew: bool = True, look: int = NEVER) -> None:
+            memory.N[RUN.look] = look
             advance(int(anew), look - n0 % look, n0, steps, len(out), out.reshape(-1))
 
         return take
 
-    def streaming(self, m: Memory, lanes: Lanes, rows: int = 0) -> Callable[[int, int], int]:
-        """What steps lanes of which each records its own rows: from a step on, so many or fewer; the number
-        of steps made is returned.
+    def streaming(self, memory: Memory, outputs: Outputs, look: int) -> Callable[[int, int], int]:
+        """What steps lanes of which each records its own rows, checked every ``look`` steps: from a step on,
+        so many or fewer; returns steps made.
         """
-        due, every, at, stop, out, sound, look = lanes
-        copies = self._copies(m, rows or len(m.S) // self.lanes, look)
-        watched = m.kept, m.extremes, sound, m.limited, m.limits, m.broken
+        memory.N[RUN.look] = look
         stream = self.functions["stream"].bound(
-            *copies, *watched, due, every, at, stop, out.reshape(-1), out.shape[1]
+            memory, outputs._replace(out=outputs.out.reshape(-1)), outputs.out.shape[1]
         )
         return lambda n0, count: int(stream(look - n0 % look, n0, count))
 
 
-class Straight(Stepped):
+def straight(code: bytes) -> Stepped:
     """Straight-line code in memory, of :func:`step_code`."""
-
-    def __init__(self, code: bytes, lanes: int) -> None:
-        self.code = native.Code(driver_code(), *_apart(code))
-        super().__init__({name: self.function(name) for name in ENTRIES}, lanes)
-
-    def function(self, name: str) -> Called:
-        """A function of the driver."""
-        return Called(self.code, name, ENTRIES[name])
+    memory = native.Code(driver_code(), *_apart(code))
+    return Stepped({name: Called(memory, name, kinds) for name, kinds in ENTRIES.items()})
 
 
 class DataDriven:
     """The data-driven loop, compiled or as plain Python, lane by lane."""
 
     def __init__(self, topology: Topology, lanes: int, interpret: bool) -> None:
-        integers, self.layout, self.size = tables(topology)
+        self.integers, self.layout, self.size = tables(topology)
         self.lanes = lanes
-        self.one = Stepped(
-            data_driven_loop(topology.contact_laws, topology.friction_laws, interpret), 1, integers
-        )
+        self.one = Stepped(data_driven_loop(topology.contact_laws, topology.friction_laws, interpret))
 
     def _own(self, memory: Memory, lane: int) -> Memory:
         """The memory of one lane: the loop needs scratch behind the rows of a state."""
@@ -194,8 +142,11 @@ class DataDriven:
         limits = np.ascontiguousarray(memory.limits.reshape(-1, 2, lanes)[:, :, lane]).reshape(-1)
         shares, broken = (one[lane : lane + 1] for one in (memory.shares, memory.broken))
         S, Q, R, C = (np.zeros(size) for size in (self.size, self.size, rows, 3))
+        numbers = np.array([1, 1, rows, memory.N[RUN.parts], NEVER], dtype=np.int64)
         T = memory.T.reshape(lanes, -1)[lane]
-        return memory._replace(S=S, Q=Q, R=R, C=C, T=T, shares=shares, limits=limits, broken=broken)
+        return memory._replace(
+            S=S, Q=Q, R=R, C=C, T=T, I=self.integers, N=numbers, shares=shares, limits=limits, broken=broken
+        )
 
     def __call__(self, memory: Memory) -> Take:
         """Steps on a memory."""
@@ -204,9 +155,9 @@ class DataDriven:
             memory.S.reshape(rows, self.lanes),
             [self._own(memory, lane) for lane in range(self.lanes)],
         )
-        takes = [self.one(own, rows) for own in owns]
+        takes = [self.one(own) for own in owns]
 
-        def take(n0: int, steps: int, out: Rows, anew: bool = True, look: int = NEVER) -> None:
+        def take(n0: int, steps: int, out: Numbers, anew: bool = True, look: int = NEVER) -> None:
             for lane, (own, advance) in enumerate(zip(owns, takes, strict=True)):
                 if own.broken[0] > 0.0:
                     continue
@@ -217,10 +168,10 @@ class DataDriven:
 
         return take
 
-    def streaming(self, memory: Memory, lanes: Lanes) -> Callable[[int, int], int]:
+    def streaming(self, memory: Memory, outputs: Outputs, look: int) -> Callable[[int, int], int]:
         """What steps the one lane of a stream, see :meth:`Stepped.streaming`."""
         own, rows = self._own(memory, 0), self.layout.rows
-        stream = self.one.streaming(own, lanes, rows)
+        stream = self.one.streaming(own, outputs, look)
 
         def take(n0: int, count: int) -> int:
             own.S[:rows] = memory.S
@@ -322,7 +273,7 @@ def name_of(topology: Topology, width: int, directions: int = 0) -> str:
 
 
 @lru_cache(maxsize=64)
-def straight_line(topology: Topology, width: int, directions: int = 0) -> Straight:
+def straight_line(topology: Topology, width: int, directions: int = 0) -> Stepped:
     """The step of a topology in so many lanes, with its derivatives in so many directions, from the cache or
     compiled.
     """
@@ -330,7 +281,7 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Straig
         name = name_of(topology, width, directions)
         code = cache.read(name)
         if code is not None:
-            return Straight(code, width)
+            return straight(code)
         from .modules import pieces
 
         cache.missed()
@@ -338,7 +289,7 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Straig
             made = pieces(topology, width, directions)
         code = step_code(made)
         cache.keep(name, code)
-        return Straight(code, width)
+        return straight(code)
 
 
 def loop_of(topology: Topology, loop: str, lanes: int, directions: int = 0) -> Stepped | DataDriven:

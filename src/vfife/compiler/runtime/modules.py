@@ -24,24 +24,24 @@ from ..trace.straight_line import Function, functions, resizing, trace
 from ..trace.tangent import of_size, shared_tangent, tangent
 from ..trace.tape import Trace
 from .loops import ENTRIES
-from .native import kind_of, listed
+from .native import kinds_of
 
 ARRAY, INTEGERS = Array("d", 1), Array("u", 1)
 # What straight-line code has in the place of the data-driven loop's functions: of arrays their addresses are
 # passed, and the numbers of all tables.
 STEPS = {
-    "lean": External((ARRAY, ARRAY, ARRAY, INTEGERS, "i", "i", "b"), (0, 2, 4, 5, 8, 9), "i"),
-    "whole": External((ARRAY, ARRAY, INTEGERS, "i"), (0, 2, 3, 6)),
+    "fast_steps": External((ARRAY, ARRAY, ARRAY, INTEGERS, "i", "i", "b"), (0, 2, 4, 5, 8, 9), "i"),
+    "full_step": External((ARRAY, ARRAY, INTEGERS, "i"), (0, 2, 3, 6)),
     "functions": External((ARRAY, ARRAY, INTEGERS, "i"), (0, 0, 2, 3, 6)),
     "resize": External((ARRAY, INTEGERS, ARRAY), (0, 4)),
 }
-# The same of one lane in the languages that have no vectors: ``clean`` takes a step, or tells that the whole
-# one is needed and changes nothing.
+# The same of one lane in the languages that have no vectors: ``fast_step`` takes a step, or returns that the
+# full one is needed and changes nothing.
 ONE_LANE = """
-def lean(S, R, T, I, n, count, watching):
+def fast_steps(S, R, T, I, n, count, watching):
     for k in range(count):
         functions(S, T, I, n + k)
-        if not clean(S, n + k):
+        if not fast_step(S, n + k):
             return k
     return count
 """
@@ -63,9 +63,7 @@ def gathered(*names: str) -> str:
 
 def llvm_text(*names: str) -> str:
     """The driver in LLVM's language: functions of it, and ``polynomial``, which functions of time call."""
-    entries: dict[str, tuple[str, list[Kind]]] = {
-        name: (name, [kind_of(one) for one in listed(ENTRIES[name])]) for name in names
-    }
+    entries: dict[str, tuple[str, list[Kind]]] = {name: (name, kinds_of(ENTRIES[name])) for name in names}
     entries["polynomial"] = "polynomial", [ARRAY, "i", "d"]
     return library_text(gathered(*names), entries, STEPS, OWN)
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ...kernels.arrays import Counts, Integers, Numbers
 from ..backends.blocks import Array
 from ..trace.functiontext import WRITING
 from . import cache
@@ -53,11 +54,9 @@ def widest() -> int:
 
 
 # Lanes of a step with contact, on every processor. Eight are not faster on all that have AVX-512: a step of
-# the
-# four-bar took 1.2 times as long in eight lanes as in four on one of two processors. On the other it took
-# 0.74 times
-# as long with one contact, 0.82 with three, 1.0 with six, and 1.09 with one contact beside four elastic
-# elements.
+# the four-bar took 1.2 times as long in eight lanes as in four on one of two processors. On the other it took
+# 0.74 times as long with one contact, 0.82 with three, 1.0 with six, and 1.09 with one contact beside four
+# elastic elements.
 CONTACT_LANES = 4
 
 
@@ -151,6 +150,7 @@ class Code:
 
 DTYPES = {"f": np.float64, "u": np.uint32, "l": np.int64}
 ITEMS = {"f": "d", "u": "u", "l": "l"}  # what the items of an array are called in a text
+WORDS: dict[Any, str] = {int: "i", float: "d", Numbers: "f1", Integers: "u1", Counts: "l1"}
 
 
 def interpreted(body: str, name: str) -> Callable[..., Any]:
@@ -177,6 +177,7 @@ def library(
     body: str, entries: dict[str, str], wide: bool = False, write: Callable[[], str] | None = None
 ) -> dict[str, Called]:
     """Several functions of a text, as :func:`compiled` has one: by name, with the kinds of their arguments.
+
     They share one file of the cache.
 
     Kinds that begin with ``->`` say that an integer is returned. ``wide``: loops over rows of matrices, see
@@ -187,10 +188,7 @@ def library(
     def text() -> str:
         from ..backends.plain import library_text
 
-        known = {
-            f"entry_{name}": (name, [kind_of(one) for one in listed(kinds)])
-            for name, kinds in entries.items()
-        }
+        known = {f"entry_{name}": (name, kinds_of(kinds)) for name, kinds in entries.items()}
         return library_text(write() if write else body, known)
 
     code = stored_code((body, repr((entries, wide))), text, lambda found: optimised_code(found, wide))
@@ -214,14 +212,33 @@ def stored_code(decisive: tuple[str, ...], write: Callable[[], str], make: Calla
         return code
 
 
+def arguments_of(function: Callable[..., Any]) -> str:
+    """Kinds of the arguments of a function that are annotated; a NamedTuple is one argument, with the kinds
+    of its fields in brackets.
+    """
+    kinds = dict(function.__annotations__)
+    returned = "->" if kinds.pop("return", None) is not None else ""
+    return returned + " ".join(
+        WORDS[one] if one in WORDS else f"({arguments_of(one)})" for one in kinds.values()
+    )
+
+
 def listed(arguments: str) -> list[str]:
-    """Kinds of the arguments."""
-    return arguments.removeprefix("->").split()
+    """Kinds of the arguments one by one, those of a NamedTuple too."""
+    return arguments.removeprefix("->").replace("(", "").replace(")", "").split()
 
 
-def kind_of(word: str) -> Any:
-    """A kind of :mod:`~vfife.compiler.backends.plain`."""
-    return Array(ITEMS[word[0]], int(word[1:])) if word[0] in ITEMS else word
+def kinds_of(arguments: str) -> list[Any]:
+    """Kinds of the arguments, as :mod:`~vfife.compiler.backends.plain` has them."""
+    found: list[Any] = []
+    for word in arguments.removeprefix("->").replace("(", "( ").replace(")", " )").split():
+        if word == "(":
+            outer, found = found, []
+        elif word == ")":
+            found = [*outer, tuple(found)]
+        else:
+            found.append(Array(ITEMS[word[0]], int(word[1:])) if word[0] in ITEMS else word)
+    return found
 
 
 def signature(kinds: list[str], returns: Any) -> Any:
@@ -236,8 +253,8 @@ def signature(kinds: list[str], returns: Any) -> Any:
 
 
 class Called:
-    """A compiled function of a code in memory, called with numbers and contiguous arrays, each an address and
-    its shape.
+    """A compiled function of a code in memory, called with numbers, contiguous arrays, each an address and
+    its shape, and NamedTuples of these.
     """
 
     def __init__(self, code: Code, name: str, arguments: str) -> None:
@@ -249,19 +266,29 @@ class Called:
         )
 
     def __call__(self, *arguments: Any) -> Any:
-        return self.function(*flat(self.kinds, arguments))
+        return self.function(
+            *flat(self.kinds, arguments if len(arguments) == len(self.kinds) else spread(arguments))
+        )
 
     def bound(self, *first: Any) -> Callable[..., Any]:
         """The function with its first arguments given: their addresses are looked up once, which takes as
         long as a hundred steps.
         """
-        known, rest = flat(self.kinds[: len(first)], first), self.kinds[len(first) :]
+        own = spread(first)
+        known, rest = flat(self.kinds[: len(own)], own), self.kinds[len(own) :]
 
         def call(*last: Any) -> Any:
-            _ = first  # arrays live as long as somebody may call it
+            _ = own  # arrays live as long as somebody may call it
             return self.function(*known, *flat(rest, last))
 
         return call
+
+
+def spread(arguments: Sequence[Any]) -> list[Any]:
+    """Arguments one by one, those in a NamedTuple too."""
+    return [
+        one for argument in arguments for one in (argument if isinstance(argument, tuple) else (argument,))
+    ]
 
 
 def flat(kinds: list[tuple[str, int]], arguments: Sequence[Any]) -> list[Any]:

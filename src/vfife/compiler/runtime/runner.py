@@ -11,9 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kernels.arrays import layout_of
+from ...kernels.advance import Outputs
+from ...kernels.arrays import Counts, Integers, layout_of
+from ...kernels.arrays import Numbers as Rows
 from ...kernels.topology import Topology
-from .loops import NEVER, NONE, Counts, Integers, Lanes, Rows, aligned, loop_of, memory_of
+from .loops import NEVER, NONE, aligned, loop_of, memory_of
 
 PARTS = 8  # steps that a step with an event is taken again in
 LOOK = 1000  # steps between two looks at lanes that may break
@@ -77,7 +79,7 @@ class Runner:
         size = rows * (directions + 1) * self.lanes
         limited, limits = (NONE, aligned(0)) if watched is None else self._limits(watched)
         self.memory = memory_of(
-            size, self.lanes, self.functions, parts, self.kept, self.extremes, limited, limits
+            size, self.lanes, self.functions, parts, self.kept, self.extremes, limited=limited, limits=limits
         )
         self.S, self.shares, self.broken = self.memory.S, self.memory.shares, self.memory.broken
         self.shares[:] = 0.0 if shares is None else shares
@@ -162,7 +164,13 @@ class Stream:
         self.layout, self.lanes, self.handed, self.room = layout_of(topology), lanes, handed, room
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)
         memory = memory_of(
-            self.layout.rows * lanes, lanes, np.zeros(lanes * tables), parts, handed, self.extremes, limited
+            self.layout.rows * lanes,
+            lanes,
+            np.zeros(lanes * tables),
+            parts,
+            handed,
+            self.extremes,
+            limited=limited,
         )
         self.S, self.T, self.limits, self.broken = memory.S, memory.T, memory.limits, memory.broken
         self.broken[:] = -1.0
@@ -171,9 +179,8 @@ class Stream:
         self.out = np.zeros((lanes, room, len(handed)))
         self.done = 1  # what comes into a lane has made its first step
         self.memory = memory  # what machine code has the addresses of
-        self.take = loop_of(topology, loop, lanes).streaming(
-            memory, Lanes(self.due, self.every, self.at, self.stop, self.out, sound, look)
-        )
+        outputs = Outputs(self.due, self.every, self.at, self.stop, self.out, sound)
+        self.take = loop_of(topology, loop, lanes).streaming(memory, outputs, look)
 
     @property
     def states(self) -> Rows:

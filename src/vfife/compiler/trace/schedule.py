@@ -309,8 +309,9 @@ class Again(NamedTuple):
 
 
 def reread(lines: Iterable[Line]) -> list[Line | Again]:
-    """The same lines with rows read again. A row is written behind the last use of what it was, or to another
-    copy of the state.
+    """The same lines with rows read again.
+
+    A row is written behind the last use of what it was, or to another copy of the state.
     """
     rows: dict[Operand, tuple[int, bool]] = {}
     names: dict[Operand, Operand] = {}  # under which a number was read last

@@ -60,7 +60,7 @@ class Gathered:
                 self.texts[used] = self.given[used]
             return
         value = function.__globals__.get(used, math)
-        if value is math or isinstance(value, Fields):
+        if value is math or isinstance(value, Fields) or is_record(value):
             return
         if isinstance(value, FunctionType):
             known = self.add(value)
@@ -137,16 +137,56 @@ def _definition(function: Callable[..., Any], name: str) -> str:
     return ast.unparse(tree) + "\n"
 
 
+def is_record(value: object) -> bool:
+    """Whether a value is a NamedTuple: kernels pass values that belong together as one, and a text has a
+    plain tuple in its place.
+    """
+    return isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields")
+
+
 class _Literal(ast.NodeTransformer):
     """Writes the row of a field, ``P.x``, a number of the function's module and one of the module math as the
     numbers they are.
+
+    NamedTuples become tuples: ``Central(h, decay, gain, p)`` is (h, decay, gain, p), and ``central.gain`` is
+    central[2], where ``central`` is an argument annotated with the class, or is assigned what the class or a
+    function annotated with it returns.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self.space = function.__globals__
         self.local = set(function.__code__.co_varnames)
+        self.records = {name: one for name, one in function.__annotations__.items() if is_record(one)}
+
+    def _record(self, node: ast.expr) -> Any:
+        """The NamedTuple that a call returns, None for any other expression."""
+        called = (
+            self.space.get(node.func.id)
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+            else None
+        )
+        found = called if isinstance(called, type) else getattr(called, "__annotations__", {}).get("return")
+        return found if is_record(found) else None
+
+    def visit_Assign(self, node: ast.Assign) -> ast.AST:
+        record = self._record(node.value)
+        if record is not None and isinstance(node.targets[0], ast.Name):
+            self.records[node.targets[0].id] = record
+        return self.generic_visit(node)
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        made = self.generic_visit(node)
+        return (
+            ast.Tuple(node.args, ast.Load())
+            if is_record(self.space.get(getattr(node.func, "id", "")))
+            else made
+        )
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        if isinstance(node.value, ast.Name) and node.value.id in self.records:
+            return ast.Subscript(
+                node.value, ast.Constant(self.records[node.value.id]._fields.index(node.attr)), ast.Load()
+            )
         owner = self.space.get(node.value.id) if isinstance(node.value, ast.Name) else None
         if owner is math:
             value = getattr(math, node.attr, None)

@@ -1,8 +1,8 @@
 """The straight-line step of one topology, traced from the data-driven one.
 
-There are two of it. The **lean** step leaves rare branches out (a contact that begins, the start): it tells
-where one is needed and changes nothing then. The **whole** step has them as selects and is right everywhere.
-What is not rare has the same bits in both.
+There are two of it. The **fast step** leaves unlikely branches out (a contact that begins, the start): it
+reports that one is needed and changes nothing then. The **full step** has them as selects and is right
+everywhere. What is not unlikely has the same bits in both.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .functiontext import WRITING
 from .graph import derive
 from .source import choices
 from .tables import tables
-from .tape import STEP_NUMBER, Operand, Operation, Rows, Seldom, Symbol, Tape, Trace, either
+from .tape import STEP_NUMBER, Operand, Operation, Rows, Symbol, Tape, Trace, Unlikely, either
 from .traceable import Traceable
 
 STEP = ("step_x", "step_y", "step_turn", "step_sine", "step_versine")
@@ -107,8 +107,8 @@ def give_laws_of(
         traceable.given[name] = traceable.written(text, laws.functions)
 
 
-def trace(topology: Topology, whole: bool = False, also: Iterable[int] = ()) -> Trace:
-    """One step of a topology, lean or whole; it leaves the scratch rows ``also`` beside those that the next
+def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> Trace:
+    """One step of a topology, fast or full; it leaves the scratch rows ``also`` beside those that the next
     step needs.
 
     Raises :class:`~vfife.compiler.trace.tape.Branch` for a law that branches.
@@ -118,12 +118,12 @@ def trace(topology: Topology, whole: bool = False, also: Iterable[int] = ()) -> 
     integers, layout, _ = tables(topology)
     tape = Tape()
     rows = Rows(tape, known_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *also})
-    traceable = Traceable(tape, Seldom(tape, rows, whole))
+    traceable = Traceable(tape, Unlikely(tape, rows, full))
     with WRITING:
         give_laws(traceable, topology)
         step = traceable(loop.step)
     n = Symbol(tape, STEP_NUMBER)
-    step(rows, integers.tolist(), n, n == 0.0 if whole else False)
+    step(rows, integers.tolist(), n, n == 0.0 if full else False)
     stores = rows.stores()
     rare: Any = False
     for condition in tape.rare:

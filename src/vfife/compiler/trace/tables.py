@@ -13,6 +13,7 @@ from ...kernels.arrays import (
     BODY_INDEX,
     CONSTRAINT,
     CONSTRAINT_INDEX,
+    CONTACT,
     CONTACT_INDEX,
     COUPLE_INDEX,
     DRIVEN_INDEX,
@@ -22,6 +23,7 @@ from ...kernels.arrays import (
     HEADER,
     JOINT_INDEX,
     LOAD_INDEX,
+    PLAIN,
     SPRING_INDEX,
     TILE_INDEX,
     Fields,
@@ -39,6 +41,7 @@ JOURNAL = 1  # the side whose lever counts the other way than that of the two ot
 COARSEST = (
     3  # of the levels of coarse steps, that in which the rows turned to the end of the step are always used
 )
+PLAIN_RANGES = [TILE_INDEX.drift, TILE_INDEX.drift_end, TILE_INDEX.kick, TILE_INDEX.kick_end]
 TILE = 1024  # elements whose particles stay in the cache between drift and kick
 
 
@@ -50,7 +53,7 @@ def records(fields: Fields, **columns: Any) -> NDArray[np.int64]:
     return np.column_stack([np.asarray(one, dtype=np.int64).reshape(-1) for one in columns.values()])
 
 
-def tiles(topology: Topology, layout: Layout) -> list[tuple[int, int, int, int, int, int]]:
+def tiles(topology: Topology) -> list[tuple[int, int, int, int, int, int]]:
     """Ranges of plain particles to drift, elements, and plain particles to kick, so that few lines of the
     cache are needed at a time.
     """
@@ -108,7 +111,9 @@ class Lists:
             "pinned": self.graph.pinned,
         }
         found: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
-        found["tile"] = tiles(t, self.layout)
+        plain = np.asarray(tiles(t), dtype=np.int64).reshape(-1, TILE_INDEX.SIZE)
+        plain[:, PLAIN_RANGES] = self.layout.plain + PLAIN * plain[:, PLAIN_RANGES]
+        found["tile"] = plain
         found["frame"] = records(
             FRAME_INDEX, row=self.layout.records["frame"], first=self.bodies(nodes[:, 0]), second=self.bodies(nodes[:, 1]),
             release=t.frame_release, unit=units, strain=t.strains,
@@ -118,7 +123,7 @@ class Lists:
     def contacts(self) -> NDArray[np.int64]:
         """Contacts with what their laws ask for."""
         t = self.t
-        ahead = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
+        implicit = [int(t.friction_laws[kind].set_valued) for kind in t.friction_form]  # type: ignore[attr-defined]
         kinked = [int(getattr(t.friction_laws[kind], "regime", None) is not None) for kind in t.friction_form]
         film = [int(getattr(t.contact_laws[kind], "film", False)) for kind in t.contact_form]
         piece, pieces = self.paths(t.contact_path, len(t.contact_bearing))
@@ -126,7 +131,8 @@ class Lists:
         bearing_first, bearing_count, journal_first, journal_count = self.profiles()
         return records(
             CONTACT_INDEX, row=self.layout.records["contact"], bearing=self.bodies(t.contact_bearing), journal=self.bodies(t.contact_journal),
-            shared=self.graph.shared, constrained=self.graph.constrained, contact=t.contact_form, friction=t.friction_form, ahead=ahead,
+            shared=self.graph.shared, constrained=self.graph.constrained, contact=t.contact_form, friction=t.friction_form,
+            implicit_half_step=implicit,
             kinked=kinked, film=film, simultaneous=self.graph.simultaneous, kind=t.contact_kind or [BEARING] * len(t.contact_bearing),
             piece=piece, pieces=pieces, knot=knot, knots=knots, wear=self.wears(), bearing_first=bearing_first, bearing_count=bearing_count,
             journal_first=journal_first, journal_count=journal_count,
@@ -157,8 +163,13 @@ class Lists:
         return found
 
     def guides(self) -> list[tuple[int, int, int]]:
-        """Blocks in guides with play, with the contacts that are their corners."""
-        return [(self.layout.record("guide", k), first, end) for k, (first, end) in enumerate(self.t.guides)]
+        """Blocks in guides with play, with the rows of the contacts that are their corners."""
+        row = self.layout.record
+        corners = [
+            (row("contact", first), row("contact", first) + CONTACT.SIZE * (end - first))
+            for first, end in self.t.guides
+        ]
+        return [(row("guide", k), *rows) for k, rows in enumerate(corners)]
 
     def paths(self, paths: tuple[int, ...], count: int) -> tuple[list[int], list[int]]:
         """First row and number of the pieces of the path of each joint or contact, 0 for none."""
@@ -174,8 +185,7 @@ class Lists:
         counts = np.diff(starts)
         joints = [k for k in graph.order for _ in range(counts[k])]
         # Both rows of a revolute have a number, 1 and 2. Of two revolutes one record, that of their first
-        # rows, stands for four entries of the
-        # matrix.
+        # rows, stands for four entries of the matrix.
         pins = [
             part
             for k in graph.order
@@ -193,13 +203,14 @@ class Lists:
         ]
         return {
             "joint": records(
-                JOINT_INDEX, row=self.layout.records["joint"], bearing=bearing, journal=journal, place=places, turn=turns,
+                JOINT_INDEX, row=self.layout.records["joint"], bearing=bearing, journal=journal, carrier=carriers, place=places, turn=turns,
                 first=[row(k) if self.count else 0 for k in starts[:-1]], y=[self.y + place.get(k, 0) for k in starts[:-1]],
-                function=self.function(t.joint_function or [-1] * len(t.joint_bearing)), rows=counts, piece=piece, pieces=pieces, carrier=carriers,
+                function=self.function(t.joint_function or [-1] * len(t.joint_bearing)), rows=counts, piece=piece, pieces=pieces,
             ),
             "constraint": records(
-                CONSTRAINT_INDEX, row=[row(k) for k in rows], bearing=bearing[joints], journal=journal[joints], start=graph.first,
-                at=[self.low + start for start in graph.start], closing=graph.closing, carrier=carriers[joints],
+                CONSTRAINT_INDEX, row=[row(k) for k in rows], bearing=bearing[joints], journal=journal[joints],
+                carrier=carriers[joints], start=graph.first,
+                at=[self.low + start for start in graph.start], closing=graph.closing,
             ),
             "couple": records(
                 COUPLE_INDEX, first=[row(rows[one.row]) for one in couples], second=[row(rows[one.other]) for one in couples],
@@ -282,6 +293,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
         integers[getattr(HEADER, f"{name}_count")] = len(flat) // (SIZES[name].SIZE if name in SIZES else 1)
         integers[at : at + len(flat)] = flat
         at += len(flat)
+        integers[getattr(HEADER, f"{name}_end")] = at
     inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
     integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = (
         made.low,
@@ -295,7 +307,8 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     watched = bool(t.contact_bearing or t.function_start or t.coarse or STOP in t.spring_kind)
     turned = gt + made.count
     flags = {
-        "plain": made.layout.plain, "plain_count": t.particles - len(t.bound), "path_unit": t.path_unit, "damped": t.damped, "worked": worked,
+        "plain": made.layout.plain, "plain_end": made.layout.plain + PLAIN * (t.particles - len(t.bound)),
+        "path_unit": t.path_unit, "damped": t.damped, "worked": worked,
         "close_again": made.graph.close_again, "watched": watched, "closing": any(made.graph.closing), "redundant": t.redundant,
         "coarse": t.coarse > 0, "simultaneous": any(made.graph.simultaneous), "turned": turned, "rows": made.layout.rows,
         # Coarse steps correct the reactions more often; the coarsest use Newton's method in every step

@@ -24,8 +24,8 @@ STEP_NUMBER = "n"  # the name of the number of the step, a whole number as a dou
 
 
 class Branch(ValueError):
-    """A statement chose its way by a number that is only known in the run; write it as
-    ``a if condition else b``.
+    """A statement chose its way by a number that is only known in the run; write it as ``a if condition else
+    b``.
     """
 
 
@@ -151,8 +151,9 @@ def _tape(a: Any, b: Any) -> Tape:
 
 
 def _opposite(x: Any) -> Any:
-    """What a symbol is the negative of, None of others. A sign goes through products to a sum, which takes it
-    in and is exact as before.
+    """What a symbol is the negative of, None of others.
+
+    A sign goes through products to a sum, which takes it in and is exact as before.
     """
     return x.tape.opposites.get(x.name) if type(x) is Symbol else None
 
@@ -329,8 +330,8 @@ def either(a: Any, b: Any) -> Any:
     return (True if a else b) if not isinstance(a, Symbol) else (True if b else a)
 
 
-class Seldom:
-    """What stands for ``if seldom(condition): ...`` in a trace.
+class Unlikely:
+    """What stands for ``if unlikely(condition): ...`` in a trace.
 
     Left out: the condition is noted on the tape. Written out: the branch is taken, and what it changed is
     kept where the condition holds.

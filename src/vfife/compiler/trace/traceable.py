@@ -2,7 +2,7 @@
 expressions turned into calls.
 
 A function without conditions keeps its compiled code; in the others, conditional expressions, ``and``, ``or``
-and ``if seldom(...)`` are rewritten.
+and ``if unlikely(...)`` are rewritten.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from typing import Any
 
 from ...kernels.elementary import nearest
 from .functiontext import WRITING, function_text, function_tree, parsed
-from .tape import Mathematics, Seldom, Symbol, Tape, both, either, select
+from .tape import Mathematics, Symbol, Tape, Unlikely, both, either, select
 
 TEXTS = re.compile(r'"""(.|\n)*?"""|#.*')  # docstrings and comments
-CONDITION = re.compile(r"\band\b|\bor\b|\bseldom\(|\belse\b(?!:)")
+CONDITION = re.compile(r"\band\b|\bor\b|\bunlikely\(|\belse\b(?!:)")
 
 
 class _Conditions(ast.NodeTransformer):
@@ -43,8 +43,8 @@ class _Conditions(ast.NodeTransformer):
     def visit_If(self, node: ast.If) -> ast.AST:
         self.generic_visit(node)
         test = node.test
-        if isinstance(test, ast.Call) and isinstance(test.func, ast.Name) and test.func.id == "seldom":
-            end = _call("seldom_ends", test, [])
+        if isinstance(test, ast.Call) and isinstance(test.func, ast.Name) and test.func.id == "unlikely":
+            end = _call("unlikely_ends", test, [])
             node.body = [*node.body, ast.copy_location(ast.Expr(end), test)]
         return node
 
@@ -95,14 +95,14 @@ class Traceable:
     called.
     """
 
-    def __init__(self, tape: Tape, seldom: Seldom | None = None) -> None:
+    def __init__(self, tape: Tape, unlikely: Unlikely | None = None) -> None:
         self.tape = tape
         self.given: dict[str, Any] = {
             "nearest": lambda x: tape.emit("round", x) if isinstance(x, Symbol) else nearest(x)
         }
         self.ends: Callable[[], None] = lambda: None
-        if seldom is not None:
-            self.given["seldom"], self.ends = seldom.begin, seldom.end
+        if unlikely is not None:
+            self.given["unlikely"], self.ends = unlikely.begin, unlikely.end
         self.made: dict[FunctionType, Any] = {}
 
     def __call__(self, function: Any) -> Any:
@@ -155,5 +155,5 @@ class Traceable:
             "select": select,
             "both": both,
             "either": either,
-            "seldom_ends": self.ends,
+            "unlikely_ends": self.ends,
         }

@@ -15,7 +15,8 @@ class Stepper {
     const shares = new Float64Array(1),
       broken = new Float64Array(1);
     const numbers = [1, 1, state.length, again, LOOK];
-    this.advance = (...last) => advance(state, ...scratch, tables, [], numbers, shares, kept, extremes, [], [], broken, ...last);
+    const memory = [state, ...scratch, tables, [], numbers, shares, kept, extremes, [], [], broken]; // Memory of kernels/advance.py
+    this.advance = (...last) => advance(memory, ...last);
     this.next = 0; // step
     this.outputs = 0; // that are made
     this.sound = true;

@@ -9,97 +9,104 @@ that is not zero (skyline).
 """
 
 
-def multiply(A, B, C, count, a, b, c, rows, inner, columns):
-    """C = A B for ``count`` pairs of matrices (rows, inner) and (inner, columns), which lie ``a``, ``b`` and
-    ``c`` numbers apart.
+def multiply(A, B, C):
+    """C = A B for matrices (count, rows, inner), (count, inner, columns); a single A or B counts for all of
+    C.
     """
-    for m in range(count):
-        for i in range(rows):
-            at = m * c + i * columns
-            for j in range(columns):
-                C[at + j] = 0.0
-            for k in range(inner):
-                factor = A[m * a + i * inner + k]
-                place = m * b + k * columns
-                for j in range(columns):
-                    C[at + j] += factor * B[place + j]
+    for m in range(C.shape[0]):
+        a = m if A.shape[0] > 1 else 0
+        b = m if B.shape[0] > 1 else 0
+        for i in range(A.shape[1]):
+            for j in range(B.shape[2]):
+                C[m, i, j] = 0.0
+            for k in range(A.shape[2]):
+                factor = A[a, i, k]
+                for j in range(B.shape[2]):
+                    C[m, i, j] += factor * B[b, k, j]
 
 
-def multiply_vectors(A, x, y, count, a, b, rows, columns):
-    """y = A x for ``count`` matrices (rows, columns) and vectors, which lie ``a`` and ``b`` numbers apart."""
-    for m in range(count):
-        for i in range(rows):
+def multiply_vectors(A, x, y):
+    """y = A x for matrices (count, rows, columns) and vectors (count, columns); a single A or x counts for
+    all of y.
+    """
+    for m in range(y.shape[0]):
+        a = m if A.shape[0] > 1 else 0
+        b = m if x.shape[0] > 1 else 0
+        for i in range(A.shape[1]):
             total = 0.0
-            for k in range(columns):
-                total += A[m * a + i * columns + k] * x[m * b + k]
-            y[m * rows + i] = total
+            for k in range(A.shape[2]):
+                total += A[a, i, k] * x[b, k]
+            y[m, i] = total
 
 
-def eliminate(A, B, signs, count, size, columns):
-    """Solves A X = B in place for ``count`` matrices (size, size) and right sides (size, columns).
+def eliminate(A, B, signs):
+    """Solve A X = B in place for matrices (count, size, size) and right sides (count, size, columns).
 
     ``signs`` (count) are those of the determinants: 0 where a column has no pivot, and B is then not solved.
     """
-    for m in range(count):
-        o = m * size * size
-        p = m * size * columns
-        signs[m] = triangle(A, B, o, p, size, columns)
+    for m in range(A.shape[0]):
+        signs[m] = triangle(A, B, m)
         if signs[m] != 0.0:
-            substitute(A, B, o, p, size, columns)
+            substitute(A, B, m)
 
 
-def triangle(A, B, o, p, size, columns):
-    """Upper triangle of a matrix at ``o``, the right sides at ``p`` changed along; returned: the sign of the
-    determinant.
+def triangle(A, B, m):
+    """Bring matrix m to an upper triangle, its right sides along; return the sign of the determinant.
+
+    The pivot of a column is its largest entry, of several the first.
     """
+    size = A.shape[1]
     sign = 1.0
     for k in range(size):
         row = k
-        largest = abs(A[o + k * size + k])
+        largest = abs(A[m, k, k])
         for i in range(k + 1, size):
-            if abs(A[o + i * size + k]) > largest:
-                largest = abs(A[o + i * size + k])
+            if abs(A[m, i, k]) > largest:
+                largest = abs(A[m, i, k])
                 row = i
         if not largest > 0.0:
             return 0.0
         if row != k:
-            exchange(A, o + k * size, o + row * size, size)
-            exchange(B, p + k * columns, p + row * columns, columns)
+            exchange(A, m, k, row)
+            exchange(B, m, k, row)
             sign = -sign
-        pivot = A[o + k * size + k]
+        pivot = A[m, k, k]
         sign = -sign if pivot < 0.0 else sign
         for i in range(k + 1, size):
-            factor = A[o + i * size + k] / pivot
+            factor = A[m, i, k] / pivot
             if factor != 0.0:
                 for j in range(k + 1, size):
-                    A[o + i * size + j] -= factor * A[o + k * size + j]
-                for j in range(columns):
-                    B[p + i * columns + j] -= factor * B[p + k * columns + j]
+                    A[m, i, j] -= factor * A[m, k, j]
+                for j in range(B.shape[2]):
+                    B[m, i, j] -= factor * B[m, k, j]
     return sign
 
 
-def exchange(A, first, second, count):
-    """Exchanges numbers that lie behind two places."""
-    for j in range(count):
-        held = A[first + j]
-        A[first + j] = A[second + j]
-        A[second + j] = held
+def exchange(A, m, first, second):
+    """Exchange two rows of matrix m."""
+    for j in range(A.shape[2]):
+        former = A[m, first, j]
+        A[m, first, j] = A[m, second, j]
+        A[m, second, j] = former
 
 
-def substitute(A, B, o, p, size, columns):
-    """Solves with an upper triangle, from its last row on."""
+def substitute(A, B, m):
+    """Solve with the upper triangle of matrix m, from its last row on."""
+    size = A.shape[1]
     for i in range(size - 1, -1, -1):
         for k in range(i + 1, size):
-            factor = A[o + i * size + k]
-            for j in range(columns):
-                B[p + i * columns + j] -= factor * B[p + k * columns + j]
-        for j in range(columns):
-            B[p + i * columns + j] = B[p + i * columns + j] / A[o + i * size + i]
+            factor = A[m, i, k]
+            for j in range(B.shape[2]):
+                B[m, i, j] -= factor * B[m, k, j]
+        for j in range(B.shape[2]):
+            B[m, i, j] = B[m, i, j] / A[m, i, i]
 
 
 def factorise(A, start, first, size, least):
-    """Factors in place. Row i has its entries from column ``first[i]`` to the diagonal, in A up to
-    ``start[i]``, the diagonal's place.
+    """Factors in place.
+
+    Row i has its entries from column ``first[i]`` to the diagonal, in A up to ``start[i]``, the diagonal's
+    place.
 
     Pivots below ``least`` are taken as that: a matrix to which so much was added has none in exact
     arithmetic.

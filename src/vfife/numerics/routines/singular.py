@@ -13,6 +13,7 @@ entry, 1, in place of what it removed.
 """
 
 import math
+from typing import NamedTuple
 
 # Largest cosine between two rows that count as orthogonal, over the root of their length: some roundings of
 # their product.
@@ -24,54 +25,80 @@ NOTHING = 1e-17
 SWEEPS = 60
 
 
-def decompose(A, left, size, right, W, count, rows, columns, vectors):
-    """Singular values of ``count`` matrices (rows, columns) in falling order, with ``vectors`` 1 the vectors
-    that belong to them, with 2 all.
+class Room(NamedTuple):
+    """Where the parts of a decomposition lie in its work array.
 
-    ``left`` (rows, k) has the vectors as columns, ``right`` (k, columns) as rows. Returns nothing; ``size``
-    of a matrix that is not finite is NaN.
+    The matrix has n columns of ``length`` entries at 0: it is turned round where it has fewer rows than
+    columns. Behind it lie the factors of its reflections and the diagonal of R at t, the order of the
+    columns, the rows of R at M, the rotations at J, squares of lengths, the rank of each of these, and a
+    vector at X.
     """
+
+    n: int
+    length: int
+    t: int
+    order: int
+    M: int
+    J: int
+    squares: int
+    rank: int
+    X: int
+
+
+def room_for(rows, columns) -> Room:
+    """Places for a matrix (rows, columns)."""
     n = min(rows, columns)
     length = max(rows, columns)
-    k = length if vectors == 2 else n
-    o = 0
     t = n * length
-    order = t + 2 * n
-    M = order + n
+    M = t + 3 * n
     J = M + n * n
     squares = J + n * n
-    rank = squares + n
-    X = rank + n
-    for m in range(count):
-        scale = gather(A, W, m * rows * columns, o, rows, columns)
+    return Room(n, length, t, t + 2 * n, M, J, squares, squares + n, squares + 2 * n)
+
+
+def decompose(A, left, size, right, W, vectors):
+    """Singular values of matrices A (count, rows, columns) in falling order, with ``vectors`` 1 the vectors
+    that belong to them, with 2 all.
+
+    ``left`` (count, rows, k) has the vectors as columns, ``right`` (count, k, columns) as rows. ``size``
+    (count, n) of a matrix that is not finite is NaN.
+    """
+    room = room_for(A.shape[1], A.shape[2])
+    n, length, t, order, M, J, squares, rank, _ = room
+    for m in range(A.shape[0]):
+        scale = gather(A, W, m)
         if not scale < 1e300:
             for i in range(n):
-                size[m * n + i] = scale - scale
+                size[m, i] = scale - scale
         else:
-            reflect(W, o, t, order, n, length, 1)
+            reflect(W, t, order, n, length, 1)
             for i in range(n):
                 for j in range(n):
-                    above = W[o + j * length + i] if i < j else 0.0
+                    above = W[j * length + i] if i < j else 0.0
                     W[M + i * n + j] = W[t + n + i] if i == j else above
                     W[J + i * n + j] = 1.0 if i == j else 0.0
-            orthogonalise(W, M, J, squares, n, NOTHING * abs(W[t + n]) if n > 0 else 0.0)
+            least = NOTHING * abs(W[t + n]) if n > 0 else 0.0
+            orthogonalise(W, room, least)
             sort(W, squares, rank, n)
             for i in range(n):
-                size[m * n + i] = math.sqrt(W[squares + int(W[rank + i])]) * scale
+                size[m, i] = math.sqrt(W[squares + int(W[rank + i])]) * scale
             if vectors != 0:
-                directions(W, M, squares, n, NOTHING * abs(W[t + n]) if n > 0 else 0.0, X)
-                hand_out(left, right, W, m, rows, columns, k, o, t, order, M, J, rank, X)
+                directions(W, room, least)
+                hand_out(left, right, W, m, vectors, A.shape[1] > A.shape[2], room)
 
 
-def gather(A, W, a, o, rows, columns):
-    """A matrix by its rows, or its columns where these are fewer, its largest entry brought near 1; returned:
+def gather(A, W, m):
+    """Matrix m by its rows, or its columns where these are fewer, its largest entry brought near 1; return
     what that was divided by.
     """
+    rows = A.shape[1]
+    columns = A.shape[2]
     largest = 0.0
     check = 0.0
-    for i in range(rows * columns):
-        check += A[a + i] * 0.0
-        largest = abs(A[a + i]) if abs(A[a + i]) > largest else largest
+    for i in range(rows):
+        for j in range(columns):
+            check += A[m, i, j] * 0.0
+            largest = abs(A[m, i, j]) if abs(A[m, i, j]) > largest else largest
     if check != 0.0 or largest >= 1e300:
         return 1e308 * 1e308
     scale = 1.0
@@ -82,15 +109,15 @@ def gather(A, W, a, o, rows, columns):
             scale = scale * 65536.0
     for i in range(rows):
         for j in range(columns):
-            place = o + j * rows + i if rows > columns else o + i * columns + j
-            W[place] = A[a + i * columns + j] * scale
+            W[j * rows + i if rows > columns else i * columns + j] = A[m, i, j] * scale
     return 1.0 / scale
 
 
-def orthogonalise(W, M, J, squares, n, least):
-    """Rotates the rows at ``M`` in pairs until they are orthogonal, those at ``J`` along; ``squares`` are
-    those of their lengths.
+def orthogonalise(W, room: Room, least):
+    """Rotate the rows at M in pairs until they are orthogonal, those at J along; rows shorter than ``least``
+    are left out.
     """
+    n, _, _, _, M, _, squares, _, _ = room
     limit = ORTHOGONAL * math.sqrt(float(n))
     below = least * least
     for _ in range(SWEEPS):
@@ -107,7 +134,7 @@ def orthogonalise(W, M, J, squares, n, least):
                     both = math.sqrt(a * b)
                     if abs(c) > limit * both:
                         largest = max(largest, abs(c) / both)
-                        steepest = max(steepest, rotate(W, M, J, squares, n, p, q, c))
+                        steepest = max(steepest, rotate(W, room, p, q, c))
         if (
             largest * steepest <= limit
         ):  # what a rotation puts back into pairs that were orthogonal is below rounding
@@ -116,10 +143,10 @@ def orthogonalise(W, M, J, squares, n, least):
         W[squares + p] = dot(W, M + p * n, M + p * n, n)
 
 
-def rotate(W, M, J, squares, n, p, q, c):
-    """Makes rows p and q orthogonal, whose product is c; returned: the tangent of the angle by which they
-    turn.
-    """
+def rotate(W, room: Room, p, q, c):
+    """Make rows p and q orthogonal, whose product is c; return the tangent of the angle by which they turn."""
+    n = room.n
+    squares = room.squares
     slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
     root = math.sqrt(1.0 + slope * slope)
     tangent = 1.0 / (slope + root) if slope > 0.0 else 1.0 / (slope - root)
@@ -131,19 +158,20 @@ def rotate(W, M, J, squares, n, p, q, c):
         tangent = 1.0 if c > 0.0 else -1.0
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     sine = cosine * tangent
-    for k in range(n):
-        x = W[M + p * n + k]
-        y = W[M + q * n + k]
-        W[M + p * n + k] = cosine * x - sine * y
-        W[M + q * n + k] = sine * x + cosine * y
-    for k in range(n):
-        x = W[J + p * n + k]
-        y = W[J + q * n + k]
-        W[J + p * n + k] = cosine * x - sine * y
-        W[J + q * n + k] = sine * x + cosine * y
+    turn_rows(W, room.M + p * n, room.M + q * n, n, cosine, sine)
+    turn_rows(W, room.J + p * n, room.J + q * n, n, cosine, sine)
     W[squares + p] -= tangent * c
     W[squares + q] += tangent * c
     return abs(tangent)
+
+
+def turn_rows(W, first, second, n, cosine, sine):
+    """Rotate two rows into each other."""
+    for k in range(n):
+        x = W[first + k]
+        y = W[second + k]
+        W[first + k] = cosine * x - sine * y
+        W[second + k] = sine * x + cosine * y
 
 
 def sort(W, squares, rank, n):
@@ -156,8 +184,9 @@ def sort(W, squares, rank, n):
         W[rank + place] = i
 
 
-def directions(W, M, squares, n, least, X):
-    """Scales the rows to unit length; those that are nothing become unit vectors across all others."""
+def directions(W, room: Room, least):
+    """Scale the rows at M to unit length; those shorter than ``least`` become unit vectors across all others."""
+    n, _, _, _, M, _, squares, _, X = room
     for i in range(n):
         if W[squares + i] > least * least:
             scale = 1.0 / math.sqrt(W[squares + i])
@@ -185,16 +214,12 @@ def directions(W, M, squares, n, least, X):
                     W[M + i * n + k] = W[M + i * n + k] * scale
 
 
-def hand_out(left, right, W, m, rows, columns, k, o, t, order, M, J, rank, X):
-    """Writes the vectors in falling order of their singular values: those of the longer side are Q J^T, the
-    others lie at ``M``.
+def hand_out(left, right, W, m, vectors, tall, room: Room):
+    """Write the vectors in falling order of their singular values: those of the longer side are Q J^T, the
+    others lie at M.
     """
-    n = min(rows, columns)
-    length = max(rows, columns)
-    tall = rows > columns
-    lefts = k if tall else n  # columns of ``left``
-    rights = n if tall else k  # rows of ``right``
-    for i in range(k):
+    n, length, t, order, M, J, _, rank, X = room
+    for i in range(length if vectors == 2 else n):
         for j in range(length):
             W[X + j] = 1.0 if i == j else 0.0
         if i < n:
@@ -204,15 +229,15 @@ def hand_out(left, right, W, m, rows, columns, k, o, t, order, M, J, rank, X):
             for j in range(n):
                 to = int(W[order + j])
                 if tall:
-                    right[m * rights * columns + i * columns + to] = W[M + row * n + j]
+                    right[m, i, to] = W[M + row * n + j]
                 else:
-                    left[m * rows * lefts + to * lefts + i] = W[M + row * n + j]
-        turn_back(W, o, t, n, length, X)
+                    left[m, to, i] = W[M + row * n + j]
+        turn_back(W, t, n, length, X)
         for j in range(length):
             if tall:
-                left[m * rows * lefts + j * lefts + i] = W[X + j]
+                left[m, j, i] = W[X + j]
             else:
-                right[m * rights * columns + i * columns + j] = W[X + j]
+                right[m, i, j] = W[X + j]
 
 
 def dot(W, first, second, count):
@@ -250,9 +275,9 @@ def first_sign(W, at, count):
     return 0.0
 
 
-def reflect(W, o, t, order, count, size, pivoted):
-    """Factors of ``count`` columns of ``size`` entries each at ``o``: column j has R below entry j, its
-    reflection behind it.
+def reflect(W, t, order, count, size, pivoted):
+    """Factor ``count`` columns of ``size`` entries each at 0: column j has R below entry j, its reflection
+    behind it.
 
     The diagonal of R lies at t + count + j, the factors of the reflections at t + j, the order of the columns
     at ``order``.
@@ -262,22 +287,8 @@ def reflect(W, o, t, order, count, size, pivoted):
     for k in range(min(count, size)):
         left = size - k
         if pivoted != 0:
-            best = k
-            largest = dot(W, o + k * size + k, o + k * size + k, left)
-            for j in range(k + 1, count):
-                square = dot(W, o + j * size + k, o + j * size + k, left)
-                if square > largest:
-                    largest = square
-                    best = j
-            if best != k:
-                for j in range(size):
-                    held = W[o + k * size + j]
-                    W[o + k * size + j] = W[o + best * size + j]
-                    W[o + best * size + j] = held
-                held = W[order + k]
-                W[order + k] = W[order + best]
-                W[order + best] = held
-        here = o + k * size + k
+            choose_column(W, order, count, size, k)
+        here = k * size + k
         head = W[here]
         rest = dot(W, here + 1, here + 1, left - 1)
         if rest == 0.0:
@@ -294,40 +305,58 @@ def reflect(W, o, t, order, count, size, pivoted):
         W[here] = 1.0
         if W[t + k] != 0.0:
             for j in range(k + 1, count):
-                there = o + j * size + k
+                there = j * size + k
                 deduct(W, there, here, left, W[t + k] * dot(W, here, there, left))
 
 
-def turn_back(W, o, t, count, size, at):
+def choose_column(W, order, count, size, k):
+    """Exchange column k with the one behind it that has most left from row k on."""
+    best = k
+    largest = dot(W, k * size + k, k * size + k, size - k)
+    for j in range(k + 1, count):
+        square = dot(W, j * size + k, j * size + k, size - k)
+        if square > largest:
+            largest = square
+            best = j
+    if best != k:
+        for j in range(size):
+            former = W[k * size + j]
+            W[k * size + j] = W[best * size + j]
+            W[best * size + j] = former
+        former = W[order + k]
+        W[order + k] = W[order + best]
+        W[order + best] = former
+
+
+def turn_back(W, t, count, size, at):
     """Q x for a vector of ``size`` entries at ``at``: the reflections from the last to the first."""
     for k in range(count - 1, -1, -1):
         if W[t + k] != 0.0:
-            here = o + k * size + k
+            here = k * size + k
             deduct(W, at + k, here, size - k, W[t + k] * dot(W, here, at + k, size - k))
 
 
-def factors(A, Q, R, W, count, rows, columns, full):
-    """Q (rows, k) and R (k, columns) of ``count`` matrices (rows, columns); k is the lesser of both, or
-    ``rows`` where Q is to be ``full``.
+def factors(A, Q, R, W):
+    """Q (count, rows, k) and R (count, k, columns) of matrices A (count, rows, columns); k is the lesser of
+    both, or all rows.
     """
-    most = min(rows, columns)
-    k = rows if full != 0 else most
-    o = 0
+    rows = A.shape[1]
+    columns = A.shape[2]
     t = columns * rows
     order = t + 2 * columns
     at = order + columns
-    for m in range(count):
+    for m in range(A.shape[0]):
         for i in range(rows):
             for j in range(columns):
-                W[o + j * rows + i] = A[m * rows * columns + i * columns + j]
-        reflect(W, o, t, order, columns, rows, 0)
-        for i in range(k):
+                W[j * rows + i] = A[m, i, j]
+        reflect(W, t, order, columns, rows, 0)
+        for i in range(R.shape[1]):
             for j in range(columns):
-                above = W[o + j * rows + i] if i < j else 0.0
-                R[m * k * columns + i * columns + j] = W[t + columns + j] if i == j else above
-        for i in range(k):
+                above = W[j * rows + i] if i < j else 0.0
+                R[m, i, j] = W[t + columns + j] if i == j else above
+        for i in range(Q.shape[2]):
             for j in range(rows):
                 W[at + j] = 1.0 if i == j else 0.0
-            turn_back(W, o, t, most, rows, at)
+            turn_back(W, t, min(rows, columns), rows, at)
             for j in range(rows):
-                Q[m * rows * k + j * k + i] = W[at + j]
+                Q[m, j, i] = W[at + j]
