@@ -8,7 +8,7 @@ import pytest
 from vfife.cli.commands.map import number_range
 from vfife.dynamics.bifurcation import Spell
 from vfife.modelfile import load
-from vfife.report.maps import spells_words
+from vfife.report.dynamics import spells_words
 from vfife.store.lock import Lock
 
 PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin.toml"

@@ -9,7 +9,7 @@ import pytest
 
 from vfife import plots
 from vfife.cli.commands import result as of_the_command
-from vfife.plots.table import FIGURES
+from vfife.plots.catalogue import FIGURES
 from vfife.store.folder import PICTURES, is_own
 
 HEADS = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}

@@ -16,8 +16,8 @@ from live.pages import page_of
 from vfife import gallery
 from vfife.compiler.runtime.runner import Runner
 from vfife.live.page.page import written
-from vfife.live.page.patches import patched
-from vfife.live.page.sliders import asked_slides
+from vfife.live.page.patches import slider_patches
+from vfife.live.page.sliders import parse_slides
 from vfife.modelfile import loads
 from vfife.solvers.record import recorded_rows
 
@@ -106,8 +106,8 @@ def same(page, both, until: int) -> bool:
 @pytest.mark.slow("a browser")
 def test_it_runs_from_disk_with_the_bits_of_python_and_so_does_a_slider(opened):
     mechanism = gallery.four_bar_case_b()
-    slides = with_ends(asked_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"]))
-    found = patched(mechanism, slides)
+    slides = with_ends(parse_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"]))
+    found = slider_patches(mechanism, slides)
     page = opened(written(found))
     assert same(page, found.base, 720)
     page.locator("#slide-0").focus()
@@ -115,7 +115,7 @@ def test_it_runs_from_disk_with_the_bits_of_python_and_so_does_a_slider(opened):
     page.wait_for_function("() => live.running.id === 2")
     last = len(slides[0].values) - 1
     base = found.base.own.choice
-    moved = patched(loads(page.evaluate("() => live.sliders.setting.model")), [], base.step).base
+    moved = slider_patches(loads(page.evaluate("() => live.sliders.setting.model")), [], base.step).base
     assert moved.own.mechanism.joints["C"].clearance == slides[0].values[last]
     assert same(page, moved, 720)
 
@@ -132,7 +132,7 @@ def test_names_are_text_and_nothing_else(opened):
 @pytest.mark.system("a browser")
 def test_everything_goes_by_keys(opened):
     mechanism = gallery.four_bar_case_b()
-    page = opened(page_of(mechanism, with_ends(asked_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"]))))
+    page = opened(page_of(mechanism, with_ends(parse_slides(mechanism, ["joint.C.clearance=0.1..0.3mm"]))))
     page.wait_for_function("() => live.running.store.end > 1000")
     page.keyboard.press(" ")
     assert page.get_attribute("#play", "aria-label") == "play"

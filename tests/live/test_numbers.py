@@ -14,9 +14,9 @@ from vfife import gallery, simulate
 from vfife.compiler.runtime.runner import Runner
 from vfife.live.page.page import written
 from vfife.live.page.page_model import page_model
-from vfife.live.page.patches import patched
+from vfife.live.page.patches import slider_patches
 from vfife.live.page.payload import left
-from vfife.live.page.sliders import asked_slides, default_slides
+from vfife.live.page.sliders import default_slides, parse_slides
 from vfife.measures.forces import joint_force, joint_rows
 from vfife.model.functions import turn_of
 from vfife.model.mechanism import StartSettings
@@ -58,7 +58,7 @@ RUNS = {
 def test_the_page_steps_with_the_bits_of_python(name, tmp_path):
     mechanism = getattr(gallery, name)()
     page = page_of(mechanism)
-    both = patched(mechanism, []).base
+    both = slider_patches(mechanism, []).base
     there = run_by_node(
         page, f"const [a, b] = step(new Setting(), {RUNS[name]}); return [bits(a), bits(b)];", tmp_path
     )
@@ -172,7 +172,7 @@ def test_a_setting_of_the_page_is_the_model_with_these_values(tmp_path):
     Python makes of them.
     """
     mechanism = gallery.four_bar_case_b()
-    slides = asked_slides(mechanism, ["joint.C.clearance=0.15..0.3mm", "driver.crank.speed=1200..1500rpm"])
+    slides = parse_slides(mechanism, ["joint.C.clearance=0.15..0.3mm", "driver.crank.speed=1200..1500rpm"])
     slides = [
         dataclasses.replace(
             slide, values=(slide.values[0], slide.values[slide.here], slide.values[-1]), here=1
@@ -186,7 +186,7 @@ def test_a_setting_of_the_page_is_the_model_with_these_values(tmp_path):
         f"const one = new Setting({positions}); return [bits(one.vector), one.model, own.every];",
         tmp_path,
     )
-    settings = [pair for slide, k in zip(slides, positions, strict=True) for pair in slide.set(k)]
+    settings = [pair for slide, k in zip(slides, positions, strict=True) for pair in slide.changes(k)]
     wanted = loads(dump(mechanism), set=settings)
     assert loads(found[1]) == wanted
     fine = page_model(wanted, turn_of(wanted) / (wanted.settings.outputs * found[2]))
@@ -209,7 +209,7 @@ def test_sliders_of_which_one_moves_at_a_time_do_so_in_the_page(tmp_path):
         )
         for one in slides
     ]
-    found = patched(mechanism, slides)
+    found = slider_patches(mechanism, slides)
     assert [group.singly for group in found.groups] == [True]
     there = run_by_node(
         written(found),
@@ -221,9 +221,9 @@ def test_sliders_of_which_one_moves_at_a_time_do_so_in_the_page(tmp_path):
     )
     assert len(there) == sum(len(slide.values) for slide in found.slides)
     for positions, numbers, after, model in there:
-        assert (bits_of(numbers, 1)[:, 0] == found.laid(positions).view(np.uint64)).all()
+        assert (bits_of(numbers, 1)[:, 0] == found.vector(positions).view(np.uint64)).all()
         assert after == [0, *(slide.here for slide in found.slides[1:])]
-        assert model == found.written(positions)
+        assert model == found.model_file(positions)
 
 
 def test_names_of_javascript_are_names_like_others(tmp_path):

@@ -71,8 +71,8 @@ def test_strokes_are_carried_to_where_the_noun_draws_them(name):
         ground = tuple(side[0] == "ground" for side in joint.sides)
         at = [place(assembly, pin) for pin in pins]
         angles = [float(assembly.state[assembly.layout.row("particle_theta", int(pin[0]))]) for pin in pins]
-        asked = strokes.Asked(at[0], at[1], tuple(angles), 1.3)
-        found, _ = strokes.of_joint(joint, asked, tuple(angles), ground)
+        asked = strokes.Inputs(at[0], at[1], tuple(angles), 1.3)
+        found, _ = strokes.joint_strokes(joint, asked, tuple(angles), ground)
         moved = [
             tuple(np.array(one) + (0.0 if still else 1.0) * draw.uniform(-0.3, 0.3, 2))
             for one, still in zip(at, ground, strict=True)
@@ -81,7 +81,7 @@ def test_strokes_are_carried_to_where_the_noun_draws_them(name):
             angle + (0.0 if still else draw.uniform(-2.0, 2.0))
             for angle, still in zip(angles, ground, strict=True)
         ]
-        again = strokes.Asked(moved[0], moved[1], tuple(turned), 1.31, (-0.4, 0.7))
+        again = strokes.Inputs(moved[0], moved[1], tuple(turned), 1.31, (-0.4, 0.7))
         drawn = [
             strokes.points_of(stroke)
             for stroke in strokes.strokes_of(joint, again, tuple(angles), ground, [])
@@ -96,7 +96,7 @@ def test_a_spring_is_drawn_between_its_pins():
     from vfife.model.springs import Spring
 
     spring = Spring(name="s", first="a.b", second="c.d", stiffness=1.0)
-    found = strokes.of_pair(spring, strokes.Asked((0.0, 0.0), (1.0, 0.0), (0.0, 0.0), 2.0))
+    found = strokes.pair_strokes(spring, strokes.Inputs((0.0, 0.0), (1.0, 0.0), (0.0, 0.0), 2.0))
     ends = (0.3, 0.1), (0.9, 1.4)
     here = [placed(point, ends, (0.0, 0.0), 2.0, (0.0, 0.0)) for point in found[0]["points"]]
     assert np.allclose(here, zigzag(np.array(ends[0]), np.array(ends[1]), 0.018 * 2.0), atol=1e-9)

@@ -10,8 +10,8 @@ import pytest
 
 from vfife import gallery
 from vfife.errors import VfifeError
-from vfife.live.page.patches import Assembler, patched
-from vfife.live.page.sliders import Slide, asked_slides, default_slides, value_at
+from vfife.live.page.patches import Assembler, slider_patches
+from vfife.live.page.sliders import Slide, default_slides, number_at, parse_slides
 from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump
 
@@ -34,7 +34,7 @@ def every_setting(found, mechanism):
     for positions in itertools.product(*(range(len(slide.values)) for slide in found.slides)):
         wanted = assembler.at(found.slides, positions)
         assert wanted is not None
-        yield found.laid(positions), wanted.vector, found.written(positions), dump(wanted.own.mechanism)
+        yield found.vector(positions), wanted.vector, found.model_file(positions), dump(wanted.own.mechanism)
 
 
 def test_patches_of_sliders_that_do_not_meet_combine_to_the_bit():
@@ -43,7 +43,7 @@ def test_patches_of_sliders_that_do_not_meet_combine_to_the_bit():
     assert [slide.name for slide in slides] == [
         *(f"joint.{name}.clearance" for name in "BCD"), "driver.crank.speed", "friction", "restitution",
     ]  # fmt: skip
-    found = patched(mechanism, [few(slides[k]) for k in (1, 3, 5)])
+    found = slider_patches(mechanism, [few(slides[k]) for k in (1, 3, 5)])
     assert [group.sliders for group in found.groups] == [(0,), (1,), (2,)] and found.texts
     for numbers, wanted, text, model in every_setting(found, mechanism):
         assert same(numbers, wanted)
@@ -55,7 +55,7 @@ def test_patches_that_do_not_combine_are_grouped():
     mechanism = gallery.four_bar_case_c()
     mechanism.start = StartSettings(journals="seated")
     slides = [few(slide) for slide in default_slides(mechanism)]
-    found = patched(mechanism, [slides[1], slides[3], slides[4]])
+    found = slider_patches(mechanism, [slides[1], slides[3], slides[4]])
     assert [group.sliders for group in found.groups] == [(0, 1), (2,)]
     for numbers, wanted, _, _ in every_setting(found, mechanism):
         assert same(numbers, wanted)
@@ -68,7 +68,7 @@ def test_where_a_grid_would_be_too_coarse_one_slider_moves_at_a_time():
     mechanism = gallery.four_bar_case_c()
     mechanism.start = StartSettings(journals="seated")
     slides = [few(slide) for slide in default_slides(mechanism)[:5]]
-    found = patched(mechanism, slides)
+    found = slider_patches(mechanism, slides)
     (group,) = (group for group in found.groups if group.singly)
     assert group.sliders == (0, 1, 2, 3) and len(group.values) == 5
     assert "one at a time" in found.notes[-1]
@@ -76,19 +76,19 @@ def test_where_a_grid_would_be_too_coarse_one_slider_moves_at_a_time():
     here = [slide.here for slide in found.slides]
     for s, slide in enumerate(found.slides):
         positions = tuple(1 - slide.here if k == s else one for k, one in enumerate(here))
-        assert same(found.laid(positions), assembler.at(found.slides, positions).vector)
+        assert same(found.vector(positions), assembler.at(found.slides, positions).vector)
     with pytest.raises(ValueError):
-        found.laid([1 - one for one in here])
+        found.vector([1 - one for one in here])
 
 
 def test_one_step_serves_all_positions_and_is_as_fine_as_each_asks_for():
     mechanism = gallery.four_bar_case_c()
-    alone = patched(mechanism, []).base.own.choice
-    found = patched(
+    alone = slider_patches(mechanism, []).base.own.choice
+    found = slider_patches(
         mechanism,
         [
             few(slide)
-            for slide in asked_slides(
+            for slide in parse_slides(
                 mechanism, ["driver.crank.speed=500..1500rpm", "joint.C.clearance=0.02..0.2mm"]
             )
         ],
@@ -99,7 +99,7 @@ def test_one_step_serves_all_positions_and_is_as_fine_as_each_asks_for():
 
 def test_positions_that_no_model_may_have_are_left_out():
     mechanism = gallery.four_bar_case_b()
-    found = patched(mechanism, asked_slides(mechanism, ["joint.C.clearance=0.1..40mm"]))
+    found = slider_patches(mechanism, parse_slides(mechanism, ["joint.C.clearance=0.1..40mm"]))
     radius = mechanism.joints["C"].bearing_radius
     (slide,) = found.slides
     assert slide.values[-1] < radius
@@ -108,17 +108,17 @@ def test_positions_that_no_model_may_have_are_left_out():
 
 def test_ranges_are_read_with_their_units():
     mechanism = gallery.four_bar_case_c()
-    (one,) = asked_slides(mechanism, ["joint.C.clearance=0.01..0.5mm"])
+    (one,) = parse_slides(mechanism, ["joint.C.clearance=0.01..0.5mm"])
     assert (one.values[0], one.values[-1], one.values[one.here]) == (1e-5, 5e-4, 2e-4)
-    (two,) = asked_slides(mechanism, ["joint.C.clearance = 10 µm .. 0.5 mm"])
+    (two,) = parse_slides(mechanism, ["joint.C.clearance = 10 µm .. 0.5 mm"])
     assert two.values == one.values
-    (three,) = asked_slides(
+    (three,) = parse_slides(
         mechanism, ["joint.C.clearance=0.2..0.21mm"]
     )  # the last digit is none of the unit
     assert (three.values[0], three.values[-1]) == (2e-4, 2.1e-4)
-    (speed,) = asked_slides(mechanism, ["driver.crank.speed=1000..2000 rpm"])
+    (speed,) = parse_slides(mechanism, ["driver.crank.speed=1000..2000 rpm"])
     assert speed.values[0] == pytest.approx(1000 * np.pi / 30, rel=1e-2)
-    assert value_at(mechanism, "joint.C.contact.restitution") == (0.9, "1")
+    assert number_at(mechanism, "joint.C.contact.restitution") == (0.9, "1")
 
 
 @pytest.mark.parametrize(
@@ -126,15 +126,15 @@ def test_ranges_are_read_with_their_units():
     [
         ("joint.C.clearance", "PATH=LOW..HIGH"), ("joint.C.clearance=1mm", "PATH=LOW..HIGH"), ("joint.C.clearance=2..1mm", "empty"),
         ("joint.X.clearance=1..2mm", "there is no"), ("joint.C.clearanse=1..2mm", "clearance"), ("joint.C.bearing=1..2", "no number"),
-        ("joint.C.clearance=1..2 kg", "length"), ("nothing.C=1..2", "in the model"),
+        ("joint.C.clearance=1..2 kg", "length"), ("nothing.C=1..2", "nothing called"),
     ],
 )  # fmt: skip
 def test_a_slide_that_cannot_be_used_is_told_in_a_sentence(text, said):
     with pytest.raises(ValueError, match="--slide") as error:
-        asked_slides(gallery.four_bar_case_c(), [text])
+        parse_slides(gallery.four_bar_case_c(), [text])
     assert said in str(error.value)
 
 
 def test_what_has_no_motion_has_no_page():
     with pytest.raises(VfifeError, match="static"):
-        patched(gallery.toggle_press(), [])
+        slider_patches(gallery.toggle_press(), [])

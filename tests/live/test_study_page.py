@@ -16,7 +16,7 @@ from studies.studies import BASE
 from vfife.errors import VfifeError
 from vfife.live.page.page import reports as studied
 from vfife.live.page.page_model import page_model, turned
-from vfife.live.page.patches import Patched, patched
+from vfife.live.page.patches import SliderPatches, slider_patches
 from vfife.live.page.reports import mechanism, study_page
 from vfife.model.functions import turn_of
 from vfife.report.pages import study_page as document
@@ -49,8 +49,10 @@ def test_positions_have_the_numbers_of_their_members(
     kind: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     study: vfife.Study = request.getfixturevalue(kind)
-    seen: list[Patched] = []
-    monkeypatch.setattr(studied, "patched", lambda *given: seen.append(patched(*given)) or seen[-1])
+    seen: list[SliderPatches] = []
+    monkeypatch.setattr(
+        studied, "slider_patches", lambda *given: seen.append(slider_patches(*given)) or seen[-1]
+    )
     _, places, notes = study_page(study)
     (found,) = seen
     assert notes == () and set(places) == {one.number for one in study.members}
@@ -60,7 +62,7 @@ def test_positions_have_the_numbers_of_their_members(
         alone = mechanism(study, member)
         ideal = None if found.base.ideal is None else turned(found.base.ideal, turn_of(alone))
         wanted = page_model(alone, turned(own, turn_of(alone)), ideal, force=True)
-        assert np.array_equal(found.laid(at).view(np.uint64), wanted.vector.view(np.uint64))
+        assert np.array_equal(found.vector(at).view(np.uint64), wanted.vector.view(np.uint64))
     steps = max(one["steps"] / one["turns"] for one in study.outcomes.values())
     assert own.choice.turn is not None and own.choice.turn / own.choice.step >= steps - 0.5, (
         "as fine as the finest member"

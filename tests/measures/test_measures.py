@@ -21,7 +21,7 @@ from support import (
 from vfife.measures import influence, last_turn, lip
 from vfife.measures.catalogue import measures
 from vfife.measures.forces import shares
-from vfife.report.digits import plain
+from vfife.report.digits import plain_number
 
 STEP = 2e-6
 
@@ -123,4 +123,4 @@ def test_contacts_that_began_are_told_whole() -> None:
         "measures": {"C.impacts": 45.0, "C.force.max": 45.0},
         "ranges": {name: {"low": 40.0, "high": 52.0} for name in ("C.impacts", "C.force.max")},
     }
-    assert (plain(told, "C.impacts"), plain(told, "C.force.max")) == ("45", "40")
+    assert (plain_number(told, "C.impacts"), plain_number(told, "C.force.max")) == ("45", "40")

@@ -19,10 +19,10 @@ from vfife import gallery
 from vfife.errors import VfifeError
 from vfife.measures.spectral import short_time
 from vfife.plots import chosen, figures, style
-from vfife.plots.clearances import bearing_force, seen_from_bearing, tilt_and_offset
-from vfife.plots.curves import Quantity, accelerations, joint_forces, moments, swept
-from vfife.plots.spectra import found, pieces
-from vfife.plots.table import FIGURES, available, usual
+from vfife.plots.catalogue import FIGURES, available, usual
+from vfife.plots.curves import Quantity, accelerations, joint_forces, moments, reach_of
+from vfife.plots.motion import bearing_force, seen_from_bearing, tilt_and_offset
+from vfife.plots.spectra import pieces, spectra_of
 from vfife.plots.turn import Span, output_at, span
 from vfife.simulation.result import Result
 from vfife.store.folder import FIGURE_NAMES
@@ -65,14 +65,14 @@ def test_the_top_of_a_band_is_the_peak_that_is_reported(name: str) -> None:
     over, found = span(result), {**joint_forces(result), **moments(result), **accelerations(result)}
     assert len(found) >= 4
     for one in found.values():
-        assert swept(result, one, over).most == result.measures[one.peak], one.title
+        assert reach_of(result, one, over).most == result.measures[one.peak], one.title
 
 
 def test_the_band_holds_every_turn_that_measures_are_of() -> None:
     result = settled()
     assert result.motion.several and span(result).turns == (result.motion.first, result.motion.last)
     for one in joint_forces(result).values():
-        assert swept(result, one, span(result)).most == result.measures[one.peak].highest, one.title
+        assert reach_of(result, one, span(result)).most == result.measures[one.peak].highest, one.title
     ax, told = result.plot("forces")["forces"].axes[1], result.measures["B.force.max"]
     assert ax.get_title(loc="right") == f"mean peak {1e-3 * told:.4g}, highest {1e-3 * told.highest:.4g} kN"
     assert np.nanmax(labelled(ax, "highest of these turns")[1]) == pytest.approx(
@@ -238,10 +238,10 @@ def test_turns_are_taken_as_they_are_and_parts_of_a_run_through_hanns_window() -
     result = run("four_bar_case_c")
     starts, count, turning = pieces(result)
     wave = Quantity("", "", "N", lambda record: np.cos(6.0 * np.pi * np.arange(len(record.steps)) / count))
-    assert turning and found(result, wave, starts, count, True).each[-1, 2:5] == pytest.approx(
+    assert turning and spectra_of(result, wave, starts, count, True).each[-1, 2:5] == pytest.approx(
         [0.0, 1.0, 0.0], abs=1e-12
     )
-    assert found(result, wave, starts, count, False).each[-1, 2:5] == pytest.approx([0.5, 1.0, 0.5])
+    assert spectra_of(result, wave, starts, count, False).each[-1, 2:5] == pytest.approx([0.5, 1.0, 0.5])
 
 
 def test_orders_of_the_crank_and_frequencies() -> None:
@@ -463,7 +463,7 @@ def seen(colour: str, by: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("by", SEEN_BY)
 def test_colours_of_a_figure_can_be_told_apart(by: str) -> None:
-    drawing = (*style.BODIES, style.SIGNS, style.LOADS, style.INK)
+    drawing = (*style.BODIES, style.SYMBOLS, style.LOADS, style.INK)
     curves = (style.BLUE, style.VERMILION, style.SKY, style.ORANGE, style.INK)
     for colours in (drawing, curves):
         for one, other in combinations(colours, 2):

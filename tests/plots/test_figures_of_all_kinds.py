@@ -20,7 +20,7 @@ from mechanisms import everything
 from vfife import gallery
 from vfife.model.drawing.strokes import tangent, zigzag
 from vfife.plots import figures
-from vfife.plots.signs import outline
+from vfife.plots.symbols import outline
 from vfife.report.summary import show
 from vfife.results.export import write_netcdf
 from vfife.simulation.result import Result

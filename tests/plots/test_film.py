@@ -14,7 +14,7 @@ from vfife import gallery
 from vfife.cli.app import app
 from vfife.errors import StorageError, VfifeError
 from vfife.plots import filmfiles
-from vfife.plots.film import Film, places_between
+from vfife.plots.film import Film, frame_positions
 from vfife.plots.filmfiles import animate
 from vfife.simulation.result import Result
 
@@ -85,14 +85,14 @@ def test_only_what_moves_is_drawn_again() -> None:
 
 
 def test_frames_are_no_more_than_outputs_and_end_with_the_run() -> None:
-    assert list(places_between(5, 2, 240)) == [2.0, 3.0, 4.0]
-    assert list(places_between(9, 0, 3)) == [0.0, 4.0, 8.0]
+    assert list(frame_positions(5, 2, 240)) == [2.0, 3.0, 4.0]
+    assert list(frame_positions(9, 0, 3)) == [0.0, 4.0, 8.0]
 
 
 @pytest.mark.system("draws a film")
 def test_a_gif_has_its_frames_for_as_long(tmp_path: Path) -> None:
     told: list[tuple[int, int]] = []
-    assert animate(run(), tmp_path / "a.gif", 6, 20.0, told=lambda k, n: told.append((k, n))) == (6, 0.3)
+    assert animate(run(), tmp_path / "a.gif", 6, 20.0, progress=lambda k, n: told.append((k, n))) == (6, 0.3)
     with Image.open(tmp_path / "a.gif") as image:
         assert (
             image.n_frames == 6
@@ -122,7 +122,7 @@ def test_a_film_that_is_stopped_leaves_what_was_there(tmp_path: Path) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        animate(run(), path, 6, told=stop)
+        animate(run(), path, 6, progress=stop)
     assert path.read_text() == "before" and [one.name for one in tmp_path.iterdir()] == ["a.gif"]
 
 

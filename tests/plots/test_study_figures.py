@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection, QuadMesh
 import vfife
 from studies.studies import ASKED, Closed
 from vfife.errors import VfifeError
-from vfife.plots.study import broken, edges, front, logarithmic, quantiles, shortened
+from vfife.plots.study import broken, edges, evenly, front, logarithmic, quantiles
 from vfife.plots.style import readable
 from vfife.studies.engine import run_missing
 
@@ -93,9 +93,7 @@ def test_axes_say_quantities_as_people_do() -> None:
     assert (
         broken("follower.angular_acceleration.max").replace("\n", "") == "follower.angular_acceleration.max"
     )
-    assert all(
-        len(shortened(n, most)) == min(n, most) for n, most in itertools.product((1, 5, 37), (2, 6)) if n
-    )
+    assert all(len(evenly(n, most)) == min(n, most) for n, most in itertools.product((1, 5, 37), (2, 6)) if n)
 
 
 @pytest.mark.system("draws every figure of studies")

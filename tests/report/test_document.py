@@ -15,7 +15,7 @@ from vfife.cli.app import app
 from vfife.live.page.page import reports
 from vfife.modelfile import dump, load
 from vfife.report.html import elements
-from vfife.report.pages import as_given, found, trust
+from vfife.report.pages import findings, model_file, trust
 from vfife.report.pages import run_page as document
 from vfife.simulation.result import Result
 
@@ -111,7 +111,7 @@ def test_a_fact_stands_where_it_belongs() -> None:
     told = run().summary | {"remarks": ["a remark on a law"]}
     assert not any(
         "a remark on a law" in one or "lankarani" in one
-        for one in (elements(found(told)), elements(trust(told)))
+        for one in (elements(findings(told)), elements(trust(told)))
     )
     assert "law" in page().texts["th"] and any("Lankarani" in cell for cell in page().texts["td"])
 
@@ -120,7 +120,7 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
     path = tmp_path / "given.toml"
     path.write_text((Path(__file__).parents[2] / "examples" / "four_bar_case_c.toml").read_text("utf-8"))
     kept = dump(load(path))
-    assert "It gives the numbers above." in elements(as_given(kept, str(path)))
+    assert "It gives the numbers above." in elements(model_file(kept, str(path)))
     result = vfife.simulate(load(path), turns=0.01, companions=0, reference=False, loop="data-driven")
     result.report(tmp_path / "report.html", running=False)
     said = (tmp_path / "report.html").read_text("utf-8")
@@ -130,10 +130,10 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
         and str(tmp_path) not in said
         and "<iframe" not in said
     )
-    assert "It gives other numbers" in elements(as_given(kept.replace("0.15", "0.16"), str(path)))
+    assert "It gives other numbers" in elements(model_file(kept.replace("0.15", "0.16"), str(path)))
     assert (
-        "not there any more" in elements(as_given(kept, str(tmp_path / "gone.toml")))
-        and as_given(kept, None) == []
+        "not there any more" in elements(model_file(kept, str(tmp_path / "gone.toml")))
+        and model_file(kept, None) == []
     )
 
 

@@ -26,7 +26,7 @@ from vfife.results.comparison import Comparison
 MARKUP = "[red]a[/red] <b>b</b>"
 PARTS = [
     Paragraph("a sentence", lead="Lead: "), Paragraph(MARKUP, style="caution"), Paragraph("source", indent=2, lines="cut"),
-    Table.of(("name", "number"), [(MARKUP, 1), ("two", 22)], "A table"), Facts([("Fact", "its text")]), Bullets(["one of a list"]),
+    Table.numeric(("name", "number"), [(MARKUP, 1), ("two", 22)], "A table"), Facts([("Fact", "its text")]), Bullets(["one of a list"]),
     Caution("do this"), Caution("beside it", "note", aside=True), Section("Deeper", [Paragraph("inside")]),
 ]  # fmt: skip
 

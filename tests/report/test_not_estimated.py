@@ -14,7 +14,7 @@ import vfife
 from support import with_settings
 from vfife import gallery
 from vfife.plots.notebook import result_html
-from vfife.report.digits import bounds, estimated
+from vfife.report.digits import is_estimated, range_text
 from vfife.report.pages import run_page as document
 from vfife.report.summary import show
 from vfife.simulation.result import Result
@@ -109,13 +109,13 @@ def test_bounds_in_words() -> None:
         "c": {"low": 1.0, "high": 1.0},
     }
     told = {"measures": {"a": 10.0, "b": 3.0, "c": 1.0, "d": 2.0}, "ranges": ranges}
-    assert [bounds(told | {"not_estimated": ["b", "d"]}, name) for name in "abcd"] == [
+    assert [range_text(told | {"not_estimated": ["b", "d"]}, name) for name in "abcd"] == [
         "9.94 to 10.06",
         WORDS,
         "exact",
         WORDS,
     ]
-    assert [estimated(told, name) for name in "abcd"] == [
+    assert [is_estimated(told, name) for name in "abcd"] == [
         True,
         False,
         False,

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from support import SQUARE, four_bar, go, journal_in_bearing
 from vfife.errors import RunFileError, VfifeError
-from vfife.report.summary import report, show
+from vfife.report.summary import run_summary, show
 from vfife.simulation.result import Result
 from vfife.simulation.simulate import simulate
 from vfife.store.runfile import RunFile
@@ -133,7 +133,7 @@ def test_a_law_that_is_not_there_is_told(result: Result, tmp_path: Path) -> None
 
 
 def test_summary_is_for_scripts(result: Result) -> None:
-    told = report(result)
+    told = run_summary(result)
     assert json.loads(json.dumps(told, allow_nan=False)) == told
     assert {"status", "step", "steps", "wall_s", "ns_per_step", "energy_error", "measures"} <= set(told)
     assert told["steps"] == 40000
@@ -204,8 +204,8 @@ def test_figures_without_a_crank() -> None:
 def test_numbers_and_files_load_neither_xarray_nor_matplotlib(result: Result, tmp_path: Path) -> None:
     result.save(tmp_path / "run.sqlite")
     code = (
-        "import sys; from vfife.result import Result; from vfife.report.summary import report\n"
-        f"result = Result.load({str(tmp_path)!r}); report(result); result.measures; result.channels\n"
+        "import sys; from vfife.result import Result; from vfife.report.summary import run_summary\n"
+        f"result = Result.load({str(tmp_path)!r}); run_summary(result); result.measures; result.channels\n"
         "print(sorted({'xarray', 'matplotlib', 'numba', 'pandas', 'scipy'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

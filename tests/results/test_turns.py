@@ -20,9 +20,9 @@ from vfife.measures.catalogue import measures
 from vfife.measures.convergence import SCATTER_OF_MEANS, error_range
 from vfife.measures.measured import Measured
 from vfife.measures.ranges import over_turns
-from vfife.report.digits import amount, decimals, measured, percent, plain, prefixed
+from vfife.report.digits import amount, decimals, measure_text, percent, plain_number, prefixed
 from vfife.report.summary import show
-from vfife.report.trust import stray, verdict
+from vfife.report.trust import scatter_over_turns, verdict
 from vfife.simulation.result import Result
 
 OUTPUTS = 200
@@ -154,11 +154,11 @@ def test_the_force_that_varies_is_named_with_digits() -> None:
     }
     told = {"turns": {"motion": "not periodic", "first": 7, "last": 12}, "trust": {}, "ranges": ranges}
     told["measures"] = {"A.force.max": 1000.0, "B.force.max": 500.0, "C.force.max": 3.0}
-    assert stray(told).startswith(
+    assert scatter_over_turns(told).startswith(
         "This motion is not periodic: single turns of B.force.max lie -20 to +3 % from their mean. "
     )
     del ranges["B.force.max"]
-    assert "A.force.max lie -0.2 to +0.1 % from" in stray(told)
+    assert "A.force.max lie -0.2 to +0.1 % from" in scatter_over_turns(told)
 
 
 @pytest.mark.system("runs hundreds of turns")
@@ -405,9 +405,9 @@ def test_digits_are_no_finer_than_what_is_known() -> None:
         "ranges": {"a": {"low": 14400.0, "high": 14700.0}},
         "turns": {},
     }
-    assert [plain(told, name) for name in told["measures"]] == ["14500", "4.2e-05", "7"]
+    assert [plain_number(told, name) for name in told["measures"]] == ["14500", "4.2e-05", "7"]
     assert (
-        measured(told, "a", "N") == "14.5 kN"
+        measure_text(told, "a", "N") == "14.5 kN"
         and prefixed(3.756e-3, "N m", 0.9) == "4 mN m"
         and prefixed(142.5e-6, "m", 3e-6) == "142 µm"
     )

@@ -162,7 +162,7 @@ class Basins(CheckedMap):
 
     def plot(self) -> Figure:
         """The grid as a figure, each attractor in a colour."""
-        from ..plots.maps import basins as figure_of
+        from ..plots.dynamics import basins as figure_of
 
         return figure_of(self)
 

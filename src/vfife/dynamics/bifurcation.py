@@ -179,7 +179,7 @@ class Bifurcation(CheckedMap):
 
     def plot(self) -> Figure:
         """The diagram as a figure, with the exponents below it."""
-        from ..plots.maps import diagram
+        from ..plots.dynamics import diagram
 
         return diagram(self)
 

@@ -111,7 +111,7 @@ class PoincareSection(Map):
 
     def plot(self) -> Figure:
         """A figure of the points once a turn, the exponent as it converges, and the contacts that began."""
-        from ..plots.maps import section
+        from ..plots.dynamics import section
 
         return section(self)
 

@@ -6,6 +6,6 @@ from __future__ import annotations
 
 from .page.page import live_page
 from .page.page_model import model_of
-from .page.sliders import Slide, asked_slides, default_slides
+from .page.sliders import Slide, default_slides, parse_slides
 
-__all__ = ["Slide", "asked_slides", "default_slides", "live_page", "model_of"]
+__all__ = ["Slide", "default_slides", "live_page", "model_of", "parse_slides"]

@@ -1,5 +1,5 @@
-"""Figures of a result: the one place that imports matplotlib. Figures are objects, without pyplot and without
-a window.
+"""Figures of a result: the only package that imports matplotlib. Figures are objects, without pyplot and
+without a window.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from ..errors import VfifeError, shown, suggestion
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..results.view import standing
-from .clearances import orbits
+from .catalogue import EVERY, FIGURES, available, usual
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
-from .style import STYLE, saved
-from .table import EVERY, FIGURES, available, usual
+from .motion import orbits
+from .style import PICTURES, STYLE, saved
 from .turn import output_at
 
 if TYPE_CHECKING:
@@ -28,12 +28,9 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 
-PICTURES = (".svg", ".pdf", ".png")
-
-
 def figures(result: View, reference: View | None = None, names: Collection[str] = ()) -> dict[str, Figure]:
-    """Figures by name, as :data:`~vfife.plots.table.FIGURES` lists them: the usual ones, "all" that the
-    result has, or ``names``.
+    """Draw figures by name, as :data:`~vfife.plots.catalogue.FIGURES` lists them: the usual ones, "all" that
+    the result has, or ``names``.
 
     The reference, whose curves lie below those of the result, is the result's own unless another one is
     given. Raises
@@ -57,7 +54,7 @@ def chosen(result: View, names: Collection[str]) -> list[str]:
                 f"there is no figure {shown(name)}: {suggestion(name, FIGURES, 'name one that there is')}"
             )
     for name in names:
-        if name != EVERY and (why := FIGURES[name].lacks(result)):
+        if name != EVERY and (why := FIGURES[name].missing(result)):
             raise VfifeError(
                 f"this result has nothing for the figure {shown(name)}: {why}; there are"
                 f" {', '.join(available(result))}"
@@ -65,8 +62,8 @@ def chosen(result: View, names: Collection[str]) -> list[str]:
     return available(result) if EVERY in names else [name for name in FIGURES if name in names]
 
 
-def refuse_beside(names: Collection[str]) -> None:
-    """Raises VfifeError for figures other than the mechanism, which alone is drawn at a moment."""
+def only_mechanism(names: Collection[str]) -> None:
+    """Raise VfifeError for figures other than the mechanism, which alone can be drawn at a moment."""
     if set(names) - {"mechanism"}:
         raise VfifeError("at: the mechanism alone is drawn at a moment; name no other figure with it")
 
@@ -89,21 +86,21 @@ def at_start(mechanism: Mechanism) -> Figure:
 
 
 def save(figures: dict[str, Figure], folder: str | Path, kind: str = "png") -> list[Path]:
-    """Writes each figure into a folder, made if need be, as PNG, SVG or PDF; returns the files."""
+    """Write each figure into a folder, which is made, as PNG, SVG or PDF; return the files."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     return [saved(figure, folder / f"{name}.{kind}") for name, figure in figures.items()]
 
 
-def save_one(result: View, name: str | None, path: Path, beside: Collection[str] = ()) -> None:
-    """Writes one figure as its file's ending says: ``name``, else that of the file. ``beside`` are endings
-    that are told where none fits.
+def save_one(result: View, name: str | None, path: Path, other_endings: Collection[str] = ()) -> None:
+    """Write a figure in the format of the file's ending: ``name``, else that of the file. The error for an
+    unknown ending lists ``other_endings``.
 
     Raises VfifeError for another ending, and for a figure that the result has nothing for; OSError.
     """
     kind = path.suffix.lower()
     if kind not in PICTURES:
-        known = ", ".join((*PICTURES, *beside)) if name is None else ", ".join(PICTURES)
+        known = ", ".join((*PICTURES, *other_endings)) if name is None else ", ".join(PICTURES)
         raise VfifeError(
             f'{path}: nothing is written as "{path.suffix or path.name}"; endings that say a format are'
             f" {known}"

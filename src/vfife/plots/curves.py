@@ -1,5 +1,5 @@
-"""Joint forces, moments and accelerations over crank angle, over the ideal ones (Figs. 16-17 of the VFIFE
-paper).
+"""Joint forces, moments and accelerations over the crank angle with the ideal ones (Figs. 16-17 of the VFIFE
+paper); energies over time.
 """
 
 from __future__ import annotations
@@ -16,9 +16,25 @@ from ..measures.guides import slider_motion, sliders
 from ..measures.ranges import band
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
-from .layout import ACROSS, Panels
-from .style import BLUE, DEEP, IDEAL, INK, ORANGE, PREFIXED, SKY, digits, scale_of
-from .turn import Span, said, span
+from .layout import Panels
+from .style import (
+    BLUE,
+    GREEN,
+    GREY,
+    IDEAL,
+    INK,
+    ORANGE,
+    PREFIXED,
+    PURPLE,
+    SKY,
+    VERMILION,
+    corner_text,
+    digits,
+    mark_peak,
+    readable,
+    scale_of,
+)
+from .turn import Span, shown_part, span
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,12 +49,14 @@ ROUNDING = 1e-6  # of the largest acceleration, below which one is what rounding
 
 @dataclass(frozen=True)
 class Quantity:
-    """``samples`` of a record at its outputs, (outputs,); ``extremes``, the largest size since the output
-    before; ``peak`` is a measure's name.
+    """A quantity over time.
+
+    ``samples`` gives its values at the outputs of a record, shape (outputs,); ``extremes`` the largest size
+    since the output before; ``peak`` is the name of the measure of its largest value.
     """
 
     title: str
-    what: str
+    kind: str
     unit: str
     samples: Callable[[Record], Array]
     extremes: Callable[[Record], Array] | None = None
@@ -57,23 +75,23 @@ class Quantity:
 def joint_forces(result: View) -> dict[str, Quantity]:
     """Size of the force of each joint that carries one, in the order of tables."""
     found = {name: _force(result, name) for name in joint_rows(result.record)}
-    return _carrying(
-        result, found, max([0.0, *(one.largest(result.record) for one in moments_of(result).values())])
+    return _above_noise(
+        result, found, max([0.0, *(one.largest(result.record) for one in _all_moments(result).values())])
     )
 
 
 def moments(result: View) -> dict[str, Quantity]:
     """Moment of each gear, weld, guide and driver that has one, and torque of each driver."""
-    return _carrying(result, moments_of(result), 0.0)
+    return _above_noise(result, _all_moments(result), 0.0)
 
 
-def moments_of(result: View) -> dict[str, Quantity]:
-    """The same, with those that are zero."""
+def _all_moments(result: View) -> dict[str, Quantity]:
+    """The same with zero moments."""
     record, found = result.record, {}
     for name, (block, _) in joint_rows(record).items():
         if block == "joint":
             found[name] = Quantity(
-                titled(result, name),
+                title_of(result, name),
                 "moment",
                 "N m",
                 _column(joint_moment, name),
@@ -116,21 +134,19 @@ def accelerations(result: View) -> dict[str, Quantity]:
     return {name: one for name, one in found.items() if one.largest(record) > ROUNDING * tallest[one.unit]}
 
 
-def loaded_joints(result: View, most: int) -> list[str]:
-    """Names of the joints that carry a force, in the order of tables; of more than ``most`` those with the
-    largest forces.
-    """
-    return list(hardest(result, joint_forces(result), most))
+def largest_forces(result: View, most: int) -> dict[str, Quantity]:
+    """The ``most`` largest joint forces, in the order of tables."""
+    return largest(result, joint_forces(result), most)
 
 
-def hardest(result: View, found: dict[str, Quantity], most: int) -> dict[str, Quantity]:
-    """Those with the largest values, in the order they had."""
-    kept = sorted(found, key=lambda name: -found[name].largest(result.record))[:most]
-    return {name: one for name, one in found.items() if name in kept}
+def largest(result: View, found: dict[str, Quantity], most: int) -> dict[str, Quantity]:
+    """The ``most`` quantities with the largest values, in the same order."""
+    chosen = sorted(found, key=lambda name: -found[name].largest(result.record))[:most]
+    return {name: one for name, one in found.items() if name in chosen}
 
 
-def titled(result: View, name: str) -> str:
-    """What a joint, gear or driver is called over its panel."""
+def title_of(result: View, name: str) -> str:
+    """Title of the panel of a joint, gear or driver."""
     mechanism = result.record.assembly.mechanism
     return (
         "joint " if name in mechanism.joints else "gear " if name in mechanism.gears else "driver "
@@ -143,12 +159,12 @@ def _force(result: View, name: str) -> Quantity:
         return np.asarray(hypot(force[:, 0], force[:, 1]), dtype=float)
 
     most = None if result.record.static else _column(joint_force_max, name)
-    return Quantity(titled(result, name), "force", "N", size, most, f"{name}.force.max")
+    return Quantity(title_of(result, name), "force", "N", size, most, f"{name}.force.max")
 
 
-def _carrying(result: View, found: dict[str, Quantity], beside: float) -> dict[str, Quantity]:
+def _above_noise(result: View, found: dict[str, Quantity], largest: float) -> dict[str, Quantity]:
     sizes = {name: one.largest(result.record) for name, one in found.items()}
-    noise = NOISE * max([beside, *sizes.values()])
+    noise = NOISE * max([largest, *sizes.values()])
     return {name: one for name, one in found.items() if sizes[name] > noise}
 
 
@@ -174,9 +190,9 @@ ALONE = (8.0, 2.9)  # of a panel without another one
 
 
 @dataclass(frozen=True)
-class Swept:
-    """How far a quantity reaches over a span: ``line`` at the outputs, from ``low`` to ``high`` between them
-    and over all turns.
+class Reach:
+    """Values of a quantity over a span: ``line`` at the outputs, ``low`` and ``high`` the extremes between
+    them and over all turns.
     """
 
     line: Array
@@ -208,25 +224,22 @@ def acceleration_curves(result: View, reference: View | None = None) -> Figure:
 
 def curves(result: View, reference: View | None, found: dict[str, Quantity], title: str) -> Figure:
     """A panel for each quantity: samples as a line, a band to the extremes between them, the ideal mechanism,
-    the peak that is reported.
+    the reported peak.
     """
-    chosen = list(hardest(result, found, MOST).values())
-    panels = Panels([PANEL if len(chosen) > 1 else ALONE] * len(chosen), 2, across=ACROSS)
+    chosen = list(largest(result, found, MOST).values())
+    panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
     over = span(result)
-    for k, (ax, one) in enumerate(zip(panels.axes, chosen, strict=True)):
+    for ax, one in zip(panels.axes, chosen, strict=True):
         draw(ax, result, reference, one, over)
-        over.mark(ax)
+        over.set_limits(ax)
         ax.set_title(one.title)
-        if k in panels.lowest:
-            ax.set_xlabel(over.title)
-        else:
-            ax.tick_params(labelbottom=False)
-    return panels.close(f"{result.name}: {title}{said(result, over)}")
+    panels.label_lowest(over.title, hide=True)
+    return panels.close(f"{result.name}: {title}{shown_part(result, over)}")
 
 
-def swept(result: View, one: Quantity, over: Span) -> Swept:
-    """How far a quantity reaches at each output of a span. Extremes are sizes: they are taken to be on the
-    side of the sample.
+def reach_of(result: View, one: Quantity, over: Span) -> Reach:
+    """Extremes of a quantity at each output of a span. They are recorded as sizes and take the sign of the
+    sample.
     """
     record = result.record
     samples = one.samples(record)
@@ -235,12 +248,12 @@ def swept(result: View, one: Quantity, over: Span) -> Swept:
     if one.extremes is not None and not record.static and len(samples) > 1:
         reach = over.overlaid(np.copysign(one.extremes(record), samples))[:, 1:]
         low[1:], high[1:] = np.minimum(low[1:], reach.min(axis=0)), np.maximum(high[1:], reach.max(axis=0))
-    return Swept(samples[over.first : over.last + 1], low, high)
+    return Reach(samples[over.first : over.last + 1], low, high)
 
 
 def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Span) -> None:
     """One quantity on its axes."""
-    reach = swept(result, one, over)
+    reach = reach_of(result, one, over)
     ideal = _ideal(reference, one, over)
     factor, unit = scale_of(
         max(reach.most, 0.0 if ideal is None else float(np.abs(ideal[1]).max())), one.unit
@@ -258,45 +271,32 @@ def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Sp
     look: dict[str, Any] = {"marker": "o", "ms": 3.0} if len(over.x) < 40 else {}
     ax.plot(*over.placed(factor * reach.line), color=BLUE, lw=0.9, label="at the outputs", zorder=4, **look)
     _peak(ax, result, one, over, reach, factor, unit)
-    ax.set_ylabel(f"{one.what} ({unit})")
+    ax.set_ylabel(f"{one.kind} ({unit})")
     ax.margins(y=0.08)
 
 
-def _peak(ax: Axes, result: View, one: Quantity, over: Span, reach: Swept, factor: float, unit: str) -> None:
-    """The peak that is reported, as a number and where it is; of a mean over turns also their highest, which
-    is the one that is marked.
+def _peak(ax: Axes, result: View, one: Quantity, over: Span, reach: Reach, factor: float, unit: str) -> None:
+    """Mark the reported peak and write its value; of a mean over turns also the highest of them, which is the
+    one that is marked.
     """
-    told = result.measures.get(one.peak)
-    if told is None:
+    measure = result.measures.get(one.peak)
+    if measure is None:
         return
     sizes = np.maximum(np.abs(reach.low), np.abs(reach.high))
     k = int(np.argmax(sizes))
     top = reach.high if reach.high[k] >= -reach.low[k] else reach.low
     x, y = over.placed(np.where(np.arange(len(sizes)) == k, factor * top, np.nan))
     name = "peak that is reported" if over.turns is None else "highest of these turns"
-    ax.plot(
-        x,
-        y,
-        ls="",
-        marker="v" if top is reach.high else "^",
-        ms=5,
-        color=DEEP,
-        mec=INK,
-        mew=0.5,
-        zorder=6,
-        label=name,
-    )
+    mark_peak(ax, x, y, top is reach.high, name)
     times = "" if one.unit in PREFIXED or factor == 1.0 else "× "
-    peak = (
-        f"peak {digits(factor * told)}"
-        if over.turns is None
-        else f"mean peak {digits(factor * told)}, highest {digits(factor * sizes[k])}"
-    )
-    ax.set_title(f"{peak} {times}{unit}", loc="right", fontsize=9, fontweight="normal")
+    peak = f"peak {digits(factor * measure)}"
+    if over.turns is not None:
+        peak = f"mean {peak}, highest {digits(factor * sizes[k])}"
+    corner_text(ax, f"{peak} {times}{unit}")
 
 
 def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float) -> None:
-    """How far companions go beyond the run."""
+    """Draw the range of the companion runs."""
     sizes = one.extremes
     if result.record.companions is None or sizes is None or over.last != len(result.record.steps) - 1:
         return
@@ -313,13 +313,60 @@ def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float
 
 
 def _ideal(reference: View | None, one: Quantity, over: Span) -> tuple[Array, Array] | None:
-    """The curve of the ideal mechanism; None where it has none there, as one that turned elsewhere while it
-    gathered speed.
+    """The curve of the ideal mechanism; None where it has no outputs over the same angles, as during a
+    run-up.
     """
     if reference is None:
         return None
     try:
-        x, y = over.beside(reference, one.samples(reference.record))
+        x, y = over.curve_of(reference, one.samples(reference.record))
     except (KeyError, ValueError, IndexError):
         return None
     return (x, y) if len(x) > 1 else None
+
+
+# ------------------------------------------------------------------------------------------------------------- energies
+
+STORED: dict[str, tuple[str, dict[str, Any]]] = {
+    "kinetic": ("kinetic", {"color": BLUE}),
+    "strain": ("strain of elastic links", {"color": GREEN}),
+    "spring": ("springs", {"color": PURPLE}),
+    "contact": ("contacts", {"color": SKY}),
+}
+SUPPLIED: dict[str, tuple[str, dict[str, Any]]] = {
+    "driver": ("work of drivers", {"color": INK, "ls": (0, (5, 1.6))}),
+    "external": ("work of weight and loads", {"color": GREY, "ls": (0, (5, 1.6))}),
+    "contact_loss": ("lost in impacts", {"color": VERMILION}),
+    "friction_loss": ("lost in friction", {"color": ORANGE}),
+    "damping_loss": ("lost in damping", {"color": INK, "ls": (0, (1, 1.2))}),
+    "spring_loss": ("lost in dampers", {"color": GREY, "ls": (0, (1, 1.2))}),
+}
+PRESENT = 1e-9  # of the largest term, below which one is nothing
+
+
+def energy(result: View) -> Figure:
+    """Stored energies, energies supplied and lost since the start, and the residual of the ledger over time."""
+    ledger, time = result.ledger, 1e3 * result.time
+    panels = Panels([(4.6, 2.3), (4.6, 2.3), (4.6, 1.5)], 1)
+    most = max(float(np.abs(values).max()) for values in ledger.terms.values())
+    for ax, terms, kind in (
+        (panels.axes[0], STORED, "stored"),
+        (panels.axes[1], SUPPLIED, "since the start"),
+    ):
+        present = {
+            name: ledger.terms[name] for name in terms if np.abs(ledger.terms[name]).max() > PRESENT * most
+        }
+        factor, unit = scale_of(
+            max((float(np.abs(values).max()) for values in present.values()), default=0.0), "J"
+        )
+        for name, values in present.items():
+            label, look = terms[name]
+            ax.plot(time, factor * values, label=label, **({"lw": 1.2} | look))
+        ax.set(ylabel=f"{kind} ({unit})", title="stored energy" if terms is STORED else "supplied and lost")
+    factor, unit = readable(ledger.residual, "J")
+    panels.axes[2].plot(time, factor * ledger.residual, color=BLUE, lw=1.0)
+    panels.axes[2].set(ylabel=f"residual ({unit})", title="what the ledger leaves open")
+    for ax in panels.axes:
+        ax.set_xlim(time[0], time[-1] if time[-1] > time[0] else time[0] + 1.0)
+    panels.label_lowest("time (ms)", hide=True)
+    return panels.close(f"{result.name}: energy")

@@ -1,5 +1,5 @@
-"""The mechanism drawn: where it starts, faint positions over a turn, joints, springs, ground, and names where
-they cover least.
+"""Drawings of a mechanism: one position with faint others behind it, and a strip of positions; names are
+placed where they cover least.
 """
 
 from __future__ import annotations
@@ -14,24 +14,23 @@ from numpy.typing import NDArray
 
 from ..model.outlines import loose_pins
 from .layout import Panels, fitting, width_of
-from .sheet import Sheet
-from .signs import (
+from .style import TEXT_BOX
+from .symbols import (
     Outline,
-    gear_seen,
-    gear_signs,
-    joint_signs,
-    load_signs,
-    named_places,
+    Sheet,
+    arrows,
+    draw_gears,
+    draw_joints,
+    draw_loads,
+    draw_springs,
+    gear_view,
+    joint_view,
+    label_places,
     outline,
-    seen,
-    spring_signs,
-    tails,
 )
-from .style import BODIES, length_unit
-from .turn import abscissa, said_shortly, span
+from .turn import abscissa, shown_turn, span
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from ..results.view import View
@@ -45,83 +44,66 @@ MOST_NAMED = 12  # bodies that the legend names
 
 
 def drawing(result: View, shown: int | None = None) -> Figure:
-    """Bodies at the start (a static analysis: at the end) or at an output, other positions faint behind them,
-    joints with their names.
+    """Draw the mechanism at an output, by default the first, of a static analysis the last; other positions
+    faint behind it.
     """
     mechanism = result.record.assembly.mechanism
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
     low, high = extent(result, outlines)
     panels = Panels([sides(high - low)], 1)
     at = (len(result.record.steps) - 1 if result.record.static else 0) if shown is None else shown
-    sheet = on_sheet(panels.axes[0], result, at, low, high)
-    later = _later(result, at)
+    sheet = Sheet.between(panels.axes[0], result, at, low, high)
+    others = _other_outputs(result, at)
     for name, one in outlines.items():
-        for k in later:
+        for k in others:
             sheet.line(sheet.factor * one.path[k], color=sheet.colours[name], lw=1.0, alpha=0.28, zorder=1)
         elastic = bool(result.record.assembly.bodies[name].elements)
         for pin in loose_pins(mechanism, name, elastic) if not result.record.static else ():
             sheet.line(sheet.path(name, pin), color=sheet.colours[name], lw=1.1, ls=(0, (1, 1.5)), zorder=2.5)
-    signs(sheet, outlines)
-    panels.told = legend(sheet, outlines) | sheet.signs
-    figure = panels.close(f"{mechanism.name} {_when(result, at, shown is not None, bool(later))}")
+    draw_symbols(sheet, outlines)
+    panels.entries = legend(sheet, outlines) | sheet.symbols
+    figure = panels.close(f"{mechanism.name} {_position(result, at, shown is not None, bool(others))}")
     place_names(sheet)
     return figure
 
 
 def strip(result: View) -> Figure:
-    """The mechanism at moments of the last turn, or of the whole run, side by side."""
+    """Draw the mechanism at several outputs of the last turn, or of the whole run, side by side."""
     outlines = {name: outline(result, name) for name in result.record.assembly.bodies}
     low, high = extent(result, outlines)
     width, height = sides(high - low)
     over = span(result)
-    whole = over.cut is not None  # then the last one is the first one again
+    whole = over.cut is not None  # the last output repeats the first
     moments = np.linspace(over.first, over.last, min(STRIP + whole, over.last - over.first + 1)).astype(int)[
         : STRIP if whole else None
     ]
     panels = Panels([(SMALLER * width, SMALLER * height)] * len(moments), 4, across=0.3, down=0.4)
     for ax, k in zip(panels.axes, moments, strict=True):
-        sheet = on_sheet(ax, result, int(k), low, high)
-        signs(sheet, outlines)
+        sheet = Sheet.between(ax, result, int(k), low, high)
+        draw_symbols(sheet, outlines)
         ax.set_title(moment(result, over.x[k - over.first], int(k)), fontsize=9, fontweight="normal")
         ax.set(xlabel="", ylabel="", xticks=[], yticks=[])
         for spine in ax.spines.values():
             spine.set_visible(False)
-    panels.told = legend(sheet, outlines)
-    return panels.close(f"{result.name}{said_shortly(result, over)}")
+    panels.entries = legend(sheet, outlines)
+    return panels.close(f"{result.name}{shown_turn(result, over)}")
 
 
 def moment(result: View, x: float, k: int) -> str:
-    """An output in words."""
+    """Crank angle, time or load factor of an output in words."""
     if result.record.static:
         return f"load factor {result.time[k]:.4g}"
     return f"{1e3 * result.time[k]:.4g} ms" if result.crank is None else f"{x % 360.0:.0f}°"
 
 
 def sides(span: Array) -> tuple[float, float]:
-    """Width and height (inches) of a drawing."""
+    """Width and height (inches) of a drawing of this extent."""
     wide, tall = np.asarray(span / (float(np.max(span)) or 1.0)) * SIZE
     return float(wide), float(tall)
 
 
-def on_sheet(ax: Axes, result: View, shown: int, low: Array, high: Array) -> Sheet:
-    """Axes of equal scales for what is drawn of an output."""
-    size = float(np.max(high - low)) or 1.0
-    factor, unit = length_unit(size)
-    names = list(result.record.assembly.bodies)
-    colours = {name: BODIES[k % len(BODIES)] for k, name in enumerate(names)}
-    striped = frozenset(names[len(BODIES) :])
-    ax.set(
-        xlim=factor * np.array([low[0], high[0]]),
-        ylim=factor * np.array([low[1], high[1]]),
-        xlabel=f"x ({unit})",
-        ylabel=f"y ({unit})",
-    )
-    ax.set_autoscale_on(False)
-    return Sheet(ax, result, factor, factor * size, shown, colours, striped)
-
-
 def legend(sheet: Sheet, outlines: dict[str, Outline]) -> dict[str, Any]:
-    """Bodies in their colours; of very many the first."""
+    """Legend entries of the first bodies."""
     found: dict[str, Any] = {}
     for name, one in list(outlines.items())[: MOST_NAMED - (len(outlines) > MOST_NAMED)]:
         dot = {"ls": "", "marker": "o", "ms": 8} if one.path.shape[1] == 1 else {"lw": 4.0}
@@ -133,20 +115,19 @@ def legend(sheet: Sheet, outlines: dict[str, Outline]) -> dict[str, Any]:
     return found
 
 
-def signs(sheet: Sheet, outlines: dict[str, Outline]) -> None:
-    """Bodies, gears, joints, springs and loads as they are at the output that is shown."""
+def draw_symbols(sheet: Sheet, outlines: dict[str, Outline]) -> None:
+    """Draw bodies, gears, joints, springs and loads at the output of the sheet."""
     for name, one in outlines.items():
-        body_sign(sheet, name, one)
-    gear_signs(sheet)
-    joint_signs(sheet)
-    spring_signs(sheet)
-    load_signs(sheet)
+        _draw_body(sheet, name, one)
+    for draw in (draw_gears, draw_joints, draw_springs, draw_loads):
+        draw(sheet)
 
 
-def _when(result: View, shown: int, asked: bool, faint: bool) -> str:
+def _position(result: View, shown: int, chosen: bool, faint: bool) -> str:
+    """Which position is drawn, and which faint ones."""
     if result.record.static:
         return f"at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
-    if asked:
+    if chosen:
         angle = "" if result.crank is None else f"{result.crank} at {abscissa(result)[shown] % 360.0:.4g}°, "
         return f"at {angle}{1e3 * result.time[shown]:.4g} ms" + (
             " (faint: over the last turn)" if faint and result.crank is not None else ""
@@ -157,21 +138,19 @@ def _when(result: View, shown: int, asked: bool, faint: bool) -> str:
 
 
 def extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
-    """Lower left and upper right corner (m) of what is drawn, with a margin that holds the signs for the
-    ground.
-    """
+    """Lower left and upper right corner (m) of a drawing, with a margin for the symbols of the ground."""
     mechanism = result.record.assembly.mechanism
     points = [one.path.reshape(-1, 2) for one in outlines.values()]
     shown = len(result.record.steps) - 1 if result.record.static else 0
-    sheet = Sheet(None, result, 1.0, 1.0, shown, {})  # type: ignore[arg-type]  # measures only
+    sheet = Sheet(None, result, 1.0, 1.0, shown, {})  # type: ignore[arg-type]  # for positions only
     for joint in mechanism.joints.values():
         around, *reaches = joint.drawn
         for reach, side in zip(reaches, joint.sides, strict=True):
             path = sheet.path(*side)
             points += [] if reach is None else [path - reach, path + reach]
-        points += [seen(sheet, joint).space(around)] if around else []
+        points += [joint_view(sheet, joint).space(around)] if around else []
     for gear in mechanism.gears.values():
-        for centre, radius in gear.wheels(gear_seen(sheet, gear)):
+        for centre, radius in gear.wheels(gear_view(sheet, gear)):
             points.append(np.stack([centre - radius, centre + radius]))
     for spring in mechanism.springs.values():
         points += [sheet.at(end)[None, :] for end in (spring.first, spring.second) if "." in end]
@@ -179,13 +158,12 @@ def extent(result: View, outlines: dict[str, Outline]) -> tuple[Array, Array]:
     everything = everything[np.isfinite(everything).all(axis=1)]
     low, high = everything.min(axis=0), everything.max(axis=0)
     margin = 0.08 * (float(np.max(high - low)) or 1.0)
-    for end, tail in tails(sheet, 0.15 * float(np.max(high - low))):
-        low, high = np.minimum(low, tail), np.maximum(high, tail)
-        low, high = np.minimum(low, end), np.maximum(high, end)
+    for end, tail in arrows(sheet, 0.15 * float(np.max(high - low))):
+        low, high = np.minimum.reduce([low, end, tail]), np.maximum.reduce([high, end, tail])
     return low - margin * np.array([1.2, 1.7]), high + 1.2 * margin
 
 
-def _later(result: View, shown: int) -> list[int]:
+def _other_outputs(result: View, shown: int) -> list[int]:
     """Outputs at which the mechanism is drawn faintly."""
     if result.record.static:
         return [k for k in range(len(result.record.steps)) if k != shown]
@@ -195,8 +173,8 @@ def _later(result: View, shown: int) -> list[int]:
     return [int(k) for k in chosen[np.linspace(0, len(chosen) - 1, POSITIONS + 1).astype(int)][:-1]]
 
 
-def body_sign(sheet: Sheet, name: str, one: Outline) -> None:
-    """A body as a line, a plate or a point."""
+def _draw_body(sheet: Sheet, name: str, one: Outline) -> None:
+    """Draw a body as a line, a plate or a point."""
     ax, path, colour = sheet.ax, sheet.factor * one.path[sheet.shown], sheet.colours[name]
     if len(path) == 1:
         ax.plot(*path.T, color=colour, ls="", marker="o", ms=10, label=name, zorder=3)
@@ -219,13 +197,18 @@ TAKEN, OUTSIDE, COVERED, FAR = (
     4000.0,
     3.0,
     0.25,
-)  # what it costs: another name, the edge, a place of a line, a point of distance
+)  # costs: another name, the edge, a covered place of a line, a point of distance
 LOWEST = 2.0  # zorder from which on a line should not be covered; what is faint lies below
-BACK = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.75}
 
 
 def place_names(sheet: Sheet) -> None:
-    """Writes the names where they cover least of what is drawn. The axes have their place and limits."""
+    """Write the names of joints where they cover least of the drawing; the axes have their final position and
+    limits.
+    """
+    # Each name in turn takes the cheapest of its candidate places: around its symbol at five distances in 16
+    # directions. An optimum over all
+    # names at once would cost a combinatorial search and gain little, because names are few and small beside
+    # the drawing.
     ax = sheet.ax
     lines = [np.asarray(line.get_xydata(), dtype=float) for line in ax.lines if line.get_zorder() >= LOWEST]
     lines += [
@@ -235,33 +218,30 @@ def place_names(sheet: Sheet) -> None:
     ]
     points = ax.figure.dpi / 72.0
 
-    def seen(at: Array) -> Array:
+    def to_points(at: Array) -> Array:
         return np.asarray(ax.transData.transform(at), dtype=float) / points
 
-    places = named_places(sheet)
-    signs = np.array([seen(label.at) for label, _ in places]).reshape(-1, 2)
+    places = label_places(sheet)
+    centres_of_symbols = np.array([to_points(label.at) for label, _ in places]).reshape(-1, 2)
     covered = np.concatenate(
-        [signs, *(_along(seen(line[np.isfinite(line).all(axis=1)])) for line in lines if len(line))]
+        [
+            centres_of_symbols,
+            *(_points_along(to_points(line[np.isfinite(line).all(axis=1)])) for line in lines if len(line)),
+        ]
     )
     box = ax.get_window_extent()
     corners = np.array([[box.x0, box.y0], [box.x1, box.y1]]) / points
     taken: list[Array] = []
-    look: dict[str, Any] = {
-        "ha": "center",
-        "va": "center",
-        "weight": "bold",
-        "fontsize": NAME_SIZE,
-        "bbox": BACK,
-        "zorder": 9,
-    }
-    for (label, names), sign in zip(places, signs, strict=True):
+    look = TEXT_BOX | {"fontsize": NAME_SIZE}
+    for (label, names), symbol in zip(places, centres_of_symbols, strict=True):
         text = fitting(ax.figure, ", ".join(names), LONGEST, NAME_SIZE, "bold")  # type: ignore[arg-type]
         half = np.array([0.5 * 72.0 * width_of(ax.figure, text, NAME_SIZE, "bold"), 0.5 * HIGH])  # type: ignore[arg-type]
         room = (corners[0] + half, np.maximum(corners[0] + half, corners[1] - half))
-        centres = _candidates(np.clip(sign, *room) if label.fixed else sign, half, label.fixed)
+        centres = _candidates(np.clip(symbol, *room) if label.fixed else symbol, half, label.fixed)
         cost = np.array([_cost(centre, half, covered, taken, corners) for centre in centres])
-        gap = np.linalg.norm(np.maximum(np.abs(centres - sign) - half, 0.0), axis=1)
-        outward = (centres - sign) @ _unit(sign - corners.mean(axis=0)) / 60.0
+        gap = np.linalg.norm(np.maximum(np.abs(centres - symbol) - half, 0.0), axis=1)
+        from_middle = symbol - corners.mean(axis=0)
+        outward = (centres - symbol) @ from_middle / (float(np.linalg.norm(from_middle)) or 1.0) / 60.0
         best = centres[
             int(np.argmin(cost + FAR * gap - outward - (8.0 * label.fixed * (np.arange(len(centres)) == 0))))
         ]
@@ -269,19 +249,19 @@ def place_names(sheet: Sheet) -> None:
         ax.annotate(
             text,
             tuple(label.at),
-            xytext=tuple(best - sign),
+            xytext=tuple(best - symbol),
             textcoords="offset points",
             annotation_clip=False,
             **look,
         )
 
 
-def _candidates(sign: Array, half: Array, fixed: bool) -> Array:
-    """Centres that a name may have: its own place first where it has one, then all around its sign."""
+def _candidates(symbol: Array, half: Array, fixed: bool) -> Array:
+    """Possible centres of a name: its own place first where it has one, then all around its symbol."""
     turn = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
     ways = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    around = [sign + ways * (half + away) for away in AWAY]
-    return np.concatenate([[sign], *around] if fixed else around)
+    around = [symbol + ways * (half + away) for away in AWAY]
+    return np.concatenate([[symbol], *around] if fixed else around)
 
 
 def _cost(centre: Array, half: Array, covered: Array, taken: list[Array], corners: Array) -> float:
@@ -291,14 +271,10 @@ def _cost(centre: Array, half: Array, covered: Array, taken: list[Array], corner
     return cost + TAKEN * sum(bool(((low < other[1]) & (high > other[0])).all()) for other in taken)
 
 
-def _along(corners: Array) -> Array:
-    """Places along a line, near each other."""
+def _points_along(corners: Array) -> Array:
+    """Points along a line, ``APART`` from each other."""
     found = [corners[:1]]
     for first, second in pairwise(corners):
         count = min(int(np.linalg.norm(second - first) / APART) + 1, 400)
         found.append(first + np.linspace(0.0, 1.0, count + 1)[1:, None] * (second - first))
     return np.concatenate(found)
-
-
-def _unit(away: Array) -> Array:
-    return away / (float(np.linalg.norm(away)) or 1.0)

@@ -1,5 +1,5 @@
-"""A run as a film: the mechanism as it moves, its clearance drawn larger, and beside it the forces as they
-come.
+"""Frames of a film: the moving mechanism with its clearances enlarged, and beside it the growing curves of
+joint forces.
 """
 
 from __future__ import annotations
@@ -18,32 +18,208 @@ from numpy.typing import NDArray
 from ..measures.motion import pin_path
 from ..results.view import View
 from ..solvers.record import Record
-from .curves import Quantity, joint_forces, loaded_joints
-from .drawing import extent, signs
-from .sheet import Sheet
-from .signs import Outline, joint_names, outline
-from .stage import Drawn, Notes, Stage
-from .style import BLUE, BODIES, INK, ORANGE, STYLE, VERMILION, heading, length_unit, scale_of
+from .curves import Quantity, joint_forces, largest_forces
+from .drawing import draw_symbols, extent
+from .style import BLUE, INK, ORANGE, STYLE, VERMILION, heading, scale_of
+from .symbols import Outline, Sheet, joint_names, outline
 from .turn import Span, abscissa, axis_title, one_turn
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 SIZE = (10.0, 5.625)  # inches
 MOST_PANELS = 3
-PLAY = 0.028  # radius of the largest clearance circle, as a share of the drawing
-BESIDE = 7.0  # points by which a name stands farther away where circles are drawn larger
-SEEN = 2.0  # times as large: play that would be drawn larger by less is seen as it is
-TRAIL = 12  # frames that a journal's way is seen in its circle
+CIRCLE_RADIUS = 0.028  # radius of the largest clearance circle, as a share of the drawing
+NAME_OFFSET = 7.0  # points by which names are moved away from enlarged circles
+LEAST_ENLARGED = 2.0  # below this factor clearances are drawn as they are
+TRAIL = 12  # frames over which a journal's path is shown in its circle
 CIRCLE = np.stack(
     [np.cos(np.linspace(0.0, 2.0 * np.pi, 49)), np.sin(np.linspace(0.0, 2.0 * np.pi, 49))], axis=1
 )
+TEXTUAL = ("weight", "fontsize", "color")  # properties of a text that change its pixels
 
 
 @dataclass
-class MovingSheet(Sheet):
-    """A sheet on which the same mechanism is drawn again and again: paths are found once."""
+class DrawCall:
+    """A call of a method of axes, with its look and text, and the position of what is drawn, shape (points,
+    2).
+    """
+
+    method: str
+    look: dict[str, Any]
+    at: Array
+    text: str = ""
+
+    def same_artist(self, other: DrawCall) -> bool:
+        """Whether the other call draws the same artist at another position."""
+        return (self.method, self.text, self.look) == (other.method, other.text, other.look)
+
+    @property
+    def rank(self) -> float:
+        """Order of drawing: matplotlib's zorder."""
+        return float(self.look.get("zorder", 2.0))
+
+
+def points(x: Any, y: Any) -> Array:
+    """Positions as rows, shape (points, 2)."""
+    return np.stack([np.atleast_1d(x), np.atleast_1d(y)], axis=1).astype(float)
+
+
+@dataclass
+class CallRecorder:
+    """Axes of a sheet that record calls instead of drawing."""
+
+    calls: list[DrawCall] = field(default_factory=list)
+
+    def plot(self, x: Any, y: Any, **look: Any) -> list[None]:
+        """Record a line."""
+        if np.size(x):
+            self.calls.append(DrawCall("plot", look, points(x, y)))
+        return [None]
+
+    def fill(self, x: Any, y: Any, **look: Any) -> list[None]:
+        """Record an area."""
+        self.calls.append(DrawCall("fill", look, points(x, y)))
+        return [None]
+
+    def annotate(self, text: str, xy: Any, *, xytext: Any, **look: Any) -> None:
+        """Record a text beside a position, or an arrow to it."""
+        self.calls.append(DrawCall("annotate", look, np.array([xy, xytext], dtype=float), text))
+
+    def text(self, x: float, y: float, text: str, **look: Any) -> None:
+        """Record a text."""
+        self.calls.append(DrawCall("text", look, np.array([[x, y]], dtype=float), text))
+
+
+def draw_on(ax: Axes, call: DrawCall) -> Artist:
+    """Carry out a recorded call."""
+    if call.method == "plot":
+        return ax.plot(*call.at.T, **call.look)[0]
+    if call.method == "fill":
+        return ax.fill(*call.at.T, **call.look)[0]
+    if call.method == "annotate":
+        return ax.annotate(call.text, tuple(call.at[0]), xytext=tuple(call.at[1]), **call.look)
+    return ax.text(float(call.at[0, 0]), float(call.at[0, 1]), call.text, **call.look)
+
+
+def move(artist: Any, call: DrawCall) -> None:
+    """Move an artist to the position of a call; texts are drawn as sprites, arrows alone are annotations
+    here.
+    """
+    if call.method == "plot":
+        artist.set_data(*call.at.T)
+    elif call.method == "fill":
+        artist.set_xy(call.at)
+    else:
+        artist.xy = tuple(call.at[0])
+        artist.set_position(tuple(call.at[1]))
+
+
+class TextSprite:
+    """A text as pixels, rendered once, because text takes longest to draw of all that moves. It covers what
+    is under it.
+    """
+
+    def __init__(self, ax: Axes, call: DrawCall) -> None:
+        self.ax, self.canvas, dpi = ax, ax.figure.canvas, ax.figure.dpi
+        look = {name: value for name, value in call.look.items() if name in TEXTUAL}
+        figure = Figure(figsize=(0.35 + 0.11 * len(call.text), 0.35), dpi=dpi, facecolor="white")
+        own: Any = FigureCanvasAgg(figure)  # whose methods have no types
+        figure.text(0.5, 0.5, call.text, ha="center", va="center", **look)
+        own.draw()
+        drawn = np.array(own.buffer_rgba())
+        rows, columns = (np.flatnonzero((drawn[..., :3] < 255).any(axis=(2, axis))) for axis in (1, 0))
+        spaces = [
+            slice(max(int(at[0]) - 2, 0), int(at[-1]) + 3) if len(at) else slice(0, 0)
+            for at in (rows, columns)
+        ]
+        self.pixels = drawn[spaces[0], spaces[1]]
+        self.scale = dpi / 72.0
+
+    def draw(self, call: DrawCall) -> None:
+        """Copy the pixels to the position of a call, as far as it is on the canvas."""
+        picture = np.asarray(self.canvas.buffer_rgba())  # type: ignore[attr-defined]  # of Agg
+        x, y = self.ax.transData.transform(call.at[0]) + (
+            self.scale * call.at[1] if len(call.at) > 1 else 0.0
+        )
+        (height, width), (tall, wide) = picture.shape[:2], self.pixels.shape[:2]
+        top, left = round(height - y - 0.5 * tall), round(x - 0.5 * wide)
+        rows, columns = (
+            slice(max(top, 0), min(top + tall, height)),
+            slice(max(left, 0), min(left + wide, width)),
+        )
+        if rows.start < rows.stop and columns.start < columns.stop:
+            picture[rows, columns] = self.pixels[
+                rows.start - top : rows.stop - top, columns.start - left : columns.stop - left
+            ]
+
+
+class Playback:
+    """Draws the recorded calls of many frames; artists that stand still below all moving ones are drawn once,
+    with the background.
+
+    matplotlib takes some 100 ms to draw a figure and 5 ms to draw the moving artists alone, so a frame
+    restores the pixels of the background and draws only these over it.
+    """
+
+    def __init__(self, ax: Axes, frames: list[list[DrawCall]]) -> None:
+        self.ax, self.frames = ax, frames
+        first = frames[0]
+        same = all(
+            len(one) == len(first) and all(a.same_artist(b) for a, b in zip(one, first, strict=True))
+            for one in frames
+        )
+        still = [
+            same and all(np.array_equal(one[k].at, first[k].at, equal_nan=True) for one in frames)
+            for k in range(len(first))
+        ]
+        lowest = min(
+            [call.rank for call, fixed in zip(first, still, strict=True) if not fixed], default=np.inf
+        )
+        below = (
+            k
+            for k, call in enumerate(first)
+            if still[k] and (call.rank < lowest or call.method in ("text", "annotate"))
+        )
+        self.background = set(below)  # texts, though not below, are slow to draw
+        for k in sorted(self.background):
+            draw_on(ax, first[k])
+        self.artists: list[Artist | TextSprite] = []
+        self.shown: list[DrawCall] = []
+        self.sprites: dict[str, TextSprite] = {}
+
+    def draw(self, frame: int) -> None:
+        """Draw the moving artists of a frame over the canvas."""
+        calls = sorted(
+            (call for k, call in enumerate(self.frames[frame]) if k not in self.background),
+            key=lambda call: call.rank,
+        )
+        if len(calls) != len(self.shown) or not all(
+            a.same_artist(b) for a, b in zip(calls, self.shown, strict=True)
+        ):
+            for artist in self.artists:
+                if not isinstance(artist, TextSprite):
+                    artist.remove()
+            self.artists = [self._sprite(call) if call.text else draw_on(self.ax, call) for call in calls]
+        for artist, call in zip(self.artists, calls, strict=True):
+            if isinstance(artist, TextSprite):
+                artist.draw(call)
+            else:
+                move(artist, call)
+                self.ax.draw_artist(artist)
+        self.shown = calls
+
+    def _sprite(self, call: DrawCall) -> TextSprite:
+        if call.text not in self.sprites:
+            self.sprites[call.text] = TextSprite(self.ax, call)
+        return self.sprites[call.text]
+
+
+@dataclass
+class FilmSheet(Sheet):
+    """A sheet that is drawn once a frame: paths are computed once."""
 
     paths: dict[tuple[str, str], Array] = field(default_factory=dict)
 
@@ -55,8 +231,8 @@ class MovingSheet(Sheet):
 
 
 @dataclass(frozen=True)
-class Running:
-    """A curve that runs: its axes, and where its head is at each frame, in the units drawn."""
+class ForcePanel:
+    """Axes with a growing curve, and its points in the units drawn."""
 
     ax: Axes
     x: Array
@@ -71,14 +247,14 @@ class Film:
     def __init__(self, result: View, reference: View | None, frames: int, turns: float, dpi: float) -> None:
         self.result, self.reference = result, reference
         self.first = first_output(result, turns)
-        self.at = places_between(len(result.record.steps), self.first, frames)
-        self.view = moments(result, self.at)
+        self.at = frame_positions(len(result.record.steps), self.first, frames)
+        self.view = interpolated(result, self.at)
         self.frames = len(self.at)
         self.over, _ = one_turn(abscissa(result)[self.first :], result)
         with matplotlib.rc_context(STYLE):
             self.figure = Figure(figsize=SIZE, dpi=dpi)
             self.canvas: Any = FigureCanvasAgg(self.figure)  # whose methods have no types
-            self._draw_still()
+            self._draw_background()
         self.size = self.canvas.get_width_height()
 
     def pictures(self) -> Iterator[NDArray[np.uint8]]:
@@ -112,8 +288,8 @@ class Film:
                 for head, curve in zip(heads, self.curves, strict=True):
                     head.set_data([self._head(curve.x, k)], [self._head(curve.y, k)])
                     curve.ax.draw_artist(head)
-                self.stage.draw(k)
-                self.clock.set_text(self._moment(k))
+                self.playback.draw(k)
+                self.clock.set_text(self._clock_text(k))
                 self.figure.draw_artist(self.clock)
                 yield np.asarray(self.canvas.buffer_rgba())
 
@@ -124,7 +300,7 @@ class Film:
     def _head(self, values: Array, k: int) -> float:
         return float(np.interp(self.at[k] - self.first, np.arange(len(values)), values))
 
-    def _moment(self, k: int) -> str:
+    def _clock_text(self, k: int) -> str:
         now = self._head(self.result.time[self.first :], k)
         if self.result.record.static:
             return f"load factor {now:.4g}"
@@ -134,61 +310,50 @@ class Film:
     # -------------------------------------------------------------------------------------------- what does
     # not move
 
-    def _draw_still(self) -> None:
-        names = loaded_joints(self.result, MOST_PANELS)
+    def _draw_background(self) -> None:
+        names = list(largest_forces(self.result, MOST_PANELS))
         left, right = (0.075, 0.56) if names else (0.09, 0.97)
         ax = self.figure.add_axes((left, 0.11, right - left, 0.76))
         mechanism = self.result.record.assembly.mechanism
         outlines = {name: outline(self.view, name) for name in self.view.record.assembly.bodies}
         low, high = extent(self.view, outlines)
-        size = float(np.max(high - low)) or 1.0
-        factor, unit = length_unit(size)
-        colours, striped = (
-            {name: BODIES[k % len(BODIES)] for k, name in enumerate(outlines)},
-            frozenset(list(outlines)[len(BODIES) :]),
-        )
         ax.set_aspect("equal")
-        ax.set(
-            xlim=factor * np.array([low[0], high[0]]),
-            ylim=factor * np.array([low[1], high[1]]),
-            xlabel=f"x ({unit})",
-            ylabel=f"y ({unit})",
-        )
-        ax.set_autoscale_on(False)
+        sheet = FilmSheet.between(ax, self.view, 0, low, high)
         largest = max((joint.clearance for joint in mechanism.clearances.values()), default=0.0)
-        larger = PLAY * size / largest if largest > 0.0 else 1.0
-        self.larger = float(f"{larger:.2g}") if larger > SEEN else 1.0
-        sheet = MovingSheet(ax, self.view, factor, factor * size, 0, colours, striped)
-        self.stage = Stage(ax, [self._noted(sheet, outlines, k) for k in range(self.frames)])
+        factor = CIRCLE_RADIUS * sheet.size / sheet.factor / largest if largest > 0.0 else 1.0
+        self.enlarged = float(f"{factor:.2g}") if factor > LEAST_ENLARGED else 1.0
+        self.playback = Playback(ax, [self._recorded(sheet, outlines, k) for k in range(self.frames)])
         self.curves = [self._panel(name, k, len(names)) for k, name in enumerate(names)]
         ax.apply_aspect()
         corner = ax.get_position()
         self.clock = self.figure.text(corner.x0, corner.y1 + 0.015, "", va="bottom", animated=True, color=INK)
-        played = f"; play drawn {self.larger:.4g} times as large" if self.larger > 1.0 else ""
-        heading(self.figure, f"{mechanism.name}{played}")
+        scale = f"; play drawn {self.enlarged:.4g} times as large" if self.enlarged > 1.0 else ""
+        heading(self.figure, f"{mechanism.name}{scale}")
 
-    def _noted(self, sheet: MovingSheet, outlines: dict[str, Outline], k: int) -> list[Drawn]:
-        """What there is to draw of the mechanism at a frame."""
-        notes: Any = Notes()
-        sheet.ax, sheet.shown = notes, k
-        signs(sheet, outlines)
+    def _recorded(self, sheet: Sheet, outlines: dict[str, Outline], k: int) -> list[DrawCall]:
+        """The calls that draw the mechanism of a frame."""
+        recorder: Any = CallRecorder()
+        sheet.ax, sheet.shown = recorder, k
+        draw_symbols(sheet, outlines)
         every = np.concatenate([one.path.reshape(-1, 2) for one in outlines.values()])
-        joint_names(sheet, sheet.factor * np.nanmean(every, axis=0), BESIDE if self.larger > 1.0 else 0.0)
-        self._play(sheet, k)
-        return list(notes.drawn)
+        joint_names(
+            sheet, sheet.factor * np.nanmean(every, axis=0), NAME_OFFSET if self.enlarged > 1.0 else 0.0
+        )
+        self._clearance_circles(sheet, k)
+        return list(recorder.calls)
 
-    def _play(self, sheet: MovingSheet, k: int) -> None:
-        """Clearance circles drawn larger, in each the journal's centre and where it was just before."""
-        for joint in sheet.mechanism.clearances.values() if self.larger > 1.0 else ():
+    def _clearance_circles(self, sheet: Sheet, k: int) -> None:
+        """Enlarged clearance circles, in each the journal's centre and its path of the last frames."""
+        for joint in sheet.mechanism.clearances.values() if self.enlarged > 1.0 else ():
             at = sheet.at(joint.bearing)
             away = sheet.path(*joint.sides[1]) - sheet.path(*joint.sides[0])
-            circle = at + self.larger * sheet.factor * joint.clearance * CIRCLE
+            circle = at + self.enlarged * sheet.factor * joint.clearance * CIRCLE
             sheet.ax.fill(*circle.T, facecolor="white", edgecolor=INK, lw=1.2, zorder=9.1)
-            trail = at + self.larger * away[max(k - TRAIL, 0) : k + 1]
+            trail = at + self.enlarged * away[max(k - TRAIL, 0) : k + 1]
             sheet.line(trail, color=ORANGE, lw=1.2, zorder=9.2)
             sheet.ax.plot(*trail[-1], ls="", marker="o", ms=5, color=VERMILION, mec=INK, mew=0.8, zorder=9.3)
 
-    def _panel(self, name: str, k: int, count: int) -> Running:
+    def _panel(self, name: str, k: int, count: int) -> ForcePanel:
         """Axes for the force of a joint: the whole curve faint, the ideal one, and room for the one that
         runs.
         """
@@ -222,7 +387,7 @@ class Film:
         ):
             ax.set_xticks(np.arange(60.0 * math.ceil(min(found.x) / 60.0 - 1e-6), max(found.x) + 1e-6, 60.0))
         ax.set_autoscale_on(False)
-        return Running(ax, found.x, factor * found.force)
+        return ForcePanel(ax, found.x, factor * found.force)
 
 
 def _limits(x: Array) -> tuple[float, float]:
@@ -242,17 +407,15 @@ def first_output(result: View, turns: float) -> int:
     return int(np.argmax(record.steps > begin - 0.5))
 
 
-def places_between(outputs: int, first: int, frames: int) -> Array:
-    """Where among the outputs each frame is, shape (frames,): output 7 and a quarter is 7.25. Never more
-    frames than outputs.
+def frame_positions(outputs: int, first: int, frames: int) -> Array:
+    """Position of each frame among the outputs, shape (frames,), such as 7.25; never more frames than
+    outputs.
     """
     return np.linspace(first, outputs - 1, min(frames, outputs - first))
 
 
-def moments(result: View, at: Array) -> View:
-    """The run as it is at places between its outputs: positions and angles on a straight line from one to the
-    next, shape (places, rows).
-    """
+def interpolated(result: View, at: Array) -> View:
+    """The run interpolated linearly at positions among its outputs, shape (frames, rows)."""
     record = result.record
     low = np.minimum(at.astype(int), max(len(record.steps) - 2, 0))
     share = (at - low)[:, None]
@@ -278,12 +441,12 @@ class ForceCurve:
 
 
 def force_from(result: View, reference: View | None, one: Quantity, first: int) -> ForceCurve:
-    """The force of a joint from an output on; the ideal one's last turn again for each turn of it."""
+    """The force of a joint from an output on; the last turn of the ideal one is repeated for each turn."""
     x, origin = one_turn(abscissa(result)[first:], result)
     force = largest(result, one)[first:]
     if reference is None:
         return ForceCurve(x, force, None)
-    at, values = Span(first, first + len(x) - 1, x, None, axis_title(result), origin).beside(
+    at, values = Span(first, first + len(x) - 1, x, None, axis_title(result), origin).curve_of(
         reference, largest(reference, one)
     )
     if result.crank is not None and not result.record.static:

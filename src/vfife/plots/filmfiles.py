@@ -1,4 +1,4 @@
-"""Films as files: GIF by Pillow, MP4 by the ffmpeg that imageio-ffmpeg brings; whole or not there."""
+"""Films as files: GIF by Pillow, MP4 by the ffmpeg of imageio-ffmpeg; complete or not there."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .style import BODIES, FAINT, GREY, INK, ORANGE, VERMILION
 if TYPE_CHECKING:
     from ..results.view import View
 
-Told = Callable[[int, int], None]  # frames that are done, and all of them
+Progress = Callable[[int, int], None] | None  # frames that are done, and all frames
 FILMS = (".gif", ".mp4")
 PIXELS = {".gif": 96.0, ".mp4": 128.0}  # an inch: 960 by 540 and 1280 by 720
 MOST_FRAMES = 3000
@@ -39,16 +39,15 @@ def animate(
     frames: int = 240,
     rate: float = 25.0,
     turns: float = 1.0,
-    told: Told | None = None,
+    progress: Progress = None,
     reference: View | None = None,
 ) -> tuple[int, float]:
-    """Writes a film of the last ``turns`` turns, of the whole run without a crank; returns how many frames it
-    has and how long (s) it is.
+    """Write a film of the last ``turns`` turns, of the whole run without a crank; return its number of frames
+    and its length (s).
 
-    It has as many ``frames`` as are asked for, or as the run has outputs, ``rate`` of them a second; few
-    equilibria are shown more slowly. ``told`` is called after each. Raises VfifeError for another ending,
-    numbers out of range, and MP4 without imageio-ffmpeg; StorageError or OSError where the file cannot be
-    written.
+    It has ``frames`` frames, at most one for each output, ``rate`` of them a second; few equilibria are shown
+    more slowly. ``progress`` is called after each. Raises VfifeError for another ending, numbers out of
+    range, and MP4 without imageio-ffmpeg; StorageError or OSError where the file cannot be written.
     """
     kind = path.suffix.lower()
     if kind not in FILMS:
@@ -71,9 +70,9 @@ def animate(
         rate = min(rate, max(1.0, film.frames / SHORTEST))
     with replacement(path) as part:
         if kind == ".gif":
-            _gif(film, part, rate, told)
+            _gif(film, part, rate, progress)
         else:
-            _mp4(film, path, part, rate, told, program)
+            _mp4(film, path, part, rate, progress, program)
     return film.frames, film.frames / rate
 
 
@@ -88,10 +87,10 @@ def _ffmpeg(path: Path) -> str:
         raise VfifeError(f"{path}: imageio-ffmpeg finds no ffmpeg here ({error}); write .gif") from error
 
 
-def _mp4(film: Film, path: Path, part: Path, rate: float, told: Told | None, program: str) -> None:
+def _mp4(film: Film, path: Path, part: Path, rate: float, progress: Progress, program: str) -> None:
     """H.264 in the colours that every player shows. Ctrl-C does not reach the encoder: it is ended here."""
     width, height = film.size
-    given = [
+    source = [
         "-f",
         "rawvideo",
         "-pix_fmt",
@@ -104,7 +103,7 @@ def _mp4(film: Film, path: Path, part: Path, rate: float, told: Told | None, pro
         "-",
         "-an",
     ]
-    wanted = [
+    target = [
         "-c:v",
         "libx264",
         "-preset",
@@ -118,10 +117,10 @@ def _mp4(film: Film, path: Path, part: Path, rate: float, told: Told | None, pro
         "-f",
         "mp4",
     ]
-    with TemporaryFile() as said:
-        line = [program, "-y", "-v", "error", *given, *wanted, str(part.absolute())]
+    with TemporaryFile() as errors:
+        line = [program, "-y", "-v", "error", *source, *target, str(part.absolute())]
         encoder = subprocess.Popen(
-            line, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True
+            line, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True
         )
         try:
             with (
@@ -130,26 +129,26 @@ def _mp4(film: Film, path: Path, part: Path, rate: float, told: Told | None, pro
             ):  # broken: it ended, and why is told below
                 for k, picture in enumerate(film.pictures(), 1):
                     pipe.write(picture.data)
-                    if told is not None:
-                        told(k, film.frames)
+                    if progress is not None:
+                        progress(k, film.frames)
             code = encoder.wait()
         except BaseException:
             encoder.kill()
             encoder.wait()
             raise
         if code:
-            raise StorageError(f"{path}: ffmpeg could not write the film: {_last_line(said)}.")
+            raise StorageError(f"{path}: ffmpeg could not write the film: {_last_line(errors)}.")
 
 
-def _last_line(said: IO[bytes]) -> str:
-    said.seek(0)
-    lines = said.read().decode("utf-8", "replace").split("\n")
+def _last_line(errors: IO[bytes]) -> str:
+    errors.seek(0)
+    lines = errors.read().decode("utf-8", "replace").split("\n")
     return next(
         (line.strip().rstrip(".") for line in reversed(lines) if line.strip()), "it ended without a word"
     )
 
 
-def _gif(film: Film, part: Path, rate: float, told: Told | None) -> None:
+def _gif(film: Film, part: Path, rate: float, progress: Progress) -> None:
     """Frames with one palette; a GIF counts time in hundredths of a second."""
     palette = _palette()
 
@@ -157,8 +156,8 @@ def _gif(film: Film, part: Path, rate: float, told: Told | None) -> None:
         for k, picture in enumerate(film.pictures(), 1):
             image = Image.frombuffer("RGBA", film.size, picture, "raw", "RGBA", 0, 1).convert("RGB")
             yield image.quantize(palette=palette, dither=Image.Dither.NONE)
-            if told is not None:
-                told(k, film.frames)
+            if progress is not None:
+                progress(k, film.frames)
 
     every = frames()
     lasting = 10 * max(2, round(100.0 / rate))  # ms; less than two hundredths are shown slowly
@@ -175,8 +174,8 @@ def _palette() -> Image.Image:
     for name in BODIES:
         colours += _shades(ImageColor.getrgb(name), ImageColor.getrgb(INK))
     image = Image.new("P", (1, 1))
-    told = [(255, 255, 255), *(colour for colour in dict.fromkeys(colours) if min(colour) < NEAR_WHITE)]
-    flat = [part for colour in told for part in colour]
+    shades = [(255, 255, 255), *(colour for colour in dict.fromkeys(colours) if min(colour) < NEAR_WHITE)]
+    flat = [part for colour in shades for part in colour]
     image.putpalette((flat + [255] * 768)[:768])
     return image
 

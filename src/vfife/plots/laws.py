@@ -1,5 +1,5 @@
-"""Pictures of a law by itself: the loop of a free impact and what restitution it delivers; friction over
-sliding velocity.
+"""Figures of single laws: loops of free impacts with the restitution they deliver; friction over sliding
+velocity.
 """
 
 from __future__ import annotations
@@ -35,21 +35,20 @@ def contact_figure(title: str, loops: dict[str, Impact], delivered: tuple[Array,
     axes[0].set_xlim(left=0.0)
     axes[0].set_ylim(bottom=0.0)
     if delivered is not None:
-        handles, labels = axes[0].get_legend_handles_labels()
-        said = "loops: restitution asked for → delivered"
+        handles, title_of_loops = (
+            axes[0].get_legend_handles_labels(),
+            "loops: restitution asked for → delivered",
+        )
         figure.legend(
-            handles,
-            labels,
+            *handles,
             loc="outside lower center",
             ncols=5,
-            title=said,
+            title=title_of_loops,
             columnspacing=1.4,
             handlelength=1.4,
         )
-    if delivered is not None:
-        asked, found = delivered
         axes[1].plot([0.0, 1.0], [0.0, 1.0], color=GREY, lw=0.9, ls=(0, (4, 3)), label="as asked for")
-        axes[1].plot(asked, found, color=BLUE, label="delivered")
+        axes[1].plot(*delivered, color=BLUE, label="delivered")
         axes[1].set(
             xlabel="restitution asked for",
             ylabel="restitution delivered",
@@ -90,18 +89,14 @@ def friction_figure(
         axes[1].set(
             xlabel=f"displacement ({unit})", ylabel="resisting force / normal force", title="before it slides"
         )
-        handles, labels = axes[1].get_legend_handles_labels()
+        title_of_loops = "strokes, of the displacement at which it breaks away"
         figure.legend(
-            handles,
-            labels,
-            loc="outside lower center",
-            ncols=3,
-            title="strokes, of the displacement at which it breaks away",
+            *axes[1].get_legend_handles_labels(), loc="outside lower center", ncols=3, title=title_of_loops
         )
     heading(figure, title)
     return figure
 
 
-def drawn(kind: str, target: Path, **what: Any) -> Path:
-    """Draws a contact or a friction law into a file; its ending chooses PNG, PDF or SVG."""
-    return saved((contact_figure if kind == "contact" else friction_figure)(**what), target)
+def save_law(kind: str, target: Path, **numbers: Any) -> Path:
+    """Draw a contact or friction law into a file; its ending chooses PNG, PDF or SVG."""
+    return saved((contact_figure if kind == "contact" else friction_figure)(**numbers), target)

@@ -1,4 +1,4 @@
-"""What a notebook shows of a mechanism and of a result: drawings, tables, names escaped."""
+"""Mechanisms and results as a notebook shows them, and figures as elements of a page."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from ..errors import VfifeError
 from ..report.check import mechanism_parts
 from ..report.document import Document
 from ..report.html import fragment
+from .catalogue import FIGURES
 from .style import STYLE
-from .table import FIGURES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,7 @@ REPORTED = (
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
-    """Its drawing at the start, or the faults that keep it from being drawn, and tables of its parts."""
+    """Drawing of a mechanism at the start, or its faults, and tables of its parts."""
     from . import at_start
 
     try:
@@ -48,28 +48,30 @@ def mechanism_html(mechanism: Mechanism) -> str:
 
 
 def result_html(result: View) -> str:
-    """Its summary and its figures."""
+    """Summary and figures of a result."""
     from ..report.run import document
-    from ..report.summary import report
+    from ..report.summary import run_summary
     from . import figures
 
-    found = figures(result, names=[name for name in SHOWN if not FIGURES[name].lacks(result)])
-    return fragment(document(report(result))) + "".join(picture(one, name) for name, one in found.items())
+    found = figures(result, names=[name for name in SHOWN if not FIGURES[name].missing(result)])
+    return fragment(document(run_summary(result))) + "".join(
+        picture(one, name) for name, one in found.items()
+    )
 
 
 def pictures(result: View) -> dict[str, str]:
-    """All figures of a result as elements of a page, by what they show: lines that stay sharp on paper,
-    pixels where lines would take more room.
-    """
+    """Figures of a result as elements of a page, by their titles: SVG, or pixels where these take less room."""
     from . import figures
 
-    names = [name for name, one in FIGURES.items() if name in (*SHOWN, *REPORTED) and not one.lacks(result)]
-    said = {name: FIGURES[name].says[0].upper() + FIGURES[name].says[1:] for name in names}
-    return {said[name]: sharp(figure, said[name]) for name, figure in figures(result, names=names).items()}
+    names = [name for name, one in FIGURES.items() if name in (*SHOWN, *REPORTED) and not one.missing(result)]
+    titles = {name: FIGURES[name].description[0].upper() + FIGURES[name].description[1:] for name in names}
+    return {
+        titles[name]: sharp(figure, titles[name]) for name, figure in figures(result, names=names).items()
+    }
 
 
-def lines(figure: Figure, words: str) -> bytes:
-    """A figure as SVG; ``words`` name its parts, so that it is the same each time."""
+def svg(figure: Figure, words: str) -> bytes:
+    """A figure as SVG; ``words`` seed the names of its parts, so that it is reproducible."""
     made = io.BytesIO()
     with rc_context({**STYLE, "svg.hashsalt": words}):
         figure.savefig(made, format="svg", dpi=FINE, metadata={"Date": None})
@@ -78,7 +80,7 @@ def lines(figure: Figure, words: str) -> bytes:
 
 def sharp(figure: Figure, words: str) -> str:
     """A figure as SVG, or as PNG where that is smaller."""
-    made = lines(figure, words)
+    made = svg(figure, words)
     if len(made) > LARGEST:
         return picture(figure, words, FINE)
     data = base64.b64encode(made).decode("ascii")
@@ -87,9 +89,7 @@ def sharp(figure: Figure, words: str) -> str:
 
 @rc_context(STYLE)
 def picture(figure: Figure, words: str, dpi: float = 96.0) -> str:
-    """A figure as an element of a page in its own size, with what it shows in words; ``dpi`` are pixels an
-    inch.
-    """
+    """A figure as PNG in an element of a page; ``words`` describe it, ``dpi`` are pixels an inch."""
     made = io.BytesIO()
     figure.savefig(made, format="png", dpi=dpi)
     data = base64.b64encode(made.getvalue()).decode("ascii")

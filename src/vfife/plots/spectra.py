@@ -1,12 +1,12 @@
-"""What forces and other series are made of: amplitudes over orders or frequencies, turn by turn, in time,
-over a number of the model; envelopes.
+"""Spectra of forces and other series: over orders or frequencies, turn by turn, in time, over a parameter of
+the model; envelopes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib import rc_context
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..measures.spectral import frequencies_of, short_time
 from ..solvers.repeating import outputs_of_a_turn
-from .curves import Quantity, hardest, joint_forces
+from .curves import Quantity, largest_forces
 from .layout import Panels
 from .style import BLUE, FAINT, IDEAL, RAISED, SKY, STYLE, VERMILION, scale_of
 
@@ -29,12 +29,13 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 MOST, MOST_IN_TIME = 6, 4  # panels of spectra, of spectrograms and envelopes
+PANEL, ALONE = (4.6, 2.2), (8.0, 2.9)  # inches of a panel of spectra
 TURNS = 4  # the latest ones, over which a spectrum is the root of the mean square
-PIECES, LEAST = 15, 256  # pieces of a run without turns, and outputs that it needs for them
+PIECES, LEAST = 15, 256  # pieces of a run without turns, and its least number of outputs
 FEW = 3  # turns that a waterfall needs
 SAMPLES = 64  # outputs that a spectrogram needs
 DECADES = 5.0  # below the largest amplitude
-CELLS = 1200  # of a picture in each direction; more are joined, the highest of them shown
+CELLS = 1200  # of a picture in each direction; more are joined, showing the highest
 RPM = 30.0 / np.pi
 
 
@@ -42,35 +43,43 @@ RPM = 30.0 / np.pi
 # forces of a run
 
 
+class Pieces(NamedTuple):
+    """First output of each piece, number of outputs of a piece, and whether pieces are turns."""
+
+    starts: Places
+    outputs: int
+    turns: bool
+
+
 @dataclass(frozen=True)
-class Found:
-    """Places on the axis, orders or frequencies (Hz), and amplitudes of each piece, shape (pieces, places)."""
+class PieceSpectra:
+    """Orders or frequencies (Hz), and amplitudes of each piece, shape (pieces, orders)."""
 
     over: Array
     each: Array
 
 
-def pieces(result: View) -> tuple[Places, int, bool] | None:
-    """First outputs of whole turns, or of overlapping parts of a run without; outputs in each, and whether
-    they are turns; None where too few.
+def pieces(result: View) -> Pieces | None:
+    """Whole turns of a run, or overlapping pieces of a run without turns; None where there are too few
+    outputs.
     """
     outputs, count = outputs_of_a_turn(result.record.assembly), len(result.record.steps) - 1
     if result.record.static or count < 16:
         return None
     if outputs is not None and result.crank is not None and count >= outputs:
-        return np.arange(count % outputs, count - outputs + 1, outputs), outputs, True
+        return Pieces(np.arange(count % outputs, count - outputs + 1, outputs), outputs, True)
     if count < LEAST:
-        return np.array([0]), count, False
+        return Pieces(np.array([0]), count, False)
     long = 2 * (count // (PIECES + 1))
-    return np.arange(PIECES) * (long // 2), long, False
+    return Pieces(np.arange(PIECES) * (long // 2), long, False)
 
 
-def found(result: View, one: Quantity, starts: Places, count: int, orders: bool) -> Found:
-    """Amplitudes of a quantity in pieces of so many outputs, through Hann's window unless they are turns,
+def spectra_of(result: View, one: Quantity, starts: Places, count: int, orders: bool) -> PieceSpectra:
+    """Amplitudes of a quantity in pieces of ``count`` outputs, through Hann's window unless they are turns,
     which repeat (``orders``).
     """
     over = frequencies_of(count, 1.0 / count if orders else spacing(result))
-    return Found(
+    return PieceSpectra(
         over, short_time(one.samples(result.record), starts + 1, "rectangular" if orders else "hann", count)
     )
 
@@ -80,54 +89,51 @@ def spacing(result: View) -> float:
     return float(result.record.steps[1] - result.record.steps[0]) * result.record.assembly.choice.step
 
 
-def _latest(result: View, one: Quantity, orders: bool) -> Found:
-    """The root of the mean square of the latest turns, or of a whole run without any; of a reference, which
-    turns, at frequencies too.
+def _latest(result: View, one: Quantity, orders: bool) -> PieceSpectra:
+    """Root mean square of the latest turns, or of a whole run without any; over ``orders``, else over
+    frequencies.
     """
-    starts, count, turning = pieces(result) or (np.array([0]), 1, False)
+    starts, count, turning = pieces(result) or Pieces(np.array([0]), 1, False)
     if not turning:
         starts, count = np.array([0]), len(result.record.steps) - 1
-    every = found(result, one, starts[-TURNS:], count, turning)
+    every = spectra_of(result, one, starts[-TURNS:], count, turning)
     over = every.over if orders or not turning else every.over / (count * spacing(result))
-    return Found(over, np.sqrt(np.mean(every.each**2, axis=0)))
+    return PieceSpectra(over, np.sqrt(np.mean(every.each**2, axis=0)))
 
 
 def spectrum(result: View, reference: View | None = None) -> Figure:
     """Amplitudes of the size of each joint's force, of the last turns or of the whole run, on logarithmic
     scales.
     """
-    chosen = list(hardest(result, joint_forces(result), MOST).values())
-    panels = Panels([(4.6, 2.2) if len(chosen) > 1 else (8.0, 2.9)] * len(chosen), 2)
-    starts, _, turning = pieces(result) or (np.array([0]), 1, False)
-    for k, (ax, one) in enumerate(zip(panels.axes, chosen, strict=True)):
+    chosen = list(largest_forces(result, MOST).values())
+    panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
+    starts, _, turning = pieces(result) or Pieces(np.array([0]), 1, False)
+    for ax, one in zip(panels.axes, chosen, strict=True):
         own = _latest(result, one, turning)
         factor = amplitude_curve(ax, own.over, own.each, one.unit, label="this run")
         if reference is not None and pieces(reference) is not None:
             ideal = _latest(reference, one, turning)
             ax.plot(ideal.over, factor * ideal.each, **IDEAL)
         ax.set_title(one.title)
-        if k in panels.lowest:
-            ax.set_xlabel(f"order of {result.crank}" if turning else "frequency (Hz)")
+    panels.label_lowest(f"order of {result.crank}" if turning else "frequency (Hz)")
     many = min(TURNS, len(starts))
     part = "whole run" if not turning else f"last {many} turns" if many > 1 else "last turn"
     return panels.close(f"{result.name}: spectra of joint forces, {part}")
 
 
 def waterfall(result: View) -> Figure:
-    """The same of every turn, or of parts of a run without turns, as colour: from bottom to top as time goes
-    on.
-    """
-    chosen = list(hardest(result, joint_forces(result), MOST).values())
-    panels = Panels([(4.4, 2.6) if len(chosen) > 1 else (7.4, 3.4)] * len(chosen), 2, across=1.75)
-    starts, count, turning = pieces(result) or (np.array([0]), 1, False)
+    """Spectra of every turn, or piece of a run without turns, as colours: from bottom to top in time."""
+    chosen = list(largest_forces(result, MOST).values())
+    panels = Panels.alike(len(chosen), 2, (4.4, 2.6), (7.4, 3.4), across=1.75)
+    starts, count, turning = pieces(result) or Pieces(np.array([0]), 1, False)
     times = np.arange(len(starts) + 1, dtype=float) + 0.5
     if not turning:  # pieces overlap by half
         ends = np.append(starts, 2 * starts[-1] - starts[-2]).astype(float)
         times = 1e3 * spacing(result) * (ends + 0.25 * count)
     for ax, one in zip(panels.axes, chosen, strict=True):
-        every = found(result, one, starts, count, turning)
+        every = spectra_of(result, one, starts, count, turning)
         shown, unit = logarithms(every.each, one.unit)
-        last = reached(shown)
+        last = visible_count(shown)
         coloured(panels, ax, edges(every.over, len(every.over))[: last + 1], times, shown[:, :last], unit)
         ax.set(
             title=one.title,
@@ -143,9 +149,7 @@ def forces(result: View) -> list[str]:
     if len(result.record.steps) <= SAMPLES:
         return []
     return [
-        f"{name}.force"
-        for name in hardest(result, joint_forces(result), MOST_IN_TIME)
-        if f"{name}.force" in result.series
+        f"{name}.force" for name in largest_forces(result, MOST_IN_TIME) if f"{name}.force" in result.series
     ]
 
 
@@ -165,12 +169,14 @@ def envelope(result: View) -> Figure:
 
 @rc_context(STYLE)
 def spectrograms(every: Sequence[Spectrogram], result: View) -> Figure:
-    """A panel each: time to the right, orders of the crank or frequencies upwards, amplitudes as colour."""
-    panels = Panels([(5.2, 2.8) if len(every) > 1 else (8.0, 3.6)] * len(every), 2, across=1.75)
+    """A panel for each series: time to the right, orders of the crank or frequencies upwards, amplitudes as
+    colours.
+    """
+    panels = Panels.alike(len(every), 2, (5.2, 2.8), (8.0, 3.6), across=1.75)
     for ax, one in zip(panels.axes, every, strict=True):
         size, (upwards, label) = joined(one.amplitudes), axis(one, result)
         shown, unit = logarithms(size, one.unit)
-        last = reached(shown)
+        last = visible_count(shown)
         y = edges(upwards, shown.shape[1])[: last + 1]
         coloured(panels, ax, 1e3 * edges(one.times, len(shown)), y, shown[:, :last].T, unit)
         ax.set(title=one.name, xlabel="time (ms)", ylabel=label, ylim=(0.0, y[-1]))
@@ -179,7 +185,7 @@ def spectrograms(every: Sequence[Spectrogram], result: View) -> Figure:
 
 @rc_context(STYLE)
 def envelopes(every: Sequence[Envelope], result: View) -> Figure:
-    """A row each: what vibrates within its envelope, and the spectrum of the envelope."""
+    """A row for each series: its vibration within its envelope, and the spectrum of the envelope."""
     panels = Panels([(5.6, 2.1), (3.4, 2.1)] * len(every), 2)
     for k, one in enumerate(every):
         ax, right = panels.axes[2 * k], panels.axes[2 * k + 1]
@@ -201,8 +207,8 @@ def envelopes(every: Sequence[Envelope], result: View) -> Figure:
 
 @rc_context(STYLE)
 def spectrums(every: Sequence[Spectrum], result: View) -> Figure:
-    """A panel each: amplitudes over orders or frequencies."""
-    panels = Panels([(4.6, 2.2) if len(every) > 1 else (8.0, 2.9)] * len(every), 2)
+    """A panel for each series: amplitudes over orders or frequencies."""
+    panels = Panels.alike(len(every), 2, PANEL, ALONE)
     for ax, one in zip(panels.axes, every, strict=True):
         amplitudes(ax, one, result)
         ax.set_title(one.name)
@@ -217,7 +223,7 @@ def amplitudes(ax: Axes, one: Spectrum, result: View) -> None:
 
 
 def axis(one: Transformed, result: View) -> tuple[Array, str]:
-    """Places on the axis of orders, or of frequencies where nothing turns evenly, and what it is called."""
+    """Orders, or frequencies where nothing turns evenly, and the label of their axis."""
     if one.turn is None:
         return one.frequencies, "frequency (Hz)"
     return one.orders, f"order of {result.crank} ({1.0 / one.turn:.4g} Hz each)"
@@ -229,11 +235,11 @@ def axis(one: Transformed, result: View) -> tuple[Array, str]:
 
 @rc_context(STYLE)
 def over_values(one: Waterfall, hertz: bool = False) -> Figure:
-    """A panel for each series, orders to the right, or frequencies (``hertz``), the number upwards; what is
-    not known, or diverged, stays grey.
+    """A panel for each series: orders or frequencies (``hertz``) to the right, the parameter upwards; missing
+    and diverged values are grey.
     """
     asked, unit = one.asked, one.asked.unit
-    panels = Panels([(5.2, 3.4) if len(asked.series) > 1 else (8.0, 4.4)] * len(asked.series), 2, across=1.85)
+    panels = Panels.alike(len(asked.series), 2, (5.2, 3.4), (8.0, 4.4), across=1.85)
     factor, unit = (RPM, "rpm") if unit == "rad/s" else scale_of(float(np.abs(asked.values).max()), unit)
     y = edges(factor * np.array(asked.values), len(asked.values))
     for ax, name, unit_of in zip(panels.axes, asked.series, asked.units, strict=True):
@@ -257,9 +263,7 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
 
 
 def across(one: Waterfall, hertz: bool) -> Array:
-    """Edges of cells from left to right, shape (values + 1, places + 1); of frequencies those of the values,
-    which fan out with the speed.
-    """
+    """Edges of cells from left to right, shape (values + 1, orders + 1); frequencies fan out with the speed."""
     places = np.append(one.orders, 2.0 * one.orders[-1] - one.orders[-2]) - 0.5 * one.orders[1]
     rate = 1.0 / one.turn if hertz else np.ones(len(one.turn))
     rate = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
@@ -270,7 +274,7 @@ def across(one: Waterfall, hertz: bool) -> Array:
 
 
 def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any) -> float:
-    """Draw amplitudes on a logarithmic scale of so many decades, as far as they reach; returns the factor of
+    """Draw amplitudes on a logarithmic scale of ``DECADES``, up to the last visible one; return the factor of
     their unit.
     """
     top = float(values.max())
@@ -290,15 +294,15 @@ def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any
 
 
 def logarithms(size: Array, unit: str) -> tuple[Array, str]:
-    """Logarithms of amplitudes in a unit that reads well, as many decades as are shown, and the unit."""
+    """Logarithms of amplitudes in a unit that reads well, over ``DECADES``, and the unit."""
     most = float(np.nanmax(size, initial=0.0))
     factor, unit = scale_of(most, unit)
     top = np.log10(max(factor * most, 1e-300))
     return np.log10(np.maximum(factor * size, 10.0 ** (top - DECADES))), unit
 
 
-def reached(shown: Array) -> int:
-    """Places along the last axis up to the last one that is seen."""
+def visible_count(shown: Array) -> int:
+    """Number of orders up to the last visible one."""
     seen, count = np.flatnonzero((shown > shown.max() - DECADES + 0.5).any(axis=0)), int(shown.shape[1])
     return min(int(seen[-1]) + 2, count) if len(seen) else count
 
@@ -313,7 +317,7 @@ def coloured(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: s
 
 
 def joined(size: Array) -> Array:
-    """Amplitudes in no more cells than a picture can show, of those that are joined the highest."""
+    """Amplitudes joined into at most ``CELLS`` cells, each the highest of its amplitudes."""
     for axis in (0, 1):
         many = -(-size.shape[axis] // CELLS)
         if many > 1:
@@ -322,7 +326,7 @@ def joined(size: Array) -> Array:
 
 
 def edges(middles: Array, count: int) -> Array:
-    """Edges of so many even cells around places at even distances."""
+    """Edges of ``count`` even cells around evenly spaced places."""
     half = 0.5 * (middles[1] - middles[0]) if len(middles) > 1 else 0.5
     return np.linspace(middles[0] - half, middles[-1] + half, count + 1)
 

@@ -1,6 +1,4 @@
-"""Figures of a study by name: heat maps, curves with bands, parallel coordinates, Pareto fronts, and what
-their axes show.
-"""
+"""Figures of a study by name: heat maps, curves with bands, parallel coordinates, Pareto fronts."""
 
 from __future__ import annotations
 
@@ -24,9 +22,11 @@ from .notebook import sharp
 from .style import (
     BLUE,
     BODIES,
+    CENTRE,
     FAINT,
     GREY,
     INK,
+    PICTURES,
     STYLE,
     VERMILION,
     heading,
@@ -61,8 +61,8 @@ def titled(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit else name
 
 
-def places(values: Sequence[Any], unit: str) -> tuple[Array, str]:
-    """Where values of a parameter lie along an axis, and their unit; words one after another."""
+def positions(values: Sequence[Any], unit: str) -> tuple[Array, str]:
+    """Positions of values of a parameter along an axis, and their unit; words one after another."""
     if any(isinstance(value, str) for value in values):
         return np.arange(len(values), dtype=float), ""
     factor, unit = readable(values, unit)
@@ -70,7 +70,7 @@ def places(values: Sequence[Any], unit: str) -> tuple[Array, str]:
 
 
 def edges(middles: Array) -> Array:
-    """Borders of cells around their middles; the outer ones as far away as the inner ones."""
+    """Edges of cells around their middles; the outer ones as far away as the inner ones."""
     if len(middles) == 1:
         half = 0.5 * (abs(middles[0]) or 1.0)
         return np.array([middles[0] - half, middles[0] + half])
@@ -86,21 +86,23 @@ def logarithmic(middles: Array) -> bool:
     return bool(np.ptp(ratios) < 1e-3 * ratios.mean() and np.ptp(steps) > 1e-2 * steps.mean())
 
 
-def ticked(ax: Axes, one: Varied, values: Sequence[Any], middles: Array, unit: str, along: str = "x") -> None:
+def label_axis(
+    ax: Axes, one: Varied, values: Sequence[Any], middles: Array, unit: str, axis_name: str = "x"
+) -> None:
     """Labels an axis of a parameter."""
-    axis, label = (ax.xaxis, ax.set_xlabel) if along == "x" else (ax.yaxis, ax.set_ylabel)
+    axis, label = (ax.xaxis, ax.set_xlabel) if axis_name == "x" else (ax.yaxis, ax.set_ylabel)
     label(titled(one.name, unit))
     if any(isinstance(value, str) for value in values):
         axis.set_ticks(list(middles), [str(value) for value in values])
     elif logarithmic(middles):
-        (ax.set_xscale if along == "x" else ax.set_yscale)("log")
-        at = [middles[k] for k in shortened(len(middles), MOST_TICKS)]
+        (ax.set_xscale if axis_name == "x" else ax.set_yscale)("log")
+        at = [middles[k] for k in evenly(len(middles), MOST_TICKS)]
         axis.set_ticks(at, [f"{value:.3g}" for value in at])
         axis.set_minor_locator(NullLocator())
 
 
-def lines(study: Study) -> list[Varied]:
-    """Parameters along the axes, those of most values first, words last."""
+def axes_of(study: Study) -> list[Varied]:
+    """Parameters that may be axes, those with most values first, words last."""
     own = [one for one in study.parameters if one.name in study.axes]
     return sorted(
         own,
@@ -111,13 +113,13 @@ def lines(study: Study) -> list[Varied]:
     )
 
 
-def said_of(study: Study, dims: list[str]) -> str:
+def dimension_words(study: Study, dims: list[str]) -> str:
     """Dimensions in words."""
     return ", ".join(f"{len(study.axes[name]):,} samples" if name == "sample" else name for name in dims)
 
 
-def shortened(count: int, most: int) -> list[int]:
-    """So many of a number of things, evenly."""
+def evenly(count: int, most: int) -> list[int]:
+    """At most ``most`` of ``count`` indices, evenly."""
     return (
         sorted({round(k * (count - 1) / max(most - 1, 1)) for k in range(most)})
         if count > most
@@ -130,8 +132,8 @@ BAND = (0.05, 0.95)
 
 
 def curves(study: Study, measures: list[str]) -> Figure | None:
-    """A curve_panel a measure; None where no parameter has values of its own."""
-    own = [one for one in lines(study) if len(study.axes[one.name]) > 1]
+    """A panel for each measure; None where no parameter has several values."""
+    own = [one for one in axes_of(study) if len(study.axes[one.name]) > 1]
     shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
     if not own or not shown:
         return None
@@ -140,7 +142,10 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
         curve_panel(ax, study, name, own)
     one_legend(figure, boxes)
     others = [name for name in study.axes if name not in {one.name for one in own[:2]}]
-    band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {said_of(study, others)})"
+    band = (
+        f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over"
+        f" {dimension_words(study, others)})"
+    )
     heading(figure, study.model + (band if others else ""))
     return figure
 
@@ -153,31 +158,31 @@ def curve_panel(ax: Axes, study: Study, name: str, own: list[Any]) -> None:
     values = np.moveaxis(study.laid_out(name), keep, list(range(len(keep))))
     values = values.reshape(values.shape[0], values.shape[1] if other is not None else 1, -1)
     factor, unit = readable(values, study.measures[name])
-    x, x_unit = places(study.axes[along.name], along.unit)
-    labels, label_unit = ([None], "") if other is None else labelled(study.axes[other.name], other.unit)
-    for colour, k in enumerate(shortened(values.shape[1], MOST_CURVES)):
+    x, x_unit = positions(study.axes[along.name], along.unit)
+    labels, label_unit = ([None], "") if other is None else value_labels(study.axes[other.name], other.unit)
+    for colour, k in enumerate(evenly(values.shape[1], MOST_CURVES)):
         middle, low, high = (factor * one for one in quantiles(values[:, k, :]))
         label = None if other is None else f"{other.name} {labels[k]} {label_unit}".rstrip()
         look = BODIES[colour % len(BODIES)]
         ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=label)
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
-    ticked(ax, along, study.axes[along.name], x, x_unit)
+    label_axis(ax, along, study.axes[along.name], x, x_unit)
     ax.set_title(titled(name, unit))
 
 
-def labelled(values: list[Any], unit: str) -> tuple[list[str], str]:
-    """Values of a parameter as a legend says them."""
+def value_labels(values: list[Any], unit: str) -> tuple[list[str], str]:
+    """Values of a parameter for a legend, and their unit."""
     if any(isinstance(value, str) for value in values):
         return [str(value) for value in values], ""
-    numbers, unit = places(values, unit)
+    numbers, unit = positions(values, unit)
     return [f"{value:.4g}" for value in numbers], unit
 
 
 def quantiles(values: Array) -> tuple[Array, Array, Array]:
-    """Median and band along the last axis, of what is known."""
+    """Median and band along the last axis, without unknown values."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # a place of which nothing is known stays so
+        warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
         low, middle, high = np.nanquantile(values, (BAND[0], 0.5, BAND[1]), axis=1)
     return middle, low, high
 
@@ -186,10 +191,8 @@ LEAST = 3  # values of each of two parameters that make a map
 
 
 def heat_maps(study: Study, measures: list[str]) -> Figure | None:
-    """A map_panel a measure; None where no two parameters have a grid of values. Members that gave nothing
-    are grey.
-    """
-    axes = [one for one in lines(study) if len(study.axes[one.name]) >= LEAST][:2]
+    """A map for each measure; None where no two parameters have a grid of values. Failed cases are grey."""
+    axes = [one for one in axes_of(study) if len(study.axes[one.name]) >= LEAST][:2]
     if len(axes) < 2:
         return None
     shown = [name for name in measures if np.isfinite(study.laid_out(name)).any()][:MOST_PANELS]
@@ -199,23 +202,23 @@ def heat_maps(study: Study, measures: list[str]) -> Figure | None:
     for ax, name in zip(boxes, shown, strict=True):
         map_panel(figure, ax, study, name, axes)
     others = [name for name in study.axes if name not in {one.name for one in axes}]
-    heading(figure, study.model + (f" (median over {said_of(study, others)})" if others else ""))
+    heading(figure, study.model + (f" (median over {dimension_words(study, others)})" if others else ""))
     return figure
 
 
 def map_panel(figure: Figure, ax: Axes, study: Study, name: str, axes: list[Any]) -> None:
-    """One map."""
+    """Draw a map."""
     across, up = axes
     dims = list(study.axes)
     values = median(study.laid_out(name), [dims.index(up.name), dims.index(across.name)])
-    (x, x_unit), (y, y_unit) = (places(study.axes[one.name], one.unit) for one in axes)
+    (x, x_unit), (y, y_unit) = (positions(study.axes[one.name], one.unit) for one in axes)
     factor, unit = readable(values, study.measures[name])
     ax.set_facecolor(FAINT)
     drawn = ax.pcolormesh(
         edges(x), edges(y), np.ma.masked_invalid(factor * values), cmap="viridis", rasterized=True
     )
-    ticked(ax, across, study.axes[across.name], x, x_unit)
-    ticked(ax, up, study.axes[up.name], y, y_unit, "y")
+    label_axis(ax, across, study.axes[across.name], x, x_unit)
+    label_axis(ax, up, study.axes[up.name], y, y_unit, "y")
     ax.grid(visible=False)
     ax.set_title(titled(name, unit))
     bar = figure.colorbar(drawn, ax=ax)
@@ -223,18 +226,18 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, axes: list[Any]
 
 
 def median(values: Array, keep: list[int]) -> Array:
-    """The median over all axes but two, which come in this order."""
+    """The median over all axes but two, which are kept in this order."""
     rest = tuple(k for k in range(values.ndim) if k not in keep)
     moved = np.moveaxis(values, keep, [0, 1])
     if not rest:
         return moved
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # a cell of which nothing is known stays so
+        warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
         found: Array = np.nanmedian(moved.reshape(*moved.shape[:2], -1), axis=2)
     return found
 
 
-END: dict[str, Any] = {
+END: dict[str, Any] = CENTRE | {
     "fontsize": 8.5,
     "color": INK,
     "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 1.0},
@@ -243,12 +246,14 @@ MOST_LINES, MOST_AXES = 2000, 12
 
 
 def parallel(study: Study, measures: list[str]) -> Figure | None:
-    """Members with all their measures, coloured by the first of them; None where there are fewer than three."""
+    """Parallel coordinates: a line for each case, coloured by the first measure; None with fewer than three
+    cases.
+    """
     columns, names = numbers(study, measures)
     whole = np.isfinite(columns).all(axis=1)
     if whole.sum() < 3 or len(names) < 2:
         return None
-    columns = columns[whole][shortened(int(whole.sum()), MOST_LINES)]
+    columns = columns[whole][evenly(int(whole.sum()), MOST_LINES)]
     low, high = columns.min(axis=0), columns.max(axis=0)
     scaled = np.where(high > low, (columns - low) / np.where(high > low, high - low, 1.0), 0.5)
     figure, (ax,) = panels(1, 1, max(5.5, 1.45 * len(names)), 4.2)
@@ -266,7 +271,7 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
             alpha=min(1.0, max(0.15, 60.0 / len(order))),
         )
     )
-    furnish(ax, study, names, low, high)
+    parallel_axes(ax, study, names, low, high)
     colour = names[min(len(study.parameters), len(names) - 1)]
     factor, unit = readable(key, unit_of(study, colour))
     bar = figure.colorbar(
@@ -284,14 +289,14 @@ def unit_of(study: Study, name: str) -> str:
 
 
 def numbers(study: Study, measures: list[str]) -> tuple[Array, list[str]]:
-    """Parameters and measures of the members that ended, shape (members, axes), and their names."""
+    """Parameters and measures of the finished cases, shape (cases, axes), and their names."""
     chosen = measures[: max(1, MOST_AXES - len(study.parameters))]
     columns = [study.points(), *(study.values(name)[:, None] for name in chosen)]
     return np.concatenate(columns, axis=1), [*(one.name for one in study.parameters), *chosen]
 
 
-def furnish(ax: Axes, study: Study, names: list[str], low: Array, high: Array) -> None:
-    """Axes with their limits, and words in their places."""
+def parallel_axes(ax: Axes, study: Study, names: list[str], low: Array, high: Array) -> None:
+    """Draw the parallel axes with their limits, and words at their positions."""
     ax.set(xlim=(-0.35, len(names) - 0.65), ylim=(-0.09, 1.09))
     ax.set_yticks([])
     ax.grid(visible=False)
@@ -308,8 +313,8 @@ def furnish(ax: Axes, study: Study, names: list[str], low: Array, high: Array) -
         factor, unit = readable([low[k], high[k]], unit_of(study, name))
         heads.append(broken(name) + (f"\n({unit})" if unit else ""))
         ends = ("", "") if words else (f"{factor * low[k]:.4g}", f"{factor * high[k]:.4g}")
-        ax.text(k, -0.04, ends[0], ha="center", va="center", **END)
-        ax.text(k, 1.04, ends[1], ha="center", va="center", **END)
+        ax.text(k, -0.04, ends[0], **END)
+        ax.text(k, 1.04, ends[1], **END)
         for n, word in enumerate(dict.fromkeys(study.at(one)[k] for one in study.done) if words else ()):
             ax.text(
                 k + 0.04,
@@ -328,15 +333,15 @@ MOST_PAIRS = 3  # pairs of measures
 
 
 def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> Figure | None:
-    """The first measure against each of the next, smaller being better but for those of which ``larger`` is;
-    None with fewer than two.
+    """The first measure over each of the next; all are minimised, except those in ``larger``. None with fewer
+    than two.
     """
     pairs = [(measures[0], other) for other in measures[1 : MOST_PAIRS + 1]]
-    known = [pair for pair in pairs if np.isfinite(study.values(pair[0]) + study.values(pair[1])).sum() > 1]
-    if not known:
+    shown = [pair for pair in pairs if np.isfinite(study.values(pair[0]) + study.values(pair[1])).sum() > 1]
+    if not shown:
         return None
-    figure, axes = panels(len(known), len(known), 4.8, 4.2)
-    for ax, pair in zip(axes, known, strict=True):
+    figure, axes = panels(len(shown), len(shown), 4.8, 4.2)
+    for ax, pair in zip(axes, shown, strict=True):
         both = np.stack([study.values(name) for name in pair], axis=1)
         both = both[np.isfinite(both).all(axis=1)]
         scales = [readable(both[:, k], study.measures[pair[k]]) for k in (0, 1)]
@@ -367,16 +372,18 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
 
 
 def front(values: Array) -> NDArray[np.bool_]:
-    """Which of some points, shape (points, measures), no other is at most equal to in all measures and less
-    in one.
+    """Pareto front of points, shape (points, measures): those that no other point equals or beats in all
+    measures and beats in one.
     """
+    # In lexicographic order a point can only be dominated by an earlier one, so each is compared with the
+    # front found so far.
     order = np.lexsort(values.T[::-1])
     best = np.zeros(len(values), dtype=bool)
-    kept = np.empty((0, values.shape[1]))
+    beaten_by = np.empty((0, values.shape[1]))
     for k in order:
-        if not ((kept <= values[k]).all(axis=1) & (kept < values[k]).any(axis=1)).any():
+        if not ((beaten_by <= values[k]).all(axis=1) & (beaten_by < values[k]).any(axis=1)).any():
             best[k] = True
-            kept = np.vstack([kept, values[k]])
+            beaten_by = np.vstack([beaten_by, values[k]])
     return best
 
 
@@ -390,7 +397,6 @@ TITLES = {
     "maps": "Measures over two parameters", "curves": "Measures over a parameter", "parallel": "Members, a line each",
     "fronts": "Measures against each other",
 }  # fmt: skip
-KINDS = (".png", ".svg", ".pdf")
 
 
 @rc_context(STYLE)
@@ -420,11 +426,11 @@ def figures(
 
 
 def pictures(study: Study) -> dict[str, str]:
-    """All figures of a study as elements of a page, by what they show."""
+    """All figures of a study as elements of a page, by their titles."""
     return {TITLES[name]: sharp(figure, TITLES[name]) for name, figure in figures(study).items()}
 
 
-def drawn(
+def save_figures(
     study: Study,
     folder: Path,
     names: Collection[str] = (),
@@ -432,9 +438,9 @@ def drawn(
     ending: str = ".png",
     larger: Collection[str] = (),
 ) -> list[Path]:
-    """Writes figures into a folder; returns the files. Raises VfifeError where there is nothing to draw yet."""
-    if ending not in KINDS:
-        raise VfifeError(f"no figure is written as {shown(ending)}; there are {', '.join(KINDS)}")
+    """Write figures into a folder and return the files. Raises VfifeError where there is nothing to draw yet."""
+    if ending not in PICTURES:
+        raise VfifeError(f"no figure is written as {shown(ending)}; there are {', '.join(PICTURES)}")
     found = figures(study, names, measures, larger)
     if not found:
         raise VfifeError(

@@ -1,4 +1,4 @@
-"""One look for all figures: colours that the colour-blind can tell apart (Okabe and Ito 2008), little ink;
+"""One look for all figures: colours for the colour-blind (Okabe and Ito 2008), units, recurring elements;
 figures as files.
 """
 
@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from ..files import replacement
 
@@ -22,12 +23,21 @@ if TYPE_CHECKING:
 
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
 DEEP = "#003B5C"  # peaks, beside BLUE
-SIGNS, LOADS = "#5B4B3A", "#5500CC"  # of springs, and of forces: beside the colours of bodies
+SYMBOLS, LOADS = "#5B4B3A", "#5500CC"  # of springs, and of forces, unlike the colours of bodies
 INK, GREY, FAINT = "#222222", "#767676", "#d9d9d9"
+MOST_DOTS = 20_000
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 BODIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
 IDEAL: Any = {"color": VERMILION, "lw": 1.3, "ls": (0, (5, 1.6)), "label": "ideal joints"}
+DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1)))  # of curves beyond the number of colours
+CENTRE: Any = {"ha": "center", "va": "center"}
+TEXT_BOX: Any = CENTRE | {
+    "weight": "bold",
+    "bbox": {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.75},
+    "zorder": 9,
+}
+PICTURES = (".svg", ".pdf", ".png")
 PREFIXED = ("N", "N m", "Pa", "J", "W")
 LENGTHS = ((1.0, 1.0, "m"), (1e-4, 1e3, "mm"), (1e-7, 1e6, "µm"), (0.0, 1e9, "nm"))  # from so much on
 SCALES = (
@@ -76,8 +86,8 @@ STYLE: Any = {  # matplotlib types its settings by their names
 def panels(
     count: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with so many axes (inches for each) in rows of up to ``columns``, and the axes; ``equal`` if
-    their scales will be.
+    """A figure with ``count`` axes of a size (inches) in rows of up to ``columns``, and the axes; ``equal``
+    if their scales will be.
     """
     columns = min(columns, count)
     rows = -(-count // columns)
@@ -113,7 +123,7 @@ def scale_of(size: float, unit: str) -> tuple[float, str]:
 
 
 def readable(values: Any, unit: str) -> tuple[float, str]:
-    """Factor and unit in which the largest of some numbers reads well."""
+    """Factor and unit in which the largest of some values reads well."""
     found = np.abs(np.asarray(values, dtype=float))
     return scale_of(float(np.max(found, initial=0.0, where=np.isfinite(found))), unit)
 
@@ -121,6 +131,46 @@ def readable(values: Any, unit: str) -> tuple[float, str]:
 def digits(value: float) -> str:
     """A number of four digits."""
     return f"{value:.4g}" if 1e-3 <= abs(value) < 1e5 or value == 0.0 else f"{value:.3e}"
+
+
+def curve_look(k: int) -> dict[str, Any]:
+    """Colour and dashes of the curve number ``k``."""
+    return {"color": BODIES[k % len(BODIES)], "ls": DASHES[k // len(BODIES) % len(DASHES)]}
+
+
+def circle(radius: float) -> NDArray[np.float64]:
+    """Coordinates of a circle about the origin, shape (2, points)."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 361)
+    return radius * np.stack([np.cos(angle), np.sin(angle)])
+
+
+def corner_text(ax: Axes, text: str) -> None:
+    """Write a number over the right end of axes."""
+    ax.set_title(text, loc="right", fontsize=9, fontweight="normal")
+
+
+def mark_peak(ax: Axes, x: Any, y: Any, upwards: bool, label: str) -> None:
+    """Mark the largest value of a curve by a triangle."""
+    ax.plot(
+        x, y, ls="", marker="v" if upwards else "^", ms=5, color=DEEP, mec=INK, mew=0.5, zorder=6, label=label
+    )
+
+
+def dots_before(ax: Axes, x: Any, y: Any, first: int, **look: Any) -> None:
+    """Draw the outputs before the part that is shown, ``MOST_DOTS`` at most, as dots."""
+    if first > 0:
+        dots = np.unique(np.linspace(0, first, min(first + 1, MOST_DOTS)).astype(int))
+        style: dict[str, Any] = {
+            "color": SKY,
+            "ls": "",
+            "marker": ".",
+            "ms": 2.2,
+            "mew": 0.0,
+            "label": "before",
+            "zorder": 2,
+            "rasterized": True,
+        }
+        ax.plot(x[dots], y[dots], **(style | look))
 
 
 def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
@@ -141,7 +191,7 @@ def heading(figure: Figure, text: str) -> None:
 
 @rc_context(STYLE)
 def saved(figure: Figure, path: Path) -> Path:
-    """Writes a figure under another name and renames it; the ending of ``path`` chooses PNG, PDF or SVG."""
+    """Write a figure to a temporary file and rename it; the ending of ``path`` chooses PNG, PDF or SVG."""
     kind, by = path.suffix.lower().removeprefix("."), f"vfife, Matplotlib {matplotlib.__version__}"
     with replacement(path) as temporary:
         figure.savefig(

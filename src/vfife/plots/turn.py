@@ -1,5 +1,5 @@
-"""What curves are drawn over: the turn that a run is judged by, opened where least happens in it; time; load
-factors; moments by name.
+"""Abscissae of curves: the turn over which measures are taken, cut open where forces vary least; time; load
+factors; outputs by name.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ FULL = 300.0  # degrees from which on a turn is one
 
 @dataclass(frozen=True)
 class Span:
-    """The outputs ``first`` to ``last`` of a run and what they are drawn over, ``x``; a whole turn is opened
-    at the angle ``cut`` (degrees).
+    """The outputs ``first`` to ``last`` of a run and their abscissa ``x``; a whole turn is cut open at the
+    angle ``cut`` (degrees).
     """
 
     first: int
@@ -42,19 +42,13 @@ class Span:
     x: Array
     cut: float | None
     title: str
-    origin: float = 0.0  # degrees that were counted before the turn
+    origin: float = 0.0  # degrees before the turn
     turns: tuple[int, int] | None = (
-        None  # those that measures are means over, counted from 1, of as many outputs as this one
+        None  # first and last turn of the means, counted from 1, of as many outputs as this one
     )
 
-    def series(self, values: Array) -> tuple[Array, Array]:
-        """Curve of values at all outputs, shape (outputs,); where the turn ends and begins again it is
-        interrupted.
-        """
-        return self.placed(values[self.first : self.last + 1])
-
     def placed(self, values: Array) -> tuple[Array, Array]:
-        """Curve of values at the outputs of the span."""
+        """Abscissa and values of a curve over the span; interrupted where the turn is cut open."""
         if self.cut is None:
             return self.x, values
         at = self.cut + np.mod(self.x - self.cut + ROUNDED, 360.0) - ROUNDED
@@ -67,7 +61,7 @@ class Span:
         broken = np.where(np.array(order) < 0, np.nan, values[order])
         return np.where(np.array(order) < 0, at[-1], at[order]), broken
 
-    def beside(self, reference: View, values: Array) -> tuple[Array, Array]:
+    def curve_of(self, reference: View, values: Array) -> tuple[Array, Array]:
         """The curve of a reference over the same angles: its last turn; times and load factors are compared
         as they are.
         """
@@ -85,8 +79,8 @@ class Span:
         return at[seen], chosen[seen]
 
     def overlaid(self, values: Array) -> Array:
-        """The turns that measures are means over, laid over each other, shape (turns, outputs of a turn and
-        the one before).
+        """Values of the turns over which measures are means, shape (turns, outputs of a turn and the one
+        before).
         """
         if self.turns is None:
             return values[None, self.first : self.last + 1]
@@ -95,7 +89,7 @@ class Span:
             [values[k * count : (k + 1) * count + 1] for k in range(self.turns[0] - 1, self.turns[1])]
         )
 
-    def mark(self, ax: Axes) -> None:
+    def set_limits(self, ax: Axes) -> None:
         """Limits and ticks of an axis of angles: whole sixties, counted within one turn."""
         low, high = (min(self.x), max(self.x)) if self.cut is None else (self.cut, self.cut + 360.0)
         ax.set_xlim(low, high if high > low else low + 1.0)
@@ -107,14 +101,14 @@ class Span:
 
 
 def span(result: View) -> Span:
-    """What the curves of a result are drawn over: the last turn that measures are of, or all outputs."""
+    """The span of the curves of a result: the last turn over which measures are taken, or all outputs."""
     over, title = abscissa(result), axis_title(result)
     inside = result.last_turn
     first, last = max(int(np.argmax(inside)) - 1, 0), len(over) - 1
-    said, turns = result.motion, None
-    if said is not None and said.several:
+    motion, turns = result.motion, None
+    if motion is not None and motion.several:
         count = outputs_of_a_turn(result.record.assembly) or 0
-        first, last, turns = (said.last - 1) * count, said.last * count, (said.first, said.last)
+        first, last, turns = (motion.last - 1) * count, motion.last * count, (motion.first, motion.last)
     x, origin = one_turn(over[first : last + 1], result)
     whole = result.crank is not None and not result.record.static and FULL < np.ptp(x) <= 361.0
     return Span(first, last, x, _quietest(result, first, last, x) if whole else None, title, origin, turns)
@@ -126,10 +120,8 @@ def _quietest(result: View, first: int, last: int, x: Array) -> float:
     """
     forces = joint_force_max(result.record)[first + 1 : last + 1]
     most = forces.max(axis=0) if forces.size else np.zeros(0)
-    share = (
-        forces[:, most > 1e-9 * max(most.max(initial=0.0), 1e-300)]
-        / most[most > 1e-9 * max(most.max(initial=0.0), 1e-300)]
-    )
+    loaded = most > 1e-9 * max(most.max(initial=0.0), 1e-300)
+    share = forces[:, loaded] / most[loaded]
     if not share.size:
         return 0.0
     angles, varied = np.mod(x[1:], 360.0), {}
@@ -140,20 +132,20 @@ def _quietest(result: View, first: int, last: int, x: Array) -> float:
     return 0.0 if varied[0] <= BETTER[0] * varied[best] + BETTER[1] else float(best)
 
 
-def said(result: View, over: Span) -> str:
-    """Which part of the run curves show, for a title."""
+def shown_part(result: View, over: Span) -> str:
+    """The part of the run that curves show, for a title."""
     if over.turns is not None:
         return f", turn {over.turns[1]}; bands over turns {over.turns[0]} to {over.turns[1]}"
     return "" if result.crank is None or result.record.static or result.last_turn.all() else ", last turn"
 
 
-def said_shortly(result: View, over: Span) -> str:
-    """Which turn is shown, of several."""
-    return f", turn {over.turns[1]}" if over.turns is not None else said(result, over)
+def shown_turn(result: View, over: Span) -> str:
+    """The same without the turns of bands."""
+    return f", turn {over.turns[1]}" if over.turns is not None else shown_part(result, over)
 
 
 def axis_title(result: View) -> str:
-    """What curves are drawn over, with its unit."""
+    """Label of the abscissa."""
     if result.record.static:
         return "load factor"
     return "time (ms)" if result.crank is None else f"angle of {result.crank} (degrees)"

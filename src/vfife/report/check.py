@@ -1,5 +1,5 @@
-"""What is known of a mechanism before a run: bodies, joints and laws in plain numbers (SI), step and cost,
-and the answer of ``vfife check``.
+"""A mechanism before a run: bodies, joints and laws in plain numbers (SI), step and cost; the answer of
+``vfife check``.
 """
 
 from __future__ import annotations
@@ -9,16 +9,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..job.amounts import amount_of_bytes, span
+from ..job.amounts import amount_of_bytes, counted, span
 from ..laws.materials import PAIRS, coefficient
 from ..model.wear import deepest
-from .document import Document, Paragraph, Part, Table, named, sentences
+from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
     from ..laws import Pair
     from ..model.drivers import Driver
-    from ..model.joints import Joint
     from ..model.mechanism import Mechanism
     from ..model.wear import Wear
 
@@ -30,10 +29,10 @@ ROWS = 30  # of a table
 @dataclass(frozen=True)
 class Checked:
     """A mechanism without faults: ``free`` degrees of freedom with ideal joints, ``after_drives`` with the
-    drivers at work, what is ``redundant``.
+    drivers at work, ``redundant`` joints.
 
-    ``step`` (s) is the one that a run begins with, ``set_by`` what sets it; ``notes`` are sentences on what
-    to be careful with.
+    ``step`` (s) is the one that a run begins with, ``set_by`` what sets it; ``notes`` are sentences of
+    caution.
     """
 
     name: str
@@ -47,22 +46,10 @@ class Checked:
     notes: tuple[str, ...]
 
     def __str__(self) -> str:
-        counts = (
-            f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}, {self.joints}"
-            f" joint{'s' * (self.joints != 1)}"
-        )
-        lines = [
-            f"{self.name}: no faults; {counts}.",
-            (
-                f"Degrees of freedom with ideal joints: {self.free}; {self.after_drives} with the drivers at"
-                " work."
-            ),
-        ]
+        counts = f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}, {counted(self.joints, 'joint')}"
+        lines = [f"{self.name}: no faults; {counts}.", _degrees_of_freedom(self.free, self.after_drives)]
         if self.redundant:
-            lines.append(
-                f"Redundant constraints, at {', '.join(self.redundant)}: rigid links do not determine how"
-                " these joints share their load."
-            )
+            lines.append(_redundancy("Redundant constraints", self.redundant))
         if self.step > 0.0:
             lines.append(f"Step {self.step:.4g} s, set by {self.set_by}.")
         return "\n".join([*lines, *self.notes])
@@ -72,10 +59,10 @@ class Checked:
 
 def checked(assembly: Assembly, notes: Sequence[str] = ()) -> Checked:
     """Summarise an assembled mechanism, with further ``notes``."""
-    mechanism, found = assembly.mechanism, freedom(assembly)
+    mechanism, mobility = assembly.mechanism, assembly.mobility
     return Checked(
-        name=mechanism.name, bodies=len(mechanism.bodies), joints=len(mechanism.joints), free=found["free"],
-        after_drives=found["after_drives"], redundant=tuple(found["redundant_joints"]) if found["redundant"] else (),
+        name=mechanism.name, bodies=len(mechanism.bodies), joints=len(mechanism.joints), free=mobility.free,
+        after_drives=mobility.after_drives, redundant=tuple(mobility.redundant_joints) if mobility.redundant else (),
         step=assembly.choice.step, set_by=assembly.choice.culprit, notes=(*assembly.notes, *notes),
     )  # fmt: skip
 
@@ -117,116 +104,109 @@ def mechanism_parts(mechanism: Mechanism) -> list[Table]:
 
 def bodies(assembly: Assembly) -> list[dict[str, Any]]:
     """Model, mass (kg), inertia about the centre of mass (kg m^2) and centre of mass (m) of each body."""
-    drivers = assembly.mechanism.drivers
-    return [
-        {
+    drivers, entries = assembly.mechanism.drivers, []
+    for name, body in assembly.bodies.items():
+        entry = {
             "name": name,
-            "model": where.model,
-            "elements": len(where.elements),
-            "mass": where.mass,
-            "inertia": where.inertia,
-            "center": list(where.center),
-            "driver": driver(drivers[name]) if name in drivers else None,
+            "model": body.model,
+            "elements": len(body.elements),
+            "mass": body.mass,
+            "inertia": body.inertia,
         }
-        for name, where in assembly.bodies.items()
-    ]
+        entries.append(
+            entry
+            | {
+                "center": list(body.center),
+                "driver": driver(drivers[name]) if name in drivers else None,
+            }
+        )
+    return entries
 
 
-def driver(noun: Driver) -> str:
+def driver(driver: Driver) -> str:
     """A driver in words."""
-    return noun.words + (f", against {noun.against}" if noun.against != "ground" else "")
+    return driver.words + (f", against {driver.against}" if driver.against != "ground" else "")
 
 
 def joints(assembly: Assembly, expected: Mapping[str, float]) -> list[dict[str, Any]]:
     """Kind, sides, clearance (m), laws and expected force (N) of each joint."""
-    contacts = assembly.mechanism.contacts
-    found = []
+    contacts, entries = assembly.mechanism.contacts, []
     for name, joint in assembly.mechanism.joints.items():
+        kind = joint.words + (", driven pivot" if name in assembly.pivots else "")
         entry = {
             "name": name,
-            "kind": joint.words + (", driven pivot" if name in assembly.pivots else ""),
+            "kind": kind,
             "bearing": joint.bearing,
             "journal": joint.journal,
             "expected_force": expected.get(name),
         }
-        found.append(entry | (_contact(assembly, joint) if name in contacts else {}))
-    return found
+        entries.append(entry | (_contact(assembly.mechanism, contacts[name]) if name in contacts else {}))
+    return entries
 
 
-def _contact(assembly: Assembly, joint: Joint) -> dict[str, Any]:
-    """Sizes and laws of a joint with play."""
+def _contact(mechanism: Mechanism, joint: Any) -> dict[str, Any]:
+    """Sizes and laws of a joint with clearance."""
     from ..model.surfaces import surfaces
 
-    noun = assembly.mechanism.contacts[joint.name]
-    pair = surfaces(assembly.mechanism, noun)
-    sizes = {key: getattr(noun, key) for key in (*noun.sizes, *SIZES) if getattr(noun, key, None) is not None}
-    found = sizes | {kind: _law(getattr(noun, kind), pair) for kind in ("contact", "friction")}
-    found["contact"] |= {
-        "modulus": pair.composite_modulus,
-        "exponent": noun.contact.exponent_at(noun.landing, pair),
+    pair = surfaces(mechanism, joint)
+    entry = {
+        key: getattr(joint, key) for key in (*joint.sizes, *SIZES) if getattr(joint, key, None) is not None
     }
-    worn = {} if noun.wear is None else {"wear": _wear(noun.wear, pair)}
-    return found | worn | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
+    entry |= {kind: _law(getattr(joint, kind), pair) for kind in ("contact", "friction")}
+    entry["contact"] |= {
+        "modulus": pair.composite_modulus,
+        "exponent": joint.contact.exponent_at(joint.landing, pair),
+    }
+    if joint.wear is not None:
+        entry["wear"] = _wear(joint.wear, pair)
+    return entry | {"bearing_material": pair.bearing.name, "journal_material": pair.journal.name}
 
 
-def _wear(noun: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
-    """Of bearing and journal the coefficient of wear (1/Pa), the named pair of materials with its source, and
-    the initial depth (m).
+def _wear(wear: Wear, pair: Pair) -> dict[str, dict[str, Any]]:
+    """Coefficient of wear of bearing and journal (1/Pa), the named pair of materials with its source, and the
+    initial depth (m).
     """
-    found: dict[str, dict[str, Any]] = {}
+    sides: dict[str, dict[str, Any]] = {}
     for side in ("bearing", "journal"):
-        chosen = getattr(noun, side)
-        source = {"pair": chosen, "source": PAIRS[chosen][1]} if isinstance(chosen, str) else {}
-        depth = {"worn": deepest(profile)} if (profile := getattr(noun, f"{side}_profile")) else {}
-        found[side] = {"coefficient": coefficient(chosen, getattr(pair, side)), **source, **depth}
-    return found
+        value = getattr(wear, side)
+        source = {"pair": value, "source": PAIRS[value][1]} if isinstance(value, str) else {}
+        depth = {"worn": deepest(profile)} if (profile := getattr(wear, f"{side}_profile")) else {}
+        sides[side] = {"coefficient": coefficient(value, getattr(pair, side)), **source, **depth}
+    return sides
 
 
 def couplings(assembly: Assembly) -> list[dict[str, str]]:
-    """Gears, springs, and drivers that do not bear the name of the body they turn: name, what it is, what it
-    acts on.
-    """
+    """Name, kind and ends of gears, springs, and drivers whose name is not that of the body they turn."""
     mechanism = assembly.mechanism
     pairs: dict[str, Any] = {**mechanism.gears, **mechanism.springs}
-    found = [
+    entries = [
         {"name": name, "what": one.words, "first": one.first, "second": one.second}
         for name, one in pairs.items()
     ]
-    for name, noun in mechanism.drivers.items():
+    for name, one in mechanism.drivers.items():
         if name not in mechanism.bodies:
-            found.append(
+            entries.append(
                 {
                     "name": name,
-                    "what": f"driver: {driver(noun)}",
-                    "first": noun.body or noun.slider or noun.point,
+                    "what": f"driver: {driver(one)}",
+                    "first": one.body or one.slider or one.point,
                     "second": "",
                 }
             )
-    return found
+    return entries
 
 
-def _law(noun: Any, pair: Any) -> dict[str, Any]:
-    """A law with its parameters and what is derived from them and the two surfaces."""
-    parameters = {field.name: getattr(noun, field.name) for field in dataclasses.fields(noun)}
-    return {
-        "law": noun.name,
-        "parameters": parameters,
-        "derived": noun.derived(pair),
-        "units": noun.units(pair),
-    }
+def _law(law: Any, pair: Any) -> dict[str, Any]:
+    """A law with its parameters, and the numbers that it derives from them and the two surfaces."""
+    parameters = {field.name: getattr(law, field.name) for field in dataclasses.fields(law)}
+    return {"law": law.name, "parameters": parameters, "derived": law.derived(pair), "units": law.units(pair)}
 
 
 def step(assembly: Assembly) -> dict[str, Any]:
-    """The step (s), what set it, and every limit."""
+    """The step (s) with its cause, and every limit."""
     choice = assembly.choice
-    limits = dict(choice.limits)
-    return {
-        "size": choice.step,
-        "automatic": choice.automatic,
-        "set_by": choice.culprit,
-        "stable": choice.stable,
-        "limits": limits,
-    }
+    origin = {"automatic": choice.automatic, "set_by": choice.culprit}
+    return {"size": choice.step, **origin, "stable": choice.stable, "limits": dict(choice.limits)}
 
 
 def freedom(assembly: Assembly) -> dict[str, Any]:
@@ -250,12 +230,12 @@ def freedom(assembly: Assembly) -> dict[str, Any]:
 
 
 def document(found: Mapping[str, Any], long: bool = False) -> Document:
-    """What would run and what it would cost; ``long``: with all defaults, limits and rows."""
+    """The mechanism, its step and the cost of a run; with all defaults, limits and rows if ``long``."""
     most = None if long else ROWS
     texts = (note.strip() for note in (found["note"], *found["notes"]) if note)
     parts: list[Part] = [
         Paragraph(f"  ({found['file']})", lead=found["model"]),
-        *sentences(list(texts), style="caution"),
+        *paragraphs(list(texts), style="caution"),
         Paragraph(""),
     ]
     parts += [*_bodies(found["bodies"], most), *_joints(found["joints"], most)]
@@ -266,7 +246,7 @@ def document(found: Mapping[str, Any], long: bool = False) -> Document:
         ]
         parts.append(Table(("name", "what", "acts on"), rows))
     parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in found.get("laws", {}).items()]
-    parts += sentences(
+    parts += paragraphs(
         [
             *freedom_words(found["degrees_of_freedom"]),
             *(_statics(found) if found["load_factors"] else _transient(found, long)),
@@ -304,19 +284,18 @@ def _left_out(count: int, most: int | None, what: str) -> Iterator[Part]:
 
 def _joints(found: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Part]:
     """Table of joints, then the laws of those with clearance; joints with the same laws share their lines."""
-    rows, laws = [], dict[str, list[str]]()
+    rows, laws = [], list[tuple[str, str]]()
     for joint in found:
         sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
         force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
         rows.append((joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force))
         for kind in ("contact", "friction") if "contact" in joint else ():
-            laws.setdefault(_law_words(kind, joint[kind]), []).append(joint["name"])
-        for side, entry in joint.get("wear", {}).items():
-            laws.setdefault(_wear_words(side, entry), []).append(joint["name"])
+            laws.append((_law_words(kind, joint[kind]), joint["name"]))
+        laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
     heads = ("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N")
     yield Table(heads, rows[:most], numbers=(4, 5, 6))
     yield from _left_out(len(found), most, "joints")
-    for text, names in laws.items():
+    for text, names in grouped(laws).items():
         yield Paragraph(
             f"{', '.join(names[:most])}{'' if most is None or len(names) <= most else ', ...'}: {text}"
         )
@@ -325,13 +304,13 @@ def _joints(found: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Pa
 
 
 def _law_words(kind: str, entry: Mapping[str, Any]) -> str:
-    """A law: its parameters, and what follows from them and the surfaces."""
+    """A law with its parameters and derived numbers."""
     parameters = ", ".join(
         f"{name} {_points(value) or _shown(value)}"
         for name, value in entry["parameters"].items()
         if value is not None
     )
-    derived = [text for text in (named(entry["derived"], entry["units"]),) if text]
+    derived = [text for text in (quantities(entry["derived"], entry["units"]),) if text]
     if "modulus" in entry:
         derived += [
             f"exponent {entry['exponent']:.4g}",
@@ -345,28 +324,36 @@ def _law_words(kind: str, entry: Mapping[str, Any]) -> str:
 
 
 def _wear_words(side: str, entry: Mapping[str, Any]) -> str:
-    """How a surface wears, and how much it has."""
+    """Coefficient of wear of a surface, and its initial depth."""
     pair = f", {entry['pair']} ({entry['source']}) over its hardness" if "pair" in entry else ""
     worn = f"; worn already, up to {1e6 * entry['worn']:.4g} µm" if "worn" in entry else ""
     return f"{side} wears by {entry['coefficient']:.4g} 1/Pa{pair}{worn}"
 
 
 def _points(value: Any) -> str:
-    """A curve by its number of points and its last one; nothing of other values."""
+    """Number of points of a curve and its last one; empty for other values."""
     curve = isinstance(value, list | tuple) and len(value) > 0 and isinstance(value[-1], list | tuple)
     return f"{len(value)} points up to {value[-1][1]:.4g} N at {value[-1][0]:.4g} m" if curve else ""
 
 
+def _degrees_of_freedom(free: int, after_drives: int) -> str:
+    return f"Degrees of freedom with ideal joints: {free}; {after_drives} with the drivers at work."
+
+
+def _redundancy(constraints: str, joints: Sequence[str]) -> str:
+    return (
+        f"{constraints}, at {', '.join(joints)}: rigid links do not determine how these joints share their"
+        " load."
+    )
+
+
 def freedom_words(found: Mapping[str, Any]) -> list[str]:
     """Degrees of freedom in sentences."""
-    lines = [
-        f"Degrees of freedom with ideal joints: {found['free']}; {found['after_drives']} with the drivers at"
-        " work."
-    ]
+    lines = [_degrees_of_freedom(found["free"], found["after_drives"])]
     if found["redundant"]:
-        count, joints = found["redundant"], ", ".join(found["redundant_joints"])
-        many = f"{count} redundant constraint{'s' * (count > 1)}, at {joints}"
-        lines.append(f"{many}: rigid links do not determine how these joints share their load.")
+        lines.append(
+            _redundancy(counted(found["redundant"], "redundant constraint"), found["redundant_joints"])
+        )
     if found["shared"]:
         lines.append(f"Shared by least norm, not unique: {', '.join(found['shared'])}.")
     if found["singular"]:
@@ -466,13 +453,13 @@ def _cost(found: Mapping[str, Any]) -> list[str]:
 
 
 def _confirmation(cost: Mapping[str, Any]) -> list[str]:
-    """What vfife run wants to be confirmed."""
+    """The confirmation that vfife run asks for."""
     return [f"That is {cost['asks_for_yes']}: vfife run wants --yes for it."] if cost["asks_for_yes"] else []
 
 
 def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
     """Table of default values; bodies or joints that take the same value share a row."""
-    alike: dict[tuple[str, str, str], list[str]] = {}
+    alike: list[tuple[tuple[str, str, str], str]] = []
     for entry in defaults:
         section, _, rest = entry["path"].partition(".")
         name, _, key = rest.partition(".") if rest.count(".") else ("", "", rest)
@@ -482,7 +469,7 @@ def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
             f"{_shown(entry['value'])}{unit}",
             entry["meaning"],
         )
-        alike.setdefault(same, []).append(name)
+        alike.append((same, name))
     rows = [
         (
             path.replace("*", names[0]) if len(names) == 1 else path,
@@ -490,7 +477,7 @@ def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:
             value,
             meaning,
         )
-        for (path, value, meaning), names in alike.items()
+        for (path, value, meaning), names in grouped(alike).items()
     ]
     if rows:
         yield Table(("filled in", "of", "value", "meaning"), rows, "Not in the file, so taken by default")

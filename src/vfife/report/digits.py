@@ -1,55 +1,70 @@
-"""Numbers as they are printed: with digits no finer than what varies or is not known."""
+"""Numbers as they are printed: no digit finer than their scatter over turns or their numerical uncertainty."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from decimal import Decimal
 from typing import Any
 
 from ..measures.measured import NOT_ESTIMATED
 from ..numerics.scalar import log10
 
-COUNTED = (".impacts", ".grazing", ".deep_landings")
+Json = Mapping[str, Any]
+COUNTS = (".impacts", ".grazing", ".deep_landings")
+UNITS = {  # of the measures that a summary shows with their units, by the ends of their names
+    "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m", "displacement.max": "m",
+    "angular_acceleration.max": "rad/s²",
+}  # fmt: skip
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
-def spread_of(summary: dict[str, Any], name: str) -> float:
-    """What a measure of a summary varies by, or is not known to, the larger of both; 0 where nobody knows.
+# ------------------------------------------------------------------------------------------- measures of a
+# run's summary
 
-    Of a motion that is not periodic the mean is told, of which companions say how far it is known.
+
+def unit_of(measure: str) -> str:
+    """The unit of a measure, empty for one that a summary shows without."""
+    return next((unit for ending, unit in UNITS.items() if f".{measure}".endswith(f".{ending}")), "")
+
+
+def uncertainty(summary: Json, name: str) -> float:
+    """Scatter over turns or numerical uncertainty of a measure, the larger of both; 0 where neither is known.
+
+    Of a motion that is not periodic the measure is a mean over turns, whose uncertainty is that by companions
+    alone.
     """
-    one = summary["ranges"].get(name)
-    if one is None:
+    bounds = summary["ranges"].get(name)
+    if bounds is None:
         return 0.0
-    unknown, varies = (
-        float(one["high"] - one["low"]),
-        float(one.get("highest", 0.0) - one.get("lowest", 0.0)),
-    )  # a former summary has no turns
+    numerical = float(bounds["high"] - bounds["low"])
+    scatter = float(
+        bounds.get("highest", 0.0) - bounds.get("lowest", 0.0)
+    )  # a summary of a former version has no turns
     return (
-        unknown
-        if unknown > 0.0 and summary["turns"].get("motion") == "not periodic"
-        else max(unknown, varies)
+        numerical
+        if numerical > 0.0 and summary["turns"].get("motion") == "not periodic"
+        else max(numerical, scatter)
     )
 
 
-def estimated(summary: dict[str, Any], name: str) -> bool:
-    """Whether the error of a measure of a summary is known. One of a former version does not say so; no width
-    tells it there.
+def is_estimated(summary: Json, name: str) -> bool:
+    """Whether the error of a measure was estimated; in a summary of a former version, whether its range has a
+    width.
     """
-    one = (summary.get("ranges") or {}).get(name)
+    bounds = (summary.get("ranges") or {}).get(name)
     if "not_estimated" in summary:
         return name not in summary["not_estimated"]
-    return one is not None and one["high"] > one["low"]
+    return bounds is not None and bounds["high"] > bounds["low"]
 
 
-def bounds(summary: dict[str, Any], name: str) -> str:
-    """The range of a measure of a summary as bare numbers, in the digits that are known, or that it was not
-    estimated.
-    """
-    if not estimated(summary, name):
+def range_text(summary: Json, name: str) -> str:
+    """The range of a measure without its unit, "exact", or that it was not estimated."""
+    if not is_estimated(summary, name):
         return NOT_ESTIMATED
-    one = (summary.get("ranges") or {}).get(name)
+    bounds = (summary.get("ranges") or {}).get(name)
     value = summary["measures"][name]
-    low, high = (float(value) if one is None else float(one[key]) for key in ("low", "high"))
+    low, high = (float(value) if bounds is None else float(bounds[key]) for key in ("low", "high"))
     if not high > low:
         return "exact"
     digits = (
@@ -60,91 +75,112 @@ def bounds(summary: dict[str, Any], name: str) -> str:
     return f"{low:.{min(digits, 12)}g} to {high:.{min(digits, 12)}g}"
 
 
-def plain(summary: dict[str, Any], name: str) -> str:
-    """A measure of a summary as a bare number of six digits at the most, no finer than what is known of it."""
+def plain_number(summary: Json, name: str) -> str:
+    """A measure without its unit, with at most six digits and none finer than its uncertainty."""
     value = summary["measures"][name]
-    if name.endswith(COUNTED):
-        # as the tables of a summary have it: 45 contacts are 45, though companions may have 41
-        return f"{value:.0f}"
-    spread = spread_of({"ranges": summary.get("ranges") or {}, "turns": summary.get("turns") or {}}, name)
+    if name.endswith(COUNTS):
+        return (  # 45 contacts are 45 as in the tables of a summary, though companions may have 41
+            f"{value:.0f}"
+        )
+    width = uncertainty({"ranges": summary.get("ranges") or {}, "turns": summary.get("turns") or {}}, name)
     if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
-        known_digits = spread > 0.0 and value and math.isfinite(value / spread)
-        known = decade(value) - decade(spread) + 1 if known_digits else 6
-        return f"{value:.{max(1, min(6, known))}g}"
-    places = decimals(value, spread, significant=6, most=5 - decade(value))
-    return f"{value:.6g}" if spread <= 0.0 else f"{round(value, places):.{max(places, 0)}f}"
+        limited = width > 0.0 and value and math.isfinite(value / width)
+        digits = exponent(value) - exponent(width) + 1 if limited else 6
+        return f"{value:.{max(1, min(6, digits))}g}"
+    places = decimals(value, width, significant=6, most=5 - exponent(value))
+    return f"{value:.6g}" if width <= 0.0 else f"{round(value, places):.{max(places, 0)}f}"
 
 
-def measured(summary: dict[str, Any], name: str, unit: str) -> str:
-    """A measure of a summary with a prefix, in the digits that are known of it."""
-    return prefixed(summary["measures"][name], unit, spread_of(summary, name)) + mark(summary, name)
+def measure_text(summary: Json, name: str, unit: str) -> str:
+    """A measure with a prefix, and a mark where its error was not estimated."""
+    return prefixed(summary["measures"][name], unit, uncertainty(summary, name)) + estimate_mark(
+        summary, name
+    )
 
 
-def mark(summary: dict[str, Any], *names: str) -> str:
-    """What stands behind a measure, or the largest of several, where others were estimated and it was not. A
-    run without any says so once.
+def estimate_mark(summary: Json, *names: str) -> str:
+    """The note behind a measure, or the largest of several, whose error was not estimated in a run where
+    others were.
     """
     return (
         ""
-        if not summary.get("trust") or all(estimated(summary, name) for name in names)
+        if not summary.get("trust") or all(is_estimated(summary, name) for name in names)
         else f" ({NOT_ESTIMATED})"
     )
 
 
-def decimals(value: float, spread: float, significant: int = 4, most: int = 1) -> int:
-    """Digits after the point: so many ``significant`` ones, or of 100 and more ``most``, and none below the
-    first digit of a ``spread``, but one of the value at least; less than 0 means tens, hundreds ...
+# ---------------------------------------------------------------------------------------------------------
+# any numbers
+
+
+def decimals(value: float, width: float, significant: int = 4, most: int = 1) -> int:
+    """Digits after the point; less than 0 means tens, hundreds ...
+
+    The ``significant`` digits, or ``most`` decimals of values from 100 on; but none finer than the first
+    digit of the uncertainty ``width`` (in the same unit), except the first digit of the value itself.
     """
-    first = -decade(value) if value else 0
+    first = -exponent(value) if value else 0
     usual = most if abs(value) >= 100.0 else significant - 1 + first
-    if not (spread > 0.0 and math.isfinite(spread)):
+    if not (width > 0.0 and math.isfinite(width)):
         return usual
-    return min(usual, max(-decade(spread), first))
+    return min(usual, max(-exponent(width), first))
 
 
-def amount(value: float | None, unit: str, spread: float = 0.0) -> str:
-    """A quantity, empty where there is none; of a ``spread`` (in the same unit) no finer digit is printed
-    than its first.
+def amount(value: float | None, unit: str, width: float = 0.0) -> str:
+    """A quantity without prefix, empty for None; no digit is finer than the first one of its uncertainty
+    ``width`` (same unit).
     """
     if value is None:
         return ""
-    if not (spread > 0.0 and math.isfinite(value)) or abs(value) < 1e-6:
+    if not (width > 0.0 and math.isfinite(value)) or abs(value) < 1e-6:
         return f"{value:,.1f} {unit}" if value >= 100.0 or value < 1e-6 else f"{value:,.4g} {unit}"
-    return f"{fixed(value, decimals(value, spread))} {unit}"
+    return f"{fixed(value, decimals(value, width))} {unit}"
 
 
-def percent(value: float | None, spread: float = 0.0) -> str:
-    """Per cent, with two decimals at the most."""
+def percent(value: float | None, width: float = 0.0) -> str:
+    """Per cent with at most two decimals; empty for None."""
     if value is None:
         return ""
-    return f"{fixed(value, min(2, decimals(value, spread, significant=99, most=2)))} %"
+    return f"{fixed(value, min(2, decimals(value, width, significant=99, most=2)))} %"
 
 
 def fixed(value: float, places: int) -> str:
-    """A number with so many places after the point; with less than 0 of them it is rounded to tens, hundreds
-    ...
-    """
+    """A number rounded to decimals, or with less than 0 of them to tens, hundreds ..."""
     return f"{round(value, places):,.{max(places, 0)}f}"
 
 
-def prefixed(value: float, unit: str, spread: float = 0.0) -> str:
-    """A quantity with a prefix that leaves one to three digits before the point; of a ``spread`` (in the
-    unit) no finer digit than its first.
+def prefixed(value: float, unit: str, width: float = 0.0) -> str:
+    """A quantity with a prefix that leaves one to three digits before the point; ``width`` as in
+    :func:`amount`.
     """
-    size = abs(value)
-    for factor, prefix in ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
-        if size >= factor and not (prefix == "k" and unit in ("s", "m")):
-            shown = (
-                fixed(value / factor, decimals(value / factor, spread / factor))
-                if spread > 0.0
+    for factor, prefix in PREFIXES:
+        if abs(value) >= factor and not (factor > 1.0 and unit in ("s", "m")):
+            text = (
+                fixed(value / factor, decimals(value / factor, width / factor))
+                if width > 0.0
                 else f"{value / factor:.4g}"
             )
-            return f"{shown} {prefix}{unit}"
+            return f"{text} {prefix}{unit}"
     return f"{value:.4g} {unit}"
 
 
-def decade(value: float) -> int:
-    """Place of the first digit of a number that is not zero: 0 of 1 to 9.99, -1 of 0.1; exact, where a
-    logarithm may be a bit off.
+def quantity(value: Any, unit: str) -> str:
+    """A value of a parameter or measure with its unit, with a prefix where the unit takes one; a word as it
+    is, None as a dash.
+    """
+    if value is None or isinstance(value, str):
+        return value or "-"
+    if unit in ("1", "%") or not value or not math.isfinite(value):
+        return f"{value:.6g}" + (" %" if unit == "%" else "")
+    return (
+        prefixed(value, unit)
+        if unit in ("m", "N", "Pa", "W", "J", "s")
+        else f"{value:.5g} {unit.replace('^2', '²')}"
+    )
+
+
+def exponent(value: float) -> int:
+    """Decimal exponent of a number that is not zero: 0 of 1 to 9.99, -1 of 0.1; exact, where a logarithm may
+    be a bit off.
     """
     return Decimal(value).adjusted()

@@ -9,51 +9,51 @@ import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from ..errors import VfifeError
-from ..measures.energy import own_floor
-
-if TYPE_CHECKING:
-    from ..assembly.assembled import Assembly
-    from ..results.view import View
-    from ..solvers.record import Record
 from numpy.typing import NDArray
 
-from ..errors import AssemblyError
+from ..errors import AssemblyError, VfifeError
 from ..kinematics.drives import constraint_drivers, kinematic_drivers
 from ..kinematics.forces import driven_body
 from ..kinematics.initial import Datum, datum_of, ideal_motion
+from ..measures.energy import own_floor
 from ..model.drivers import Driver
 from ..model.functions import motion_function
 from ..model.mechanism import Mechanism
 from ..solvers.record import Record
 
+if TYPE_CHECKING:
+    from ..assembly.assembled import Assembly
+    from ..results.view import View
+
+Array = NDArray[np.float64]
+HALVINGS = 30  # of the time between a position that closes and one that does not
+LEAST = 50  # positions on the way
 FAR = 4.0  # times the automatic step, beyond which a step is a likely cause
 
-# What is said where no step closes the ledger.
 FLOOR = (
     "what elements of the present length leave open does not go with the step; take more elements, or strain"
     ' = "reference" for them'
 )
 
-# Forces come first: where a step makes several quantities infinite, they are what did it.
-ORDER = ("contact", "frame", "spring", "joint", "driven", "function", "system", "body", "particle")
+# Forces come first: where a step makes several quantities infinite, a force is the cause.
+ENTITIES = ("contact", "frame", "spring", "joint", "driven", "function", "system", "body", "particle")
 
 
 def diverged(record: Record) -> str:
-    """The sentences about a run that diverged."""
+    """Describe why a run diverged: step, time, quantity and remedy."""
     choice = record.assembly.choice
     step, name = first_infinite(record)
     return f"in step {step:,}, at {step * choice.step:.6g} s, {name}. {cause(record, step * choice.step)}"
 
 
 def first_infinite(record: Record) -> tuple[int, str]:
-    """Step of the first number beyond all bounds, and what it is: as the run found it, else by going on from
-    the last sound output step by step.
+    """Step of the first number beyond all bounds, and its name.
+
+    Where the run did not record it, the steps after the last sound output are repeated one by one.
     """
     if record.burst is not None:
-        gone = "left all bounds" if record.burst.finite else "became infinite"
-        return record.burst.step, f"{named(record.assembly, record.burst.rows)} {gone}"
+        event = "left all bounds" if record.burst.finite else "became infinite"
+        return record.burst.step, f"{quantity_name(record.assembly, record.burst.rows)} {event}"
     from ..assembly.assembled import Bounds
     from ..compiler.runtime.runner import Runner
 
@@ -74,22 +74,22 @@ def first_infinite(record: Record) -> tuple[int, str]:
         rows = runner.advance(1, 1)[:, :, 0]
         bad = Bounds(assembly, record.kept).unsound(rows)[0]
         if bad.any():
-            gone = "became infinite" if not np.isfinite(rows).all() else "left all bounds"
-            return step, f"{named(assembly, record.kept[bad])} {gone}"
+            event = "became infinite" if not np.isfinite(rows).all() else "left all bounds"
+            return step, f"{quantity_name(assembly, record.kept[bad])} {event}"
     return last + assembly.choice.outputs_every, "a number of the state left all bounds"
 
 
-def named(assembly: Assembly, rows: Any) -> str:
-    """What stands in these rows, the most telling of them, and whose it is."""
+def quantity_name(assembly: Assembly, rows: Any) -> str:
+    """Name of the first of these state rows in the order of ``ENTITIES``, with its joint or body."""
     from ..kernels.blocks import BLOCKS
 
     found = []
     for block in BLOCKS:
         where = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
         found += [
-            (ORDER.index(block.entity), block, where[int(row)])
+            (ENTITIES.index(block.entity), block, where[int(row)])
             for row in rows
-            if block.entity in ORDER and int(row) in where
+            if block.entity in ENTITIES and int(row) in where
         ]
     if not found:
         return "a number of the state"
@@ -122,28 +122,28 @@ def owner(assembly: Assembly, entity: str, index: int) -> str:
 
 
 def energy_cause(result: View) -> str:
-    """The sentences about a run whose energy ledger is open beyond its limit."""
+    """Describe why the energy ledger of a run is open beyond its limit, with a remedy."""
     record, choice = result.record, result.record.assembly.choice
     limit = record.assembly.mechanism.settings.energy_limit
-    said = (
+    opening = (
         f"the energy ledger is open by {100.0 * result.ledger.error:.3g} % of the largest energy, and"
         f" {100.0 * limit:.3g} % is the limit."
     )
     if own_floor(record) and choice.step <= choice.stable:
-        return f"{said} {FLOOR[0].upper()}{FLOOR[1:]}, or allow more (energy_limit in [run])."
+        return f"{opening} {FLOOR[0].upper()}{FLOOR[1:]}, or allow more (energy_limit in [run])."
     if choice.step > choice.stable:
         return (
-            f"{said} The step of {choice.step:.4g} s was forced, and is larger than the stable"
+            f"{opening} The step of {choice.step:.4g} s was forced, and is larger than the stable"
             f" {choice.stable:.4g} s that {choice.culprit} allows: take --step auto, without --force-step."
         )
     return (
-        f"{said} Take a smaller step, --step {0.5 * choice.step:.4g}, or allow more (energy_limit in [run])"
-        " where you know better."
+        f"{opening} Take a smaller step, --step {0.5 * choice.step:.4g}, or allow more (energy_limit in"
+        " [run]) where you know better."
     )
 
 
 def automatic_step(assembly: Assembly) -> float:
-    """The step (s) that a run as long would choose by itself; infinite where that cannot be told."""
+    """The automatic step (s) of a run of the same length; infinite where it cannot be found."""
     from ..assembly.assemble import assemble
 
     choice = assembly.choice
@@ -156,18 +156,18 @@ def automatic_step(assembly: Assembly) -> float:
 
 
 def cause(record: Record, time: float) -> str:
-    """Likely cause of what happened at ``time`` (s), and remedy."""
+    """Likely cause of a divergence at ``time`` (s), and remedy."""
     choice = record.assembly.choice
     forced = (
         f"The step of {choice.step:.4g} s is larger than the stable {choice.stable:.4g} s that"
         f" {choice.culprit} allows"
     )
-    if passed := end_of_reach(record, time + choice.step):
-        said = (
-            f"The drivers lead to a position that the mechanism cannot pass: {passed}. No step helps there:"
+    if limit := end_of_reach(record, time + choice.step):
+        text = (
+            f"The drivers lead to a position that the mechanism cannot pass: {limit}. No step helps there:"
             " end the course of the driver before, or drive the mechanism elsewhere, such as at the crank."
         )
-        return f"{said} {forced}, too." if choice.step > choice.stable else said
+        return f"{text} {forced}, too." if choice.step > choice.stable else text
     if choice.step > choice.stable:
         return f"{forced}, which is the likely cause; take --step auto, without --force-step."
     if not choice.automatic and choice.step > FAR * (own := automatic_step(record.assembly)):
@@ -177,13 +177,13 @@ def cause(record: Record, time: float) -> str:
         )
     topology = record.assembly.topology
     if record.assembly.ideals and not (topology.frame_nodes or topology.contact_bearing):
-        held = (
+        lead = (
             "the drivers lead it"
             if record.assembly.mobility is not None and record.assembly.mobility.after_drives == 0
             else "the motion leads"
         )
         return (
-            f"The likely cause is that {held} to a place where the ideal joints cannot stay closed: a dead"
+            f"The likely cause is that {lead} to a place where the ideal joints cannot stay closed: a dead"
             " centre, or beyond the reach of the links. Check lengths (vfife check tells the class of a"
             " four-bar), the course of the drivers, and the last outputs with `vfife plot`."
         )
@@ -200,12 +200,6 @@ def cause(record: Record, time: float) -> str:
         f" for{deepest}, or a load that grows without limit; try half the step, --step"
         f" {0.5 * choice.step:.4g}, and look at the last outputs with `vfife plot`."
     )
-
-
-Array = NDArray[np.float64]
-
-HALVINGS = 30  # of the time between a position that closes and one that does not
-LEAST = 50  # positions on the way
 
 
 def end_of_reach(record: Record, until: float) -> str:

@@ -1,10 +1,8 @@
-"""An answer as data: title, paragraphs, tables, cautions and figures. `terminal` and `html` render it;
-``data`` is what ``--json`` prints.
-"""
+"""An answer as data: title, paragraphs, tables, cautions and figures; `terminal` and `html` render it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
@@ -13,8 +11,7 @@ Style = Literal["", "strong", "aside", "caution", "alarm", "code", "faint", "goo
 
 @dataclass(frozen=True)
 class Paragraph:
-    """Text after a ``lead`` that stands out. ``style`` is that of the lead, or of the text where there is
-    none.
+    """Text after a highlighted ``lead``. ``style`` is that of the lead, or of the text if the lead is empty.
 
     ``lines``: "wrapped" at words, "whole" (never broken, so that a terminal's search finds the sentence) or
     "cut" at the margin.
@@ -41,16 +38,11 @@ class Table:
     indent: int = 0
 
     @classmethod
-    def of(
-        cls,
-        headings: Sequence[str],
-        rows: Sequence[Sequence[Any]],
-        title: str = "",
-        words: int = 1,
-        indent: int = 0,
+    def numeric(
+        cls, headings: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "", texts: int = 1
     ) -> Table:
-        """A table whose columns are numbers, except the first ``words``."""
-        return cls(headings, rows, title, range(words, len(headings)), indent=indent)
+        """A table whose columns are numbers, except the first ``texts``."""
+        return cls(headings, rows, title, range(texts, len(headings)))
 
 
 @dataclass(frozen=True)
@@ -62,7 +54,7 @@ class Facts:
 
 @dataclass(frozen=True)
 class Caution:
-    """What to be careful with. On a terminal an ``aside`` goes to standard error."""
+    """A warning. On a terminal an ``aside`` goes to standard error."""
 
     text: str
     word: str = "Warning"
@@ -104,7 +96,7 @@ Part: TypeAlias = Paragraph | Table | Facts | Caution | Bullets | Element | Figu
 
 @dataclass(frozen=True)
 class Document:
-    """An answer: ``parts`` for people under a ``title``, ``data`` for programs."""
+    """An answer: ``parts`` for people under a ``title``, ``data`` for programs, as ``--json`` prints them."""
 
     parts: Sequence[Part]
     title: str = ""
@@ -117,16 +109,20 @@ class Document:
         return fragment(self)
 
 
-def sentences(texts: Iterator[str] | Sequence[str], **options: Any) -> list[Paragraph]:
-    """A paragraph for each text that is not empty."""
+def paragraphs(texts: Iterable[str], **options: Any) -> list[Paragraph]:
+    """A paragraph for each text that is not empty; ``options`` are fields of :class:`Paragraph`."""
     return [Paragraph(text, **options) for text in texts if text]
 
 
-def with_unit(value: Any, unit: str) -> str:
-    """A number with its unit, if it has one."""
-    return f"{value}" if unit in ("", "1") else f"{value} {unit}"
-
-
-def named(data: Mapping[str, Any], units: Mapping[str, str]) -> str:
+def quantities(values: Mapping[str, Any], units: Mapping[str, str]) -> str:
     """Names, numbers and units in a line."""
-    return ", ".join(f"{name} {with_unit(value, units.get(name, ''))}" for name, value in data.items())
+    suffix = {name: f" {unit}" for name, unit in units.items() if unit not in ("", "1")}
+    return ", ".join(f"{name} {value}{suffix.get(name, '')}" for name, value in values.items())
+
+
+def grouped(pairs: Iterable[tuple[Any, str]]) -> dict[Any, list[str]]:
+    """Names with equal texts, from pairs of a text and a name, in the order in which texts occur first."""
+    groups: dict[Any, list[str]] = {}
+    for text, name in pairs:
+        groups.setdefault(text, []).append(name)
+    return groups

@@ -1,6 +1,4 @@
-"""Documents as HTML: a part of a notebook, or a page that prints well. Every text in it is text, whatever it
-says.
-"""
+"""Documents as HTML: part of a notebook, or a page that prints well. All texts are escaped."""
 
 from __future__ import annotations
 
@@ -15,7 +13,7 @@ from .. import __version__
 from .document import Bullets, Caution, Document, Element, Facts, Figure, Paragraph, Part, Section, Table
 
 PAGE = Template(Path(__file__).with_name("page.html").read_text("utf-8"))
-DOCUMENTS = {  # of maps by their own: the module and function that makes the document of a class
+DOCUMENTS = {  # module and function that make the document of a class; all other classes are maps
     "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
     "Comparison": ("sensitivity", "comparison"), "Sensitivity": ("sensitivity", "sensitivity"),
 }  # fmt: skip
@@ -43,7 +41,7 @@ def fragment(document: Document) -> str:
 
 def notebook(answer: Any) -> str:
     """A study, map, wear, fit, comparison or sensitivity as a notebook shows it."""
-    module, function = DOCUMENTS.get(type(answer).__name__, ("maps", "document"))
+    module, function = DOCUMENTS.get(type(answer).__name__, ("dynamics", "document"))
     return fragment(getattr(import_module(f".{module}", __package__), function)(answer))
 
 
@@ -53,10 +51,10 @@ def page(document: Document, introduction: Iterable[str], script: str = "") -> s
     """
     sections = [part for part in document.parts if isinstance(part, Section) and part.parts]
     links = "".join(f'<a href="#{anchor(one.title)}">{escape(one.title)}</a>' for one in sections)
-    said = "".join(f"<p>{escape(text)}</p>" for text in introduction if text)
+    lead = "".join(f"<p>{escape(text)}</p>" for text in introduction if text)
     body = "\n".join(element(one) for one in sections)
     return PAGE.substitute(
-        title=escape(document.title), said=said, links=links, body=body + script, version=escape(__version__)
+        title=escape(document.title), said=lead, links=links, body=body + script, version=escape(__version__)
     )
 
 

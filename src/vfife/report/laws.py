@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from .document import Document, Paragraph, Part, Table, named
+from .document import Document, Paragraph, Part, Table, quantities
 
 LIMITS = {"above": "above", "low": "at least", "high": "at most"}
 
@@ -30,8 +30,8 @@ def described() -> Iterator[dict[str, Any]]:
 
 
 def parameter(field: dataclasses.Field[Any]) -> dict[str, Any]:
-    """Describe a parameter of a law; a default of null is derived from the surfaces, and there is none where
-    a value has to be given.
+    """Describe a parameter of a law; a default of None is derived from the surfaces, a required value has no
+    default.
     """
     entry = {
         "name": field.name,
@@ -56,11 +56,11 @@ def law_list(laws: Sequence[Mapping[str, Any]]) -> Document:
             if law["kind"] == kind:
                 source = "(your own) " * law["own"] + " ".join(law["source"].split())
                 parts.append(Paragraph(source, lead=law["name"].ljust(width), style="code", lines="cut"))
-    more = (
+    hint = (
         "Formula, parameters and limits of one: vfife laws NAME; by itself in numbers and a picture: vfife"
         " laws NAME --plot."
     )
-    return Document([*parts, Paragraph(more)], data=laws)
+    return Document([*parts, Paragraph(hint)], data=laws)
 
 
 def law_details(laws: Sequence[Mapping[str, Any]]) -> Document:
@@ -83,7 +83,7 @@ def _law(law: Mapping[str, Any]) -> Iterator[Part]:
     else:
         yield Paragraph("")
     if "picture" in law:
-        derived = named(law["derived"], law["units"])
+        derived = quantities(law["derived"], law["units"])
         yield Paragraph(f"For these surfaces: {derived}" if derived else "")
         yield from _numbers(law["numbers"])
         yield Paragraph(law["picture"], lead="Picture: ")
@@ -105,7 +105,7 @@ def _numbers(found: Mapping[str, Any]) -> Iterator[Part]:
             "largest force, N",
             "time in contact, µs",
         )
-        yield Table.of(heads, [_impact(one) for one in found["impacts"]], words=0)
+        yield Table.numeric(heads, [_impact(one) for one in found["impacts"]], texts=0)
         return
     normal = found["normal_force"]
     yield Paragraph(f"Steady sliding under a normal force of {normal:g} N")
@@ -113,7 +113,9 @@ def _numbers(found: Mapping[str, Any]) -> Iterator[Part]:
         (f"{one['speed']:g}", f"{one['force']:.5g}", f"{one['force'] / normal:.5f}")
         for one in found["steady"]
     ]
-    yield Table.of(("sliding velocity, m/s", "resisting force, N", "over the normal force"), rows, words=0)
+    yield Table.numeric(
+        ("sliding velocity, m/s", "resisting force, N", "over the normal force"), rows, texts=0
+    )
     if "breakaway" in found:
         yield Paragraph(
             "Pulled slowly from rest, it reaches 95 % of its largest force after"

@@ -22,21 +22,28 @@ from .document import (
     Part,
     Section,
     Table,
-    named,
-    sentences,
+    paragraphs,
+    quantities,
 )
 from .html import page
-from .run import facts, footnotes, tables
-from .statics import equilibria
-from .study import error_table, extreme_table, parameter_table, quantity, where
-from .summary import report
+from .run import equilibria, facts, footnotes, tables
+from .study import (
+    counts_words,
+    error_table,
+    extreme_table,
+    member_table,
+    parameter_table,
+    settling_words,
+    where,
+)
+from .summary import run_summary
 
 if TYPE_CHECKING:
     from ..results.studied import Study
     from ..results.view import View
 
-TRUSTED = ("Step", "Run", "Turns", "Trust", "Energy")  # facts on how reliable the numbers are
-LONGEST = 60_000  # characters of a model that are shown
+RELIABILITY = ("Step", "Run", "Turns", "Trust", "Energy")  # facts on how reliable the numbers are
+MODEL_LENGTH = 60_000  # characters of a model that are shown
 MOST_ROWS = 1000
 SCRIPT = """<script>
 for (const button of document.querySelectorAll("button[data-positions]"))
@@ -53,11 +60,11 @@ def run_page(result: View, pictures: Mapping[str, str], live: str | None, source
     """The report of a run: ``pictures`` are elements by their titles, ``live`` is a page shown in it,
     ``source`` the path of the model file.
     """
-    summary = report(result)
+    summary = run_summary(result)
     about = summary["model"]
     cautions = [*summary["warnings"], *summary["remarks"]]
     sections = (
-        Section("Found", found(summary)),
+        Section("Found", findings(summary)),
         Section("Cautions", [Bullets(cautions) if cautions else Paragraph("None.")]),
         Section("Trust", trust(summary)),
         Section("Figures", _figures(pictures)),
@@ -71,16 +78,16 @@ def run_page(result: View, pictures: Mapping[str, str], live: str | None, source
     )
 
 
-def found(summary: dict[str, Any]) -> list[Part]:
-    """Peaks with their ranges, effects of play, losses; of a static analysis its equilibria."""
+def findings(summary: dict[str, Any]) -> list[Part]:
+    """Peaks with their ranges, effects of clearance, losses; equilibria of a static analysis."""
     if summary["run"].get("analysis") == "static":
         return equilibria(summary)
-    shown = [(name, text) for topic, name, text in _topics(summary) if topic not in (*TRUSTED, "Laws")]
-    return [Facts(shown), *tables(summary), *sentences(footnotes(summary))]
+    shown = [(name, text) for topic, name, text in _topics(summary) if topic not in (*RELIABILITY, "Laws")]
+    return [Facts(shown), *tables(summary), *paragraphs(footnotes(summary))]
 
 
 def trust(summary: dict[str, Any]) -> list[Part]:
-    """Step, companions, the energy ledger, depths at which contacts began."""
+    """Step, companions, energy ledger, and depths of the first contacts."""
     if summary["run"].get("analysis") == "static":
         return []
     depths = [
@@ -92,19 +99,19 @@ def trust(summary: dict[str, Any]) -> list[Part]:
         for name, one in summary["contacts"].items()
     ]
     onsets = (
-        [Table.of(("contact", "too deep", "deepest"), depths, "Depth at which contacts began")]
+        [Table.numeric(("contact", "too deep", "deepest"), depths, "Depth at which contacts began")]
         if depths
         else []
     )
     return [
-        Facts([(name, text) for topic, name, text in _topics(summary) if topic in TRUSTED]),
+        Facts([(name, text) for topic, name, text in _topics(summary) if topic in RELIABILITY]),
         *onsets,
-        *sentences(summary["run"]["notes"]),
+        *paragraphs(summary["run"]["notes"]),
     ]
 
 
 def _topics(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Facts with the last name above each of them."""
+    """Facts, each with its topic: the last name before it."""
     lines, topic = [], ""
     for name, text in facts(summary):
         topic = name or topic
@@ -118,12 +125,12 @@ def _figures(pictures: Mapping[str, str]) -> list[Part]:
 
 def _frame(live: str) -> Part:
     """A page in the page, without access to it."""
-    opened = (
+    frame = (
         '<iframe title="the mechanism running" sandbox="allow-scripts allow-downloads"'
         f' srcdoc="{escape(live)}"></iframe>'
     )
     return Element(
-        f'<div class="screen">{opened}</div><p class="paper">On a screen the mechanism runs here.</p>'
+        f'<div class="screen">{frame}</div><p class="paper">On a screen the mechanism runs here.</p>'
     )
 
 
@@ -135,11 +142,11 @@ def _inputs(result: View, source: str | None) -> list[Part]:
         model = dump(mechanism)
     except (TypeError, ValueError):
         return [*parts, Paragraph("No model file can hold this mechanism.")]
-    return [*parts, _model("In SI units, as it was run", model), *as_given(model, source)]
+    return [*parts, _model("In SI units, as it was run", model), *model_file(model, source)]
 
 
-def as_given(model: str, source: str | None) -> list[Part]:
-    """The model file as it reads now, and whether it gives the ``model`` that was run."""
+def model_file(model: str, source: str | None) -> list[Part]:
+    """The current model file, and whether it gives the ``model`` that was run."""
     try:
         text = read_bytes(source).decode("utf-8") if source else ""
         same = bool(text) and dump(load(Path(source or ""))) == model
@@ -161,19 +168,21 @@ def as_given(model: str, source: str | None) -> list[Part]:
 
 def _model(title: str, text: str, words: str = "") -> Part:
     """A model file, the end of a long one left out."""
-    rest = f"\n… and {len(text) - LONGEST:,} signs more" if len(text) > LONGEST else ""
-    said = f"<p>{escape(words)}</p>" if words else ""
-    return Element(f'<h3>{escape(title)}</h3>{said}<pre class="model">{escape(text[:LONGEST] + rest)}</pre>')
+    rest = f"\n… and {len(text) - MODEL_LENGTH:,} signs more" if len(text) > MODEL_LENGTH else ""
+    note = f"<p>{escape(words)}</p>" if words else ""
+    return Element(
+        f'<h3>{escape(title)}</h3>{note}<pre class="model">{escape(text[:MODEL_LENGTH] + rest)}</pre>'
+    )
 
 
 def _derived(summary: dict[str, Any]) -> list[Part]:
-    """Parameters that laws derive from radii and materials: formulas, numbers with units, sources."""
+    """Parameters derived by laws from radii and materials: formulas, numbers with units, sources."""
     rows = [
         (
             joint,
             f"{kind}: {law['law']}",
             law["formula"],
-            named(law["derived"], law.get("units", {})),
+            quantities(law["derived"], law.get("units", {})),
             law["source"],
         )
         for joint, laws in summary["laws"].items()
@@ -221,25 +230,15 @@ def study_page(
 
 
 def _study_words(study: Study) -> str:
-    """How many members ended, over how many turns."""
-    wanted, counts = (
-        study.asked["wanted"],
-        ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count),
-    )
-    until = (
-        ""
-        if wanted["settle"] is None
-        else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
-    )
+    """Numbers of cases and of turns."""
+    wanted = study.asked["wanted"]
     over = (
         "the last turn"
         if wanted["last"] == 1
         else f"the last {wanted['last']} turns, of which means are told"
     )
-    return (
-        f"{len(study.members):,} members: {counts}. Each makes {wanted['turns']:,} turns{until}; measures are"
-        f" of {over}."
-    )
+    turns = f"Each makes {wanted['turns']:,} turns{settling_words(study)}; measures are of {over}."
+    return f"{len(study.members):,} members: {counts_words(study)}. {turns}"
 
 
 def _running(
@@ -255,28 +254,24 @@ def _running(
     )
     left = len(study.done) - len(places)
     rest = [f"{left:,} members run by themselves only, with vfife live."] if left > 0 else []
-    return [said, _frame(live), *sentences([steps, *rest, *(f"{note}." for note in notes)])]
+    return [said, _frame(live), *paragraphs([steps, *rest, *(f"{note}." for note in notes)])]
 
 
 def _members(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part]:
-    """Every member with its measures, and a button that runs it."""
-    names = [*(one.name for one in study.parameters), *study.measures]
-    units = {**{one.name: one.unit for one in study.parameters}, **study.measures}
-    rows, known = [], {one.number: one for one in study.members}
-    for row in study.rows()[:MOST_ROWS]:
-        number = int(row["member"])
-        button = [_button(places, number, f"{number}: {where(study, known[number])}")] if places else []
-        rows.append((number, *(quantity(row[name], units[name]) for name in names), row["status"], *button))
-    rest = len(study.members) - len(rows)
+    """Every case with its measures, and a button that runs it."""
+    cases = {one.number: one for one in study.members}
+    button = (
+        (lambda number: _button(places, number, f"{number}: {where(study, cases[number])}"))
+        if places
+        else None
+    )
+    rest = len(study.members) - MOST_ROWS
     left_out = (
         [Paragraph(f"{rest:,} more are in the file; vfife study export writes all of them.")]
         if rest > 0
         else []
     )
-    return [
-        Table(("member", *names, "ended", *([""] if places else [])), rows, numbers=range(len(names) + 1)),
-        *left_out,
-    ]
+    return [member_table(study, "ended", MOST_ROWS, button), *left_out]
 
 
 def _button(places: Mapping[int, Mapping[str, int]], number: int, words: str) -> Element:

@@ -1,22 +1,39 @@
-"""The answer of a run: facts with how far they can be trusted, and tables of reactions, contacts, losses,
-wear and accelerations.
+"""Documents of a run: its summary, the equilibria of a static analysis, the contents of a run file, and the
+hardest impacts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+import dataclasses
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
+from ..job.amounts import amount_of_bytes, span
 from ..measures.forces import MODES
 from ..measures.measured import NOT_ESTIMATED
-from .digits import amount, decimals, estimated, fixed, mark, measured, percent, prefixed, spread_of
-from .document import Caution, Document, Facts, Paragraph, Part, Table, named, sentences
-from .statics import equilibria
-from .trust import lines, several, turn_lines, verdict
+from ..measures.meshes import EXACT
+from .digits import (
+    Json,
+    amount,
+    estimate_mark,
+    is_estimated,
+    measure_text,
+    percent,
+    plain_number,
+    prefixed,
+    range_text,
+    uncertainty,
+    unit_of,
+)
+from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
+from .trust import over_several_turns, trust_lines, turn_lines, verdict
 
-SHOWN = 1e-4  # share of a measure by which turns have to differ to be shown
+if TYPE_CHECKING:
+    from ..measures.contacts import Impact, Impacts
+
+SCATTER = 1e-4  # share of a measure by which turns have to differ to be shown
 NOISE = 1e-6  # share of the largest angular acceleration
-MANY = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
+RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
 SHARED = (
     "* shared by least norm, not unique: joints are redundant, and rigid bodies leave open how these"
     " reactions share the load."
@@ -24,56 +41,50 @@ SHARED = (
 CONFORMAL = (
     "* wider than 0.3 of the journal's radius: Hertz' theory is coarse there, and the line pressure too low."
 )
+LOSSES = (
+    ("sliding_velocity.max", "m/s"),
+    ("contact_pressure.max", "Pa"),
+    ("contact_half_width.max", "m"),
+    ("pressure_velocity.mean", "Pa m/s"),
+)
+MESHED = "Ranges are the errors of the mesh, from the same analysis with other numbers of elements."
+UNESTIMATED = (
+    "Errors are not estimated: nothing here is cut into elements that could be halved, the analysis did not"
+    " come to its end, or it is long or was told not to be repeated (companions = 1 has it repeated)."
+)
+REDUNDANT = "Joints are redundant: rigid bodies leave open how these share the load."
+REACTIONS = 6  # joints whose reactions fit beside each other
+FACTORS = 40  # load factors that a table shows, evenly
+AXES = ("force_x", "force_y")
 
 
-def document(summary: dict[str, Any]) -> Document:
-    """The document of what :func:`vfife.report.summary.report` returns."""
+def document(summary: Json) -> Document:
+    """The document of what :func:`vfife.report.summary.run_summary` returns."""
     model, run = summary["model"], summary["run"]
-    title: list[Part] = [Paragraph(model["name"], style="strong")]
-    title += [Paragraph(model["note"], style="aside")] if model["note"] else []
+    title = [Paragraph(model["name"], style="strong"), *paragraphs([model["note"]], style="aside")]
     if run.get("analysis") == "static":
         return Document([*title, *equilibria(summary), *(Caution(text) for text in summary["warnings"])])
     leading = verdict(summary)
-    title += [Paragraph(leading, style="alarm")] if leading else []
+    title += paragraphs([leading], style="alarm")
     notes = [Paragraph(text) for text in run["notes"]]
-    body: list[Part] = [Facts(facts(summary)), *notes, *tables(summary), *sentences(footnotes(summary))]
+    body: list[Part] = [Facts(facts(summary)), *notes, *tables(summary), *paragraphs(footnotes(summary))]
     return Document([*title, *body, *(Caution(text) for text in summary["warnings"] if text != leading)])
 
 
-def footnotes(summary: dict[str, Any]) -> list[str]:
-    """What asterisks in the tables mean."""
+def footnotes(summary: Json) -> list[str]:
+    """Meanings of the asterisks in the tables."""
     return [CONFORMAL] * bool(summary["conformal"]) + [SHARED] * bool(summary["not_unique"])
 
 
-def tables(summary: dict[str, Any]) -> list[Table]:
-    """Tables of what was found; those without rows are left out."""
-    of = f"({summary['part']})"
-    contacts = (
-        "joint",
-        "free flight",
-        "impact",
-        "contact",
-        "impacts",
-        "grazing",
-        "landed too deep",
-        "deepest landing",
-    )
-    losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
-    worn = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
-    found = (
-        _joint_table(summary, f"Largest reactions {of}"),
-        Table.of(contacts, list(_contact_rows(summary)), "Contact (whole run)"),
-        Table.of(losses, list(_loss_rows(summary)), f"Losses and pressures {of}"),
-        Table.of(worn, list(_wear_rows(summary)), f"Wear by Archard's law {of}"),
-        _body_table(summary, f"Largest angular accelerations {of}"),
-    )
-    return [table for table in found if table.rows]
+# ---------------------------------------------------------------------------------------------------------------- facts
 
 
-def facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """What was run, and how far it can be trusted: names and sentences; a sentence without a name belongs to
-    the name before.
+def facts(summary: Json) -> list[tuple[str, str]]:
+    """Names and sentences on what was run and how reliable it is; a sentence without a name belongs to the
+    name before.
     """
+    laws = grouped((_laws(laws), joint) for joint, laws in summary["laws"].items())
+    law_lines = [f"{', '.join(joints)}: {text}" for text, joints in laws.items()]
     return [
         ("Bodies", "; ".join(f"{name}: {_body(body)}" for name, body in summary["model"]["bodies"].items())),
         ("Step", _step(summary)),
@@ -85,219 +96,242 @@ def facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
             ),
         ),
         *(("Turns", line) for line in turn_lines(summary)),
-        *(("Trust" if k == 0 else "", line) for k, line in enumerate(lines(summary))),
+        *_named_once("Trust", list(trust_lines(summary))),
         ("Energy", _energy(summary)),
         *(("Driver", line) for line in _torques(summary)),
         *_machine(summary),
-        *(
-            ("Laws" if k == 0 else "", line)
-            for k, line in enumerate((*_law_lines(summary), *summary["remarks"]))
-        ),
+        *_named_once("Laws", [*law_lines, *summary["remarks"]]),
     ]
 
 
-def _body(body: dict[str, Any]) -> str:
-    said = str(body["model"])
+def _named_once(name: str, lines: list[str]) -> list[tuple[str, str]]:
+    return [(name if k == 0 else "", line) for k, line in enumerate(lines)]
+
+
+def _body(body: Json) -> str:
+    text = str(body["model"])
     if body["elements"] > 1:
-        said += f", {body['elements']} elements"
+        text += f", {body['elements']} elements"
     if body["release"] != "none" and body["elements"]:
-        said += ", a bar" if body["release"] == "both" else f", released at its {body['release']}"
-    return said + (", driven" if body["driven"] else "")
+        text += ", a bar" if body["release"] == "both" else f", released at its {body['release']}"
+    return text + (", driven" if body["driven"] else "")
 
 
-def _step(summary: dict[str, Any]) -> str:
+def _step(summary: Json) -> str:
     run = summary["run"]
-    size = f"{summary['steps']:,} steps of {prefixed(summary['step'], 's')}"
     length = prefixed(run["time_s"], "s") + (
         f", {run['turns']:.4g} turns" if run["turns"] is not None else ""
     )
+    size = f"{summary['steps']:,} steps of {prefixed(summary['step'], 's')} ({length})"
     if run["automatic"]:
-        return f"{size} ({length}), set by {run['set_by']}"
+        return f"{size}, set by {run['set_by']}"
     stable = (
         f"; stable below {prefixed(run['stable_step'], 's')} ({run['set_by']})" if run["stable_step"] else ""
     )
-    return f"{size} ({length}), as asked for{stable}"
+    return f"{size}, as asked for{stable}"
 
 
-def _energy(summary: dict[str, Any]) -> str:
+def _energy(summary: Json) -> str:
     end, largest = summary["energy"]["end"], summary["energy"]["largest"]
-    put_in = end["driver"] + end["external"]
-    lost = {kind: end[f"{kind}_loss"] for kind in ("contact", "friction", "damping", "spring")}
-    parts = ", ".join(f"{kind} {value:.4g}" for kind, value in lost.items() if value)
+    losses = {kind: end[f"{kind}_loss"] for kind in ("contact", "friction", "damping", "spring")}
+    parts = ", ".join(f"{kind} {value:.4g}" for kind, value in losses.items() if value)
     return (
-        f"whole run: put in {put_in:.5g} J, lost {sum(lost.values()):.5g} J{f' ({parts})' if parts else ''}, "
-        f"largest {largest:.5g} J; ledger closes to {summary['energy_error']:.1e} of it"
+        f"whole run: put in {end['driver'] + end['external']:.5g} J, lost {sum(losses.values()):.5g}"
+        f" J{f' ({parts})' if parts else ''}, largest {largest:.5g} J; ledger closes to"
+        f" {summary['energy_error']:.1e} of it"
     )
 
 
-def _torques(summary: dict[str, Any]) -> Iterable[str]:
+def _torques(summary: Json) -> Iterator[str]:
     for name, body in summary["model"]["bodies"].items():
         if body["torque.max"] is not None:
             ideal = body["ideal_torque.max"]
-            largest = amount(body["torque.max"], "N m", spread_of(summary, f"{name}.torque.max")) + _star(
-                summary, f"{name}.torque.max"
-            )
+            compared = f", ideal {amount(ideal, 'N m')}" if ideal is not None else ""
             yield (
-                f"{name}: largest torque {largest}"
-                + (f", ideal {amount(ideal, 'N m')}" if ideal is not None else "")
-                + f" ({summary['part']})"
+                f"{name}: largest torque"
+                f" {_reaction(summary, f'{name}.torque.max', body['torque.max'])}{compared}"
+                f" ({summary['part']})"
             )
 
 
-def _law_lines(summary: dict[str, Any]) -> Iterable[str]:
-    """Laws and what they derive from radii and materials, joints alike in one line."""
-    lines: dict[str, list[str]] = {}
-    for joint, laws in summary["laws"].items():
-        said = []
-        for law in laws.values():
-            numbers = named(law["derived"], law.get("units", {}))
-            said.append(law["law"] + (f" ({numbers})" if numbers else ""))
-        lines.setdefault("; ".join(said), []).append(joint)
-    for text, joints in lines.items():
-        yield f"{', '.join(joints)}: {text}"
+def _laws(laws: Json) -> str:
+    """The laws of a joint, with what they derive from radii and materials."""
+    derived = [(law["law"], quantities(law["derived"], law.get("units", {}))) for law in laws.values()]
+    return "; ".join(name + (f" ({numbers})" if numbers else "") for name, numbers in derived)
 
 
-def _machine(summary: dict[str, Any]) -> Iterable[tuple[str, str]]:
-    """Heading and line: mean torque and power of the drivers, efficiency, what shakes the ground."""
-    found = summary["measures"]
+def _machine(summary: Json) -> Iterator[tuple[str, str]]:
+    """Mean torque and power of the drivers, efficiency, and the shaking force on the ground."""
+    measures, part = summary["measures"], summary["part"]
     for name in summary["model"]["bodies"]:
-        if f"{name}.torque.mean" in found:
-            mean, ripple = found[f"{name}.torque.mean"], found.get(f"{name}.torque.ripple", 0.0)
-            width = prefixed(ripple * abs(mean), "N m", spread_of(summary, f"{name}.torque.max"))
-            swing = (
-                f", ripple {100.0 * ripple:,.4g} %{mark(summary, f'{name}.torque.ripple')}"
-                if ripple < MANY
-                else f", swinging by {width}"
-            )
+        if f"{name}.torque.mean" in measures:
+            mean, ripple = measures[f"{name}.torque.mean"], measures.get(f"{name}.torque.ripple", 0.0)
+            width = prefixed(ripple * abs(mean), "N m", uncertainty(summary, f"{name}.torque.max"))
+            swing = f", ripple {100.0 * ripple:,.4g} %{estimate_mark(summary, f'{name}.torque.ripple')}"
+            swing = swing if ripple < RIPPLE else f", swinging by {width}"
             torque, power = (
-                measured(summary, f"{name}.torque.mean", "N m"),
-                measured(summary, f"{name}.power.mean", "W"),
+                measure_text(summary, f"{name}.torque.mean", "N m"),
+                measure_text(summary, f"{name}.power.mean", "W"),
             )
-            yield (
-                "",
-                (
-                    f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power}"
-                    f" ({summary['part']})"
-                ),
-            )
-    if "mechanism.efficiency" in found:
-        doubt = mark(summary, "mechanism.efficiency")
+            yield "", f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power} ({part})"
+    if (name := "mechanism.efficiency") in measures:
         yield (
             "",
             (
-                f"efficiency {100.0 * found['mechanism.efficiency']:.4g} %{doubt} (given off over given off"
-                " and lost)"
+                f"efficiency {100.0 * measures[name]:.4g} %{estimate_mark(summary, name)} (given off over"
+                " given off and lost)"
             ),
         )
-    if found.get("ground.shaking_force.max"):
-        force, moment = (
-            measured(summary, "ground.shaking_force.max", "N"),
-            measured(summary, "ground.shaking_moment.max", "N m"),
+    if measures.get("ground.shaking_force.max"):
+        force = measure_text(summary, "ground.shaking_force.max", "N")
+        yield (
+            "Ground",
+            (
+                f"shaken by up to {force} and {measure_text(summary, 'ground.shaking_moment.max', 'N m')}"
+                f" about its origin ({part})"
+            ),
         )
-        yield "Ground", f"shaken by up to {force} and {moment} about its origin ({summary['part']})"
 
 
-def _joint_table(summary: dict[str, Any], title: str) -> Table:
+# --------------------------------------------------------------------------------------------------------------- tables
+
+
+def tables(summary: Json) -> list[Table]:
+    """Tables of reactions, contacts, losses, wear and accelerations; those without rows are left out."""
+    part = f"({summary['part']})"
+    contacts = (
+        "joint",
+        "free flight",
+        "impact",
+        "contact",
+        "impacts",
+        "grazing",
+        "landed too deep",
+        "deepest landing",
+    )
+    losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
+    wear = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
+    every = (
+        _joint_table(summary, f"Largest reactions {part}"),
+        Table.numeric(contacts, list(_contact_rows(summary)), "Contact (whole run)"),
+        Table.numeric(losses, list(_loss_rows(summary)), f"Losses and pressures {part}"),
+        Table.numeric(wear, list(_wear_rows(summary)), f"Wear by Archard's law {part}"),
+        _body_table(summary, f"Largest angular accelerations {part}"),
+    )
+    return [table for table in every if table.rows]
+
+
+def _joint_table(summary: Json, title: str) -> Table:
     joints, rows = summary["joints"], []
     compared = any(joint["ideal_force.max"] is not None for joint in joints.values())
     depths = any("penetration.max" in joint for joint in joints.values())
     moments = any(joint.get("moment.max") for joint in joints.values())
-    heads = [
-        *_heads(summary, "reaction"),
-        *(["ideal", "LIP(F)"] if compared else []),
-        *(["moment"] if moments else []),
-    ]
+    largest = max(
+        (max(joint["force.max"], joint.get("moment.max") or 0.0) for joint in joints.values()), default=0.0
+    )
     for name, joint in joints.items():
-        cells = _with_range(
-            summary,
-            f"{name}.force.max",
-            _sound(joint["force.max"], joints),
-            "N",
-            _star(summary, f"{name}.force.max"),
-        )
+        force = joint["force.max"] if joint["force.max"] > 1e-9 * largest else 0.0  # below that only rounding
+        cells = _range_cells(summary, f"{name}.force.max", force)
         if compared:
-            cells += [
-                amount(joint["ideal_force.max"], "N"),
-                percent(summary["lip"].get(f"{name}.force"), spread_of(summary, f"{name}.force.lip")),
-            ]
+            cells += _ideal_cells(summary, f"{name}.force", joint["ideal_force.max"])
         if moments:
-            moment = f"{name}.moment.max"
-            cells.append(
-                amount(joint.get("moment.max"), "N m", spread_of(summary, moment)) + _star(summary, moment)
-            )
+            cells.append(_reaction(summary, f"{name}.moment.max", joint.get("moment.max")))
         if depths:
-            spread = spread_of(summary, f"{name}.penetration.max")
+            spread = uncertainty(summary, f"{name}.penetration.max")
             cells.append(
                 prefixed(joint["penetration.max"], "m", spread) if "penetration.max" in joint else ""
             )
         rows.append((name, *cells))
-    return Table.of(("joint", *heads, *(["penetration"] if depths else [])), rows, title)
+    heads = [
+        *_headings(summary, "reaction", compared, "LIP(F)"),
+        *["moment"] * moments,
+        *["penetration"] * depths,
+    ]
+    return Table.numeric(("joint", *heads), rows, title)
 
 
-def _star(summary: dict[str, Any], name: str) -> str:
-    """The mark of a reaction that redundant joints leave open."""
-    return " *" if name in summary["not_unique"] else ""
+def _body_table(summary: Json, title: str) -> Table:
+    bodies = {name: body for name, body in summary["model"]["bodies"].items() if not body["driven"]}
+    compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
+    sizes = {name: body["angular_acceleration.max"] or 0.0 for name, body in bodies.items()}
+    rows = []
+    for name, size in sizes.items():
+        if size > NOISE * max(sizes.values()):  # a body that only slides has none
+            cells = _range_cells(summary, f"{name}.angular_acceleration.max", size)
+            if compared:
+                cells += _ideal_cells(
+                    summary, f"{name}.angular_acceleration", bodies[name]["ideal_angular_acceleration.max"]
+                )
+            rows.append((name, *cells))
+    return Table.numeric(("body", *_headings(summary, "acceleration", compared, "LIP(a)")), rows, title)
 
 
-def _heads(summary: dict[str, Any], what: str) -> list[str]:
-    """A column, that of its range, which leads where the run is sensitive, and that of what varies from turn
-    to turn.
-    """
-    heads = [what]
-    if summary["trust"]:
-        heads = (
-            [f"range of {what}", "mean" if several(summary["turns"]) else "this run"]
-            if summary["trust"]["sensitive"]
-            else [what, "range"]
-        )
-    return heads + (["lowest to highest turn"] if _varies(summary) else [])
+def _headings(summary: Json, measure: str, compared: bool, influence: str) -> list[str]:
+    """Headings of :func:`_range_cells` and :func:`_ideal_cells`."""
+    heads = [measure]
+    if summary["trust"] and summary["trust"]["sensitive"]:
+        heads = [f"range of {measure}", "mean" if over_several_turns(summary["turns"]) else "this run"]
+    elif summary["trust"]:
+        heads = [measure, "range"]
+    return heads + ["lowest to highest turn"] * _scatters(summary) + ["ideal", influence] * compared
 
 
-def _varies(summary: dict[str, Any]) -> bool:
+def _scatters(summary: Json) -> bool:
     """Whether turns differ by enough to be shown."""
-    if not several(summary["turns"]):
+    if not over_several_turns(summary["turns"]):
         return False
-    sizes = {
-        name: one
+    sizes = (
+        one
         for name, one in summary["ranges"].items()
         if name.endswith((".force.max", ".angular_acceleration.max"))
-    }
-    return any(one["highest"] - one["lowest"] > SHOWN * one["highest"] for one in sizes.values())
+    )
+    return any(one["highest"] - one["lowest"] > SCATTER * one["highest"] for one in sizes)
 
 
-def _with_range(summary: dict[str, Any], name: str, value: float, unit: str, mark: str = "") -> list[str]:
-    """The cells of those columns: the range in the unit where it leads, else as a share of the value."""
-    one, to = summary["ranges"].get(name), spread_of(summary, name)
-    shown = amount(value, unit, to) + mark
-    cells = [shown]
+def _range_cells(summary: Json, name: str, value: float) -> list[str]:
+    """Value of a measure, its range, and its scatter over turns.
+
+    The range of a sensitive run leads, in the unit of the measure; else it follows as a share of the value.
+    """
+    bounds, width, unit = summary["ranges"].get(name), uncertainty(summary, name), unit_of(name)
+
+    def interval(low: str, high: str) -> str:
+        return f"{amount(bounds[low], '', width).rstrip()} to {amount(bounds[high], unit, width)}"
+
+    text = _reaction(summary, name, value)
+    cells = [text]
     if summary["trust"]:
-        if one is None or not estimated(summary, name):
-            cells = [NOT_ESTIMATED, shown] if summary["trust"]["sensitive"] else [shown, NOT_ESTIMATED]
-        elif summary["trust"]["sensitive"]:
-            cells = [f"{amount(one['low'], '', to).rstrip()} to {amount(one['high'], unit, to)}", shown]
+        sensitive = summary["trust"]["sensitive"]
+        if bounds is None or not is_estimated(summary, name):
+            margin = NOT_ESTIMATED
+        elif sensitive:
+            margin = interval("low", "high")
         else:
             own = summary["measures"][name]
-            low, high = ((100.0 * (one[key] / own - 1.0) if own else 0.0) for key in ("low", "high"))
-            cells = [
-                shown,
-                f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "within 0.01 %",
-            ]
-    if _varies(summary):
-        cells.append(
-            ""
-            if one is None
-            else f"{amount(one['lowest'], '', to).rstrip()} to {amount(one['highest'], unit, to)}"
-        )
+            low, high = ((100.0 * (bounds[key] / own - 1.0) if own else 0.0) for key in ("low", "high"))
+            margin = f"{low:+.2f} to {high:+.2f} %" if max(abs(low), abs(high)) >= 0.005 else "within 0.01 %"
+        cells = [margin, text] if sensitive else [text, margin]
+    if _scatters(summary):
+        cells.append("" if bounds is None else interval("lowest", "highest"))
     return cells
 
 
-def _sound(force: float, joints: dict[str, Any]) -> float:
-    """The force, or 0 where it is only rounding beside the largest one and the largest moment (N, N m)."""
-    largest = max(max(joint["force.max"], joint.get("moment.max") or 0.0) for joint in joints.values())
-    return force if force > 1e-9 * largest else 0.0
+def _ideal_cells(summary: Json, name: str, ideal: float | None) -> list[str]:
+    """Value of the ideal mechanism, and by how many per cent clearances increase it."""
+    return [
+        amount(ideal, unit_of(f"{name}.max")),
+        percent(summary["lip"].get(name), uncertainty(summary, f"{name}.lip")),
+    ]
 
 
-def _contact_rows(summary: dict[str, Any]) -> Iterable[tuple[str, ...]]:
+def _reaction(summary: Json, name: str, value: float | None) -> str:
+    """A measure, with an asterisk where redundant joints leave it open."""
+    return amount(value, unit_of(name), uncertainty(summary, name)) + (
+        " *" if name in summary["not_unique"] else ""
+    )
+
+
+def _contact_rows(summary: Json) -> Iterator[tuple[str, ...]]:
     for name, joint in summary["contacts"].items():
         if "impacts" in joint:
             shares = (f"{100.0 * joint[f'share.{mode}']:.3g} %" for mode in MODES)
@@ -305,94 +339,193 @@ def _contact_rows(summary: dict[str, Any]) -> Iterable[tuple[str, ...]]:
             yield name, *shares, *counts, prefixed(joint["landing_depth.max"], "m")
 
 
-def _loss_rows(summary: dict[str, Any]) -> Iterable[tuple[str, ...]]:
-    """Mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure times speed,
-    joint by joint.
+def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
+    """Mean powers of the losses, fastest sliding, Hertz' line pressure, and the mean of pressure times speed
+    of each joint.
     """
-    for name in _joints_with(summary, ".friction_power.mean"):
-        powers = (measured(summary, f"{name}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
-        cells = [
-            shown(*_most(summary, name, kind, unit))
-            + mark(summary, *_names(summary, name, kind))
-            + " *" * (wide and name in summary["conformal"])
-            for kind, unit, shown, wide in LOSSES
-        ]
-        yield name, *powers, *cells
+    for joint in _joints_with(summary, ".friction_power.mean"):
+        powers = (measure_text(summary, f"{joint}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
+        cells = []
+        for kind, unit in LOSSES:  # the largest over the contacts of a joint; a block in a guide has four
+            names = [
+                name
+                for place in ("", "1.", "2.", "3.", "4.")
+                if (name := f"{joint}.{place}{kind}") in summary["measures"]
+            ]
+            largest = max(
+                ((summary["measures"][name], uncertainty(summary, name)) for name in names),
+                default=(0.0, 0.0),
+            )
+            wide = " *" * (kind == "contact_half_width.max" and joint in summary["conformal"])
+            cells.append(prefixed(largest[0], unit, largest[1]) + estimate_mark(summary, *names) + wide)
+        yield joint, *powers, *cells
 
 
-def _wear_rows(summary: dict[str, Any]) -> Iterable[tuple[str, ...]]:
-    """Volume that bearing and journal lose, and depth of the place that loses most."""
+def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:
+    """Worn volume and largest depth of bearing and journal."""
     measures = summary["measures"]
     for name in _joints_with(summary, ".bearing_wear.total"):
         cells = []
         for side in ("bearing", "journal"):
             total, deepest = f"{name}.{side}_wear.total", f"{name}.{side}_wear_depth.max"
             depth = measures.get(deepest)
-            cells += [f"{1e9 * measures[total]:.3g} mm³{mark(summary, total)}"]
-            cells += ["" if depth is None else f"{1e9 * depth:.3g} nm{mark(summary, deepest)}"]
+            cells += [f"{1e9 * measures[total]:.3g} mm³{estimate_mark(summary, total)}"]
+            cells += ["" if depth is None else f"{1e9 * depth:.3g} nm{estimate_mark(summary, deepest)}"]
         yield name, *cells
 
 
-def _joints_with(summary: dict[str, Any], ending: str) -> list[str]:
-    """Joints that have a measure of this ending."""
+def _joints_with(summary: Json, ending: str) -> list[str]:
     return [name.removesuffix(ending) for name in summary["measures"] if name.endswith(ending)]
 
 
-def _most(summary: dict[str, Any], joint: str, kind: str, unit: str) -> tuple[float, str, float]:
-    """The largest of a measure over the contacts of a joint, its unit and what is not known of it; a block in
-    a guide has four contacts.
-    """
-    known = [
-        (summary["measures"][name], unit, spread_of(summary, name)) for name in _names(summary, joint, kind)
+# ----------------------------------------------------------------------------------------------------- static
+# analyses
+
+
+def equilibria(summary: Json) -> list[Part]:
+    """Equilibria with their reactions, and the largest values with their ranges."""
+    run, factors = summary["run"], summary["run"]["factors"]
+    done = (
+        f"Static analysis by dynamic relaxation: {run['reached']} of {run['load_factors']} load factors,"
+        f" {run['iterations']:,} iterations in {summary['wall_s']:.3g} s; {summary['status']}."
+    )
+    joints = list(factors[0]["reactions"])[:REACTIONS] if factors else []
+    smallest = 1e-9 * max(
+        [0.0, *(abs(one["reactions"][name][axis]) for one in factors for name in joints for axis in AXES)]
+    )
+    stride, rows = -(-len(factors) // FACTORS), []
+    for one in [*factors[:-1:stride], *factors[-1:]]:
+        numbers = (
+            f"{one['load_factor']:g}",
+            f"{one['iterations']:,}",
+            f"{one['unbalanced']:.1e}",
+            f"{one['displacement']:.6g}",
+        )
+        pairs = ([one["reactions"][name][axis] for axis in AXES] for name in joints)
+        reactions = (
+            ", ".join(f"{force:.5g}" if abs(force) > smallest else "0" for force in pair) for pair in pairs
+        )
+        rows.append((*numbers, *(f"({text})" for text in reactions)))
+    heads = ("load factor", "iterations", "unbalanced", "displacement, m", *(f"{name}, N" for name in joints))
+    largest = [
+        (name, f"{plain_number(summary, name)} {unit_of(name)}".rstrip(), range_text(summary, name))
+        for name in summary["measures"]
+        if name not in EXACT
     ]
-    return max(known, default=(0.0, unit, 0.0))
-
-
-def _names(summary: dict[str, Any], joint: str, kind: str) -> list[str]:
-    """A measure of the contacts of a joint."""
-    return [
-        name
-        for name in (f"{joint}.{kind}", *(f"{joint}.{number}.{kind}" for number in range(1, 5)))
-        if name in summary["measures"]
+    parts: list[Part] = [
+        *paragraphs([done, *run["notes"]]),
+        Table.numeric(heads, rows, "Equilibria, reactions on the journals", texts=0),
+        Table.numeric(("measure", "value", "range"), largest, "Largest values of all load factors"),
+        Paragraph(MESHED if summary["trust"] else UNESTIMATED),
     ]
+    if summary["not_unique"]:
+        shared = ", ".join(name.removesuffix(".max") for name in summary["not_unique"])
+        parts.append(Paragraph(f"Shared by least norm, not unique: {shared}. {REDUNDANT}"))
+    return parts
 
 
-def _body_table(summary: dict[str, Any], title: str) -> Table:
-    bodies = {name: body for name, body in summary["model"]["bodies"].items() if not body["driven"]}
-    compared = any(body["ideal_angular_acceleration.max"] is not None for body in bodies.values())
-    largest, rows = (
-        max((body["angular_acceleration.max"] or 0.0 for body in bodies.values()), default=0.0),
-        [],
+# -----------------------------------------------------------------------------------------------------------
+# run files
+
+
+def info(contents: Json) -> Document:
+    """The contents of a run file."""
+    return Document([Facts(list(_file_facts(contents)))], data=contents)
+
+
+def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
+    yield "Run file", f"{file['file']}, {amount_of_bytes(file['bytes'])}"
+    yield "Model", f"{file['model']}" + (f", from {file['source']}" if file["source"] else "")
+    ending = (
+        f", finished {file['finished']}"
+        if file["finished"]
+        else ": killed; what it wrote is whole, and vfife resume goes on with it"
     )
-    for name, body in bodies.items():
-        if (body["angular_acceleration.max"] or 0.0) > NOISE * largest:  # what only slides has none
-            cells = _with_range(
-                summary, f"{name}.angular_acceleration.max", body["angular_acceleration.max"], "rad/s²"
-            )
-            if compared:
-                ideal = amount(body["ideal_angular_acceleration.max"], "rad/s²")
-                spread = spread_of(summary, f"{name}.angular_acceleration.lip")
-                cells += [ideal, percent(summary["lip"].get(f"{name}.angular_acceleration"), spread)]
-            rows.append((name, *cells))
-    return Table.of(
-        ("body", *_heads(summary, "acceleration"), *(["ideal", "LIP(a)"] if compared else [])), rows, title
+    if file["written_by"]:
+        ending = f"; {file['written_by']} is at work on it"
+    yield "Status", f"{file['status']}; begun {file['created']}{ending}"
+    if file["step"] and file["static"]:
+        yield "Load factors", f"{file['steps']:,} of {file['steps_planned']:,}"
+    elif file["step"]:
+        time = file["steps"] * file["step"]
+        turns = f" = {time / file['turn']:.4g} turns" if file["turn"] else ""
+        yield (
+            "Steps",
+            f"{file['steps']:,} of {file['steps_planned']:,}, of {file['step']:.6g} s: {time:.6g} s{turns}",
+        )
+    yield "Outputs", f"{file['outputs']:,}, of {len(file['channels'])} kinds of numbers each"
+    yield "Checkpoint", "none" if file["checkpoint"] is None else f"step {file['checkpoint']:,}"
+    yield "Reference", "the ideal mechanism is kept beside it" if file["reference"] else "none"
+    wall = f", {span(file['wall_s'])}" if file["wall_s"] else ""
+    versions = ", ".join(f"{name} {version}" for name, version in file["versions"].items())
+    yield "Computed by", f"{file['loop']} loop{wall}; {versions}"
+    yield from (("Law", f"{name}: {source}") for name, source in file["laws"].items())
+    for law in file["own_laws"]:
+        text = "its text is kept here (--json prints it)" if law["text"] else "its text could not be kept"
+        yield (
+            "Own law",
+            f"{law['name']} ({law['kind']}), from {law['file']}: {text}; reading this run does not run it",
+        )
+    if file["damage"]:
+        yield "Damage", f"{', '.join(file['damage'])} cannot be read"
+    if not file["checked"]:
+        yield (
+            "Outputs",
+            "are not looked at for damage in so large a file; --check does, and so does whatever reads them",
+        )
+    for event in file["events"]:
+        yield "Event", f"step {event['step']:,}: {event['text']} ({event['time']})"
+    summary = file["summary"] or {}
+    if part := summary.get("part"):
+        yield (
+            "Measures",
+            f"{part}; counts, shares and energies are those of the whole run; in SI units, lip in %",
+        )
+    for name in summary.get("measures") or ():
+        yield "Measure", f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
+
+
+def impacts(found: Impacts, count: int) -> Document:
+    """The ``count`` hardest impacts of a run."""
+    data = {
+        "count": found.count,
+        "alone": found.alone,
+        "before": found.before,
+        "impacts": [dataclasses.asdict(one) for one in found.entries],
+    }
+    if not found.entries:
+        return Document([Paragraph("No contact began in this run.")], data=data)
+    shared, hardest = found.count - found.alone, found.hardest(count)
+    merged = f", {shared} of them between the same two outputs as others" if shared else ""
+    shown = f" The hardest {len(hardest)} (--count for more):" if len(hardest) < len(found.entries) else ""
+    lost = sum(one.energy for one in found.entries)
+    text = (
+        f"{found.count} contact{'s' * (found.count != 1)} began{merged}. They lost {lost:.4g} J in"
+        f" all.{shown}"
     )
-
-
-def _mega(value: float, unit: str, spread: float = 0.0) -> str:
-    """A pressure with its prefix."""
-    factor, prefix = (1e9, "G") if value >= 1e9 else (1e6, "M")
-    shown = (
-        fixed(value / factor, decimals(value / factor, spread / factor))
-        if spread > 0.0
-        else f"{value / factor:.4g}"
+    crank = any(one.crank is not None for one in found.entries)
+    heads = (
+        "joint",
+        "time, ms",
+        *(("crank, deg",) if crank else ()),
+        "began",
+        "speed, m/s",
+        "lost, J",
+        "depth, µm",
     )
-    return f"{shown} {prefix}{unit}"
+    return Document([Paragraph(text), Table.numeric(heads, [_impact(one) for one in hardest])], data=data)
 
 
-LOSSES = (  # of the table of losses: measure, unit, how it is shown, whether its contact may be too wide
-    ("sliding_velocity.max", "m/s", prefixed, False),
-    ("contact_pressure.max", "Pa", _mega, False),
-    ("contact_half_width.max", "m", prefixed, True),
-    ("pressure_velocity.mean", "Pa m/s", _mega, False),
-)
+def _impact(impact: Impact) -> tuple[str, ...]:
+    """Cells of an impact; its time is that of the first output after it."""
+    crank = () if impact.crank is None else (f"{impact.crank:.1f}",)
+    speed = "" if impact.speed is None else f"{impact.speed:.4g}"
+    return (
+        impact.joint,
+        f"{1e3 * impact.time:.4f}",
+        *crank,
+        str(impact.count),
+        speed,
+        f"{impact.energy:.4g}",
+        f"{1e6 * impact.depth:.4g}",
+    )

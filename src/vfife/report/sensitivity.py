@@ -1,6 +1,4 @@
-"""Answers on what numbers of a model do: sensitivities, laws compared, parameters identified from measured
-curves.
-"""
+"""Answers on parameters of a model: sensitivities, laws compared, parameters identified from measured curves."""
 
 from __future__ import annotations
 
@@ -8,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .document import Caution, Document, Paragraph, Part, Table, sentences
-from .study import quantity
+from .digits import quantity
+from .document import Caution, Document, Paragraph, Part, Table, paragraphs
 
 if TYPE_CHECKING:
     from ..results.comparison import Comparison
@@ -29,7 +27,7 @@ NOTES = {
 
 
 def sensitivity(found: Sensitivity, top: int = 8) -> Document:
-    """Of each measure the ``top`` numbers of the model that matter most."""
+    """The ``top`` most influential parameters of the model for each measure."""
     rows: list[tuple[str, ...]] = []
     kinds: set[str] = set()
     for name, value in found.measures.items():
@@ -47,24 +45,24 @@ def sensitivity(found: Sensitivity, top: int = 8) -> Document:
         f"Measures are of the {found.part}, in SI units.",
         *(NOTES[kind] for kind in ("change", "unknown") if kind in kinds),
     ]
-    notes = (Caution(text, "note", aside=True) for text in _doubts(found))
+    notes = (Caution(text, "note", aside=True) for text in _caveats(found))
     left_out = {"refused": found.refused, "rounding": sorted(found.rounding)}
     data = {"model": found.mechanism, "part": found.part, **left_out, "rows": found.rows()}
     return Document(
-        [table, *sentences(texts), *notes], f"{found.mechanism}: what its measures depend on", data
+        [table, *paragraphs(texts), *notes], f"{found.mechanism}: what its measures depend on", data
     )
 
 
-def _doubts(found: Sensitivity) -> list[str]:
-    """What is not known, or was left out."""
-    said = []
+def _caveats(found: Sensitivity) -> list[str]:
+    """Measures and parameters without a meaningful derivative, and wide ranges."""
+    texts = []
     if found.doubtful:
-        said.append(
+        texts.append(
             f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean"
             " nothing."
         )
     if found.rounding:
-        said.append(
+        texts.append(
             f"left out as rounding beside the largest of their unit: {', '.join(sorted(found.rounding))}."
         )
     wide = {
@@ -75,12 +73,12 @@ def _doubts(found: Sensitivity) -> list[str]:
     if wide:
         most = max(wide, key=wide.__getitem__)
         what = f"ranges of derivatives are up to {100.0 * wide[most]:.0f} % of the largest wide ({most})"
-        said.append(f"{what}: a smaller --step makes them narrower.")
-    return said + [f"{path}: {why}" for path, why in found.refused.items() if not why.startswith("zero")]
+        texts.append(f"{what}: a smaller --step makes them narrower.")
+    return texts + [f"{path}: {why}" for path, why in found.refused.items() if not why.startswith("zero")]
 
 
 def effect_cells(one: Effect) -> tuple[str, str]:
-    """The value of an effect and its range, which is left out where it has the same digits."""
+    """The value of an effect and its range; an empty range where both ends have the same digits."""
     span = (
         f"{one.low:.3g}, {one.high:.3g}"
         if one.high > one.low and len({f"{end:.3g}" for end in one[2:]}) > 1
@@ -92,7 +90,7 @@ def effect_cells(one: Effect) -> tuple[str, str]:
 
 
 def comparison(found: Comparison, folder: str = "", files: Sequence[str] = ()) -> Document:
-    """One model under several laws; ``files`` are those in the ``folder`` that keeps it, if one does."""
+    """One model under several laws; ``files`` are those in its ``folder``, if it has one."""
     rows = []
     for one in found.rows:
         lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
@@ -129,7 +127,7 @@ def comparison(found: Comparison, folder: str = "", files: Sequence[str] = ()) -
 
 
 def comparison_data(found: Comparison) -> dict[str, Any]:
-    """A comparison as its file keeps it."""
+    """A comparison as it is stored."""
     return {
         "model": found.mechanism,
         "joints": list(found.joints),
@@ -139,7 +137,7 @@ def comparison_data(found: Comparison) -> dict[str, Any]:
 
 
 def _part(found: Comparison) -> str:
-    """Which part of the runs their numbers are of."""
+    """The part of the runs over which measures are taken."""
     parts = list(dict.fromkeys(one["part"] for one in found.rows))
     return (
         parts[0]
@@ -149,7 +147,7 @@ def _part(found: Comparison) -> str:
 
 
 def identification(found: Fit) -> Document:
-    """Values of parameters, the residuals of each curve, and what the data cannot determine."""
+    """Values of parameters, the residuals of each curve, and parameters that the data cannot determine."""
     rows = []
     for one in found.values:
         sure = math.isfinite(one.error)
@@ -181,10 +179,10 @@ def identification(found: Fit) -> Document:
     confidence = f"{100.0 * found.confidence:g} % confidence"
     parts: list[Part] = [
         Table(("parameter", "value", "±, 1 σ", confidence, "bounds"), rows, numbers=(1, 2)),
-        Table.of(("curve", "column", "left", "factor", "level"), curves, words=2),
-        *sentences([_correlations(found)]),
+        Table.numeric(("curve", "column", "left", "factor", "level"), curves, texts=2),
+        *paragraphs([_correlations(found)]),
         *(Caution(f"{text}.", "not told", aside=True) for text in found.undetermined),
-        *sentences(found.remarks),
+        *paragraphs(found.remarks),
         *(Caution(f"{text}.", "note", aside=True) for text in found.notes),
     ]
     return Document(parts, f"{found.mechanism} fitted to {found.data}", found.json())

@@ -1,4 +1,4 @@
-"""Answers of studies: extremes of measures and where, members, quantiles of samples, sensitivity indices,
+"""Answers of studies: extremes of measures, tables of members, quantiles of samples, sensitivity indices,
 results of searches.
 """
 
@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from ..job.amounts import counted
 from ..store.lock import holder
 from ..store.member_errors import NOT_ESTIMATED
-from .digits import prefixed
+from .digits import quantity
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
@@ -31,44 +31,40 @@ MOST_FAILED = 10  # failed members that are shown
 # in words
 
 
-def where(found: Study, member: StudyCase) -> str:
-    """Values of a member's parameters in words."""
-    return placed(found, dict(zip((one.name for one in found.parameters), found.at(member), strict=True)))
-
-
-def placed(found: Study, at: dict[str, Any] | None) -> str:
-    """Values of parameters in words."""
-    units = {one.name: one.unit for one in found.parameters}
-    return (
-        ""
-        if at is None
-        else ", ".join(f"{name} {quantity(value, units[name])}" for name, value in at.items())
+def where(study: Study, member: StudyCase) -> str:
+    """Values of a case's parameters in words."""
+    return values_words(
+        study, dict(zip((one.name for one in study.parameters), study.at(member), strict=True))
     )
 
 
-def quantity(value: Any, unit: str) -> str:
-    """A quantity with a prefix; words as they are."""
-    if value is None or isinstance(value, str):
-        return value or "-"
-    if unit in ("1", "%") or not value or not math.isfinite(value):
-        return f"{value:.6g}" + (" %" if unit == "%" else "")
-    return (
-        prefixed(value, unit)
-        if unit in ("m", "N", "Pa", "W", "J", "s")
-        else f"{value:.5g} {unit.replace('^2', '²')}"
-    )
+def values_words(study: Study, values: Mapping[str, Any] | None) -> str:
+    """Values of parameters by name, in words."""
+    units = {one.name: one.unit for one in study.parameters}
+    return ", ".join(f"{name} {quantity(value, units[name])}" for name, value in (values or {}).items())
+
+
+def counts_words(study: Study) -> str:
+    """Numbers of cases by their status."""
+    return ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count)
+
+
+def settling_words(study: Study) -> str:
+    """Until when each case runs, beside its number of turns."""
+    settle = study.asked["wanted"]["settle"]
+    return "" if settle is None else f" at most, until they repeat within {100.0 * settle:g} %"
 
 
 def _values(values: list[Any], unit: str, kind: str, words: str) -> str:
-    """Values of a parameter in words."""
-    single = list(dict.fromkeys(values))
-    if any(isinstance(value, str) for value in single):
-        return ", ".join(map(str, single))
-    if not single:
+    """Values of a parameter in words, after the kind of its distribution."""
+    distinct = list(dict.fromkeys(values))
+    if any(isinstance(value, str) for value in distinct):
+        return ", ".join(map(str, distinct))
+    if not distinct:
         return "-"
-    low, high = quantity(min(single), unit), quantity(max(single), unit)
-    named = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
-    return f"{named}{len(single):,} values, {low} to {high}" if len(single) > 1 else low
+    low, high = quantity(min(distinct), unit), quantity(max(distinct), unit)
+    distribution = {"fit": f"fit {words}, "}.get(kind, "" if kind in ("values", "range") else f"{kind}, ")
+    return f"{distribution}{len(distinct):,} values, {low} to {high}" if len(distinct) > 1 else low
 
 
 def error_words(one: MemberError | None, unit: str) -> str:
@@ -92,28 +88,25 @@ def _errors(study: Study) -> dict[str, Any] | None:
 
 def extremes(study: Study) -> dict[str, dict[str, Any]]:
     """Least, mean and largest value of each measure, and at which values of the parameters."""
-    found = {}
+    names, found = [one.name for one in study.parameters], {}
     for name, unit in study.measures.items():
-        values = [
+        pairs = [
             (float(value), one)
             for value, one in zip(study.values(name), study.done, strict=True)
             if math.isfinite(value)
         ]
-        least, largest = (
-            (min(values, key=lambda pair: pair[0]), max(values, key=lambda pair: pair[0]))
-            if values
-            else (None, None)
-        )
-        names = [one.name for one in study.parameters]
-        found[name] = {
+        entry: dict[str, Any] = {
             "unit": unit,
-            "count": len(values),
-            "least": None if least is None else least[0],
-            "least_at": None if least is None else dict(zip(names, study.at(least[1]), strict=True)),
-            "mean": math.fsum(value for value, _ in values) / len(values) if values else None,
-            "largest": None if largest is None else largest[0],
-            "largest_at": None if largest is None else dict(zip(names, study.at(largest[1]), strict=True)),
+            "count": len(pairs),
+            "mean": math.fsum(value for value, _ in pairs) / len(pairs) if pairs else None,
         }
+        for end, choose in (("least", min), ("largest", max)):
+            value, member = choose(pairs, key=lambda pair: pair[0]) if pairs else (None, None)
+            entry |= {
+                end: value,
+                f"{end}_at": None if member is None else dict(zip(names, study.at(member), strict=True)),
+            }
+        found[name] = entry
     return found
 
 
@@ -136,7 +129,14 @@ def extreme_table(study: Study, title: str = "") -> Table:
     for name, one in extremes(study).items():
         least, mean, largest = (quantity(one[key], one["unit"]) for key in ("least", "mean", "largest"))
         rows.append(
-            (name, least, placed(study, one["least_at"]), mean, largest, placed(study, one["largest_at"]))
+            (
+                name,
+                least,
+                values_words(study, one["least_at"]),
+                mean,
+                largest,
+                values_words(study, one["largest_at"]),
+            )
         )
     return Table(("measure", "least", "at", "mean", "largest", "at"), rows, title, numbers=(1, 3, 4))
 
@@ -157,24 +157,18 @@ def error_table(study: Study) -> Part:
 
 
 def document(study: Study, members: bool = False) -> Document:
-    """What a study came to so far; with ``members`` every member with its measures."""
-    counts = ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count)
+    """Results of a study so far; with ``members`` every case with its measures."""
     at_work = None if study.path is None else holder(study.path.absolute().parent, f"{study.path.name}.lock")
-    said = ", ".join(filter(None, (counted(len(study.members), "member"), counts))) + (
+    text = ", ".join(filter(None, (counted(len(study.members), "member"), counts_words(study)))) + (
         f"; {at_work} is at work" if at_work else ""
     )
     wanted = study.asked["wanted"]
-    until = (
-        ""
-        if wanted["settle"] is None
-        else f" at most, until they repeat within {100.0 * wanted['settle']:g} %"
-    )
     over = "the last turn" if wanted["last"] == 1 else f"the last {wanted['last']} turns (means)"
-    turns = f"{counted(wanted['turns'], 'turn')}{until}; measures are of {over}"
-    parts: list[Part] = [Paragraph(said, lead=f"{study.model}: "), Paragraph(turns)]
+    turns = f"{counted(wanted['turns'], 'turn')}{settling_words(study)}; measures are of {over}"
+    parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [parameter_table(study), extreme_table(study), error_table(study)]
     if members:
-        parts.append(member_table(study))
+        parts.append(member_table(study, "status"))
     for member, reason in study.failed[:MOST_FAILED]:
         parts.append(
             Paragraph(f"{where(study, member)}: {reason}", lead=f"member {member.number}: ", lines="whole")
@@ -184,15 +178,21 @@ def document(study: Study, members: bool = False) -> Document:
     return Document(parts, data=_data(study) | ({"members": study.rows()} if members else {}))
 
 
-def member_table(study: Study) -> Table:
-    """Every member with its measures."""
+def member_table(
+    study: Study, status: str, most: int | None = None, last: Callable[[int], Any] | None = None
+) -> Table:
+    """The first ``most`` cases with their measures, their status under a heading, and a ``last`` cell by
+    number.
+    """
     units = {**{one.name: one.unit for one in study.parameters}, **study.measures}
     names = [*(one.name for one in study.parameters), *study.measures]
-    rows = [
-        (one["member"], *(quantity(one[name], units[name]) for name in names), one["status"])
-        for one in study.rows()
-    ]
-    return Table(("member", *names, "status"), rows, numbers=range(len(names) + 1))
+    rows = []
+    for row in study.rows()[:most]:
+        more = [last(int(row["member"]))] if last is not None else []
+        rows.append(
+            (row["member"], *(quantity(row[name], units[name]) for name in names), row["status"], *more)
+        )
+    return Table(("member", *names, status, *[""] * (last is not None)), rows, numbers=range(len(names) + 1))
 
 
 def _data(study: Study) -> dict[str, Any]:
@@ -221,41 +221,37 @@ def _data(study: Study) -> dict[str, Any]:
 
 
 def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spread]) -> Document:
-    """What a sample says of all machines: quantiles of measures and shares that fail, with limits of
-    ``confidence`` (1).
-    """
+    """Quantiles of measures and shares of failing machines of a sample, with limits of ``confidence`` (1)."""
     machines, rows = spreads[0].machines, list[tuple[str, ...]]()
     for one in spreads:
-        rows.append(
-            (
-                one.measure,
-                "mean",
-                *(_known(value, one.unit) for value in (one.mean, one.average.low, one.average.high)),
+
+        def add(words: str, *values: float, measure: str = "", unit: str = one.unit) -> None:
+            rows.append(
+                (
+                    measure,
+                    words,
+                    *(quantity(value, unit) if math.isfinite(value) else "-" for value in values),
+                )
             )
-        )
+
+        add("mean", one.mean, one.average.low, one.average.high, measure=one.measure)
         rows.append(
             ("", "standard deviation", quantity(one.deviation, one.unit), NOT_ESTIMATED, NOT_ESTIMATED)
         )
         for share, at in one.quantiles.items():
-            rows.append(
-                (
-                    "",
-                    f"{100.0 * share:g} % are below",
-                    *(_known(value, one.unit) for value in (at.value, at.low, at.high)),
-                )
-            )
+            add(f"{100.0 * share:g} % are below", at.value, at.low, at.high)
         if one.bound is not None and one.failing is not None:
             failing = (
                 f"{100.0 * value:.3g} %" for value in (one.failing.value, one.failing.low, one.failing.high)
             )
             rows.append(("", f"fail: {one.bound.words(one.unit)}", *failing))
-    what = (
+    text = (
         f"{counted(machines, 'machine')}; not below and not above what stands there with"
         f" {100.0 * confidence:g} % confidence"
     )
     parts: list[Part] = [
-        Paragraph(f"{study.model}: {what}"),
-        Table.of(("measure", "of all machines", "value", "not below", "not above"), rows, words=2),
+        Paragraph(f"{study.model}: {text}"),
+        Table.numeric(("measure", "of all machines", "value", "not below", "not above"), rows, texts=2),
         *(
             Paragraph(f"{one.measure}: {error_words(one.numerical, one.unit)}", lines="whole")
             for one in spreads
@@ -283,11 +279,6 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             "measures": measures,
         },
     )
-
-
-def _known(value: float, unit: str) -> str:
-    """A quantity; a dash where the sample is too small for it."""
-    return quantity(value, unit) if math.isfinite(value) else "-"
 
 
 def _spread(one: Spread) -> dict[str, Any]:
@@ -334,7 +325,7 @@ def _index_table(one: Any) -> Table:
             (row.parameter, *(f"{x:.3f}" for x in (row.first, row.first_margin, row.total, row.total_margin)))
             for row in indices
         ]
-        return Table.of((one.measure, "alone", "±", "with others", "±"), rows)
+        return Table.numeric((one.measure, "alone", "±", "with others", "±"), rows)
     effects = sorted(one.rows, key=lambda row: -row.size)
     rows = [
         (
@@ -343,7 +334,7 @@ def _index_table(one: Any) -> Table:
         )
         for row in effects
     ]
-    return Table.of((one.measure, "size of the effect", "±", "mean", "deviation"), rows)
+    return Table.numeric((one.measure, "size of the effect", "±", "mean", "deviation"), rows)
 
 
 def _error_share(study: Study, one: Any) -> str:
@@ -393,7 +384,7 @@ def optimum(
         f"{counts['members']:,} members{last}, {counts['feasible']:,} within the limits; {what}"
         f" {', '.join(aims)}:"
     )
-    parts: list[Part] = [Paragraph(text), Table.of((*names, *units), rows, words=0)] if front else []
+    parts: list[Part] = [Paragraph(text), Table.numeric((*names, *units), rows, texts=0)] if front else []
     if counts["why"]:
         parts.append(Caution(f"derivatives lead no further: {counts['why']}.", "note", aside=True))
     best = [

@@ -1,4 +1,4 @@
-"""The answer of a simulation of wear: depths, volumes and life, and how they were found."""
+"""The answer of a simulation of wear: depths, volumes and life, with their uncertainty."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..job.amounts import counted
 from ..laws.materials import OILED, PAIRS, SCATTER
-from .document import Document, Table, sentences
+from .document import Document, Table, paragraphs
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -18,7 +18,7 @@ CLEAR = 0.8  # of the wear of the deepest places, the least growth of play that 
 
 
 def document(found: Worn) -> Document:
-    """Depth and volume of each surface, and how they were found."""
+    """Depth and volume of each surface, and remarks on their uncertainty."""
     rows = []
     for surface, depth in zip(found.surfaces, found.depth[-1], strict=True):
         joint = found.joints.index(surface.joint)
@@ -28,13 +28,13 @@ def document(found: Worn) -> Document:
         rows.append((f"{surface.joint} {surface.side}", f"{surface.k:.3g}", *wear, *state))
     heads = ("surface", "k (1/Pa)", "deepest", "volume", "play", "largest force")
     return Document(
-        [Table.of(heads, rows), *sentences(list(_remarks(found)))],
+        [Table.numeric(heads, rows), *paragraphs(list(_remarks(found)))],
         f"{found.name}: {found.turns[-1]:,.0f} turns",
     )
 
 
 def _remarks(found: Worn) -> Iterator[str]:
-    """How it was found, and what is not certain."""
+    """Numbers of turns and steps, errors of the extrapolation, sources of coefficients, and life."""
     asked, mechanism = found.asked, found.mechanism(0)
     frictions = ", ".join(f"{name} {mechanism.contacts[name].friction.name}" for name in found.joints)
     yield (
@@ -68,7 +68,7 @@ def _remarks(found: Worn) -> Iterator[str]:
 
 
 def _coefficients(mechanism: Mechanism, found: Worn) -> Iterator[str]:
-    """Source and scatter of each coefficient that is that of a named pair."""
+    """Source and scatter of each coefficient taken from a named pair of materials."""
     for one in found.surfaces:
         pair = getattr(mechanism.contacts[one.joint].wear, one.side)
         if isinstance(pair, str):
@@ -81,7 +81,7 @@ def _coefficients(mechanism: Mechanism, found: Worn) -> Iterator[str]:
 
 
 def _half_step(found: Worn) -> str:
-    """What the last block again with half the step says."""
+    """The change of the last block with half the step."""
     if not found.beside:
         return " No companion with half the step was run: the wear is not complete."
     volume, place = (100.0 * share for share in found.beside)
@@ -92,8 +92,8 @@ def _half_step(found: Worn) -> str:
 
 
 def _smoothed(found: Worn) -> Iterator[str]:
-    """Joints whose play follows much less than their deepest places, since the harmonics of their profiles
-    smooth them.
+    """Joints whose clearance grows much less than their deepest places, because the harmonics of their
+    profiles smooth these.
     """
     for k, joint in enumerate(found.joints):
         here = [place for place, one in enumerate(found.surfaces) if one.joint == joint]
@@ -108,8 +108,8 @@ def _smoothed(found: Worn) -> Iterator[str]:
 
 
 def _outlook(found: Worn) -> str:
-    """When the first joint would reach the limit of its play at the rate of the last jump; empty where it has
-    no limit or does not grow.
+    """When the first joint would reach its limit of clearance at the rate of the last jump; empty without a
+    limit or growth.
     """
     limit = found.asked.clearance
     if limit is None or len(found.turns) < 2:

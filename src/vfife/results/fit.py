@@ -256,7 +256,7 @@ class Fit(NotebookDocument):
 
     def plot(self) -> Figure:
         """Measured curves with the model's, what is left of each, and how the parameters hang together."""
-        figure: Figure = upper("plots.answers", "fit_figure", self)
+        figure: Figure = upper("plots.sensitivity", "fit_figure", self)
         return figure
 
 

@@ -50,9 +50,9 @@ class Result(View):
     @cached_property
     def summary(self) -> dict[str, Any]:
         """All that a summary says, as dictionaries, lists, texts and numbers."""
-        from ..report.summary import report
+        from ..report.summary import run_summary
 
-        return report(self)
+        return run_summary(self)
 
     # ---------------------------------------------------------------------------------------------------------- files
 
@@ -188,10 +188,10 @@ class Result(View):
         "90deg" of the last turn, or "12 ms". Raises VfifeError for another name, a figure that there is
         nothing for, and what is no moment of the run.
         """
-        from ..plots import figure, figures, refuse_beside
+        from ..plots import figure, figures, only_mechanism
 
         if at is not None:
-            refuse_beside(names)
+            only_mechanism(names)
             return {"mechanism": figure(self, "mechanism", at=at)}
         return figures(self, self.reference, names)
 

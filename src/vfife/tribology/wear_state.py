@@ -150,9 +150,9 @@ class Worn(NotebookDocument):
 
     def plot(self) -> Figure:
         """Depths around each surface in polar axes, and play and forces over turns."""
-        from ..plots.worn import worn
+        from ..plots.wear import wear_over_turns
 
-        return worn(self)
+        return wear_over_turns(self)
 
     def write_csv(self, path: str | Path) -> None:
         """Writes a row for every point, surface and place: turns, joint, side, angle (rad), depth (m)."""

@@ -107,9 +107,9 @@ def compare(
             write_text(place / SUMMARY, json_text(comparison_data(found)) + "\n")
             found.write_csv(place / TABLE)
             if figures:
-                from ...plots.answers import drawn
+                from ...plots.sensitivity import save_comparison
 
-                drawn(found, place)
+                save_comparison(found, place)
             if len(found.rows) == found.planned:
                 Parts(place).remove()
     finally:

@@ -137,10 +137,10 @@ def by_itself(
     numbers, what = (
         contact(noun, pair, mass, speed) if law["kind"] == "contact" else friction(noun, pair, normal)
     )
-    from ...plots.laws import drawn
+    from ...plots.laws import save_law
 
     with writing(str(target), "What was there is as it was."):
-        drawn(law["kind"], target, **what)
+        save_law(law["kind"], target, **what)
     return {
         "derived": noun.derived(pair),
         "units": noun.units(pair),

@@ -100,9 +100,9 @@ def written(
     """The page, sentences about it, and the names of its sliders; of a static analysis its equilibria, which
     have none.
     """
-    from ...live import asked_slides, default_slides, model_of
+    from ...live import default_slides, model_of, parse_slides
     from ...live.page import page
-    from ...live.page.patches import patched
+    from ...live.page.patches import slider_patches
 
     mechanism, step = model_of(source, overrides(set_))
     if mechanism.settings.analysis == "static":
@@ -115,9 +115,9 @@ def written(
             )
         ended = source.is_dir() or is_run_file(source)
         return (page.result_page(Result.load(source)) if ended else page.live_page(mechanism)), (), []
-    found = patched(
+    found = slider_patches(
         mechanism,
-        [] if no_sliders else asked_slides(mechanism, slide) if slide else default_slides(mechanism),
+        [] if no_sliders else parse_slides(mechanism, slide) if slide else default_slides(mechanism),
         step,
     )
     return page.written(found), found.notes, [one.name for one in found.slides]

@@ -400,7 +400,7 @@ def drawn_and_told(
             found.write_csv(csv)
     done, of_all, what = counted(found)
     if not quiet:
-        from ...report.maps import document
+        from ...report.dynamics import document
 
         answer(document(found))
         print_line(", ".join(str(path) for path in (place, drawn, csv) if path is not None))

@@ -33,9 +33,9 @@ def info(run: RunArgument, check: CheckOption = False, as_json: JsonOption = Fal
     """What a run file holds, also that of a run that was interrupted or killed."""
     with sentences(str(run)):
         found = contents(run, check)
-    from ...report import runfile
+    from ...report import run as documents
 
-    answer(runfile.info(found), as_json)
+    answer(documents.info(found), as_json)
 
 
 def contents(path: Path, check: bool = True) -> dict[str, Any]:
@@ -183,9 +183,9 @@ def impacts(run: RunArgument, count: Count = 10, as_json: JsonOption = False) ->
         from ...simulation.result import Result
 
         found = Result.load(run).impacts
-    from ...report import runfile
+    from ...report import run as documents
 
-    answer(runfile.impacts(found, count), as_json)
+    answer(documents.impacts(found, count), as_json)
 
 
 LIST = "list"
@@ -233,10 +233,10 @@ def plot(
         listed(result)
         return
     with sentences(str(run)):
-        from ...plots import chosen, refuse_beside
+        from ...plots import chosen, only_mechanism
 
         if at is not None:
-            refuse_beside(names)
+            only_mechanism(names)
         wanted = chosen(result, names or (["mechanism"] if at is not None else []))
     single = out is not None and out.suffix.lower() in PICTURES
     if single and len(wanted) != 1:
@@ -288,13 +288,13 @@ def drawn(result: Result, targets: dict[str, Path], at: str | None, run: str) ->
 
 def listed(result: Result) -> None:
     """What figures there are, and which of them the run has nothing for."""
-    from ...plots.table import FIGURES
+    from ...plots.catalogue import FIGURES
     from ...report.document import Document, Table
 
     rows = []
     for name, one in FIGURES.items():
-        why = one.lacks(result)
-        rows.append((name, one.says, f"none: {why}" if why else "usual" if one.usual else ""))
+        why = one.missing(result)
+        rows.append((name, one.description, f"none: {why}" if why else "usual" if one.usual else ""))
     answer(Document([Table(("figure", "shows", ""), rows)]))
 
 

@@ -101,7 +101,7 @@ def sensitivity(
             found.write_csv(csv)
     if figure is not None:
         with writing(str(figure)):
-            from ...plots.answers import tornado
+            from ...plots.sensitivity import tornado
             from ...plots.style import saved
 
             saved(tornado(found), figure)

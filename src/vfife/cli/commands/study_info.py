@@ -96,10 +96,10 @@ def plot(
     found = read(file)
     target = folder if folder is not None else file.with_name(f"{file.stem}-figures")
     with sentences(str(file)), writing(str(target), "The study is as it was."):
-        from ...plots.study import drawn
+        from ...plots.study import save_figures
 
         target.mkdir(parents=True, exist_ok=True)
-        paths = drawn(
+        paths = save_figures(
             found, target, figure or (), measure or (), f".{kind.lower().removeprefix('.')}", maximise or ()
         )
     for path in paths:

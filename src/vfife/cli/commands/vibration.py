@@ -54,9 +54,9 @@ def modes(
         from ...measures.modes import modes as found_modes
 
         found = found_modes(mechanism, count, released=released)
-    from ...report import vibration
+    from ...report import dynamics
 
-    answer(vibration.modes(mechanism, found), as_json)
+    answer(dynamics.modes(mechanism, found), as_json)
 
 
 KINDS = ("spectrum", "spectrogram", "envelope")
@@ -165,9 +165,9 @@ def spectrum(
     if figure is not None:
         with writing(str(figure)):
             draw(found, result, figure, kind)
-    from ...report import vibration
+    from ...report import dynamics
 
-    answer(vibration.spectra(found, result.name))
+    answer(dynamics.spectra(found, result.name))
 
 
 def banded(text: str | None) -> tuple[float, float] | None:

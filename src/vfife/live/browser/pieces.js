@@ -103,7 +103,7 @@ function quantity(value, unit, digits = 3) {
 
 // The value of a slider as it is shown; a speed of turning also in turns a minute.
 function shownValue(slide, position) {
-  if (slide.said.length) return slide.said[position];
+  if (slide.labels.length) return slide.labels[position];
   const value = slide.values[position];
   return slide.unit === "rad/s" ? `${quantity(value, "rad/s")} (${quantity((value * 30) / Math.PI, "rpm", 4)})` : quantity(value, slide.unit);
 }

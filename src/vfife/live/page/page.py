@@ -18,9 +18,9 @@ from ...model.mechanism import Mechanism
 from ...simulation.result import Result
 from ...simulation.simulate import simulate
 from .page_model import PageModel
-from .patches import Patched, patched
+from .patches import SliderPatches, slider_patches
 from .payload import Json, left, payload, static_payload
-from .sliders import Slide, asked_slides, default_slides
+from .sliders import Slide, default_slides, parse_slides
 
 BROWSER = Path(__file__).parents[1] / "browser"
 WORKER = ("stepper.js",)
@@ -74,7 +74,7 @@ def live(mechanism: Mechanism, slide: Iterable[str] | None = None, step: float |
         else (
             default_slides(mechanism)
             if slide is None
-            else asked_slides(mechanism, [slide] if isinstance(slide, str) else slide)
+            else parse_slides(mechanism, [slide] if isinstance(slide, str) else slide)
         )
     )
     return Live(live_page(mechanism, slides, step), str(mechanism.name))
@@ -102,7 +102,7 @@ def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | 
     """
     if mechanism.settings.analysis == "static" and not (slides := list(slides)):
         return still(simulate(mechanism, reference=False))
-    return written(patched(mechanism, list(slides), step))
+    return written(slider_patches(mechanism, list(slides), step))
 
 
 def result_page(result: Result) -> str:
@@ -120,7 +120,7 @@ def still(result: Result) -> str:
     )
 
 
-def written(found: Patched) -> str:
+def written(found: SliderPatches) -> str:
     """The page of a mechanism with its sliders."""
     return put_together(payload(found.base) | found.json() | {"worker": worker(found.base)})
 

@@ -1,8 +1,19 @@
-"""Positions of sliders as patches of the numbers that a page starts with, and the proof that they combine.
+"""Positions of sliders as patches of the numbers with which a page starts, and the proof that they combine.
 
-Each position is assembled by itself; what differs from the model's own numbers is its patch. Patches of two
-sliders may be laid on one another where what assembly gives for both is that, to the bit; sliders for which
-it is not are put into one group, whose positions are assembled together.
+A page cannot assemble a model; it has one vector of numbers (states and tables) for the model's own values,
+and for each position of a slider a patch: the rows of the vector that differ there, with their values. Two
+sliders at once need no assembly if their patches combine: no row is in both, and the vector with both patches
+is, to the bit, what assembly gives for both positions. Sliders for which this fails share a group, and all
+combinations of positions of a group are assembled. To assemble every combination of all sliders instead would
+take 21 to the power of their number.
+
+The steps of :func:`slider_patches`, in this order because each changes what the next one assembles:
+
+1. ``Assembler``: the model's own numbers, and one number of steps between outputs that serves all positions;
+2. ``usable_positions``: positions that can be assembled and run by the same text;
+3. ``slider_groups``: sliders whose patches do not combine, found by pairs at the ends of their ranges;
+4. ``all_patches``: fewer positions for sliders of a group, and the patches;
+5. ``counterexample``: random settings of all sliders at once, assembled and compared.
 """
 
 from __future__ import annotations
@@ -41,11 +52,12 @@ CHECKED = 12  # positions of all sliders at once that are assembled to be compar
 
 @dataclass(frozen=True)
 class Group:
-    """Sliders (their numbers), the rows that they change, and the values there for each combination, the last
-    slider counting fastest.
+    """Sliders (their numbers), the rows that they change, and the values of these rows for each combination,
+    the last slider counting fastest.
 
-    ``lines`` are those of the model file that a combination changes, by their numbers. Where one slider moves
-    ``singly``, the combinations are the model's own setting, and the other positions of each slider in turn.
+    ``lines`` are the changed lines of the model file by their numbers, for each combination. In a group whose
+    sliders move ``singly``, the combinations are the model's own setting, and the other positions of each
+    slider in turn.
     """
 
     sliders: tuple[int, ...]
@@ -56,33 +68,33 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Patched:
-    """What a page starts with, its sliders, their groups, and what had to be left out."""
+class SliderPatches:
+    """The numbers with which a page starts, its sliders, their groups, and notes on what had to be left out."""
 
     base: PageModel
     slides: tuple[Slide, ...]
     groups: tuple[Group, ...]
     notes: tuple[str, ...] = ()
-    texts: bool = True  # whether their lines combine, too
+    texts: bool = True  # whether lines of the model file combine, too
 
-    def laid(self, positions: Sequence[int]) -> Array:
-        """The numbers at a setting, as the page lays the patches on one another."""
+    def vector(self, positions: Sequence[int]) -> Array:
+        """The numbers at a setting, from patches as in the page."""
         vector = self.base.vector.copy()
         for group in self.groups:
-            vector[group.rows] = group.values[self.place(group, positions)]
+            vector[group.rows] = group.values[self.combination(group, positions)]
         return vector
 
-    def written(self, positions: Sequence[int]) -> str:
-        """The model file at a setting, likewise."""
+    def model_file(self, positions: Sequence[int]) -> str:
+        """The model file at a setting, from patches as in the page."""
         lines: list[str | None] = [*dump(self.base.own.mechanism).splitlines()]
         for group in self.groups:
-            for line, text in group.lines[self.place(group, positions)].items():
+            for line, text in group.lines[self.combination(group, positions)].items():
                 lines[line] = text
         return "\n".join(line for line in lines if line is not None) + "\n"
 
-    def place(self, group: Group, positions: Sequence[int]) -> int:
-        """The combination of a group that a setting is. Raises ValueError where several sliders are moved of
-        which one may be.
+    def combination(self, group: Group, positions: Sequence[int]) -> int:
+        """Index of a setting among the combinations of a group. Raises ValueError where several of its
+        sliders moved that move singly.
         """
         if group.singly:
             return combinations(self.slides, group.sliders, True).index(
@@ -95,42 +107,33 @@ class Patched:
 
     def json(self) -> dict[str, Any]:
         """As a page takes it."""
-        slides = [
-            {
-                "name": s.name,
-                "paths": list(s.paths),
-                "unit": s.unit,
-                "values": list(s.values),
-                "here": s.here,
-                "said": list(s.said),
-            }
-            for s in self.slides
-        ]
+        keys = ("name", "paths", "unit", "values", "here", "labels")
+        slides = [{key: getattr(slide, key) for key in keys} for slide in self.slides]
         groups = [
             {
-                "sliders": list(g.sliders),
+                "sliders": g.sliders,
                 "singly": g.singly,
                 "rows": g.rows.tolist(),
                 "values": packed(g.values),
-                "lines": [list(map(list, d.items())) for d in g.lines],
+                "lines": [[*d.items()] for d in g.lines],
             }
             for g in self.groups
         ]
         return {"slides": slides, "groups": groups, "notes": list(self.notes), "texts": self.texts}
 
 
-UNLIKE = (
+OTHER_STEP = (
     "it has other parts, or other outputs, than the page; over turns, in place of a duration, a speed keeps"
     " its outputs"
 )
 
 
 class Assembler:
-    """Assembles a model at settings of sliders, always with one number of steps between outputs, and keeps
-    every answer.
+    """Assembles a model at settings of sliders with one number of steps between outputs, and caches the
+    results.
 
-    A setting is the position of each slider. ``before_assembly`` is called before each assembly; what it
-    raises ends the whole.
+    A setting is the position of each slider. ``before_assembly`` is called before each assembly and may raise
+    to end the work.
     """
 
     def __init__(
@@ -145,7 +148,7 @@ class Assembler:
             prepared = prepare(mechanism, RunArguments(companions=0))
             step, self.expected = prepared.assembly.choice.step, expected_forces(prepared.reference)
         self.base = page_model(mechanism, step, force=self.fixed, known=self.ideals)
-        self.answers: dict[tuple[Any, ...], PageModel | str] = {}
+        self.cache: dict[tuple[Any, ...], PageModel | str] = {}
 
     def mechanism(self, slides: Slides, positions: Setting) -> Mechanism:
         """The model at a setting."""
@@ -153,13 +156,16 @@ class Assembler:
             change
             for slide, k in zip(slides, positions, strict=True)
             if k != slide.here
-            for change in slide.set(k)
+            for change in slide.changes(k)
         ]
         return loads(self.text, set=changes)
 
     def refine(self, slides: Slides) -> None:
-        """Take as many steps between two outputs as each slider needs at its harder end, and all do there at
-        once: one step serves all.
+        """Take as many steps between two outputs as the most demanding position needs, because one step
+        serves all.
+
+        Positions between the ends of a range are assumed to need no more than the more demanding end; the
+        ends of all sliders are combined, too.
         """
         if self.fixed or not slides:
             return
@@ -174,7 +180,7 @@ class Assembler:
             self.base = page_model(self.base.own.mechanism, choice.step * choice.outputs_every / every)
 
     def _every(self, slides: Slides, moves: Mapping[int, int]) -> int:
-        """Steps between two outputs that a setting would have by itself; 0 for one that no model may have."""
+        """Steps between two outputs of a setting by itself; 0 for one that cannot be assembled."""
         self.before_assembly()
         with suppress(VfifeError):
             return assemble(
@@ -182,9 +188,9 @@ class Assembler:
             ).choice.outputs_every
         return 0
 
-    def answer(self, slides: Slides, positions: Setting) -> PageModel | str:
-        """Both mechanisms at a setting; the reason why the page cannot run a setting that no model may have,
-        or that another text would run.
+    def model_or_reason(self, slides: Slides, positions: Setting) -> PageModel | str:
+        """The mechanism at a setting with its ideal one; the reason where it cannot be assembled, or has
+        another step function than the page.
         """
         self.before_assembly()
         key = tuple(
@@ -194,9 +200,9 @@ class Assembler:
         )
         if not key:
             return self.base
-        if key not in self.answers:
-            self.answers[key] = self._assembled(slides, positions)
-        return self.answers[key]
+        if key not in self.cache:
+            self.cache[key] = self._assembled(slides, positions)
+        return self.cache[key]
 
     def _assembled(self, slides: Slides, positions: Setting) -> PageModel | str:
         try:
@@ -206,11 +212,11 @@ class Assembler:
             found = page_model(mechanism, *steps, force=self.fixed, known=self.ideals)
         except VfifeError as error:
             return str(error).split("\n", 1)[0]
-        return found if self.base.same_kind(found) else UNLIKE
+        return found if self.base.same_kind(found) else OTHER_STEP
 
     def at(self, slides: Slides, positions: Setting) -> PageModel | None:
-        """Both mechanisms at a setting; None where the page cannot run it."""
-        found = self.answer(slides, positions)
+        """The mechanism at a setting with its ideal one; None where the page cannot run it."""
+        found = self.model_or_reason(slides, positions)
         return None if isinstance(found, str) else found
 
 
@@ -224,78 +230,89 @@ def ends_of(slide: Slide) -> tuple[int, int]:
     return 0, len(slide.values) - 1
 
 
-def patched(
+def slider_patches(
     mechanism: Mechanism,
     slides: Sequence[Slide],
     step: float | None = None,
     before_assembly: Callable[[], None] = lambda: None,
-) -> Patched:
+) -> SliderPatches:
     """Assemble the positions of all sliders, group those whose patches do not combine, and check settings of
     all of them at once.
 
-    ``before_assembly`` is called before each assembly; what it raises ends the whole.
+    ``step`` (s) is that of a run, None for the automatic one. ``before_assembly`` is called before each
+    assembly and may raise to end the work.
     """
     assembler = Assembler(mechanism, step, before_assembly)
     assembler.refine(tuple(slides))
-    usable, notes = runnable(assembler, slides)
-    found = combined(assembler, usable, grouped(assembler, usable))
-    if len(found.groups) > 1 and differing(found, assembler) is not None:
+    usable, notes = usable_positions(assembler, slides)
+    found = all_patches(assembler, usable, slider_groups(assembler, usable))
+    if len(found.groups) > 1 and counterexample(found, assembler) is not None:
         # Patches that combine pair by pair need not combine all at once. Then all sliders are one group,
-        # whose combinations are assembled.
-        found = combined(assembler, found.slides, [tuple(range(len(found.slides)))])
+        # whose combinations are assembled; one
+        # group always passes, because its values are those of assembly, so there is nothing more to try.
+        found = all_patches(assembler, found.slides, [tuple(range(len(found.slides)))])
     notes += [
         f"{', '.join(found.slides[s].name for s in one.sliders)}: these move one at a time"
         for one in found.groups
         if one.singly
     ]
     texts = all(
-        found.written(positions) == dump(one.own.mechanism) for positions, one in checked(found, assembler)
+        found.model_file(positions) == dump(one.own.mechanism)
+        for positions, one in random_settings(found, assembler)
     )
     return replace(found, notes=tuple(notes), texts=texts)
 
 
-def combined(assembler: Assembler, slides: Slides, groups: Sequence[tuple[int, ...]]) -> Patched:
-    """The patches of all groups, for the positions that they keep."""
-    slides = thinned(slides, groups)
-    return Patched(assembler.base, slides, tuple(group(assembler, slides, sliders) for sliders in groups))
+def all_patches(assembler: Assembler, slides: Slides, groups: Sequence[tuple[int, ...]]) -> SliderPatches:
+    """The patches of all groups, with fewer positions where a group would have too many combinations."""
+    slides = fewer_positions(slides, groups)
+    return SliderPatches(
+        assembler.base, slides, tuple(group(assembler, slides, sliders) for sliders in groups)
+    )
 
 
-def runnable(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Slides, list[str]]:
+def usable_positions(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Slides, list[str]]:
     """Sliders without the positions that cannot be run; a sentence for each slider that lost some."""
-    found, notes = [], []
+    usable, notes = [], []
     for s, slide in enumerate(slides):
-        answers = [
-            assembler.answer(tuple(slides), moved(tuple(slides), {s: k})) for k in range(len(slide.values))
+        models = [
+            assembler.model_or_reason(tuple(slides), moved(tuple(slides), {s: k}))
+            for k in range(len(slide.values))
         ]
-        good = [k for k, answer in enumerate(answers) if not isinstance(answer, str)]
-        reasons = [answer for answer in answers if isinstance(answer, str)]
+        positions = [k for k, model in enumerate(models) if not isinstance(model, str)]
+        reasons = [model for model in models if isinstance(model, str)]
         if reasons:
-            lost = f"{len(reasons)} of {len(answers)} positions cannot be run and are left out"
+            lost = f"{len(reasons)} of {len(models)} positions cannot be run and are left out"
             notes.append(f"{slide.name}: {lost}, as the last of them: {reasons[-1]}")
-        if len(good) > 1:
-            found.append(with_positions(slide, good))
-    return tuple(found), notes
+        if len(positions) > 1:
+            usable.append(with_positions(slide, positions))
+    return tuple(usable), notes
 
 
-def with_positions(slide: Slide, kept: Sequence[int]) -> Slide:
-    """A slider with some of its positions."""
-    values = tuple(slide.values[k] for k in kept)
+def with_positions(slide: Slide, positions: Sequence[int]) -> Slide:
+    """A slider with some of its positions, the model's own among them."""
+    values = tuple(slide.values[k] for k in positions)
     return replace(slide, values=values, here=values.index(slide.values[slide.here]))
 
 
-def differs(one: Array, other: Array) -> NDArray[np.bool_]:
-    """Where two vectors differ in a bit."""
+def changed_bits(one: Array, other: Array) -> NDArray[np.bool_]:
+    """Where two vectors differ in any bit, -0.0 from 0.0 too."""
     return np.asarray(one.view(np.uint64) != other.view(np.uint64))
 
 
-def grouped(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]:
-    """Sliders by group: two share one where their patches meet in a row, or do not give together what
-    assembly gives.
+def slider_groups(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]:
+    """Numbers of sliders by group: two share one where their patches have a row in common, or do not give
+    together what assembly gives.
+
+    Pairs are compared at both ends of their ranges only: a row that changes anywhere changes at an end, and
+    for n sliders this takes 2 n + n (n - 1) assemblies. Groups are merged as pairs are found, so that pairs
+    within a group are not assembled.
     """
     base, ends = assembler.base.vector, [ends_of(slide) for slide in slides]
     own = {(s, k): vector_at(assembler, slides, {s: k}) for s, pair in enumerate(ends) for k in pair}
     rows = [
-        differs(own[s, first], base) | differs(own[s, last], base) for s, (first, last) in enumerate(ends)
+        changed_bits(own[s, first], base) | changed_bits(own[s, last], base)
+        for s, (first, last) in enumerate(ends)
     ]
     group_of = list(range(len(slides)))
     for a, b in itertools.combinations(range(len(slides)), 2):
@@ -303,58 +320,63 @@ def grouped(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]:
             continue
         overlap = bool((rows[a] & rows[b]).any())
         if overlap or not all(
-            _add_up(assembler, slides, own, (a, i), (b, j)) for i, j in zip(ends[a], ends[b], strict=True)
+            _combine(assembler, slides, own, (a, i), (b, j)) for i, j in zip(ends[a], ends[b], strict=True)
         ):
             group_of = [group_of[a] if g == group_of[b] else g for g in group_of]
     return [tuple(s for s, g in enumerate(group_of) if g == which) for which in dict.fromkeys(group_of)]
 
 
-def _add_up(
+def _combine(
     assembler: Assembler,
     slides: Slides,
     own: Mapping[tuple[int, int], Array],
     first: tuple[int, int],
     second: tuple[int, int],
 ) -> bool:
-    """Whether the patches of two sliders at a position, laid on one another, are what assembly gives for
-    both.
-    """
+    """Whether the vector with the patches of two sliders at a position is what assembly gives for both."""
     both = assembler.at(slides, moved(slides, dict((first, second))))
-    laid = np.where(differs(own[first], assembler.base.vector), own[first], own[second])
-    return both is not None and not differs(laid, both.vector).any()
+    patched = np.where(changed_bits(own[first], assembler.base.vector), own[first], own[second])
+    return both is not None and not changed_bits(patched, both.vector).any()
 
 
 def vector_at(assembler: Assembler, slides: Slides, moves: Mapping[int, int]) -> Array:
-    """The numbers at a setting; those of the model where it cannot be run."""
+    """The numbers at a setting; those of the model where it cannot be run, as if it changed nothing."""
     return (assembler.at(slides, moved(slides, moves)) or assembler.base).vector
 
 
-def single(sliders: tuple[int, ...]) -> bool:
-    """Whether of so many sliders only one moves at a time."""
+def moves_singly(sliders: tuple[int, ...]) -> bool:
+    """Whether these sliders move one at a time, because each would have fewer than ``FEWEST`` positions in
+    their combinations.
+    """
     return len(sliders) > 1 and GROUP_COMBINATIONS ** (1.0 / len(sliders)) < FEWEST
 
 
 def combinations(slides: Sequence[Slide], sliders: tuple[int, ...], singly: bool) -> list[tuple[int, ...]]:
-    """Positions of the sliders of a group that are assembled."""
+    """Combinations of positions of a group that are assembled, the model's own first where sliders move
+    singly.
+    """
     if not singly:
         return list(itertools.product(*(range(len(slides[s].values)) for s in sliders)))
     here = tuple(slides[s].here for s in sliders)
-    moved = [
+    others = [
         (*here[:i], k, *here[i + 1 :])
         for i, s in enumerate(sliders)
         for k in range(len(slides[s].values))
         if k != here[i]
     ]
-    return [here, *moved]
+    return [here, *others]
 
 
-def thinned(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides:
-    """Fewer positions for sliders that are assembled together."""
+def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides:
+    """Sliders of a group with as few positions as keep its combinations below ``GROUP_COMBINATIONS``.
+
+    The positions are evenly spaced, except that the model's own takes the place of the nearest one.
+    """
     found = list(slides)
     for sliders in groups:
         most = (
             int(GROUP_COMBINATIONS ** (1.0 / len(sliders)))
-            if len(sliders) > 1 and not single(sliders)
+            if len(sliders) > 1 and not moves_singly(sliders)
             else POSITIONS + 1
         )
         for s in sliders:
@@ -368,14 +390,14 @@ def thinned(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides:
 
 def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Group:
     """The patches of a group."""
-    base, lines, singly = assembler.base.vector, assembler.text.splitlines(), single(sliders)
+    base, lines, singly = assembler.base.vector, assembler.text.splitlines(), moves_singly(sliders)
     settings = (
         moved(slides, dict(zip(sliders, at, strict=True))) for at in combinations(slides, sliders, singly)
     )
     found = [assembler.at(slides, positions) or assembler.base for positions in settings]
     changed = np.zeros(len(base), dtype=bool)
     for one in found:
-        changed |= differs(one.vector, base)
+        changed |= changed_bits(one.vector, base)
     rows = np.flatnonzero(changed)
     texts = [dump(one.own.mechanism).splitlines() for one in found]
     return Group(
@@ -383,13 +405,13 @@ def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Gro
         singly,
         rows,
         np.array([one.vector[rows] for one in found]),
-        tuple(rewritten(lines, text) for text in texts),
+        tuple(changed_lines(lines, text) for text in texts),
     )
 
 
-def rewritten(lines: list[str], text: list[str]) -> dict[int, str | None]:
-    """Lines of a text that another one has otherwise, by their numbers; None where it has none, more than one
-    where it has more.
+def changed_lines(lines: list[str], text: list[str]) -> dict[int, str | None]:
+    """Lines of ``lines`` that differ in ``text``, by their numbers; None for a line that it has not, several
+    for a line with insertions.
     """
     found: dict[int, str | None] = {}
     for what, i, j, m, n in SequenceMatcher(None, lines, text, autojunk=False).get_opcodes():
@@ -401,8 +423,8 @@ def rewritten(lines: list[str], text: list[str]) -> dict[int, str | None]:
     return found
 
 
-def checked(found: Patched, assembler: Assembler) -> Iterator[tuple[Setting, PageModel]]:
-    """Some settings of all sliders at once, and what assembly gives for them."""
+def random_settings(found: SliderPatches, assembler: Assembler) -> Iterator[tuple[Setting, PageModel]]:
+    """``CHECKED`` settings of all sliders at once, and what assembly gives for them; the same in every run."""
     draw = random.Random(1)
     for _ in range(CHECKED):
         positions = [draw.randrange(len(slide.values)) for slide in found.slides]
@@ -413,15 +435,13 @@ def checked(found: Patched, assembler: Assembler) -> Iterator[tuple[Setting, Pag
             yield tuple(positions), both
 
 
-def differing(found: Patched, assembler: Assembler) -> Setting | None:
-    """A setting for which the patches do not give what assembly gives, to the bit; None where all that were
-    tried do.
-    """
+def counterexample(found: SliderPatches, assembler: Assembler) -> Setting | None:
+    """A setting whose patches differ in a bit from assembly; None where no random setting does."""
     return next(
         (
             positions
-            for positions, both in checked(found, assembler)
-            if differs(found.laid(positions), both.vector).any()
+            for positions, both in random_settings(found, assembler)
+            if changed_bits(found.vector(positions), both.vector).any()
         ),
         None,
     )

@@ -205,8 +205,8 @@ def joints(assembly: Assembly) -> list[Json]:
         pins = pin_of(assembly, joint.bearing), pin_of(assembly, joint.journal)
         sides = joint.sides[0][0], joint.sides[1][0]
         angles = (_angle(assembly, pins[0]), _angle(assembly, pins[1]))
-        at = strokes.Asked(place(assembly, pins[0]), place(assembly, pins[1]), angles, size)
-        drawn, tilt = strokes.of_joint(joint, at, angles, (sides[0] == "ground", sides[1] == "ground"))
+        at = strokes.Inputs(place(assembly, pins[0]), place(assembly, pins[1]), angles, size)
+        drawn, tilt = strokes.joint_strokes(joint, at, angles, (sides[0] == "ground", sides[1] == "ground"))
         around, *reaches = joint.drawn
         words = {
             "reaches": [reach or 0.0 for reach in reaches],
@@ -247,7 +247,7 @@ def springs(assembly: Assembly) -> list[Json]:
     for noun, (first, second), sides in pairs:
         one, two = place(assembly, first), place(assembly, second)
         turner = 0 if sides[0] == "ground" else assembly.bodies[sides[0]].particles[0]
-        drawn = strokes.of_pair(noun, strokes.Asked(one, two, (_angle(assembly, [turner]), 0.0), size))
+        drawn = strokes.pair_strokes(noun, strokes.Inputs(one, two, (_angle(assembly, [turner]), 0.0), size))
         wheels = (
             noun.wheels(PairSeen(np.array(one), np.array(two), 0.0, size)) if isinstance(noun, Gear) else ()
         )

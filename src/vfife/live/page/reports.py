@@ -25,7 +25,7 @@ from ...simulation.result import Result
 from ...solvers.status import Status
 from ...store.studyfile import StudyCase
 from .page import result_page, written
-from .patches import GROUP_COMBINATIONS, Patched, patched
+from .patches import GROUP_COMBINATIONS, SliderPatches, slider_patches
 from .sliders import Slide
 
 LARGEST_REPORT = 4_000_000  # bytes
@@ -44,11 +44,11 @@ class Members(Slide):
     words: tuple[str, ...] = ()
 
     @property
-    def said(self) -> tuple[str, ...]:
+    def labels(self) -> tuple[str, ...]:
         """The values of its parameters."""
         return tuple(self.words[int(value)] for value in self.values)
 
-    def set(self, position: int) -> list[tuple[str, Any]]:
+    def changes(self, position: int) -> list[tuple[str, Any]]:
         """The numbers of the member."""
         return list(self.picked[int(self.values[position])].items())
 
@@ -72,7 +72,7 @@ def study_page(study: Study) -> tuple[str, Places, tuple[str, ...]]:
         raise VfifeError("its members do not turn a crank evenly")
     slides: list[Slide] = list(by_parameters(study, done)) or [over_members(study, chosen(study, done))]
     with standing_in(study.asked["own_laws"]):
-        found = patched(base, slides, turn / math.ceil(steps))
+        found = slider_patches(base, slides, turn / math.ceil(steps))
     return written(found), places(study, found), found.notes
 
 
@@ -153,7 +153,7 @@ def over_members(study: Study, picked: list[StudyCase]) -> Slide:
     )
 
 
-def places(study: Study, found: Patched) -> Places:
+def places(study: Study, found: SliderPatches) -> Places:
     """Positions of the page's sliders by members, of those that it can run."""
     told: Places = {}
     slides = {one.name: one for one in found.slides}

@@ -1,10 +1,10 @@
 """Strokes as a page draws them: each point with the pin that carries it, the body that turns it, and its
-place there.
+position there.
 
-Nouns say how they are drawn for one place of their pins (``model.strokes``). What they say is affine in the
-places of the two pins, in the size of the drawing and in the way of a journal in its guide; so asking them
-again with each of these moved a little tells what each point hangs on, and no kind of joint or spring needs
-to be known.
+Joints and springs give their strokes for one position of their pins (``model.strokes``). The points are
+affine functions of the positions of both pins, of the size of the drawing and of the travel of a journal in
+its guide, so their coefficients follow from differences: the strokes are computed again with each of these
+inputs changed. No kind of joint or spring needs to be known here.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,107 +20,101 @@ from numpy.typing import NDArray
 from ...model.drawing.strokes import Block, Curve, JointSeen, Mark, PairSeen, Stroke, Surface, facing
 
 Array = NDArray[np.float64]
-MOVED = 0.25  # by what is asked again: m, rad, or times the size
-FIRST, SECOND, BETWEEN = range(3)  # what carries a point: the first pin, the second, both
-GLOBAL, FIRST_TURNS, SECOND_TURNS = range(3)  # what turns it
+STEP = 0.25  # m or rad, of the differences; exact for affine functions
+GROWTH = 1e-6  # of the size, relative
+FIRST, SECOND, BETWEEN = range(3)  # carrier of a point: the first pin, the second, both
+GLOBAL, FIRST_TURNS, SECOND_TURNS = range(3)  # frame of its coordinates
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What a noun is asked with: places and angles of its two pins, size of the drawing, way of the journal."""
+class Inputs:
+    """Positions (m) and angles (rad) of two pins, size of the drawing (m), and least and largest travel of a
+    journal in its guide (m).
+    """
 
     first: tuple[float, float]
     second: tuple[float, float]
     angles: tuple[float, float]
     size: float
-    way: tuple[float, float] = (0.0, 0.0)
+    travel: tuple[float, float] = (0.0, 0.0)
 
-    def moved(self, what: str) -> Asked:
-        """The same with one of them moved."""
+    def changed(self) -> dict[str, Inputs]:
+        """The inputs with one of them changed, by its name."""
         changes: dict[str, dict[str, Any]] = {
-            "first": {"first": (self.first[0] + MOVED, self.first[1])},
-            "second": {"second": (self.second[0] + MOVED, self.second[1])},
-            "turn_first": {"angles": (self.angles[0] + MOVED, self.angles[1])},
-            "turn_second": {"angles": (self.angles[0], self.angles[1] + MOVED)},
-            "size": {"size": self.size * (1.0 + 1e-6)},
-            "low": {"way": (-MOVED, 0.0)},
-            "high": {"way": (0.0, MOVED)},
+            "first": {"first": (self.first[0] + STEP, self.first[1])},
+            "second": {"second": (self.second[0] + STEP, self.second[1])},
+            "turn_first": {"angles": (self.angles[0] + STEP, self.angles[1])},
+            "turn_second": {"angles": (self.angles[0], self.angles[1] + STEP)},
+            "size": {"size": self.size * (1.0 + GROWTH)},
+            "least_travel": {"travel": (-STEP, 0.0)},
+            "largest_travel": {"travel": (0.0, STEP)},
         }
-        return replace(self, **changes[what])
+        return {name: replace(self, **change) for name, change in changes.items()}
 
 
-Drawn = Callable[[Asked], list[Stroke]]
+Strokes: TypeAlias = Callable[[Inputs], list[Stroke]]
 
 
-def of_joint(
-    joint: Any, at: Asked, start: tuple[float, float], ground: tuple[bool, bool]
+def joint_strokes(
+    joint: Any, inputs: Inputs, start: tuple[float, float], ground: tuple[bool, bool]
 ) -> tuple[list[dict[str, Any]], float]:
-    """The strokes of a joint as data, and the direction (rad, in the bearing's frame) of its guide, along
-    which a way counts.
+    """The strokes of a joint as data, and the direction of its guide (rad, in the bearing's frame), along
+    which travel counts.
+
+    ``start`` are the angles of its bodies at the start (rad), ``ground`` says which of them is the ground.
     """
-    tilts = [0.0]
-    found = attached(lambda asked: strokes_of(joint, asked, start, ground, tilts), at)
-    return found, tilts[-1]
+    directions = [0.0]
+    entries = _attached(lambda one: strokes_of(joint, one, start, ground, directions), inputs)
+    return entries, directions[-1]
 
 
 def strokes_of(
-    joint: Any, asked: Asked, start: tuple[float, float], ground: tuple[bool, bool], tilts: list[float]
+    joint: Any, inputs: Inputs, start: tuple[float, float], ground: tuple[bool, bool], directions: list[float]
 ) -> list[Stroke]:
-    """What a joint says; the direction of a guide whose way it asks for goes into ``tilts``."""
+    """The strokes of a joint; the direction of its guide is appended to ``directions``."""
 
-    def way(angle: float) -> tuple[float, float]:
-        tilts.append(angle)
-        return asked.way
+    def travel(direction: float) -> tuple[float, float]:
+        directions.append(direction)
+        return inputs.travel
 
     leaving = np.array([1.0, 0.0])  # a clamp is drawn to the left of what it holds
-    first, second = np.array(asked.first), np.array(asked.second)
-    return list(
-        joint.strokes(
-            JointSeen(first, second, asked.angles, start, ground, 1.0, asked.size, way, lambda: leaving)
-        )
-    )
+    first, second = np.array(inputs.first), np.array(inputs.second)
+    seen = JointSeen(first, second, inputs.angles, start, ground, 1.0, inputs.size, travel, lambda: leaving)
+    return list(joint.strokes(seen))
 
 
-def of_pair(noun: Any, at: Asked) -> list[dict[str, Any]]:
+def pair_strokes(item: Any, inputs: Inputs) -> list[dict[str, Any]]:
     """The strokes of a spring or gear as data."""
-    return attached(
-        lambda asked: list(
-            noun.strokes(PairSeen(np.array(asked.first), np.array(asked.second), asked.angles[0], asked.size))
+    return _attached(
+        lambda one: list(
+            item.strokes(PairSeen(np.array(one.first), np.array(one.second), one.angles[0], one.size))
         ),
-        at,
+        inputs,
     )
 
 
-def attached(drawn: Drawn, at: Asked) -> list[dict[str, Any]]:
-    """Every stroke with its look and its points, each as [carrier, turner, x, y, x and y by size, by the
-    least way, by the largest].
+def _attached(strokes_of: Strokes, inputs: Inputs) -> list[dict[str, Any]]:
+    """Every stroke with its look and its points, each as [carrier, frame, x, y, x and y by size, by least
+    travel, by largest travel].
     """
-    strokes = drawn(at)
-    moved = {
-        what: drawn(at.moved(what))
-        for what in ("first", "second", "turn_first", "turn_second", "size", "low", "high")
-    }
-    found = []
+    strokes = strokes_of(inputs)
+    changed = {name: strokes_of(one) for name, one in inputs.changed().items()}
+    entries = []
     for k, stroke in enumerate(strokes):
-        points = points_of(stroke)
-        if not len(points):
-            continue
-        others = {what: points_of(ones[k]) for what, ones in moved.items() if len(ones) == len(strokes)}
-        found.append(
-            look(stroke)
-            | {
-                "points": [
-                    _attached(at, p, {what: o[i] for what, o in others.items()}) for i, p in enumerate(points)
-                ]
+        if len(points := points_of(stroke)):
+            moved = {
+                name: points_of(others[k]) for name, others in changed.items() if len(others) == len(strokes)
             }
-        )
-    return found
+            rows = [
+                _coefficients(inputs, point, {name: at[i] for name, at in moved.items()})
+                for i, point in enumerate(points)
+            ]
+            entries.append(look_of(stroke) | {"points": rows})
+    return entries
 
 
 def points_of(stroke: Stroke) -> Array:
-    """What a stroke goes through, shape (points, 2): of a surface the strip of its material, of a block its
-    corners.
-    """
+    """Points of a stroke, shape (points, 2): of a surface the strip of its material, of a block its corners."""
     if isinstance(stroke, Curve):
         return np.asarray(stroke.points, dtype=float).reshape(-1, 2)
     if isinstance(stroke, Surface):
@@ -139,47 +133,47 @@ def points_of(stroke: Stroke) -> Array:
     return np.zeros((0, 2)) if stroke.at is None else np.asarray(stroke.at, dtype=float).reshape(1, 2)
 
 
-def look(stroke: Stroke) -> dict[str, Any]:
-    """How a stroke looks."""
+def look_of(stroke: Stroke) -> dict[str, Any]:
+    """Kind, colour and line of a stroke."""
     if isinstance(stroke, Curve):
-        look = {
+        return {
             "is": "curve",
             "colour": stroke.colour,
             "width": stroke.width,
             "dashes": stroke.dashes,
             "fade": stroke.fade,
         }
-    elif isinstance(stroke, Surface):
-        look = {"is": "surface"}
-    elif isinstance(stroke, Block):
-        look = {"is": "block", "colour": stroke.colour}
-    elif isinstance(stroke, Mark):
-        look = {"is": "mark", "colour": stroke.colour, "shape": stroke.shape}
-    return look
+    if isinstance(stroke, Surface):
+        return {"is": "surface"}
+    kind = {"is": "mark", "shape": stroke.shape} if isinstance(stroke, Mark) else {"is": "block"}
+    return kind | {"colour": stroke.colour}
 
 
-def _attached(at: Asked, point: Array, moved: dict[str, Array]) -> list[float]:
-    first, second = np.array(at.first), np.array(at.second)
+def _coefficients(inputs: Inputs, point: Array, changed: dict[str, Array]) -> list[float]:
+    """Carrier, frame and coefficients of a point, from its positions with changed inputs."""
+    first, second = np.array(inputs.first), np.array(inputs.second)
 
-    def by(what: str, change: float = MOVED) -> Array:
-        return (moved[what] - point) / change if what in moved else np.zeros(2)
+    def by(name: str, step: float = STEP) -> Array:
+        return (changed[name] - point) / step if name in changed else np.zeros(2)
 
     share = float(by("first")[0])
-    turner = (
+    frame = (
         FIRST_TURNS
         if np.hypot(*by("turn_first")) > 1e-9
         else SECOND_TURNS
         if np.hypot(*by("turn_second")) > 1e-9
         else GLOBAL
     )
-    angle = (0.0, *at.angles)[turner]
-    size, low, high = by("size", 1e-6 * at.size), by("low", -MOVED), by("high")
+    angle = (0.0, *inputs.angles)[frame]
+    size, least, largest = by("size", GROWTH * inputs.size), by("least_travel", -STEP), by("largest_travel")
     apart = second - first
     if (
-        turner == GLOBAL
+        frame == GLOBAL
         and (abs(float(by("first")[1])) > 1e-9 or 1e-9 < share < 1.0 - 1e-9)
         and np.hypot(*apart) > 1e-12
     ):
+        # A point of a spring follows both pins: its coordinates are along the line between them, as a share
+        # of its length, and across it.
         length = math.hypot(*apart)
         along = apart / length
         across = np.array([-along[1], along[0]])
@@ -193,10 +187,10 @@ def _attached(at: Asked, point: Array, moved: dict[str, Array]) -> list[float]:
             0.0,
             0.0,
         ]
-        values[1] -= at.size * values[3]  # what does not grow with the drawing
+        values[1] -= inputs.size * values[3]  # the part that does not grow with the drawing
         return [BETWEEN, GLOBAL, *(round(value, 12) for value in values)]
     carrier = FIRST if share > 0.5 else SECOND
-    away = point - (first if carrier == FIRST else second) - at.size * size
+    away = point - (first if carrier == FIRST else second) - inputs.size * size
     c, s = facing(-angle)
-    turned = [number for x, y in (away, size, low, high) for number in (c * x - s * y, s * x + c * y)]
-    return [carrier, turner, *(round(float(number), 12) for number in turned)]
+    turned = [number for x, y in (away, size, least, largest) for number in (c * x - s * y, s * x + c * y)]
+    return [carrier, frame, *(round(float(number), 12) for number in turned)]

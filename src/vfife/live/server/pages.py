@@ -12,8 +12,8 @@ from typing import Any
 from ... import gallery
 from ...errors import VfifeError
 from ..page.page import LARGEST, live_page, written
-from ..page.patches import patched
-from ..page.sliders import asked_slides, default_slides
+from ..page.patches import slider_patches
+from ..page.sliders import default_slides, parse_slides
 from .documents import Document
 
 Key = tuple[str, int]  # a document and its version
@@ -130,14 +130,14 @@ class Pages:
         about = {"kind": "sliders", "id": key[0], "version": key[1]}
         try:
             slides = (
-                asked_slides(mechanism, self.slide)
+                parse_slides(mechanism, self.slide)
                 if self.slide and key[0] == self.first
                 else default_slides(mechanism)
             )
             if not slides:
                 self.told({**about, "said": ""})
                 return
-            page = written(patched(mechanism, slides, step, before_assembly))
+            page = written(slider_patches(mechanism, slides, step, before_assembly))
             if len(page.encode("utf-8")) > LARGEST:
                 raise VfifeError("with its sliders the page would be too large")
             self._keep(key, True, page)
@@ -160,8 +160,8 @@ def drawing(name: str) -> bytes:
     name that it has not.
     """
     from ...plots import at_start
-    from ...plots.notebook import lines
+    from ...plots.notebook import svg
 
     if name not in gallery.__all__:
         raise LookupError(name)
-    return lines(at_start(getattr(gallery, name)()), name)
+    return svg(at_start(getattr(gallery, name)()), name)

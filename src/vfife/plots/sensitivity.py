@@ -1,4 +1,4 @@
-"""Figures of answers that are no run: a comparison of laws, a fit, derivatives as a tornado chart."""
+"""Figures of comparisons of laws, of fits, and of sensitivities as tornado charts."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from .style import (
     INK,
     STYLE,
     VERMILION,
+    curve_look,
     heading,
     one_legend,
     panels,
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
     from ..results.comparison import Comparison
     from ..results.derivatives import Sensitivity
     from ..results.fit import Fit, Laid
-
-LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)))
 
 
 def labels(found: Comparison) -> list[str]:
@@ -59,14 +58,7 @@ def forces(found: Comparison) -> Figure:
             x, _ = one_turn(abscissa(result)[first:], result)
             joint = list(result.record.assembly.mechanism.joints).index(name)
             y = result.channels["joint_force_max"].values[first:, joint]
-            ax.plot(
-                x,
-                factor * y,
-                color=BODIES[k % len(BODIES)],
-                ls=LINES[k // len(BODIES) % len(LINES)],
-                lw=1.0,
-                label=label,
-            )
+            ax.plot(x, factor * y, lw=1.0, label=label, **curve_look(k))
         ax.set(title=f"joint {name}", ylabel=f"joint force\n({unit})")
         ax.set_xlabel(
             "time (ms)" if found.results[0].crank is None else f"angle of {found.results[0].crank} (degrees)"
@@ -83,7 +75,7 @@ def bars(found: Comparison) -> Figure:
     """Largest force, deepest penetration, impacts and energy lost, a bar a run."""
     peak = max(row["force"] for row in found.rows)
     factor, unit = scale_of(peak, "N")
-    what = (
+    measures = (
         (f"largest force ({unit})", [factor * row["force"] for row in found.rows]),
         ("deepest penetration (µm)", [1e6 * row["penetration"] for row in found.rows]),
         ("impacts", [row["impacts"] for row in found.rows]),
@@ -92,7 +84,7 @@ def bars(found: Comparison) -> Figure:
     count = len(found.rows)
     figure, axes = panels(4, 4, 2.9, 1.5 + 0.32 * count, sharey=True)
     places = np.arange(count)
-    for ax, (title, values) in zip(axes, what, strict=True):
+    for ax, (title, values) in zip(axes, measures, strict=True):
         ax.barh(places, values, color=[BODIES[k % len(BODIES)] for k in range(count)], height=0.66)
         ax.set_title(title, fontsize=10)
         ax.grid(axis="y", visible=False)
@@ -115,8 +107,8 @@ def bars(found: Comparison) -> Figure:
     return figure
 
 
-def drawn(found: Comparison, folder: Path) -> list[Path]:
-    """Writes both figures into a folder; nothing where no run is complete."""
+def save_comparison(found: Comparison, folder: Path) -> list[Path]:
+    """Write both figures into a folder; nothing where no run is complete."""
     return [
         saved(draw(found), folder / f"{name}.png")
         for name, draw in (("forces", forces), ("bars", bars))
@@ -134,13 +126,13 @@ ABSCISSAE = {
 
 @rc_context(STYLE)
 def fit_figure(found: Fit) -> Figure:
-    """Above each other a curve and what is left of it; on the right the parameters between their bounds with
-    their confidence, and correlations.
+    """A row for each curve with its residual; on the right parameters between their bounds with their
+    confidence, and correlations.
     """
     curves = found.curves[:CURVES]
     figure, axes = panels(3 * len(curves), 3, 4.0, 2.7, width_ratios=(1.6, 1.2, 1.2))
     for k, one in enumerate(curves):
-        laid(axes[3 * k], one, k == 0)
+        fitted_curve(axes[3 * k], one, k == 0)
         residual(axes[3 * k + 1], one)
     ranges(axes[2], found)
     shown = len(curves) > 1 and len(found.values) > 1 and bool(np.isfinite(found.correlation).all())
@@ -152,16 +144,16 @@ def fit_figure(found: Fit) -> Figure:
     return figure
 
 
-def axis_of(one: Laid) -> tuple[Any, str]:
-    """Places and what they are."""
+def abscissa_of(one: Laid) -> tuple[Any, str]:
+    """Abscissa of a curve, and its label."""
     factor, label = ABSCISSAE[one.over]
     return factor * one.places, label
 
 
-def laid(ax: Axes, one: Laid, first: bool) -> None:
-    """Measured and model's values."""
+def fitted_curve(ax: Axes, one: Laid, first: bool) -> None:
+    """Draw measured and model's values."""
     every = max(1, len(one.places) // SAMPLES)
-    x, label = axis_of(one)
+    x, label = abscissa_of(one)
     factor, unit = readable(one.measured, one.unit)
     ax.plot(x[::every], factor * one.measured[::every], ".", color=GREY, ms=2.5, label="measured")
     ax.plot(x[::every], factor * one.model[::every], color=BLUE, lw=1.1, label="model")
@@ -173,16 +165,16 @@ def laid(ax: Axes, one: Laid, first: bool) -> None:
 
 
 def residual(ax: Axes, one: Laid) -> None:
-    """What is left, in per cent of the measured standard deviation."""
+    """Draw the residual in per cent of the measured standard deviation."""
     spread = float(one.measured.std()) or 1.0
-    x, label = axis_of(one)
+    x, label = abscissa_of(one)
     ax.plot(x, 100.0 * (one.measured - one.model) / spread, color=VERMILION, lw=0.7)
     ax.axhline(0.0, color=GREY, lw=0.8)
     ax.set(title=f"left: {100.0 * one.share:.3g} %", xlabel=label, ylabel="% of the deviation")
 
 
 def ranges(ax: Axes, found: Fit) -> None:
-    """Where each parameter lies between its bounds, with its confidence."""
+    """Draw the position of each parameter between its bounds, with its confidence."""
     for k, one in enumerate(found.values):
         at, ends = one.share(one.value), [one.share(end) for end in (one.low, one.high)]
         if all(map(math.isfinite, ends)):
@@ -204,7 +196,7 @@ def ranges(ax: Axes, found: Fit) -> None:
 
 
 def correlations(ax: Axes, found: Fit) -> None:
-    """Correlation of each pair of parameters."""
+    """Draw the correlation of each pair of parameters."""
     ax.imshow(found.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
     names = [short(one.name) for one in found.values]
     ax.set_xticks(range(len(names)), names, rotation=30, ha="right", fontsize=8)
@@ -225,7 +217,7 @@ def correlations(ax: Axes, found: Fit) -> None:
 
 
 def short(name: str) -> str:
-    """A path without what all paths of its kind begin with."""
+    """The last parts of a path."""
     first = name.split(",")[0]
     return first.split(".", 1)[1] if first.count(".") > 1 else first
 
@@ -237,12 +229,12 @@ PANELS = 6  # measures in one figure, at the most
 
 @rc_context(STYLE)
 def tornado(found: Sensitivity) -> Figure:
-    """By how many per cent measures change with one per cent of each number; hatched, and to the left, where
-    they fall. Thin lines are ranges.
+    """Change of measures in per cent for one per cent of each parameter: hatched bars to the left where they
+    fall, thin lines are ranges.
 
-    A bar is an elasticity; with a star at its number it is the change for 1 %, which the derivative does not
-    describe. A number whose effect is not known has a question mark and no bar; of a measure that the run's
-    companions do not agree on there is the question mark alone. Measures that are zero are left out.
+    A bar is an elasticity; with a star it is the change for 1 %, which the derivative does not describe. A
+    parameter with an unknown effect has a question mark and no bar, a measure on which the companion runs
+    disagree the question mark alone. Measures that are zero are left out.
     """
     names = [
         name

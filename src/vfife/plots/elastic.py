@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from ..measures import elastic
 from ..model.lumping import mesh
 from .layout import Panels
-from .style import BLUE, DEEP, GREY, INK, SKY, digits, length_unit, scale_of
-from .turn import Span, said_shortly, span
+from .style import BLUE, GREY, SKY, corner_text, digits, length_unit, mark_peak, scale_of
+from .turn import Span, shown_turn, span
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 MOST = 8
-PANEL = (4.6, 2.3)
+PANEL, ALONE = (4.6, 2.3), (7.0, 3.0)  # inches
 FAINT = 12  # shapes over a turn
 
 
 def stressed(result: View) -> list[str]:
-    """Elastic bodies whose stress is known: an element of theirs has a section with an extreme fibre."""
+    """Elastic bodies whose stress is known, because an element has a section with an extreme fibre."""
     record = result.record
     if not record.keeps("frame_axial_force") or not any(
         body.elements for body in record.assembly.bodies.values()
@@ -41,7 +41,7 @@ def stressed(result: View) -> list[str]:
 
 
 def bent(result: View) -> list[str]:
-    """Elastic links, which have a line through their ends to be off."""
+    """Elastic links; a frame has no chord from which it could deflect."""
     return elastic.elastic_links(result.record) if result.record.keeps("frame_moment_1") else []
 
 
@@ -56,7 +56,7 @@ def stress(result: View) -> Figure:
     of the largest.
     """
     names, over = stressed(result)[:MOST], span(result)
-    panels = Panels([PANEL if len(names) > 1 else (7.0, 3.0)] * len(names), 2, down=0.95)
+    panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
     tension, compression = (one[over.first : over.last + 1] for one in elastic.fibres(result.record))
     for ax, name in zip(panels.axes, names, strict=True):
         own, at = list(result.record.assembly.bodies[name].elements), places(result, name)
@@ -79,37 +79,26 @@ def stress(result: View) -> Figure:
         ax.axhline(0.0, color=GREY, lw=0.7)
         _largest(ax, x, factor * above[k], factor * below[k], unit)
         ax.set(title=name, xlabel=f"along {name} ({of})", ylabel=f"stress ({unit})", xlim=(0.0, x[-1]))
-    return panels.close(f"{result.name}: stress along elastic bodies{said_shortly(result, over)}")
+    return panels.close(f"{result.name}: stress along elastic bodies{shown_turn(result, over)}")
 
 
 def _largest(ax: Axes, x: Array, above: Array, below: Array, unit: str) -> None:
-    """The largest size as a number and where it is."""
+    """Mark the largest size, and write its value."""
     values = np.where(np.abs(np.nan_to_num(above)) >= np.abs(np.nan_to_num(below)), above, below)
     at = int(np.nanargmax(np.abs(values)))
-    ax.plot(
-        x[at],
-        values[at],
-        ls="",
-        marker="v" if values[at] > 0.0 else "^",
-        ms=5,
-        color=DEEP,
-        mec=INK,
-        mew=0.5,
-        label="largest",
-        zorder=5,
-    )
-    ax.set_title(f"{digits(values[at])} {unit}", loc="right", fontsize=9, fontweight="normal")
+    mark_peak(ax, x[at], values[at], values[at] > 0.0, "largest")
+    corner_text(ax, f"{digits(values[at])} {unit}")
 
 
 def deflection(result: View) -> Figure:
-    """How far each elastic link is off the line through its ends: as far as it goes to both sides, and its
-    shape when it is farthest off.
+    """Deflection of each elastic link from the line through its ends: its range, and its shape when it is
+    largest.
     """
     names, over = bent(result)[:MOST], span(result)
-    panels = Panels([PANEL if len(names) > 1 else (7.0, 3.0)] * len(names), 2, down=0.95)
+    panels = Panels.alike(len(names), 2, PANEL, ALONE, down=0.95)
     for ax, name in zip(panels.axes, names, strict=True):
         _shape(ax, result, name, over)
-    return panels.close(f"{result.name}: deflection of elastic links{said_shortly(result, over)}")
+    return panels.close(f"{result.name}: deflection of elastic links{shown_turn(result, over)}")
 
 
 def _shape(ax: Axes, result: View, name: str, over: Span) -> None:
@@ -138,20 +127,7 @@ def _shape(ax: Axes, result: View, name: str, over: Span) -> None:
             label="from time to time" if j == 0 else None,
         )
     ax.plot(long * x, factor * off[k], color=BLUE, lw=1.4, label="when it is largest")
-    j = int(np.abs(off[k]).argmax())
-    ax.plot(
-        long * x[j],
-        factor * off[k, j],
-        ls="",
-        marker="v" if off[k, j] > 0 else "^",
-        ms=5,
-        color=DEEP,
-        mec=INK,
-        mew=0.5,
-        label="largest",
-        zorder=5,
-    )
-    ax.set_title(f"{digits(factor * off[k, j])} {unit}", loc="right", fontsize=9, fontweight="normal")
+    _largest(ax, long * x, factor * off[k], factor * off[k], unit)
     ax.set(
         title=name, xlabel=f"along {name} ({of})", ylabel=f"deflection ({unit})", xlim=(0.0, long * nodes[-1])
     )

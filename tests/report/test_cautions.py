@@ -5,7 +5,7 @@ import pytest
 from support import go, journal_in_bearing
 from vfife.laws import MATERIALS, Frictionless, LankaraniNikravesh, Material
 from vfife.laws.materials import HARDNESS, hardness_of
-from vfife.report.limits import out_of_range, quiet
+from vfife.report.cautions import out_of_range, usual_remarks
 from vfife.simulation.result import Result
 
 
@@ -24,7 +24,7 @@ def struck(speed: float, **joint) -> Result:
 def test_an_impact_that_machines_have_every_day_warns_of_nothing() -> None:
     result = struck(0.3)
     assert list(out_of_range(result)) == [] and result.summary["warnings"] == []
-    (line,) = quiet(result)
+    (line,) = usual_remarks(result)
     assert line.startswith("J: impacts of up to 0.3 m/s") and line in result.summary["remarks"]
 
 

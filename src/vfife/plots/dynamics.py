@@ -1,8 +1,8 @@
-"""Maps of a motion: bifurcation diagrams, basins, Poincaré sections."""
+"""Bifurcation diagrams, basins of attraction and Poincaré sections."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import rc_context
@@ -40,10 +40,10 @@ NAMES = {"up": "way up", "down": "way down"}
 
 @rc_context(STYLE)
 def diagram(found: Bifurcation) -> Figure:
-    """Points of each series, each way or start in a mark of its own, and below them the largest Lyapunov
-    exponent, above zero of chaos.
+    """Points of each series, each direction or start with its own marker, and below them the largest Lyapunov
+    exponent, positive for chaos.
 
-    Rings are round values where companions with other steps are told to be something else.
+    Rings mark values whose companions with other steps are classified otherwise.
     """
     rows = len(found.points) + 1
     figure, axes = panels(rows, 1, 9.0, 2.7, sharex=True)
@@ -97,11 +97,8 @@ def diagram(found: Bifurcation) -> Figure:
     last.set_xlabel(f"{found.asked.path} ({unit_x})")
     if len(found.asked.ways) > 1:
         axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
-    told = (
-        f"{found.asked.turns - found.asked.dropped} turns at each value after {found.asked.dropped},"
-        f" {found.asked.steps:,} steps a turn"
-    )
-    heading(figure, f"{found.name}: {told}; {found.laws}; {found.agreement}")
+    kept = found.asked.turns - found.asked.dropped
+    heading(figure, _title(found, f"{kept} turns at each value after {found.asked.dropped}", found.agreement))
     return figure
 
 
@@ -123,8 +120,8 @@ def colours(found: Basins) -> list[str]:
 
 @rc_context(STYLE)
 def basins(found: Basins) -> Figure:
-    """The grid, with the share of each attractor among all starts; white is what is no start, crosses where
-    companions are told otherwise.
+    """Attractor of each start, and shares of all starts; white: impossible starts, crosses: companions that
+    are classified otherwise.
     """
     asked = found.asked
     figure, (ax,) = panels(1, 1, 8.0, 7.0)
@@ -155,15 +152,16 @@ def basins(found: Basins) -> Figure:
     ax.grid(visible=False)
     ax.set_facecolor("white")
     of_all = max(len(found.verdicts), 1)
-    told = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in found.attractors]
-    shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, told, strict=True)]
+    labels = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in found.attractors]
+    shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, labels, strict=True)]
     figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
-    said = (
-        f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped},"
-        f" {asked.steps:,} steps a turn"
-    )
-    heading(figure, f"{found.name}: {said}; {found.laws}; {found.agreement}")
+    starts = f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped}"
+    heading(figure, _title(found, starts, found.agreement))
     return figure
+
+
+def _title(found: Any, turns: str, companions: str) -> str:
+    return f"{found.name}: {turns}, {found.asked.steps:,} steps a turn; {found.laws}; {companions}"
 
 
 MARK = 9.0  # area of a point
@@ -172,24 +170,27 @@ BOX = {"boxstyle": "square,pad=0.2", "fc": "white", "ec": "none"}
 
 @rc_context(STYLE)
 def section(found: PoincareSection) -> Figure:
-    """Points once a turn (of one series over those a turn before), the running mean of the exponent, and
-    below them the onsets of each joint.
-    """
+    """Points once a turn, the running mean of the exponent, and below them the contacts of each joint."""
     rows = 1 + len(found.struck)
     figure, axes = panels(2 * rows, 2, 4.7, 3.6)
     points(axes[0], found)
     converging(axes[1], found)
     for k, name in enumerate(found.struck, 1):
-        strikes(axes[2 * k], axes[2 * k + 1], found, name)
-    asked = found.asked
-    told = f"{found.done:,} turns after {asked.dropped:,}, {asked.steps:,} steps a turn"
-    heading(figure, f"{found.name}: {found.verdict.kind}; {told}; {found.laws}; no companions")
+        onsets(axes[2 * k], axes[2 * k + 1], found, name)
+    heading(
+        figure,
+        _title(
+            found,
+            f"{found.verdict.kind}; {found.done:,} turns after {found.asked.dropped:,}",
+            "no companions",
+        ),
+    )
     return figure
 
 
 def points(ax: Axes, found: PoincareSection) -> None:
-    """The section at one phase of the crank: the second series over the first, or the only one over itself a
-    turn before.
+    """Draw the section at a phase of the crank: the second series over the first, or a single one over itself
+    a turn before.
     """
     units = dict(zip(found.asked.series, found.asked.units, strict=True))
     names = list(found.points)[:2]
@@ -206,21 +207,21 @@ def points(ax: Axes, found: PoincareSection) -> None:
 
 
 def converging(ax: Axes, found: PoincareSection) -> None:
-    """The mean growth of a small difference up to each turn, with those of both halves."""
+    """Draw the mean growth of a small difference up to each turn, and those of both halves."""
     exponent = found.exponent
     ax.axhline(0.0, color=GREY, lw=0.8)
     if exponent is not None:
         turns = found.asked.dropped + 1 + np.arange(len(exponent.running))
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
         ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
-        told = f"{exponent.value:+.4g}; halves {exponent.low:+.4g}, {exponent.high:+.4g}"
+        text = f"{exponent.value:+.4g}; halves {exponent.low:+.4g}, {exponent.high:+.4g}"
         low = (
             exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5
         )  # where the curve is not
         ax.text(
             0.98,
             0.1 if low else 0.9,
-            told,
+            text,
             transform=ax.transAxes,
             ha="right",
             color=INK,
@@ -232,9 +233,9 @@ def converging(ax: Axes, found: PoincareSection) -> None:
     ax.set_ylabel("mean growth (1/turn)")
 
 
-def strikes(left: Axes, right: Axes, found: PoincareSection, name: str) -> None:
-    """Onsets of a joint over the angle of the crank: where on the bearing, in the colours of their speed, and
-    the speed itself.
+def onsets(left: Axes, right: Axes, found: PoincareSection, name: str) -> None:
+    """Onsets of contact of a joint over the crank angle: place on the bearing in the colours of their speed,
+    and the speed itself.
     """
     one = found.struck[name]
     crank = np.degrees(np.mod(one["crank"], 2.0 * np.pi))

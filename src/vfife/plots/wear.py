@@ -1,6 +1,4 @@
-"""Wear of joints: depths around bearings and journals in polar axes, with play and force over turns beside
-them.
-"""
+"""Wear of joints: depths around bearings and journals in polar axes, clearance and force over turns."""
 
 from __future__ import annotations
 
@@ -30,10 +28,8 @@ MOST, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches
 
 
 @rc_context(STYLE)
-def worn(found: Worn) -> Figure:
-    """One row a joint: each surface around itself, drawn far larger than its wear is small, and over turns
-    the play and the largest force.
-    """
+def wear_over_turns(found: Worn) -> Figure:
+    """A row for each joint: enlarged wear around each surface, and clearance and largest force over turns."""
     sides = max(sum(one.joint == joint for one in found.surfaces) for joint in found.joints)
     figure = Figure(
         figsize=(SIDE * (sides + 1.25), HEIGHT * len(found.joints) + 0.4),
@@ -41,7 +37,7 @@ def worn(found: Worn) -> Figure:
     )
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2 * len(found.joints), sides + 1, width_ratios=[1.0] * sides + [1.15])
-    chosen = choice(found)
+    chosen = shown_points(found)
     for row, joint in enumerate(found.joints):
         own = [k for k, one in enumerate(found.surfaces) if one.joint == joint]
         for column, place in enumerate(own):
@@ -57,37 +53,35 @@ def worn(found: Worn) -> Figure:
         title="surfaces after turns",
         fontsize=9.0,
     )
-    told = f"{counted(found.turns[-1])} turns of the crank, {found.simulated:,.0f} of them simulated"
+    text = f"{counted(found.turns[-1])} turns of the crank, {found.simulated:,.0f} of them simulated"
     if found.ended:
-        told += (
+        text += (
             f"; life of joint {found.ended['joint']} ends after {counted(found.ended['turns'])} by its"
             f" {found.ended['by']}"
         )
-    heading(figure, f"{found.name}: wear after {told}")
+    heading(figure, f"{found.name}: wear after {text}")
     return laid_out(figure)
 
 
 def laid_out(figure: Figure) -> Figure:
-    """The figure, its layout made for good: with circles it takes two passes."""
+    """Carry out the layout and keep it; polar axes take two passes."""
     for _ in range(2):
         figure.draw_without_rendering()
     figure.set_layout_engine("none")
     return figure
 
 
-def in_a_turn(result: View) -> Figure:
-    """What each surface of the joints that wear loses in a million turns like the last one, around it; in the
-    run where there are no turns.
-    """
+def wear_of_turn(result: View) -> Figure:
+    """Wear around each surface in a million turns like the last one, or in the run if it has no turns."""
     record = result.record
-    many, said = (
+    factor, period = (
         (1e6, "a million turns like the last")
         if record.assembly.choice.turn is not None
         else (1.0, "the run")
     )
     part, _ = of_window(record, last_turn(record))
     shown = [
-        (name, side, many * depth)
+        (name, side, factor * depth)
         for name, contact in list(worn_contacts(record).items())[:MOST_JOINTS]
         if is_round(record, contact)
         for side, depth in zip(SIDES, depths(part, contact), strict=True)
@@ -99,28 +93,28 @@ def in_a_turn(result: View) -> Figure:
     FigureCanvasAgg(figure)
     for place, (name, side, depth) in enumerate(shown):
         ax = figure.add_subplot(rows, columns, place + 1, projection="polar")
-        around(ax, name, side, ANGLES, [(f"lost in {said}", depth)])
+        around(ax, name, side, ANGLES, [(f"lost in {period}", depth)])
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9.0
     )
-    heading(figure, f"{result.name}: wear by Archard's law in {said}")
+    heading(figure, f"{result.name}: wear by Archard's law in {period}")
     return laid_out(figure)
 
 
-def wears(result: View) -> bool:
+def has_wear(result: View) -> bool:
     """Whether a journal in a bearing has worn in the last turn."""
     found = result.measures
     return any(value > 0.0 for name, value in found.items() if name.endswith("_wear_depth.max"))
 
 
-def choice(found: Worn) -> list[int]:
-    """Points that are drawn, evenly among their turns, the last of them always."""
+def shown_points(found: Worn) -> list[int]:
+    """Indices of the profiles that are drawn, evenly over the turns, always with the last."""
     wanted = np.linspace(0.0, found.turns[-1], MOST + 1)[1:]
     return sorted({int(np.abs(found.turns - turns).argmin()) for turns in wanted} | {len(found.turns) - 1})
 
 
 def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
-    """Depths (m) of one surface, each with its label, the last one filled: outwards from a bearing, inwards
+    """Draw depths (m) of a surface with their labels, the last one filled: outwards from a bearing, inwards
     into a journal.
     """
     deepest = max(max(float(depth.max()) for _, depth in lines), 1e-15)
@@ -150,8 +144,8 @@ def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, A
 
 
 def shallow(depth: Any, angles: Any) -> float:
-    """Where least is worn within a sixth of the way around (degrees), above or below, where figures stand
-    clear of each other.
+    """Direction (degrees), up or down, with the least wear within a sixth of the circle: the place of the
+    radial numbers.
     """
     width = len(depth) // 6
     around_it = np.convolve(
@@ -163,16 +157,16 @@ def shallow(depth: Any, angles: Any) -> float:
 
 
 def closed(depth: Any) -> Any:
-    """Depths with the first again behind the last."""
+    """Depths with the first one appended."""
     return np.append(depth, depth[0])
 
 
-def over_turns(ax: Any, found: Worn, row: int, what: str) -> None:
-    """Play or largest force of a joint at the points, with its limit."""
-    values = (found.play if what == "play" else found.force)[:, row]
-    limit = found.asked.clearance if what == "play" else found.asked.force
+def over_turns(ax: Any, found: Worn, row: int, quantity: str) -> None:
+    """Draw clearance or largest force of a joint over turns, with its limit."""
+    values = (found.play if quantity == "play" else found.force)[:, row]
+    limit = found.asked.clearance if quantity == "play" else found.asked.force
     size = max(float(values.max()), limit or 0.0)
-    factor, unit = scale_of(size, "m" if what == "play" else "N")
+    factor, unit = scale_of(size, "m" if quantity == "play" else "N")
     million = found.turns[-1] >= 1e5
     turns = found.turns / (1e6 if million else 1.0)
     ax.plot(turns, factor * values, color=BLUE, marker="o", ms=3.0)
@@ -181,9 +175,9 @@ def over_turns(ax: Any, found: Worn, row: int, what: str) -> None:
         ax.legend(loc="best", fontsize=8.0)
     if found.ended and found.ended["joint"] == found.joints[row]:
         ax.axvline(found.ended["turns"] / (1e6 if million else 1.0), color=GREY, lw=0.8)
-    ax.set_ylabel(f"play ({unit}),\ndeepest places" if what == "play" else f"largest force\n({unit})")
+    ax.set_ylabel(f"play ({unit}),\ndeepest places" if quantity == "play" else f"largest force\n({unit})")
     ax.set_xlim(left=0.0)
-    if what == "force":
+    if quantity == "force":
         ax.set_xlabel("million turns" if million else "turns")
 
 

@@ -1,0 +1,409 @@
+"""Motion as curves in a plane: paths of points, velocity over position, journals and blocks in their
+clearances, forces on journals.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from ..measures.forces import IMPACT, eccentricity, joint_force, joint_rows
+from ..measures.guides import slider_motion, sliders, turning
+from ..measures.motion import body_motion, pin_path
+from ..model.outlines import CENTER, loose_pins
+from .curves import largest_forces
+from .layout import Panels
+from .style import (
+    BLUE,
+    GREY,
+    IDEAL,
+    INK,
+    ORANGE,
+    VERMILION,
+    circle,
+    corner_text,
+    curve_look,
+    digits,
+    dots_before,
+    length_unit,
+    readable,
+    scale_of,
+)
+from .turn import shown_turn, span
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..results.view import View
+
+Array = NDArray[np.float64]
+MOST_PATHS, MOST_PANELS, MOST_VECTORS = 12, 12, 9  # paths in a figure, panels, and panels of forces
+SIZE, SIDE = 5.4, 3.0  # inches of the longer side of paths, and of a square panel
+COLUMNS = 3
+ROUNDING = 1e-9  # of the size of the mechanism: a shorter path is none
+MOVES = 1e-3  # of the longest path: a shorter one could not be seen
+ALIKE = 6.0  # the largest panel over the smallest, up to which all have one scale
+TURNING = 350.0  # degrees: the angle of a body that turns
+STILL = 1e-4  # rad: a body that turns by less has no portrait
+
+
+def points(result: View) -> dict[str, tuple[str, str]]:
+    """Body and pin of each moving point by its name; of points with the same path the first."""
+    found = _named_points(result)
+    paths = {name: pin_path(result.record, *at) for name, at in found.items()}
+    size = float(np.ptp(np.concatenate(list(paths.values()) or [np.zeros((1, 2))]), axis=0).max())
+    lengths = {name: float(np.ptp(path, axis=0).max()) for name, path in paths.items()}
+    least = max(MOVES * max(lengths.values(), default=0.0), ROUNDING * size)
+    chosen: dict[str, tuple[str, str]] = {}
+    for name, at in found.items():
+        same = any(np.allclose(paths[name], paths[other], rtol=0.0, atol=least) for other in chosen)
+        if lengths[name] > least and not same:
+            chosen[name] = at
+    return chosen
+
+
+def _named_points(result: View) -> dict[str, tuple[str, str]]:
+    """Joints by their names, other pins as ``body.pin``, bodies without any by their centre, driven points by
+    their driver.
+    """
+    mechanism = result.record.assembly.mechanism
+    found = {
+        name: joint.sides[1] if joint.sides[1][0] != "ground" else joint.sides[0]
+        for name, joint in mechanism.joints.items()
+    }
+    for name, body in result.record.assembly.bodies.items():
+        found |= {f"{name}.{pin}": (name, pin) for pin in loose_pins(mechanism, name, bool(body.elements))}
+        if (
+            not body.elements
+            and not any(owner == name for owner, _ in found.values())
+            and CENTER in body.pins
+        ):
+            found[name] = (name, CENTER)
+    for name, driver in mechanism.drivers.items():
+        owner, _, pin = driver.point.partition(".")
+        if driver.point and (owner, pin) not in found.values():
+            found[name] = (owner, pin)
+    return found
+
+
+def traces(result: View, reference: View | None = None) -> Figure:
+    """Paths of points: the last turn as lines, the ideal mechanism thin."""
+    found, over = dict(list(points(result).items())[:MOST_PATHS]), span(result)
+    shown = slice(over.first, over.last + 1)
+    paths = {name: pin_path(result.record, *at)[shown] for name, at in found.items()}
+    ideal = (
+        {}
+        if reference is None
+        else {name: pin_path(reference.record, *at)[reference.last_turn] for name, at in found.items()}
+    )
+    every = np.concatenate([*paths.values(), *ideal.values()])
+    low, high = every.min(axis=0), every.max(axis=0)
+    size = float(np.max(high - low))
+    low, high = low - 0.06 * size, high + 0.06 * size
+    middle, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), 0.22 * size)
+    width, height = SIZE * 2.0 * half / (2.0 * half).max()
+    factor, unit = length_unit(size)
+    panels = Panels([(width, height)], 1)
+    ax = panels.axes[0]
+    for k, (name, path) in enumerate(paths.items()):
+        look = curve_look(k)
+        ax.plot(*(factor * path).T, lw=1.6, label=name, zorder=3, **look)
+        ax.plot(
+            *(factor * path[0]), color=look["color"], ls="", marker="o", ms=4.5, mec=INK, mew=0.6, zorder=4
+        )
+        if name in ideal:
+            ax.plot(
+                *(factor * ideal[name]).T,
+                color=INK,
+                lw=0.6,
+                label="ideal joints" if k == 0 else None,
+                zorder=2,
+            )
+    panels.extra_entries["begins here"] = ax.plot(
+        [], [], color="white", ls="", marker="o", ms=4.5, mec=INK, mew=0.8
+    )[0]
+    limits = factor * np.stack([middle - half, middle + half], axis=1)
+    ax.set(xlim=limits[0], ylim=limits[1], xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+    return panels.close(f"{result.name}: paths of points{shown_turn(result, over)}")
+
+
+def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
+    """Units, position and velocity by title: sliders along their guides, then bodies that turn and are not
+    driven.
+    """
+    record = result.record
+    if record.static or len(record.steps) < 3:
+        return {}
+    found: dict[str, tuple[str, str, Array, Array]] = {}
+    gliding = set()
+    for name in sliders(record):
+        position, velocity, _ = slider_motion(record, name)
+        glides = record.assembly.mechanism.joints[name].sides[1][0]
+        gliding.add(glides)
+        found[f"{glides} along {name}"] = ("m", "m/s", position, velocity)
+    moved = body_motion(record)
+    for k, (name, body) in enumerate(record.assembly.bodies.items()):
+        angle = moved["angle"][:, k]
+        if body.driven is None and name not in gliding and np.ptp(angle) > STILL:
+            degrees, velocity = np.degrees(angle), moved["angular_velocity"][:, k].copy()
+            if np.ptp(degrees) > TURNING:
+                degrees = np.mod(degrees, 360.0)
+                velocity[1:][np.abs(np.diff(degrees)) > 180.0] = np.nan  # not a line across the portrait
+            found[name] = ("degrees", "rad/s", degrees, velocity)
+    return found
+
+
+def phase(result: View, reference: View | None = None) -> Figure:
+    """Phase portraits: the last turn as a line, earlier outputs as dots, the ideal mechanism dashed."""
+    found, over = dict(list(portraits(result).items())[:MOST_PANELS]), span(result)
+    ideal = {} if reference is None else portraits(reference)
+    panels = Panels.alike(len(found), 2, (3.9, 2.7), across=1.1, down=0.95)
+    for ax, (name, (first, second, position, velocity)) in zip(panels.axes, found.items(), strict=True):
+        factor, unit = readable(position, first) if first == "m" else (1.0, first)
+        power, rate = readable(velocity, second)
+        dots_before(ax, factor * position, power * velocity, over.first)
+        shown = slice(over.first, over.last + 1)
+        if reference is not None and name in ideal:
+            turn = reference.last_turn
+            ax.plot(factor * ideal[name][2][turn], power * ideal[name][3][turn], **IDEAL)
+        ax.plot(
+            factor * position[shown], power * velocity[shown], color=BLUE, lw=0.9, label="this run", zorder=3
+        )
+        ax.plot(
+            factor * position[over.first],
+            power * velocity[over.first],
+            color=INK,
+            ls="",
+            marker="o",
+            ms=4,
+            label="begins here",
+            zorder=5,
+        )
+        names = ("position", "velocity") if first == "m" else ("angle", "angular velocity")
+        ax.set(xlabel=f"{names[0]} ({unit})", ylabel=f"{names[1]} ({rate})", title=name)
+    return panels.close(f"{result.name}: velocity over position{shown_turn(result, over)}")
+
+
+# --------------------------------------------------------------------------------------------------
+# clearances and forces
+
+
+def orbits(result: View) -> Figure:
+    """Path of each journal's centre relative to its bearing's centre, in the frame of the bearing's body;
+    panels have one scale if possible.
+
+    The last turn is a line, earlier outputs are dots, onsets of contact in the last turn are marked; the
+    clearance circle has the radius c.
+    """
+    names = journals(result)[:MOST_PANELS]
+    over, reach = span(result), {name: _reach(result, name) for name in names}
+    same = max(reach.values()) <= ALIKE * min(reach.values())
+    panels = _square_panels(len(names), 0.95)
+    for ax, name in zip(panels.axes, names, strict=True):
+        half = max(reach.values()) if same else reach[name]
+        factor, unit = length_unit(
+            max(
+                result.record.assembly.mechanism.clearances[one].clearance
+                for one in (names if same else [name])
+            )
+        )
+        _journal(ax, result, name, factor, over.first)
+        square(ax, factor * half)
+        ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}")
+    scales = "" if same or len(names) < 2 else ", scales differ"
+    return panels.close(f"{result.name}: journal centres in their bearings{shown_turn(result, over)}{scales}")
+
+
+def journals(result: View) -> list[str]:
+    """Revolute joints with clearance: those whose journal moves inside a circle."""
+    return list(result.record.assembly.mechanism.clearances)
+
+
+def seen_from_bearing(result: View, name: str) -> Array:
+    """Centre of a journal from that of its bearing (m), in the frame of the bearing's body, shape (outputs,
+    2).
+    """
+    record = result.record
+    return _in_bearing_frame(
+        result, name, eccentricity(record)[:, list(record.assembly.contacts).index(name)]
+    )
+
+
+def _in_bearing_frame(result: View, name: str, vectors: Array) -> Array:
+    """Vectors, shape (outputs, 2), in the frame of the bearing's body of a joint; gears and drivers keep the
+    global axes.
+    """
+    joint = result.record.assembly.mechanism.joints.get(name)
+    if joint is None:
+        return vectors
+    angle = turning(result.record, joint.sides[0][0])[0]
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * vectors[:, 0] + s * vectors[:, 1], c * vectors[:, 1] - s * vectors[:, 0]], axis=1)
+
+
+def _reach(result: View, name: str) -> float:
+    away = seen_from_bearing(result, name)
+    return 1.08 * max(
+        result.record.assembly.mechanism.clearances[name].clearance, float(np.hypot(*away.T).max())
+    )
+
+
+def _journal(ax: Axes, result: View, name: str, factor: float, first: int) -> None:
+    record = result.record
+    x, y = factor * seen_from_bearing(result, name).T
+    radius = factor * record.assembly.mechanism.clearances[name].clearance
+    ax.plot(*circle(radius), color=INK, lw=0.9, ls=(0, (5, 3)), label="clearance circle", zorder=5)
+    dots_before(ax, x, y, first, alpha=0.8)
+    ax.plot(x[first:], y[first:], color=BLUE, lw=0.9, label="journal centre", zorder=3)
+    if not record.static:
+        modes = result.channels["mode"].values[:, list(record.assembly.contacts).index(name)]
+        began = (np.arange(len(x)) > first) & (modes == IMPACT)
+        if began.any():
+            ax.plot(
+                x[began],
+                y[began],
+                color=VERMILION,
+                ls="",
+                marker="o",
+                ms=3.2,
+                mew=0.0,
+                label="a contact began",
+                zorder=4,
+            )
+    ax.plot(0.0, 0.0, color=GREY, ls="", marker="+", ms=8, mew=1.2, label="bearing centre", zorder=4)
+
+
+def _square_panels(count: int, across: float) -> Panels:
+    return Panels.alike(count, 2 if count == 4 else COLUMNS, (SIDE, SIDE), across=across, down=0.95)
+
+
+def square(ax: Axes, half: float) -> None:
+    """Equal scales with the origin in the middle, and few round ticks."""
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    ax.set(xlim=(-half, half), ylim=(-half, half))
+    ax.set_aspect("equal")
+
+
+def loose_guides(result: View) -> list[str]:
+    """Sliders whose block has clearance in its guide."""
+    rows = joint_rows(result.record)
+    return [name for name in sliders(result.record) if name in rows and len(rows[name][1]) > 1]
+
+
+def tilt_and_offset(result: View, name: str) -> tuple[Array, Array]:
+    """Tilt (rad) of a block from its guide, and offset (m) of its centre across the guide, to the left of its
+    direction, shape (outputs,).
+    """
+    record, joint = result.record, _block(result, name)
+    base, own = (turning(record, side[0])[0] for side in joint.sides)
+    away = pin_path(record, *joint.sides[1]) - pin_path(record, *joint.sides[0])
+    along = base + np.arctan2(*joint.direction[::-1])
+    return (own - own[0]) - (base - base[0]), np.cos(along) * away[:, 1] - np.sin(along) * away[:, 0]
+
+
+def guides(result: View) -> Figure:
+    """Tilt of each block over its offset across its guide; inside the diamond no corner touches a wall.
+
+    The centres of corners' roundings are (L/2 - r) along the block from its middle: the corner farthest off
+    has moved across the guide by the sizes of offset and (L/2 - r) tilt together, and touches where that is
+    the clearance.
+    """
+    names, over = loose_guides(result)[:MOST_PANELS], span(result)
+    panels = Panels.alike(len(names), COLUMNS, (3.6, 3.0), across=1.1, down=0.95)
+    for ax, name in zip(panels.axes, names, strict=True):
+        _guide(ax, result, name, over.first)
+        ax.set_title(f"joint {name}")
+    return panels.close(f"{result.name}: blocks in their guides{shown_turn(result, over)}")
+
+
+def _guide(ax: Axes, result: View, name: str, first: int) -> None:
+    joint = _block(result, name)
+    tilt, offset = tilt_and_offset(result, name)
+    arm = 0.5 * joint.length - joint.corner_radius
+    factor, unit = length_unit(joint.clearance)
+    power, angle = (1e3, "mrad") if joint.clearance / arm < 0.5 else (1.0, "rad")
+    c = factor * joint.clearance
+    corners = np.array(
+        [
+            (c, 0.0),
+            (0.0, power * joint.clearance / arm),
+            (-c, 0.0),
+            (0.0, -power * joint.clearance / arm),
+            (c, 0.0),
+        ]
+    )
+    ax.plot(*corners.T, color=INK, lw=0.9, ls=(0, (5, 3)), label="a corner touches", zorder=5)
+    x, y = factor * offset, power * tilt
+    dots_before(ax, x, y, first)
+    ax.plot(x[first:], y[first:], color=BLUE, lw=0.9, label="block", zorder=3)
+    ax.plot(
+        x[first],
+        y[first],
+        color=ORANGE,
+        ls="",
+        marker="s",
+        ms=4,
+        mec=INK,
+        mew=0.5,
+        label="where the part shown begins",
+        zorder=6,
+    )
+    reach = [
+        1.12 * max(float(np.abs(one).max()), float(np.abs(corners[:, k]).max()))
+        for k, one in enumerate((x, y))
+    ]
+    ax.set(
+        xlim=(-reach[0], reach[0]),
+        ylim=(-reach[1], reach[1]),
+        xlabel=f"offset ({unit})",
+        ylabel=f"tilt ({angle})",
+    )
+
+
+def _block(result: View, name: str) -> Any:
+    """A joint with a direction, a clearance and sizes of its block."""
+    return result.record.assembly.mechanism.joints[name]
+
+
+def bearing_force(result: View, name: str) -> Array:
+    """Force of a joint on its journal (N), in the frame of its bearing's body, shape (outputs, 2)."""
+    record = result.record
+    return _in_bearing_frame(result, name, joint_force(record)[:, list(joint_rows(record)).index(name)])
+
+
+def polar(result: View, reference: View | None = None) -> Figure:
+    """Force on each journal as a vector in the frame of its bearing's body; the circle is the reported peak."""
+    names, over = list(largest_forces(result, MOST_VECTORS)), span(result)
+    panels = _square_panels(len(names), 1.0)
+    for ax, name in zip(panels.axes, names, strict=True):
+        own, ideal = bearing_force(result, name)[over.first : over.last + 1], _ideal(reference, name)
+        peak = result.measures.get(f"{name}.force.max")
+        most = max(
+            float(np.hypot(*forces.T).max(initial=0.0))
+            for forces in (own, np.zeros((0, 2)) if ideal is None else ideal)
+        )
+        most = max(most, float(peak or 0.0))
+        factor, unit = scale_of(most, "N")
+        if peak is not None:
+            ax.plot(*circle(factor * peak), color=GREY, lw=0.8, label="peak that is reported", zorder=2)
+            corner_text(ax, f"{digits(factor * peak)} {unit}")
+        if ideal is not None:
+            ax.plot(*(factor * ideal).T, **IDEAL, zorder=4)
+        ax.plot(*(factor * own).T, color=BLUE, lw=0.8, label="at the outputs", zorder=3)
+        ax.plot(0.0, 0.0, color=INK, ls="", marker="+", ms=8, mew=1.2, zorder=5)
+        square(ax, 1.08 * factor * most)
+        ax.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", title=f"joint {name}")
+    return panels.close(
+        f"{result.name}: forces on journals, in the frames of their bearings{shown_turn(result, over)}"
+    )
+
+
+def _ideal(reference: View | None, name: str) -> Array | None:
+    if reference is None or name not in joint_rows(reference.record):
+        return None
+    return bearing_force(reference, name)[reference.last_turn]

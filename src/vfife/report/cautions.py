@@ -1,0 +1,214 @@
+"""Cautions about a run: where it left the ranges of its models, what was lost or left open, and what to do
+about it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..laws.materials import hardness_of
+from ..measures.catalogue import equilibria
+from ..measures.contacts import CONFORMAL, line_pressure
+from ..measures.energy import own_floor
+from ..measures.ranges import OPEN
+from ..model.surfaces import cautions, remarks, surfaces
+from ..solvers.status import Status
+from .divergence import FLOOR
+from .document import grouped
+from .trust import static_verdict
+
+if TYPE_CHECKING:
+    from ..laws import Material
+    from ..results.view import View
+    from ..solvers.record import Record
+
+PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
+SNAP = 20.0  # times the displacement of the load step before: a limit load was passed
+STATUS = {
+    Status.INTERRUPTED: (
+        "The run was interrupted at {time:.4g} s; what is told here is what was computed until then."
+    ),
+    Status.UNFINISHED: (
+        "The run has not said that it ended: it was killed, or is at work. It has written {time:.4g} s."
+    ),
+    Status.ENERGY: (
+        "More energy came or went until {time:.4g} s than can be accounted for: these numbers are not to be"
+        " used."
+    ),
+    Status.DIVERGED: (
+        "The numbers were no longer finite after {time:.4g} s: take a smaller step, or check the model there."
+    ),
+}
+
+
+def transient_cautions(result: View, verdict: str) -> Iterator[str]:
+    """Sentences on what makes a transient run doubtful, each with a remedy; ``verdict`` is that of the
+    companions.
+    """
+    record, choice, measures = result.record, result.record.assembly.choice, result.measures
+    yield from damage(result)
+    if record.status != Status.COMPLETE:
+        yield STATUS.get(record.status, f"The run is {record.status}.").format(time=float(result.time[-1]))
+    if choice.step > choice.stable:
+        yield (
+            f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s"
+            f' ({choice.culprit}): take a smaller step, or "auto".'
+        )
+    for name, joint in record.assembly.mechanism.contacts.items():
+        deep, count = int(measures.get(f"{name}.deep_landings", 0)), int(measures.get(f"{name}.impacts", 0))
+        if deep:
+            yield (
+                f"Joint {name}: {deep} of {count} first contacts landed deeper than {1e6 * joint.landing:.4g}"
+                f" µm, the deepest at {1e6 * measures[f'{name}.landing_depth.max']:.4g} µm, so their impact"
+                f" speeds are coarse: halve the step ({0.5 * choice.step:.3g} s), or raise landing_depth if"
+                " that will do."
+            )
+    if verdict:
+        yield verdict
+    yield from out_of_range(result)
+    if result.ledger.error > OPEN:
+        then = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
+        yield (
+            f"The energy ledger is open by {100.0 * result.ledger.error:.2g} % of the largest energy: {then}."
+        )
+
+
+def static_cautions(result: View) -> Iterator[str]:
+    """Sentences on what makes equilibria doubtful, each with a remedy."""
+    record = result.record
+    if record.lost:
+        yield f"The run file is damaged: {', '.join(record.lost)} could not be read; run the model again."
+    if record.message:
+        yield record.message
+    elif record.status != Status.COMPLETE:
+        yield f"The analysis is {record.status}: only the load factors that are told here were reached."
+    if coarse := static_verdict(result):
+        yield coarse
+    displacements = [entry["displacement"] for entry in equilibria(record)]
+    steps = np.diff(displacements)
+    for k in range(1, len(steps)):
+        before = max(abs(steps[k - 1]), 1e-300)
+        if steps[k] > SNAP * before and steps[k] > 0.05 * max(displacements):
+            factor = record.assembly.mechanism.settings.load_factors[k]
+            yield (
+                f"At load factor {factor:g} the displacement leaps by {steps[k]:.4g} m,"
+                f" {steps[k] / before:.3g} times the step before: a limit load was passed and the structure"
+                " snapped through. Put load factors closer together before it, or prescribe a travel to"
+                " follow the way."
+            )
+            return
+
+
+def damage(result: View) -> Iterator[str]:
+    """A sentence about parts of a run file that cannot be read."""
+    if lost := result.record.lost:
+        yield (
+            f"The run file is damaged: {', '.join(lost)} could not be read and count nowhere in what is told"
+            " here; run the model again."
+        )
+
+
+# ------------------------------------------------------------------------------------------------- ranges of
+# the models
+
+
+def out_of_range(result: View) -> Iterator[str]:
+    """Sentences of the laws on where the run left their ranges, and one on loads that no joint is built for."""
+    extremes = contact_extremes(result.record)
+    yield from cautions(result.record.assembly.mechanism, extremes)
+    beyond = [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]
+    if beyond:
+        yield (
+            f"Beyond what joints are built for, at some time of the run: {'; '.join(beyond)}. Forces are"
+            " taken as the laws give them; check loads, sizes and materials, and the law's stiffness."
+        )
+
+
+def usual_remarks(result: View) -> list[str]:
+    """Lines on impacts beyond the theory of the laws, as nearly all machines have them."""
+    return list(remarks(result.record.assembly.mechanism, contact_extremes(result.record)))
+
+
+def contact_extremes(record: Record) -> dict[str, tuple[float, float]]:
+    """Deepest penetration (m) and fastest impact (m/s) of each joint with clearance, over the whole run."""
+    if not record.assembly.contacts:
+        return {}
+    depths = record.block("contact_penetration_max").max(axis=0)
+    speeds = record.block("contact_fastest")[-1] if record.keeps("contact_fastest") else np.zeros(len(depths))
+    fastest = largest_by_joint(record, speeds)
+    return {name: (depth, fastest[name]) for name, depth in largest_by_joint(record, depths).items()}
+
+
+def largest_by_joint(record: Record, values: Iterable[float]) -> dict[str, float]:
+    """The largest of a non-negative quantity over the contacts of each joint; a block in a guide has four."""
+    largest: dict[str, float] = {}
+    for name, value in zip(record.assembly.contact_joints, values, strict=True):
+        largest[name] = max(largest.get(name, 0.0), float(value))
+    return largest
+
+
+def _deep_penetrations(result: View, extremes: dict[str, tuple[float, float]]) -> Iterator[str]:
+    """Penetrations beyond the clearance or a tenth of the pin's radius, whichever is less; joints with one
+    limit together.
+    """
+    mechanism, found = result.record.assembly.mechanism, list[tuple[str, str]]()
+    for name, (depth, _) in extremes.items():
+        joint = mechanism.contacts[name]
+        pin, clearance = (
+            PIN * surfaces(mechanism, joint).journal_radius,
+            getattr(joint, "clearance", None) or np.inf,
+        )
+        limit = (
+            f"a clearance of {1e6 * clearance:.4g} µm"
+            if clearance < pin
+            else f"a tenth of the journal's radius, {1e6 * pin:.4g} µm"
+        )
+        if depth > min(pin, clearance):
+            found.append((limit, f"{1e6 * depth:.4g} µm in {name}"))
+    yield from (
+        f"penetrations of {', '.join(depths)} are more than {limit}"
+        for limit, depths in grouped(found).items()
+    )
+
+
+def _high_pressures(record: Record) -> Iterator[str]:
+    """Hertz' line pressure beyond the hardness of the softer material, over the whole run; joints with one
+    material together.
+    """
+    mechanism, found = record.assembly.mechanism, list[tuple[str, str]]()
+    squares = record.block("contact_force_squared_max").max(axis=0) if record.assembly.contacts else ()
+    for name, square in largest_by_joint(record, squares).items():
+        pair = surfaces(mechanism, mechanism.contacts[name])
+        softest = softer(pair.bearing, pair.journal)
+        pressure = float(line_pressure(pair, np.sqrt(square))[0])
+        if softest is not None and pressure > softest[1]:
+            where = f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
+            found.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", where))
+    yield from (
+        f"line pressures of {', '.join(pressures)} are more than {limit}"
+        for limit, pressures in grouped(found).items()
+    )
+
+
+def wide_contacts(result: View) -> list[str]:
+    """Joints whose contact becomes wider than Hertz' theory holds for."""
+    assembly = result.record.assembly
+    widths = [result.measures.get(f"{contact}.contact_half_width.max", 0.0) for contact in assembly.contacts]
+    radius = {
+        name: surfaces(assembly.mechanism, joint).journal_radius
+        for name, joint in assembly.mechanism.contacts.items()
+    }
+    return [
+        name
+        for name, width in largest_by_joint(result.record, widths).items()
+        if width > CONFORMAL * radius[name]
+    ]
+
+
+def softer(*materials: Material) -> tuple[str, float] | None:
+    """The softer of the materials whose hardness is known, with it (Pa)."""
+    known = [(one.name, hard) for one in materials if (hard := hardness_of(one)) is not None]
+    return min(known, key=lambda pair: pair[1], default=None)

@@ -1,0 +1,303 @@
+"""Answers on motions: bifurcation diagrams, basins of attraction, Poincaré sections, waterfalls, natural
+vibrations, strongest waves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..job.amounts import counted
+from ..measures.chaos import CHAOTIC
+from .digits import quantity
+from .document import Document, Paragraph, Part, Table, paragraphs
+
+if TYPE_CHECKING:
+    from ..dynamics.basins import Basins
+    from ..dynamics.bifurcation import Bifurcation, Spell
+    from ..dynamics.sections import PoincareSection
+    from ..dynamics.waterfall import Waterfall
+    from ..measures.modes import Modes
+    from ..model.mechanism import Mechanism
+
+DIRECTIONS = {"up": "On the way up", "down": "On the way down"}
+MOST_ATTRACTORS = 12
+MOST_SPELLS = 8  # ranges of values of one direction that are listed
+NOTE = (
+    "About the start, at rest, joints with play taken as ideal, external contacts as open, loads left out; no"
+    " damping."
+)
+UNBALANCED = 1e-3  # of all forces
+PEAKS = 8
+
+
+def document(found: Any) -> Document:
+    """The answer of any kind of map."""
+    documents: dict[str, Any] = {
+        "Bifurcation": diagram,
+        "Basins": basins,
+        "PoincareSection": section,
+        "Waterfall": waterfall,
+    }
+    document: Document = documents[type(found).__name__](found)
+    return document
+
+
+def _protocol(found: Any, turns: str) -> str:
+    """How many turns were run and dropped with how many steps, and under which laws."""
+    return (
+        f"{turns}, {found.asked.dropped} of them dropped, {found.asked.steps:,} steps a turn; {found.laws}."
+    )
+
+
+def diagram(found: Bifurcation) -> Document:
+    """Numbers of values with each motion, and ranges of values."""
+    asked = found.asked
+    heads = asked.ways if asked.starts else ("values on the way up", "on the way down")
+    counts = [Counter(kind for kind in kinds if kind) for kinds in found.kinds]
+    rows = [
+        (kind, *(one[kind] for one in counts))
+        for kind in sorted({kind for one in counts for kind in one}, key=_period)
+    ]
+    texts = [
+        _chaos(found),
+        *(
+            f"{DIRECTIONS.get(way, way)}: {spells_words(found.spells(k), asked.unit)}."
+            for k, way in enumerate(asked.ways)
+        ),
+        _protocol(found, f"{asked.turns} turns at each value"),
+        (
+            "A period is told within 0.1 % of the range, chaos where a small difference grows more than"
+            " e-fold in each half of the turns."
+        ),
+        f"Companions: {found.step_report or 'none.'}",
+    ]
+    return Document(
+        [Table.numeric(("motion", *heads), rows), *paragraphs(texts)], f"{found.name}: {asked.path}"
+    )
+
+
+def _period(kind: str) -> tuple[float, str]:
+    """Sorting key: periodic motions first, the shortest period before longer ones."""
+    return (int(kind.removeprefix("period ")), "") if kind.startswith("period ") else (math.inf, kind)
+
+
+def _chaos(found: Bifurcation) -> str:
+    """Between which values chaos was found in each direction; other motions may lie between them."""
+    texts, unit = [], found.asked.unit
+    for way, kinds in zip(found.asked.ways, found.kinds, strict=True):
+        values = [value for value, kind in zip(found.asked.values, kinds, strict=True) if kind == CHAOTIC]
+        if values:
+            ends = f"{quantity(min(values), unit)} and {quantity(max(values), unit)}"
+            direction = DIRECTIONS[way].lower() if way in DIRECTIONS else f"from {way}"
+            texts.append(f"{direction} between {ends} ({len(values)} of {sum(map(bool, kinds))} values)")
+    return f"Chaos was found {', '.join(texts)}." if texts else "Chaos was found nowhere."
+
+
+def spells_words(spells: Sequence[Spell], unit: str) -> str:
+    """Ranges of values with one motion; the longest of many."""
+    places = sorted(range(len(spells)), key=lambda k: -spells[k].count)[:MOST_SPELLS]
+    longest = [spells[k] for k in sorted(places)]
+    texts = [
+        f"{one.kind} {f'from {quantity(one.first, unit)} to' if one.count > 1 else 'at'}"
+        f" {quantity(one.last, unit)}"
+        for one in longest
+    ]
+    rest = len(spells) - len(longest)
+    return ", ".join(texts) + (f", and {rest} others between them" if rest else "")
+
+
+def basins(found: Basins) -> Document:
+    """Number of starts that lead to each motion."""
+    asked, every = found.asked, max(len(found.verdicts), 1)
+    sizes = [(one.kind, len(one.members)) for one in found.attractors]
+    if len(sizes) > MOST_ATTRACTORS:
+        rest = sizes[MOST_ATTRACTORS:]
+        sizes[MOST_ATTRACTORS:] = [(f"{len(rest)} others", sum(count for _, count in rest))]
+    rows = [(kind, f"{count:,}", f"{100.0 * count / every:.3g} %") for kind, count in sizes]
+    none = found.done - len(found.verdicts)
+    impossible = f" {none:,} of the grid are no start, a journal being outside its bearing." if none else ""
+    same = (
+        f"of one period, for their points move with {' and '.join(asked.varied)}"
+        if asked.varied
+        else "whose points are within 1 % of that of all"
+    )
+    texts = [
+        f"{_protocol(found, f'{asked.turns} turns of each start')}{impossible}",
+        f"A period is told within 0.1 % of the range; periodic motions are one {same}.",
+        f"Companions: {found.step_report or 'none.'}",
+    ]
+    return Document(
+        [Table.numeric(("motion", "starts", "share"), rows), *paragraphs(texts)],
+        f"{found.name}: {asked.paths[0]}, {asked.paths[1]}",
+    )
+
+
+def section(found: PoincareSection) -> Document:
+    """The kind of a motion, its evidence, and the contacts that began."""
+    asked, verdict = found.asked, found.verdict
+    texts = [f"{found.name}: {verdict.kind}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
+    for name, impacts in found.struck.items():
+        count = len(impacts["speed"])
+        fastest = f", the fastest at {impacts['speed'].max():.4g} m/s" if count else ""
+        closed = (
+            ""
+            if count
+            else (
+                "; if it is closed all the time, a law that has the speed of its onset in it remembers that"
+                " of long ago"
+            )
+        )
+        texts.append(f"{name}: {counted(count, 'contact')} began{fastest}{closed}.")
+    texts.append(
+        f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn;"
+        f" {found.laws}. Without companions."
+    )
+    return Document(paragraphs(texts))
+
+
+def waterfall(found: Waterfall) -> Document:
+    """The range of the sweep, and the transform of the series."""
+    asked = found.asked
+    low, high = asked.values[0], asked.values[-1]
+    speeds = (
+        f" ({30.0 / math.pi * low:.4g} to {30.0 / math.pi * high:.4g} rpm)" if asked.unit == "rad/s" else ""
+    )
+    texts = [
+        (
+            f"{found.name}: {', '.join(asked.series)} over {asked.path} from {low:.6g} to {high:.6g}"
+            f" {asked.unit}{speeds}"
+        ),
+        f"{found.done:,} runs. {found.words}.",
+        (
+            f"{found.limits[:1].upper()}{found.limits[1:]}; without companions; each run begins at the"
+            " model's own start."
+        ),
+    ]
+    if found.diverged:
+        texts.append(
+            f"At {', '.join(f'{value:g}' for value in found.diverged)} {asked.unit} the motion diverged."
+        )
+    return Document(paragraphs(texts))
+
+
+# -----------------------------------------------------------------------------------------------------------
+# vibrations
+
+
+def modes(mechanism: Mechanism, found: Modes) -> Document:
+    """Natural frequencies about the start: of the whole mechanism, and of its elastic links by themselves."""
+    data = {
+        "model": mechanism.name,
+        "note": NOTE,
+        "coordinates": found.count,
+        "unbalanced": found.unbalanced,
+        "modes": [
+            {
+                "frequency": one.frequency,
+                "angular_frequency_squared": one.square,
+                "energy": one.energy,
+                "shape": one.shape.tolist(),
+            }
+            for one in found.modes
+        ],
+        "links": {name: list(frequencies) for name, frequencies in found.links.items()},
+    }
+    count = f": {found.count or 'no'} natural vibration{'s' * (found.count != 1)}"
+    parts: list[Part] = [Paragraph(count, lead=mechanism.name), Paragraph(NOTE)]
+    if not found.count:
+        parts.append(
+            Paragraph(
+                "Drivers and joints leave nothing that could vibrate: rigid links, and a drive that holds"
+                " them. See --released."
+            )
+        )
+        return Document(parts, data=data)
+    crank, rows = _turns_per_second(mechanism), []
+    for number, mode in enumerate(found.modes, start=1):
+        name, share = mode.leading
+        order = [f"{mode.frequency / crank:.4g}"] if crank else []
+        rows.append(
+            (
+                number,
+                _frequency(mode.frequency, mode.square),
+                *order,
+                f"{name}, {100.0 * share:.0f} % of the energy",
+            )
+        )
+    heads = ("", "frequency", *(["turns of the crank"] if crank else []), "moves most")
+    parts.append(Table(heads, rows, numbers=range(len(heads) - 1)))
+    for name, frequencies in found.links.items():
+        parts.append(
+            Paragraph(
+                f"{name} alone, pinned at both ends: {', '.join(f'{one:.5g}' for one in frequencies)} Hz"
+            )
+        )
+    if found.unbalanced > UNBALANCED:
+        unbalanced = (
+            f"The start is no equilibrium: {100.0 * found.unbalanced:.2g} % of weight and springs set the"
+            " mechanism in motion. These are the vibrations about it as if it stood still."
+        )
+        parts.append(Paragraph(unbalanced, style="caution"))
+    return Document(parts, data=data)
+
+
+def _turns_per_second(mechanism: Mechanism) -> float | None:
+    """Speed of the first driver with constant speed (1/s)."""
+    speeds = (driver.steady_speed for driver in mechanism.drivers.values() if driver.moves)
+    return next((abs(speed) / (2.0 * math.pi) for speed in speeds if speed), None)
+
+
+def _frequency(value: float, square: float) -> str:
+    """A frequency in words; an unstable mode by the time in which it grows e-fold."""
+    if square < 0.0:
+        return f"unstable, e-fold in {1.0 / math.sqrt(-square):.3g} s"
+    return "0 Hz: moves freely" if square == 0.0 else f"{value:.5g} Hz"
+
+
+def spectra(found: Sequence[Any], name: str) -> Document:
+    """The strongest waves of each series of the run ``name``.
+
+    ``found`` are spectra; spectrograms, whose waves have the time at which they are strongest; or envelopes
+    with their own spectra.
+    """
+    first = found[0]
+    timed = hasattr(first, "times") and not hasattr(first, "spectrum")
+    turning = getattr(first, "spectrum", first).turn is not None
+    heads = (
+        "series",
+        *(("order",) if turning else ()),
+        "frequency, Hz",
+        "amplitude",
+        *(("at, ms",) if timed else ()),
+    )
+    rows = []
+    for one in found:
+        of = getattr(one, "spectrum", one)
+        sizes = of.amplitudes.max(axis=0) if timed else of.amplitudes
+        for n, k in enumerate(strongest(sizes, of.window)):
+            time = (f"{1e3 * of.times[int(of.amplitudes[:, k].argmax())]:.4g}",) if timed else ()
+            order = (f"{of.orders[k]:.4g}",) if turning else ()
+            rows.append(
+                (
+                    of.name if n == 0 else "",
+                    *order,
+                    f"{of.frequencies[k]:.5g}",
+                    f"{sizes[k]:.4g} {of.unit}",
+                    *time,
+                )
+            )
+    words = f"{first.words[0].upper()}{first.words[1:]}."
+    return Document([Table.numeric(heads, rows), Paragraph(words)], title=f"{name}: the strongest waves")
+
+
+def strongest(sizes: Any, window: str) -> list[int]:
+    """Indices of the highest local maxima, without the mean and the neighbours over which the window spreads
+    it.
+    """
+    from ..measures.spectral import COSINES
+
+    inside = ((sizes[1:-1] >= sizes[:-2]) & (sizes[1:-1] > sizes[2:])).nonzero()[0] + 1
+    return sorted((int(k) for k in inside if k >= len(COSINES[window])), key=lambda k: -sizes[k])[:PEAKS]
