@@ -10,7 +10,8 @@ import pytest
 from live.pages import page_of, scripts_of
 from model.test_kinds import CASES
 from vfife import gallery
-from vfife.live.page.page import BROWSER, LARGEST, strokes
+from vfife.live.page import strokes
+from vfife.live.page.page import BROWSER, LARGEST
 from vfife.live.page.page_model import page_model
 from vfife.live.page.payload import payload as given
 from vfife.live.page.payload import pin_of, place

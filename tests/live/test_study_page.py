@@ -14,7 +14,7 @@ import vfife
 from live.browsers import needs_browser
 from studies.studies import BASE
 from vfife.errors import VfifeError
-from vfife.live.page.page import reports as studied
+from vfife.live.page import reports as studied
 from vfife.live.page.page_model import page_model, turned
 from vfife.live.page.patches import SliderPatches, slider_patches
 from vfife.live.page.reports import mechanism, study_page

@@ -37,7 +37,10 @@ def test_the_crank_is_where_its_speed_takes_it() -> None:
     """Its end goes around a circle, by as much from frame to frame; a frame lies between two outputs."""
     shown = film()
     places = np.array(
-        [next(one.at for one in moment if one.look.get("label") == "crank") for moment in shown.stage.moments]
+        [
+            next(one.at for one in moment if one.look.get("label") == "crank")
+            for moment in shown.playback.frames
+        ]
     )
     assert np.allclose(np.linalg.norm(places[:, 1] - places[:, 0], axis=1), 1e3 * 0.05, rtol=1e-4)  # mm
     angles = np.unwrap(np.arctan2(*(places[:, 1] - places[:, 0]).T[::-1]))
@@ -48,13 +51,13 @@ def test_the_crank_is_where_its_speed_takes_it() -> None:
 def test_a_journal_is_drawn_in_a_circle_of_its_play() -> None:
     """It touches the circle where it touches its bearing, and stays inside but for its penetration."""
     shown = film()
-    assert shown.larger > 2.0 and f"{shown.larger:g} times as large" in shown.figure.get_suptitle()
-    for moment in shown.stage.moments:
+    assert shown.enlarged > 2.0 and f"{shown.enlarged:g} times as large" in shown.figure.get_suptitle()
+    for moment in shown.playback.frames:
         circle = next(one.at for one in moment if one.rank == 9.1)
         journal = next(one.at[0] for one in moment if one.rank == 9.3)
         centre = circle[:-1].mean(axis=0)
         radius = np.linalg.norm(circle - centre, axis=1)
-        assert np.allclose(radius, shown.larger * 1e3 * CLEARANCE)
+        assert np.allclose(radius, shown.enlarged * 1e3 * CLEARANCE)
         assert np.linalg.norm(journal - centre) < 1.1 * radius[0]
 
 
@@ -74,7 +77,7 @@ def test_only_what_moves_is_drawn_again() -> None:
     are.
     """
     shown = film()
-    below = [shown.stage.moments[0][k] for k in sorted(shown.stage.below)]
+    below = [shown.playback.frames[0][k] for k in sorted(shown.playback.background)]
     assert any("hatch" in one.look for one in below) and any(one.text == "O" for one in below)
     assert not any(one.look.get("label") for one in below)  # bodies
     pictures = [

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import vfife
 from vfife import gallery
 from vfife.cli.app import app
-from vfife.live.page.page import reports
+from vfife.live.page import reports
 from vfife.modelfile import dump, load
 from vfife.report.html import elements
 from vfife.report.pages import findings, model_file, trust

@@ -115,10 +115,7 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
         }
         entries.append(
             entry
-            | {
-                "center": list(body.center),
-                "driver": driver(drivers[name]) if name in drivers else None,
-            }
+            | {"center": list(body.center), "driver": driver(drivers[name]) if name in drivers else None}
         )
     return entries
 
