@@ -24,7 +24,8 @@ from vfife import load_model
 from vfife.compiler.runtime.native import stream_lanes
 from vfife.compiler.runtime.runner import Runner
 from vfife.solvers.record import recorded_rows
-from vfife.studies.engine.cases import Cases, Wanted, run_members
+from vfife.studies.engine.cases import Cases, run_members
+from vfife.studies.engine.lanes import Wanted
 
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")

@@ -4,6 +4,9 @@ by number.
 
 from __future__ import annotations
 
+import numpy as np
+
+from vfife.kinematics import solve
 from vfife.kinematics.constraints import Constraint
 from vfife.model.rows import Across, Along, Coincide, OnPath, Turn
 
@@ -48,3 +51,28 @@ def Travel(name, body_a, point_a, axis_a, body_b, point_b, value=0.0, speed=0.0,
     return Constraint(
         name, body_a, body_b, (Along(axis),), point_a, point_b, value, speed, acceleration, driven=True
     )
+
+
+def velocities(system, position, wish=None):
+    """The velocity [n, 3] of one system; raises its fault."""
+    found = solve.velocities(
+        [system], still(position)[None], still(np.zeros_like(position) if wish is None else wish)[None]
+    )
+    if found.faults[0]:
+        raise found.faults[0]
+    return found.velocity[0]
+
+
+def accelerations(system, position, velocity, force):
+    """Acceleration [n, 3], reactions of joints [j, 3] and of drives [d] of one system; raises its fault."""
+    found = solve.accelerations([system], *(still(one)[None] for one in (position, velocity, force)))
+    if found.faults[0]:
+        raise found.faults[0]
+    return found.acceleration[0], found.reaction[0], found.driving[0]
+
+
+def still(motion):
+    """A motion [n, 3] with the ground at rest."""
+    found = np.array(motion, dtype=float)
+    found[0] = 0.0
+    return found

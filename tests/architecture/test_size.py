@@ -9,10 +9,10 @@ import pytest
 from architecture.size import Size, size_of, sizes
 
 LIMITS = Size(
-    files=422,
-    code=58_700,
-    tokens=572_000,
-    import_lines=5_370,
+    files=426,
+    code=59_250,
+    tokens=578_200,
+    import_lines=5_430,
     inner_imports=223,
     many_arguments=68,
     tuples=56,

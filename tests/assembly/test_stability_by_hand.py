@@ -13,7 +13,7 @@ import pytest
 
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.assembly.checks import idle, redundant
+from vfife.assembly.checks import idle_rows, redundant
 from vfife.assembly.linearised import pulled_at
 from vfife.assembly.stability import (
     CLOSED,
@@ -26,7 +26,7 @@ from vfife.assembly.stability import (
     demands,
     held,
     joint_mobility,
-    turning_error,
+    turning_errors,
 )
 from vfife.laws import Material
 from vfife.model.bodies import Section
@@ -100,9 +100,12 @@ def pendulum(angle: float = 0.7) -> Assembly:
 def test_rows_of_a_pin_are_its_lever_wherever_the_body_is_turned() -> None:
     """x: (1, 0, -r_y), y: (0, 1, r_x), r from the body's particle to the pin; not turned unless said."""
     one = pendulum()
-    parts = one.layout, one.state, one.topology
+    parts = one.layout, one.state[None], one.topology
     theta = float(one.state[one.layout["particle_theta"]][1])
-    for turn, rows in ((0.0, constraint_rows(*parts, [0, 1])), (0.4, constraint_rows(*parts, [0, 1], 0.4))):
+    for turn, [[rows]] in (
+        (0.0, constraint_rows(*parts, [0, 1])),
+        (0.4, constraint_rows(*parts, [0, 1], (0.4,))),
+    ):
         c, s = math.cos(theta + turn), math.sin(theta + turn)
         rx, ry = 0.3 * c + 0.4 * s, 0.3 * s - 0.4 * c
         assert np.abs(rows[:, 3:]) == pytest.approx(
@@ -148,7 +151,7 @@ def test_limits_of_elements_go_with_the_root_of_mass_over_stiffness(release: str
 def test_an_error_on_one_arm_grows_by_the_square_of_arm_over_radius_of_gyration() -> None:
     """r^2 m/I = 0.25 2/0.5."""
     one = pendulum()
-    assert turning_error(one.layout, one.state, one.topology) == pytest.approx(1.0, rel=1e-4)
+    assert turning_errors(one.layout, one.state[None], one.topology)[0] == pytest.approx(1.0, rel=1e-4)
 
 
 def test_rows_that_may_be_idle_are_of_unit_size_in_energy() -> None:
@@ -163,13 +166,20 @@ def test_rows_that_may_be_idle_are_of_unit_size_in_energy() -> None:
     door.revolute("A", "ground.O", "b.p")
     door.revolute("B", "ground.P", "b.q")
     for one, open_ in ((started(m), 0), (started(door), 1)):
-        rows, stress, joined = idle(one.layout, one.state, one.topology)
+        found = idle_rows(one.layout, one.state[None], one.topology)
+        rows, joined, stress = (
+            found.rows[0],
+            found.joined,
+            found.left[0, :, len(found.rows[0]) - found.deficient[0] :],
+        )
         kinds = ("mass", "mass", "inertia")
         inverse = np.stack(
             [one.state[one.layout[f"particle_inverse_{kind}"]][joined] for kind in kinds], axis=1
         ).reshape(-1)
         assert (rows**2 * inverse).sum(axis=1) == pytest.approx(1.0, rel=1e-12)
-        assert stress.shape[1] == open_ and redundant(one.layout, one.state, one.topology) is bool(open_)
+        assert stress.shape[1] == open_ and list(redundant(one.layout, one.state[None], one.topology)) == [
+            bool(open_)
+        ]
         assert np.abs(rows.T @ stress * np.sqrt(inverse)[:, None]).max(initial=0.0) < 1e-12
 
 

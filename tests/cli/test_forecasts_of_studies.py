@@ -14,7 +14,7 @@ from cli.models import ROOT
 from vfife import load
 from vfife.assembly.assemble import assemble
 from vfife.job.cost import Stream, cores
-from vfife.studies.engine.cases import streams
+from vfife.studies.engine.lanes import streams
 from vfife.studies.forecast import CasesLeft, remark_on_step
 from vfife.studies.spec.plan import Plan, StudySpec
 

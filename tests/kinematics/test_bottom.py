@@ -5,11 +5,12 @@ import pytest
 
 from vfife import gallery
 from vfife.errors import AssemblyError
-from vfife.kinematics import solve as descent
+from vfife.kinematics import descent
+from vfife.kinematics.descent import bottom
 from vfife.kinematics.drives import rigid_system
 from vfife.kinematics.passage import sized
 from vfife.kinematics.pins import first_guess
-from vfife.kinematics.solve import bottom, close
+from vfife.kinematics.solve import close
 
 
 def of(function, slopes):
@@ -65,7 +66,8 @@ def test_links_that_cannot_reach_share_the_gap(link, part):
     apart = float(np.linalg.norm(np.subtract(mechanism.points["D"], (crank, 0.0))))
     gap = max(apart - coupler - follower, abs(coupler - follower) - apart)
     assert gap > 0.0
-    found = descent.descend(*system_of(mechanism))
+    system, guess = system_of(mechanism)
+    [found] = descent.descend([system], guess[None])
     assert found.residual == pytest.approx(0.25 * gap, rel=1e-9)
     assert found.iterations < descent.STEPS
 

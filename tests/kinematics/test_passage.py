@@ -14,12 +14,10 @@ from vfife import gallery, simulate
 from vfife.assembly.possible import outlook
 from vfife.errors import AssemblyError
 from vfife.kinematics.follower import Follower
-from vfife.kinematics.full_turn import full_turn
-from vfife.kinematics.gathered import Gathered
+from vfife.kinematics.full_turn import full_turns
 from vfife.kinematics.initial import ideal_motion
 from vfife.kinematics.mobility import classified
 from vfife.kinematics.passage import passage
-from vfife.kinematics.system import equations
 from vfife.model.bodies import Section
 from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism, Settings
@@ -283,35 +281,11 @@ def test_what_drivers_do_not_determine_is_left_alone():
     assert passage(m, TURN) == (None, ())
 
 
-@pytest.mark.parametrize("name", ["jansen_leg", "six_bar_press", "quick_return", "scissor_lift", "squeezer"])
-def test_rows_at_once_are_those_one_by_one(name):
-    motion = ideal_motion(getattr(gallery, name)())
-    aside = motion.position * (1.0, motion.hand, motion.hand) + 0.01 * np.cos(
-        np.arange(motion.position.size)
-    ).reshape(motion.position.shape)
-    aside[0] = 0.0
-    gathered = Gathered(motion.system)
-    phi, jacobian = gathered.at(
-        aside, gathered.aimed(np.array([drive.aim for drive in motion.system.drives]))
-    )
-    wanted = equations(motion.system, aside)
-    assert phi == pytest.approx(wanted.phi, abs=1e-15) and jacobian == pytest.approx(
-        wanted.jacobian, abs=1e-15
-    )
-
-
 def test_a_closed_position_is_closed_to_round_off():
     motion = ideal_motion(gallery.jansen_leg())
     follower = Follower.of(motion.system, motion.position * (1.0, motion.hand, motion.hand))
     position, _ = follower.closed(motion.position + 1e-3, np.array([motion.system.drives[0].aim]))
-    assert (
-        np.abs(
-            follower.gathered.at(position, follower.gathered.aimed(np.array([motion.system.drives[0].aim])))[
-                0
-            ]
-        ).max()
-        < 1e-9
-    )
+    assert np.abs(motion.system.dense_rows(position, motion.system.aims)[0]).max() < 1e-9
 
 
 def test_a_massless_link_has_a_nearest_length_too():
@@ -345,8 +319,7 @@ def test_what_surely_makes_a_turn_is_of_grashof_s_crank_rockers():
         neighbour, sure = None, []
         for one in sides:
             motion = ideal_motion(four_bar(*one, angle=1.5))
-            walked = full_turn(motion, speed)
-            known = full_turn(motion, speed, neighbour)
+            [walked], [known] = full_turns([motion], [speed]), full_turns([motion], [speed], neighbour)
             if walked is not None and known is not None:
                 assert np.abs(walked.positions - known.positions).max() < 1e-8
             sure.append((walked is not None, known is not None))

@@ -19,10 +19,10 @@ from kinematics.rods import (
     weight,
 )
 from kinematics.turns import extremes
-from rigid import Drive
+from rigid import Drive, accelerations, velocities
 from vfife.errors import AssemblyError
 from vfife.kinematics.mobility import mobility
-from vfife.kinematics.solve import accelerations, close, velocities
+from vfife.kinematics.solve import close
 
 
 def left_over(system, position, acceleration, force, reactions, torque):

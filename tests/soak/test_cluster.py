@@ -18,8 +18,9 @@ import pytest
 
 from vfife import Study, load_model
 from vfife.studies.engine import run_missing
-from vfife.studies.engine.cases import Wanted, run_members
+from vfife.studies.engine.cases import run_members
 from vfife.studies.engine.cluster import DEATHS, BatchResult, BatchTask, ClusterRunner, cluster, run_batch
+from vfife.studies.engine.lanes import Wanted
 from vfife.studies.spec.study_file import StudyTables
 
 pytestmark = [

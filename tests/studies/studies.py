@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from vfife.studies.engine.cases import Outcome, Wanted
+from vfife.studies.engine.cases import Outcome
+from vfife.studies.engine.lanes import Wanted
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
 ASKED = f"""

@@ -12,11 +12,12 @@ import pytest
 from vfife import load_model, simulate
 from vfife.assembly import possible
 from vfife.kinematics import initial
-from vfife.kinematics.solve import close
+from vfife.kinematics.solve import close_all
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
-from vfife.studies.engine.cases import CaseModel, Cases, Stepped, Wanted, run_members
+from vfife.studies.engine.cases import CaseModel, Cases, run_members
+from vfife.studies.engine.lanes import Stepped, Wanted
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE_C = EXAMPLES / "four_bar_case_c.toml"
@@ -96,10 +97,13 @@ def test_the_start_of_a_case_and_of_its_ideal_mechanism_is_solved_once(
 
     def counted(*arguments: Any) -> Any:
         closed.append(arguments)
-        return close(*arguments)
+        return close_all(*arguments)
 
-    monkeypatch.setattr(initial, "close", counted)
-    assert len(made(load_model(CASE_C), spread("body.follower.length"))) == COUNT == len(closed)
+    monkeypatch.setattr(initial, "close_all", counted)
+    assert len(made(load_model(CASE_C), spread("body.follower.length"))) == COUNT
+    assert [len(systems) for systems, *_ in closed] == [1, COUNT - 1], (
+        "the first by itself, the others at once"
+    )
 
 
 def test_a_turn_is_followed_for_the_first_case_only_while_neighbours_tell_the_others(

@@ -16,8 +16,9 @@ import pytest
 from vfife import load_model
 from vfife.errors import VfifeError
 from vfife.studies.engine import cluster as room
-from vfife.studies.engine.cases import Wanted, run_members
+from vfife.studies.engine.cases import run_members
 from vfife.studies.engine.cluster import BatchResult, BatchTask, ClusterRunner, cluster
+from vfife.studies.engine.lanes import Wanted
 
 pytest.importorskip("distributed")
 

@@ -18,7 +18,8 @@ from vfife import load_model, simulate
 from vfife.assembly.assemble import assemble
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.studies.engine import cases as engine
-from vfife.studies.engine.cases import Cases, Outcome, Wanted, run_members
+from vfife.studies.engine.cases import Cases, Outcome, run_members
+from vfife.studies.engine.lanes import Wanted
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
 NUMBERS: list[dict[str, float | str]] = [

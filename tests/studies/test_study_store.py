@@ -22,8 +22,9 @@ from vfife.store import studyfile
 from vfife.store.studyfile import StudyCase, StudyFile
 from vfife.studies import forecast
 from vfife.studies.engine import run_missing
-from vfife.studies.engine.cases import Outcome, Wanted, run_members
+from vfife.studies.engine.cases import Outcome, run_members
 from vfife.studies.engine.cluster import Resources
+from vfife.studies.engine.lanes import Wanted
 from vfife.studies.spec.study_file import StudyTables
 from vfife.studies.study import StudyWork
 

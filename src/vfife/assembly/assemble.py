@@ -5,18 +5,19 @@ clearance joints alone.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
-from ..kernels.arrays import layout_of
+from ..kernels.arrays import Layout, layout_of
 from ..kernels.topology import Topology
 from ..kinematics.drives import standing
-from ..kinematics.initial import Given, Motion, ideal_motion, seated
+from ..kinematics.initial import Given, Motion, attempt, ideal_motion, seated
 from ..laws import ContactLaw, FrictionLaw, Law, Material
 from ..laws.check import try_out
 from ..model.functions import Polynomials
@@ -30,6 +31,7 @@ from .checks import redundant, refuse_deep, refuse_idle, refuse_infinite, refuse
 from .entities import Numbering, Parts, parts_of, touches_of, turning
 from .fill import TOUCHED, Filler, touch_rows, touch_values
 from .prestress import prestress, wanted
+from .stability import turning_errors
 from .timestep import StepModel, StepRequest, choose_step, coarse, missed
 
 Array = NDArray[np.float64]
@@ -70,6 +72,65 @@ def assemble(
     settings. Raises VfifeError (AssemblyError where links cannot reach, StepError where the step is too
     large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
+    [result] = assemble_all(
+        [mechanism], step, expected=[expected or {}], beside=[beside], given=given, motions=[motion], **run
+    )
+    if isinstance(result, VfifeError):
+        raise result
+    return result
+
+
+def assemble_all(
+    mechanisms: Sequence[Mechanism],
+    step: float | str | None,
+    *,
+    expected: Sequence[Mapping[str, float]],
+    motions: Sequence[Motion | None],
+    beside: Sequence[Mechanism | None] | None = None,
+    given: Given | None = None,
+    **run: Any,
+) -> list[Assembly | VfifeError]:
+    """The same of many mechanisms, each with its expected forces and its start; the fault of one that cannot
+    be assembled stands in its place.
+
+    What follows from the states of mechanisms of one topology is solved for all of them at once.
+    """
+    result: dict[int, Assembly | VfifeError] = {}
+    drafts: dict[int, Draft] = {}
+    for k, (mechanism, motion) in enumerate(zip(mechanisms, motions, strict=True)):
+        one = attempt(draft_of, mechanism, beside[k] if beside else None, given, motion)
+        (result if isinstance(one, VfifeError) else drafts)[k] = one  # type: ignore[assignment]
+    groups: dict[Topology, list[int]] = {}
+    for k, draft in drafts.items():
+        groups.setdefault(draft.topology, []).append(k)
+    for topology, which in groups.items():
+        layout, states = layout_of(topology), np.array([drafts[k].state for k in which])
+        turning = turning_errors(layout, states, topology) if topology.joint_bearing else [None] * len(which)
+        for k, excess, error in zip(which, redundant(layout, states, topology), turning, strict=True):
+            own = dataclasses.replace(topology, redundant=True) if excess else topology
+            result[k] = attempt(
+                finished, drafts[k], own, layout, expected[k], error, StepRequest(step, **run)
+            )
+    return [result[k] for k in range(len(mechanisms))]
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A mechanism numbered, and its arrays filled, but for what follows from them."""
+
+    mechanism: Mechanism
+    motion: Motion
+    numbering: Numbering
+    parts: Parts
+    tables: Array
+    topology: Topology
+    state: Array
+
+
+def draft_of(
+    mechanism: Mechanism, beside: Mechanism | None, given: Given | None, motion: Motion | None
+) -> Draft:
+    """Numbers a mechanism and fills its arrays. Raises VfifeError."""
     refuse_static(mechanism)
     refuse_idle(mechanism)
     numbering = Numbering(mechanism)
@@ -99,34 +160,39 @@ def assemble(
         tables,
     )
     filler.seat(parts.touches, seats)
+    return Draft(mechanism, motion, numbering, parts, tables, topology, filler.state)
+
+
+def finished(
+    draft: Draft,
+    topology: Topology,
+    layout: Layout,
+    expected: Mapping[str, float],
+    turning: float | None,
+    request: StepRequest,
+) -> Assembly:
+    """The assembly, with its step. Raises StepError."""
+    mechanism, numbering, parts, state = draft.mechanism, draft.numbering, draft.parts, draft.state
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
-    if redundant(filler.layout, filler.state, topology):
-        topology = dataclasses.replace(topology, redundant=True)
     ideals = [joint.name for joint in parts.ideals]
-    free = motion.mobility.after_drives
-    model = StepModel(
-        mechanism, filler.layout, filler.state, topology, parts.touches, owners, ideals, expected or {}, free
+    free = draft.motion.mobility.after_drives
+    choice = choose_step(
+        StepModel(mechanism, layout, state, topology, parts.touches, owners, ideals, expected, free, turning),
+        request,
     )
-    choice = choose_step(model, StepRequest(step, **run))
     if parts.ideals:
-        topology = dataclasses.replace(
-            topology, coarse=coarse(mechanism, choice, filler.layout, filler.state)
-        )
-    filler.put("step", choice.step)
-    filler.put("damping", mechanism.settings.damping)
+        topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, layout, state))
+    state[layout.row("step")], state[layout.row("damping")] = choice.step, mechanism.settings.damping
     strange = tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
     notes = (
-        cautions(mechanism)
-        + contradictions(mechanism)
-        + strange
-        + missed(mechanism, choice, filler.layout, filler.state)
+        cautions(mechanism) + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
     )
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
-        mechanism, topology, filler.layout, filler.state, tables, numbering.bodies, tuple(t.name for t in parts.touches),
+        mechanism, topology, layout, state, draft.tables, numbering.bodies, tuple(t.name for t in parts.touches),
         tuple(ideals), pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches),
-        tuple(t.touching.path for t in parts.touches), motion.mobility, notes,
-        shared(filler.layout, filler.state, topology, ideals, pivots, numbering.driven),
+        tuple(t.touching.path for t in parts.touches), draft.motion.mobility, notes,
+        shared(layout, state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
 
 
@@ -367,15 +433,15 @@ class Reassembler:
             mechanism, state, slots.tobytes()
         )
         state[self.row] = choice.step
-        found = copy(old)  # a third of the time of replacing fields, and there may be thousands
+        result = copy(old)  # a third of the time of replacing fields, and there may be thousands
         for field, value in (
             ("mechanism", mechanism),
             ("state", state),
             ("choice", choice),
             ("topology", topology),
         ):
-            object.__setattr__(found, field, value)
-        return found
+            object.__setattr__(result, field, value)
+        return result
 
     def _stepped(
         self, mechanism: Mechanism, state: NDArray[np.float64], key: bytes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from ..model.rows import Coincide, Turn
 from ..numerics import dense
 from ..numerics.elementwise import cos, sin, sincos
 from ..numerics.products import norm, product
-from .stability import constraint_rows
+from .stability import constraint_rows, inverse_masses, joined_particles
 
 if TYPE_CHECKING:
     from ..kinematics.initial import Motion
@@ -137,10 +137,10 @@ def start_depth(filler: Filler, touch: Touch) -> Any:
 def refuse_stuck(motion: Motion) -> None:
     """VfifeError where joints and other drivers hold what a driver is to move."""
     drives = motion.system.drives
-    found = motion.mobility
-    if found.free - found.after_drives < len(drives):
+    result = motion.mobility
+    if result.free - result.after_drives < len(drives):
         names = ", ".join(drive.name for drive in drives)
-        left = found.free - found.after_drives
+        left = result.free - result.after_drives
         raise VfifeError(
             f"the drivers ({names}) prescribe {len(drives)} motions, and the joints leave {left} of them free"
             " here: joints or another driver hold what is driven, or this is a dead centre; remove a driver,"
@@ -190,14 +190,18 @@ VANISHING = 1e-7
 FELT = 1e-6  # part of a joint in reactions that move nothing, of all of them
 
 
-def redundant(layout: Layout, state: Array, topology: Topology) -> bool:
-    """Whether a constraint follows from the others, in the state of the start; only those that close loops
-    may.
+def redundant(layout: Layout, states: Array, topology: Topology) -> NDArray[np.bool_]:
+    """Whether a constraint follows from the others, in the start of each of the states [cases, rows]; only
+    those that close loops may.
     """
-    return (
-        any(derive(topology).closing)
-        and _small(layout, state, topology)
-        and idle(layout, state, topology)[1].shape[1] > 0
+    if not any(derive(topology).closing):
+        return np.zeros(len(states), dtype=bool)
+    deficient = idle_rows(layout, states, topology).deficient
+    return np.array(
+        [
+            bool(missing) and _small(layout, state, topology)
+            for state, missing in zip(states, deficient, strict=True)
+        ]
     )
 
 
@@ -221,23 +225,30 @@ def _small(layout: Layout, state: Array, topology: Topology) -> bool:
     return False
 
 
-def idle(layout: Layout, state: Array, topology: Topology) -> tuple[Array, Array, list[int]]:
-    """G [rows, 3 particles], reactions N [rows, k] that move nothing, orthonormal in energy, and the
-    particles: the joined ones, in order.
-
-    G M^-1 G^T N = 0. Rows of G are divided by the roots of their own diagonals of G M^-1 G^T, so that N does
-    not depend on units: N^T N = 1 are squares of reactions times what they would do alone, as the step weighs
-    them.
+class IdleRows(NamedTuple):
+    """G [cases, rows, 3 particles] of the joined particles, its left singular vectors [cases, rows, rows],
+    and how many of the last ones move nothing [cases].
     """
-    joined = sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
-    inverse = np.stack(
-        [state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=1
-    ).reshape(-1)
-    rows = constraint_rows(layout, state, topology, joined)
-    own = np.sqrt((rows * rows * inverse).sum(axis=1))
-    rows = rows / np.where(own > 0.0, own, 1.0)[:, None]
+
+    rows: Array
+    left: Array
+    deficient: NDArray[np.intp]
+    joined: list[int]
+
+
+def idle_rows(layout: Layout, states: Array, topology: Topology) -> IdleRows:
+    """Reactions N that move nothing, orthonormal in energy: the last vectors of each case, G M^-1 G^T N = 0.
+
+    Rows of G are divided by the roots of their own diagonals of G M^-1 G^T, so that N does not depend on
+    units: N^T N = 1 are squares of reactions times what they would do alone, as the step weighs them.
+    """
+    joined = joined_particles(topology)
+    inverse = inverse_masses(layout, states, joined)[:, None]
+    rows = constraint_rows(layout, states, topology, joined)[:, 0]
+    own = np.sqrt((rows * rows * inverse).sum(axis=-1, keepdims=True))
+    rows = rows / np.where(own > 0.0, own, 1.0)
     left, size, _ = dense.svd(rows * np.sqrt(inverse))
-    return rows, left[:, int((size > VANISHING).sum()) :], joined
+    return IdleRows(rows, left, rows.shape[1] - (size > VANISHING).sum(axis=-1), joined)
 
 
 def shared(
@@ -256,20 +267,25 @@ def shared(
     """
     if not topology.redundant:
         return ()
-    rows, stress, joined = idle(layout, state, topology)
+    found_rows = idle_rows(layout, state[None], topology)
+    rows, joined, stress = (
+        found_rows.rows[0],
+        found_rows.joined,
+        found_rows.left[0, :, found_rows.rows.shape[1] - int(found_rows.deficient[0]) :],
+    )
     parts = norm(stress, axis=1)
-    found = []
+    result = []
     for (place, turn), first, end, name in zip(
         topology.held, topology.constraint_starts, topology.constraint_starts[1:], ideals, strict=False
     ):
         turns = end if turn == FREE else end - 1
-        found += [f"{name}.force"] if PLACE_ROWS[place] and parts[first:turns].max() > FELT else []
-        found += [f"{name}.moment"] if turn != FREE and parts[turns] > FELT else []
+        result += [f"{name}.force"] if PLACE_ROWS[place] and parts[first:turns].max() > FELT else []
+        result += [f"{name}.moment"] if turn != FREE and parts[turns] > FELT else []
     on_driven = product(rows.T, stress).reshape(len(joined), 3, -1)
     largest = float(np.abs(rows).max(initial=0.0))
     for particle, pivot, body in zip(topology.driven, pivots, driven, strict=True):
         if particle in joined:
             fx, fy, moment = np.abs(on_driven[joined.index(particle)]).max(axis=1)
-            found += [f"{pivot}.force"] if max(fx, fy) > FELT * largest else []
-            found += [f"{body}.torque"] if moment > FELT * largest else []
-    return tuple(found)
+            result += [f"{pivot}.force"] if max(fx, fy) > FELT * largest else []
+            result += [f"{body}.torque"] if moment > FELT * largest else []
+    return tuple(result)

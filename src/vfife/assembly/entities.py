@@ -232,17 +232,17 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
     a body on its pivot.
     """
     pivots = {joint.name for joint in numbering.pivots.values()}
-    points, found = spinless(mechanism), []
+    points, result = spinless(mechanism), []
     for joint in mechanism.joints.values():
         if joint.name not in pivots and not isinstance(joint, Contact):
             bearing, journal = (numbering.place(side) for side in joint.sides)
             idle = points & {side[0] for side in joint.sides}  # there is no angle to keep
-            found.append(
+            result.append(
                 Ideal(joint.name, loosened(joint.rows()) if idle else joint.rows(), bearing, journal)
             )
     for gear in mechanism.gears.values():
         ends = [(numbering.particle(body), (0.0, 0.0)) for body in (gear.first, gear.second)]
-        found.append(
+        result.append(
             Ideal(
                 gear.name,
                 gear.rows(),
@@ -255,10 +255,10 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
         function = numbering.function(motion_function(driver, 0.0, mechanism.clock))
         if driver.slider and (guided := guide_of(mechanism, driver.slider)):
             bearing, journal = (numbering.place(side) for side in guided[0].sides)
-            found.append(Ideal(name, (Along(guided[1].direction),), bearing, journal, function))
+            result.append(Ideal(name, (Along(guided[1].direction),), bearing, journal, function))
         elif driver.point:
             body, _, pin = driver.point.partition(".")
-            found.append(
+            result.append(
                 Ideal(
                     name, (Along(driver.direction),), (0, (0.0, 0.0)), numbering.place((body, pin)), function
                 )
@@ -267,20 +267,20 @@ def ideal_joints(mechanism: Mechanism, numbering: Numbering) -> list[Ideal]:
             ends = [
                 (numbering.particle(body), (0.0, 0.0)) for body in (driver.against, driven_body(name, driver))
             ]
-            found.append(Ideal(name, (Turn(),), ends[0], ends[1], function))
-    return found
+            result.append(Ideal(name, (Turn(),), ends[0], ends[1], function))
+    return result
 
 
 def contacts(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Touch]:
     """Every place where journal and bearing can touch; where a joint has several they are numbered,
     ``joint.1`` and on.
     """
-    found = []
+    result = []
     for name, joint in mechanism.contacts.items():
         bearing, journal = (numbering.place(side) for side in joint.sides)
         angles = [0.0 if side[0] == "ground" else float(motion.of(side[0])[0][2]) for side in joint.sides]
-        found += touches_of(name, joint, bearing, journal, angles[0] - angles[1])
-    return found
+        result += touches_of(name, joint, bearing, journal, angles[0] - angles[1])
+    return result
 
 
 def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned: float) -> list[Touch]:
@@ -288,11 +288,11 @@ def touches_of(name: str, joint: Contact, bearing: Place, journal: Place, turned
     the journal's, at the start.
     """
     all_of_them = joint.touchings(turned)
-    found = []
+    result = []
     for k, one in enumerate(all_of_them, start=1):
         at = (journal[0], (journal[1][0] + one.offset[0], journal[1][1] + one.offset[1]))
-        found.append(Touch(f"{name}.{k}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
-    return found
+        result.append(Touch(f"{name}.{k}" if len(all_of_them) > 1 else name, joint, bearing, at, one))
+    return result
 
 
 def spring_places(numbering: Numbering, spring: AnySpring) -> tuple[Place, Place]:
@@ -383,7 +383,7 @@ def driven_function(mechanism: Mechanism, numbering: Numbering, motion: Motion, 
 
 def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Load]:
     """Loads at pins, and torques or forces of drivers with their opposites."""
-    found = []
+    result = []
     for action in actions(mechanism, motion.datum):
         kind, *bodies = action.argument
         guide = action.guide
@@ -397,5 +397,5 @@ def loads(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> list[Lo
             numbering.travels[function] = (*first[1], *second[1], *guide.direction, guide.gap)
         for body, pin, (fx, fy, moment) in action.ends:
             place = numbering.place((body, pin)) if pin else (numbering.particle(body), (0.0, 0.0))
-            found.append(Load(place, function, (fx, fy), moment, action.follow))
-    return found
+            result.append(Load(place, function, (fx, fy), moment, action.follow))
+    return result

@@ -21,6 +21,7 @@ from ..kinematics.constraints import Constraint
 from ..kinematics.drives import standing
 from ..kinematics.forces import End, kind_of_spring, pull
 from ..kinematics.initial import ideal_motion
+from ..kinematics.rows import ConstraintRows
 from ..model.lumping import Mesh
 from ..model.mechanism import Mechanism
 from ..model.springs import AnySpring
@@ -111,7 +112,7 @@ class _Parts:
         """Particles (n, 3) as the rigid mechanism closes, at rest."""
         settings = dataclasses.replace(self.mechanism.settings, analysis="static")
         motion = ideal_motion(standing(dataclasses.replace(self.mechanism, settings=settings)))
-        found = np.zeros((self.numbering.count, 3))
+        result = np.zeros((self.numbering.count, 3))
         for name, body in self.numbering.bodies.items():
             at = motion.of(name)[0]
             s, c = sincos(at[2])
@@ -121,19 +122,19 @@ class _Parts:
                 else np.array([body.reference])
             )
             arms = product(local - np.array(body.center), np.array([[c, s], [-s, c]]))
-            found[list(body.particles)] = np.column_stack([at[:2] + arms, np.full(len(arms), at[2])])
-        return found
+            result[list(body.particles)] = np.column_stack([at[:2] + arms, np.full(len(arms), at[2])])
+        return result
 
     def _masses(self) -> Array:
-        found = np.zeros((self.numbering.count, 3))
+        result = np.zeros((self.numbering.count, 3))
         for name, body in self.numbering.bodies.items():
             own = list(body.particles)
             part = self.numbering.meshes.get(name)
-            found[own, 0] = found[own, 1] = body.mass if part is None else part.mass
-            found[own, 2] = body.inertia if part is None else part.inertia
+            result[own, 0] = result[own, 1] = body.mass if part is None else part.mass
+            result[own, 2] = body.inertia if part is None else part.inertia
         fixed = np.setdiff1d(np.arange(self.numbering.count), self.numbering.free)
-        found[fixed] = 0.0
-        return found.reshape(-1)
+        result[fixed] = 0.0
+        return result.reshape(-1)
 
     def settled(self) -> Linearised:
         """The linear mechanism, bent by its weight."""
@@ -154,19 +155,19 @@ class _Parts:
             trial.reshape(-1)[self.moving] += (
                 times(there.motions, times(vectors[:, stiff], held / values[stiff])) / root
             )
-        found, whole = self._at(position, root), norm(self._applied()[self.moving] / root)
+        result, whole = self._at(position, root), norm(self._applied()[self.moving] / root)
         multiplier = (
-            dense.least_squares((found.rows / found.sizes[:, None]).T, -found.push, RANK) / found.sizes
+            dense.least_squares((result.rows / result.sizes[:, None]).T, -result.push, RANK) / result.sizes
         )
-        weighted = self._weighted(found.stiffness + self.turning(position, multiplier), root)
-        left = norm(times(found.motions.T, found.push))
+        weighted = self._weighted(result.stiffness + self.turning(position, multiplier), root)
+        left = norm(times(result.motions.T, result.push))
         return Linearised(
             self.numbering,
             position,
             self.mass,
             self.moving,
             weighted,
-            found.motions,
+            result.motions,
             left / whole if whole > 0.0 else 0.0,
         )
 
@@ -191,8 +192,8 @@ class _Parts:
         return np.asarray(force, dtype=float)
 
     def _weighted(self, stiffness: Array, root: Array) -> Array:
-        found = stiffness[np.ix_(self.moving, self.moving)] / np.outer(root, root)
-        return np.asarray(0.5 * (found + found.T), dtype=float)
+        result = stiffness[np.ix_(self.moving, self.moving)] / np.outer(root, root)
+        return np.asarray(0.5 * (result + result.T), dtype=float)
 
     def _leave_spinning(self, position: Array) -> None:
         """Ends of elastic links that are released turn by themselves, held by nothing: they have no part in
@@ -225,34 +226,32 @@ class _Parts:
 
     def rows(self, position: Array) -> Array:
         """G (rows, 3 n)."""
-        found: list[Array] = []
-        for joint in self.joints:
-            seen = joint.rows(position, None, 1.0)
-            for a, b, c in zip(seen.a, seen.b, seen.c, strict=True):
-                row = np.zeros(position.size)
-                for body, block in ((joint.body_a, a), (joint.body_b, b), (joint.body_c, c)):
-                    row[3 * body : 3 * body + 3] += block
-                found.append(row)
-        return np.array(found).reshape(-1, position.size)
+        if not self.joints:
+            return np.zeros((0, position.size))
+        rows = ConstraintRows([self.joints], np.ones(len(self.joints)), np.ones(len(position)), single=True)
+        result = rows.dense(rows.at(position)[1])
+        return np.concatenate([np.zeros((len(result), 3)), result], axis=1)
 
     def turning(self, position: Array, multiplier: Array) -> Array:
         """-d(G^T lambda)/dq at constant lambda (3 n, 3 n): reactions keep their sizes and turn with their
         joints.
         """
-        found, first = np.zeros((position.size, position.size)), 0
+        result, first = np.zeros((position.size, position.size)), 0
         for joint in self.joints:
             own = multiplier[first : first + joint.size]
             first += joint.size
             columns = [3 * body + axis for body in (joint.body_a, joint.body_b) for axis in range(3)]
+            alone = dataclasses.replace(
+                joint, body_a=min(joint.body_a, 1), body_b=2 * min(joint.body_b, 1), body_c=0
+            )
+            rows = ConstraintRows([[alone]], np.ones(1), np.ones(3), single=True)
 
-            def pressed(at: Array, joint: Constraint = joint, own: Array = own) -> Array:
-                there = position.copy()
-                there[joint.body_a], there[joint.body_b] = at[:3], at[3:]
-                seen = joint.rows(there, None, 1.0)
-                return np.concatenate([times(np.array(seen.a).T, own), times(np.array(seen.b).T, own)])
+            def pressed(at: Array, rows: ConstraintRows = rows, own: Array = own) -> Array:
+                there = np.concatenate([np.zeros(3), at]).reshape(3, 3)
+                return np.asarray(times(rows.dense(rows.at(there)[1]).T, own))
 
-            np.add.at(found, np.ix_(columns, columns), -differences(pressed, position.reshape(-1)[columns]))
-        return found
+            np.add.at(result, np.ix_(columns, columns), -differences(pressed, position.reshape(-1)[columns]))
+        return result
 
 
 @dataclass(frozen=True)
@@ -295,7 +294,7 @@ def elements_of(part: Mesh, first: int) -> list[Element]:
     """The elements of an elastic body whose particles are numbered from ``first``; its nodes do not turn
     against it without forces.
     """
-    found = []
+    result = []
     for (a, b), length, release, axial, bending in zip(
         part.nodes, part.length, part.release, part.axial, part.bending, strict=True
     ):
@@ -310,10 +309,10 @@ def elements_of(part: Mesh, first: int) -> list[Element]:
         }[release]
         dx, dy = (part.position[b] - part.position[a]).tolist()
         rest = -float(atan2(dy, dx))
-        found.append(
+        result.append(
             Element(first + int(a), first + int(b), float(length), float(axial), np.array(held), (rest, rest))
         )
-    return found
+    return result
 
 
 def null_space(rows: Array) -> Array:
@@ -326,14 +325,14 @@ def null_space(rows: Array) -> Array:
 
 def differences(function: Callable[[Array], Array], at: Array) -> Array:
     """d function/d at by central differences of fourth order, (values, len(at))."""
-    found = []
+    result = []
     for step in np.eye(len(at)) * CHANGE:
         near, far = (
             function(at + step) - function(at - step),
             function(at + 2.0 * step) - function(at - 2.0 * step),
         )
-        found.append((8.0 * near - far) / (12.0 * CHANGE))
-    return np.array(found).T
+        result.append((8.0 * near - far) / (12.0 * CHANGE))
+    return np.array(result).T
 
 
 def pulled_at(spring: AnySpring, start: float, at: Array, ends: Sequence[Place]) -> Array:
@@ -344,10 +343,10 @@ def pulled_at(spring: AnySpring, start: float, at: Array, ends: Sequence[Place])
         End("", "", _seen(one, place), float(one[2]), (0.0, 0.0, 0.0))
         for one, (_, place) in zip((at[:3], at[3:]), ends, strict=True)
     ]
-    found = []
+    result = []
     for one, pin, (fx, fy, moment) in zip((at[:3], at[3:]), pins, pull(spring, start, pins), strict=True):
-        found += [fx, fy, moment + (pin.at[0] - one[0]) * fy - (pin.at[1] - one[1]) * fx]
-    return np.array(found, dtype=float)
+        result += [fx, fy, moment + (pin.at[0] - one[0]) * fy - (pin.at[1] - one[1]) * fx]
+    return np.array(result, dtype=float)
 
 
 def _near(angle: float) -> float:

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ..errors import AssemblyError
+from ..errors import AssemblyError, VfifeError
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
-from ..kinematics.full_turn import FullTurn, full_turn
-from ..kinematics.initial import Motion, ideal_motion
+from ..kinematics.full_turn import FullTurn, full_turns
+from ..kinematics.initial import Motion, attempt, ideal_motion, ideal_motions
 from ..kinematics.linalg import DENSE
 from ..kinematics.passage import Jam, Singular, passage, unclosed
 from ..model.bodies import Frame, Link
@@ -49,36 +50,71 @@ class Outlook:
 KNOWN: OrderedDict[tuple[str, float], Outlook] = OrderedDict()
 
 
-def outlook(
-    mechanism: Mechanism,
-    turns: float | None = None,
-    duration: float | None = None,
-    neighbour: Outlook | None = None,
-) -> Outlook:
+def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Outlook:
     """Follows the ideal mechanism through a run. AssemblyError where it jams and neither play nor elastic
     links can bridge what opens.
 
     Nothing is said of mechanisms that their drivers do not determine, of more than some 30 bodies, nor of a
-    static analysis. ``neighbour``: the outlook of a mechanism that differs in numbers alone, with which a
-    turn of a crank is looked at as a whole; only where that leaves doubt is it followed.
+    static analysis.
     """
-    doubts = suspects(mechanism)
-    driven = any(driver.moves for driver in mechanism.drivers.values())
-    if mechanism.settings.analysis == "static" or not driven or 3 * len(mechanism.bodies) > DENSE:
-        return Outlook(doubts)
+    if not _followable(mechanism):
+        return Outlook(suspects(mechanism))
     length = length_of(mechanism, turns, duration, turn_of(mechanism))
-    if neighbour is not None:
-        return _followed(mechanism, length, doubts, neighbour)
     key = _key(mechanism, length)
-    found = KNOWN.get(key) if key is not None else None
-    if found is not None:
-        return found
-    found = _followed(mechanism, length, doubts)
+    result = KNOWN.get(key) if key is not None else None
+    if result is not None:
+        return result
+    result = _followed(mechanism, length, attempt(ideal_motion, mechanism))
     if key is not None:
-        KNOWN[key] = found
+        KNOWN[key] = result
         if len(KNOWN) > MOST_KNOWN:
             KNOWN.popitem(last=False)
-    return found
+    return result
+
+
+def outlooks(mechanisms: Sequence[Mechanism], turns: float, neighbour: Outlook) -> list[Outlook | VfifeError]:
+    """The same of each of many mechanisms, the error of one that jams in its place. Starts of one structure
+    are solved at once.
+
+    ``neighbour``: the outlook of a mechanism that may differ from them in numbers alone. With it a turn of a
+    crank is looked at as a whole, and only where that leaves doubt is it followed.
+    """
+    which = [k for k, one in enumerate(mechanisms) if _followable(one)]
+    motions = dict(zip(which, ideal_motions([mechanisms[k] for k in which]), strict=True))
+    solved = {k: one for k, one in motions.items() if isinstance(one, Motion)}
+    known = {
+        k: neighbour.turn
+        for k, one in solved.items()
+        if neighbour.through and neighbour.motion and _moves_alike(one, neighbour.motion)
+    }
+    speeds = {k: speed for k in solved if k not in known and (speed := _one_speed(mechanisms[k]))}
+    result = full_turns([solved[k] for k in speeds], list(speeds.values()), neighbour.turn)
+    clear = known | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
+    answers: list[Outlook | VfifeError] = []
+    for k, mechanism in enumerate(mechanisms):
+        if k in clear:
+            answers.append(
+                Outlook((*suspects(mechanism), *turned(mechanism, solved[k])), True, solved[k], clear[k])
+            )
+        elif k in motions:
+            answers.append(
+                attempt(
+                    _followed,
+                    mechanism,
+                    length_of(mechanism, turns, None, turn_of(mechanism)),
+                    motions[k],
+                    neighbour.turn,
+                )
+            )
+        else:
+            answers.append(Outlook(suspects(mechanism)))
+    return answers
+
+
+def _followable(mechanism: Mechanism) -> bool:
+    """Whether anything is said of a mechanism."""
+    driven = any(driver.moves for driver in mechanism.drivers.values())
+    return mechanism.settings.analysis != "static" and driven and 3 * len(mechanism.bodies) <= DENSE
 
 
 def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
@@ -92,33 +128,22 @@ def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
 
 
 def _followed(
-    mechanism: Mechanism, length: float, doubts: tuple[str, ...], neighbour: Outlook | None = None
+    mechanism: Mechanism, length: float, motion: Motion | VfifeError, before: FullTurn | None = None
 ) -> Outlook:
-    """The outlook of a mechanism that is driven for so long (s)."""
-    try:
-        motion = ideal_motion(mechanism)
-    except ValueError as error:
-        if isinstance(error, AssemblyError) and error.gaps:
-            lengths = _lengths(unclosed(mechanism, error, length))
-            least = f". One length that would do: {lengths}" if lengths else ""
-            as_it_is = "As it is, " if doubts else ""
-            raise AssemblyError(
-                " ".join((*doubts, f"{as_it_is}{error}{least}")), error.joints, error.gaps
-            ) from None
+    """The outlook of a mechanism that is driven for so long (s) from the motion of its start."""
+    doubts = suspects(mechanism)
+    if isinstance(motion, AssemblyError) and motion.gaps:
+        lengths = _lengths(unclosed(mechanism, motion, length))
+        least = f". One length that would do: {lengths}" if lengths else ""
+        as_it_is = "As it is, " if doubts else ""
+        raise AssemblyError(" ".join((*doubts, f"{as_it_is}{motion}{least}")), motion.joints, motion.gaps)
+    if isinstance(motion, VfifeError):
         return Outlook(doubts)  # told where the run is assembled
     notes = (*doubts, *turned(mechanism, motion))
-    if neighbour is not None:
-        if neighbour.through and neighbour.motion is not None and _moves_alike(motion, neighbour.motion):
-            return Outlook(notes, True, motion, neighbour.turn)
-        speed = _one_speed(mechanism)
-        turn = full_turn(motion, speed, neighbour.turn) if speed else None
-        if turn is not None:
-            return Outlook(notes, True, motion, turn)
     jam, passed = passage(
         mechanism, max(length, turn_of(mechanism) or 0.0), motion
     )  # the reference takes a whole turn
     notes = (*notes, *singular(mechanism, tuple(one for one in passed if one.time <= length)))
-    before = None if neighbour is None else neighbour.turn
     if jam is None or jam.time > length:
         return Outlook(notes, jam is None, motion, before)
     bridge = bridged(mechanism, jam)
@@ -228,18 +253,18 @@ def turned(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
     """Bodies that had to turn far from their approximate angles to close the mechanism, which may be the
     mirror image of what is meant.
     """
-    found = []
+    result = []
     points = spinless(mechanism)
     for name, body in mechanism.bodies.items():
         off = math.remainder(motion.of(name)[0][2] - body.angle, 2.0 * math.pi)
         if body.angle and abs(off) > FAR and name not in points:
             start = math.remainder(body.angle, 2.0 * math.pi)
-            found.append(f"{name} from {math.degrees(start):.4g}° to {math.degrees(start + off):.4g}°")
-    if not found:
+            result.append(f"{name} from {math.degrees(start):.4g}° to {math.degrees(start + off):.4g}°")
+    if not result:
         return ()
     return (
         (
-            f"To close the mechanism, {' and '.join(found)} had to be turned: is this its mirror image?"
+            f"To close the mechanism, {' and '.join(result)} had to be turned: is this its mirror image?"
             " Approximate angles choose the branch."
         ),
     )
@@ -251,16 +276,16 @@ def _drivers(mechanism: Mechanism) -> list[str]:
 
 def _place(mechanism: Mechanism, aims: tuple[float, ...]) -> str:
     """Values of the drivers, as in "crank angle 112°"."""
-    drivers, found = mechanism.drivers, []
+    drivers, result = mechanism.drivers, []
     by_body = {driven_body(name, driver) or name: driver for name, driver in drivers.items()}
     for name, value in zip(_drivers(mechanism), aims, strict=True):
         driver = by_body.get(name) or drivers[name]
         if driver.along:
-            found.append(f"{driver.slider or driver.point} at {1e3 * value:.4g} mm")
+            result.append(f"{driver.slider or driver.point} at {1e3 * value:.4g} mm")
         else:
             degrees = round(math.degrees(value), 1)
-            found.append(f"{driven_body(name, driver)} angle {degrees % 360.0:.5g}°")
-    return " and ".join(found)
+            result.append(f"{driven_body(name, driver)} angle {degrees % 360.0:.5g}°")
+    return " and ".join(result)
 
 
 def _lengths(lengths: tuple[tuple[str, float, float], ...]) -> str:

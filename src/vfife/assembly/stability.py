@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from ..compiler.trace.tables import tables
 from ..kernels import frame
 from ..kernels.arrays import CONSTRAINT, Layout
-from ..kernels.constraint import levers
-from ..kernels.topology import PINNED, Topology
+from ..kernels.topology import ON_PATH, PINNED, Topology
+from ..kinematics.taylor import KERNEL
 from ..laws.elasticity import elastic_energy, tangent
 from ..numerics import dense
 from ..numerics.elementwise import hypot, sincos
@@ -99,15 +99,15 @@ def element_stiffness(layout: Layout, state: Array, topology: Topology) -> Eleme
 
 def held(layout: Layout, state: Array, topology: Topology, contacts: Sequence[float]) -> Held:
     """That of all springs, and of contacts of the given stiffness (N/m)."""
-    found = Held(*(np.zeros(topology.particles) for _ in range(3)))
+    result = Held(*(np.zeros(topology.particles) for _ in range(3)))
     springs = [spring_stiffness(layout, state, index) for index in range(len(topology.spring_first))]
     for kind, entries in (("spring", springs), ("contact", [(value, 0.0) for value in contacts])):
         for index, (straight, about) in enumerate(entries):
             for body, square in _arms(layout, state, topology, kind, index):
-                found.straight[body] += straight
-                found.levers[body] += straight * square
-                found.about[body] += about
-    return found
+                result.straight[body] += straight
+                result.levers[body] += straight * square
+                result.about[body] += about
+    return result
 
 
 def spring_stiffness(layout: Layout, state: Array, index: int) -> tuple[Any, Any]:
@@ -118,11 +118,11 @@ def spring_stiffness(layout: Layout, state: Array, index: int) -> tuple[Any, Any
 
 def _arms(layout: Layout, state: Array, topology: Topology, kind: str, index: int) -> list[tuple[int, Any]]:
     """The two bodies of a spring or contact, and the square of its arm on each (m^2)."""
-    found = []
+    result = []
     for side in ("first", "second") if kind == "spring" else ("bearing", "journal"):
         x, y = (float(state[layout.row(f"{kind}_{side}_{axis}", index)]) for axis in "xy")
-        found.append((getattr(topology, f"{kind}_{side}")[index], x * x + y * y))
-    return found
+        result.append((getattr(topology, f"{kind}_{side}")[index], x * x + y * y))
+    return result
 
 
 @dataclass(frozen=True)
@@ -231,7 +231,7 @@ def contact_stiffness(
     """Tangent (N/m) of each contact's law under twice the force that it is expected to carry, and the
     mobility (1/kg) that it meets.
     """
-    found = []
+    result = []
     for index, touch in enumerate(touches):
         law = touch.joint.contact
         slots = slots_of(layout, state, topology, index, len(law.slots))
@@ -239,8 +239,8 @@ def contact_stiffness(
         force = 2.0 * expected.get(touch.joint.name, 0.0) or _impact_force(
             law, slots, state, layout, mobility
         )
-        found.append((tangent(law, slots, force)[1], mobility))
-    return found
+        result.append((tangent(law, slots, force)[1], mobility))
+    return result
 
 
 def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) -> list[float]:
@@ -280,7 +280,7 @@ def spring_limits(
     layout: Layout, state: Array, topology: Topology, names: Sequence[str], load: Demands
 ) -> Limits:
     """Stable step (s) of each spring: along its axes, and about the axis of the plane."""
-    ii, found = state[layout["particle_inverse_inertia"]], []
+    ii, result = state[layout["particle_inverse_inertia"]], []
     for index, (first, second) in enumerate(zip(topology.spring_first, topology.spring_second, strict=True)):
         straight, turning = spring_stiffness(layout, state, index)
         along = (
@@ -291,22 +291,24 @@ def spring_limits(
         about = load.turning[first] * ii[first] + load.turning[second] * ii[second] if turning > 0.0 else 0.0
         square = max(along, float(about))
         if square > 0.0:
-            found.append((f"spring {names[index] if names else index + 1}", 2.0 / math.sqrt(square)))
-    return found
+            result.append((f"spring {names[index] if names else index + 1}", 2.0 / math.sqrt(square)))
+    return result
 
 
-def arm_limits(layout: Layout, state: Array, topology: Topology, names: Sequence[str]) -> Limits:
+def arm_limits(
+    layout: Layout, state: Array, topology: Topology, names: Sequence[str], turning: float | None = None
+) -> Limits:
     """Steps (s) beyond which ideal joints far outside a light body's radius of gyration k may not be closed
     any more.
 
     A correction turns an arm r by what it would be worth at the present angle. In a step the body turns by w
     dt; an error across the arm leaves one along it, (r/k)^2 w dt as large, and that is one across it a step
     later, w dt as large: in all (w dt r/k)^2. In a chain one joint's error is also the next one's, and in the
-    place of (r/k)^2 stands what ``turning_error`` has of the start. Both at the fastest turning of the start:
-    what a run comes to later is not known here.
+    place of (r/k)^2 stands ``turning``, that of :func:`turning_errors` at the start. Both at the fastest
+    turning of the start: what a run comes to later is not known here.
     """
     spin = float(np.abs(state[layout["particle_w"]]).max(initial=0.0))
-    found = []
+    result = []
     for k, name in enumerate(names):
         for side, bodies in (("bearing", topology.joint_bearing), ("journal", topology.joint_journal)):
             mass, inertia = (
@@ -315,74 +317,105 @@ def arm_limits(layout: Layout, state: Array, topology: Topology, names: Sequence
             )
             arm = hypot(*(state[layout.row(f"joint_{side}_{axis}", k)] for axis in "xy"))
             if mass > 0.0 and inertia > 0.0 and arm * spin > 0.0:
-                found.append(
+                result.append(
                     (
                         f"small inertia on an arm at joint {name}",
                         CLOSED * math.sqrt(mass / inertia) / (arm * spin),
                     )
                 )
-    growth = spin * math.sqrt(turning_error(layout, state, topology)) if found else 0.0
+    growth = (
+        spin * math.sqrt(turning_errors(layout, state[None], topology)[0] if turning is None else turning)
+        if result
+        else 0.0
+    )
     if growth > 0.0:
-        found.append(("small inertia on arms of several joints", CLOSED / growth))
-    return found
+        result.append(("small inertia on arms of several joints", CLOSED / growth))
+    return result
 
 
-def turning_error(layout: Layout, state: Array, topology: Topology) -> Any:
+SMALL_TURN = 1e-6  # rad, between rows whose difference is their change with the angle
+
+
+def turning_errors(layout: Layout, states: Array, topology: Topology) -> Array:
     """Growth of an error of the reactions in two steps over the square of the angle (rad) by which all bodies
     turn in one: (r/k)^2 for one arm.
 
     It is the spectral radius of (G M^-1 G^T)^-1 dG M^-1 G^T Q, with the constraints G, their change dG with
-    the angle, and the quarter turn Q of the forces of joints, which stay in space while the bodies turn.
+    the angle, and the quarter turn Q of the forces of joints, which stay in space while the bodies turn; of
+    each of the states [cases, rows].
     """
-    joined = sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
-    inverse = np.stack(
-        [state[layout[f"particle_inverse_{kind}"]][joined] for kind in ("mass", "mass", "inertia")], axis=-1
-    ).reshape(1, -1)
-    turn = 1e-6
-    now, before, after = (
-        constraint_rows(layout, state, topology, joined, angle) for angle in (0.0, -turn, turn)
+    joined = joined_particles(topology)
+    inverse = inverse_masses(layout, states, joined)[:, None]
+    now, before, after = np.moveaxis(
+        constraint_rows(layout, states, topology, joined, (0.0, -SMALL_TURN, SMALL_TURN)), 1, 0
     )
-    there = now.T
+    there = np.swapaxes(now, -1, -2)
     left = product(
         dense.pinv(product(now * inverse, there), 1e-10),
-        product((after - before) / (2.0 * turn) * inverse, there),
+        product((after - before) / (2.0 * SMALL_TURN) * inverse, there),
     )
-    quarter = np.zeros(left.shape)
+    quarter = np.zeros(left.shape[-2:])
     for (place, _), first in zip(topology.held, topology.constraint_starts, strict=False):
         if place == PINNED:
             quarter[first, first + 1], quarter[first + 1, first] = -1.0, 1.0
-    return float(dense.eigenvalue_sizes(product(left, quarter)).max(initial=0.0))
+    return np.asarray(dense.eigenvalue_sizes(product(left, quarter)).max(axis=-1, initial=0.0))
+
+
+def joined_particles(topology: Topology) -> list[int]:
+    """The particles that constraints join, in order."""
+    return sorted({*topology.joint_bearing, *topology.joint_journal, *topology.carriers})
+
+
+def inverse_masses(layout: Layout, states: Array, particles: Sequence[int]) -> Array:
+    """1/m, 1/m and 1/I of particles one after the other [cases, 3 particles]."""
+    parts = [
+        states[:, layout[f"particle_inverse_{kind}"]][:, particles] for kind in ("mass", "mass", "inertia")
+    ]
+    return np.stack(parts, axis=-1).reshape(len(states), -1)
 
 
 def constraint_rows(
-    layout: Layout, state: Array, topology: Topology, joined: Sequence[int], turn: float = 0.0
-) -> Any:
-    """Rows of all constraints on (x, y, theta) of the joined particles, as the step has them, all bodies
-    turned by an angle (rad).
+    layout: Layout, states: Array, topology: Topology, joined: Sequence[int], turns: Sequence[float] = (0.0,)
+) -> Array:
+    """Rows of all constraints on (x, y, theta) of the joined particles [cases, turns, rows, 3 particles], as
+    the step has them.
+
+    In each of ``turns`` all bodies are turned by that angle (rad). It is the text of the step, run on arrays
+    of all cases and turns; on those of one case and turn where a pin is on a path, whose pieces are chosen by
+    its place.
     """
-    integers, _, rows = tables(topology)
-    S = [*state.tolist(), *([0.0] * (rows - layout.rows))]
-    angle = np.where(np.arange(topology.particles) > 0, state[layout["particle_theta"]] + turn, 0.0)[
-        list(topology.bound)
-    ]
+    starts, result = (
+        topology.constraint_starts,
+        np.zeros((topology.constraint_starts[-1], len(joined), 3, len(states), len(turns))),
+    )
+    if ON_PATH in topology.joint_place and result.shape[3:] != (1, 1):
+        alone = [
+            [constraint_rows(layout, state[None], topology, joined, (turn,))[0, 0] for turn in turns]
+            for state in states
+        ]
+        return np.array(alone).reshape(len(states), len(turns), -1, 3 * len(joined))
+    integers, _, count = tables(topology)
+    S: list[Any] = [*np.ascontiguousarray(states.T)[:, :, None], *([0.0] * (count - layout.rows))]
+    angle = states[:, None, layout["particle_theta"]] + np.reshape(turns, (-1, 1))
+    angle = np.where(np.arange(topology.particles) > 0, angle, 0.0)[..., list(topology.bound)]
     for name, values in zip(("s", "c"), sincos(angle), strict=True):
-        for row, value in zip(layout[name].tolist(), values.tolist(), strict=True):
+        for row, value in zip(layout[name].tolist(), np.moveaxis(values, -1, 0), strict=True):
             S[row] = value
-    levers(S, [int(value) for value in integers])
-    starts, found = topology.constraint_starts, np.zeros((topology.constraint_starts[-1], len(joined), 3))
+    KERNEL.levers(S, integers.tolist())
     for joint, (bearing, journal, carrier) in enumerate(
         zip(topology.joint_bearing, topology.joint_journal, topology.carriers, strict=True)
     ):
-        for k in range(starts[joint], starts[joint + 1]):
-            row = layout.record("constraint", k)
+        b, k, c = (joined.index(particle) for particle in (bearing, journal, carrier))
+        for q in range(starts[joint], starts[joint + 1]):
+            row = layout.record("constraint", q)
             nx, ny, jb, jk, jc = (
                 S[row + field]
                 for field in (CONSTRAINT.nx, CONSTRAINT.ny, CONSTRAINT.jb, CONSTRAINT.jk, CONSTRAINT.jc)
             )
-            found[k, joined.index(bearing)] -= (nx, ny, jb)
-            found[k, joined.index(journal)] += (nx, ny, jk)
-            found[k, joined.index(carrier), 2] -= jc
-    return found.reshape(len(found), -1)
+            for own, values in ((b, (-nx, -ny, -jb)), (k, (nx, ny, jk)), (c, (0.0, 0.0, -jc))):
+                for axis, value in enumerate(values):
+                    result[q, own, axis] += value
+    return np.moveaxis(result, (3, 4), (0, 1)).reshape(len(states), len(turns), len(result), -1)
 
 
 def _impact_force(

@@ -115,13 +115,13 @@ def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) ->
 
 
 def prescribed_limits(
-    found: Iterator[Prescribed], share: float, turn_steps: float
+    result: Iterator[Prescribed], share: float, turn_steps: float
 ) -> list[tuple[str, float]]:
     """Largest step (s) at which each is missed by no more than ``share`` of its largest value, and
     ``turn_steps`` are left to a turn; inf else.
     """
     limits = []
-    for one in found:
+    for one in result:
         step = _missed_at(one, share) / one.pace
         rate = float(np.abs(_times_of(one)[1][:, 1]).max(initial=0.0)) if math.isfinite(one.reach) else 0.0
         limits.append(
@@ -162,13 +162,13 @@ def _missed_at(one: Prescribed, share: float) -> float:
     def missed(step: float) -> bool:
         return _miss(one, times, values, kinks, step) > share
 
-    found, step, resolved = math.inf, longest, 0
+    result, step, resolved = math.inf, longest, 0
     while step > SHORTEST * span and resolved < SEVERAL:  # a step of a whole wave misses nothing of it
-        found, resolved = (step, 0) if missed(step) else (found, resolved + math.isfinite(found))
+        result, resolved = (step, 0) if missed(step) else (result, resolved + math.isfinite(result))
         step *= 0.5
-    if not math.isfinite(found):
+    if not math.isfinite(result):
         return longest if len(apart) else math.inf
-    low, high = 0.5 * found, found
+    low, high = 0.5 * result, result
     for _ in range(SPLITS):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if missed(middle) else (middle, high)
@@ -238,7 +238,8 @@ class StepModel:
     """A mechanism in the arrays that its step depends on.
 
     ``owners``: the body of each element; ``ideals``: names of ideal joints; ``expected``: largest force (N)
-    of each joint; ``free``: motions that are left to a driven mechanism.
+    of each joint; ``free``: motions that are left to a driven mechanism; ``turning`` is that of
+    :func:`~.stability.turning_errors`, where it is known.
     """
 
     mechanism: Mechanism
@@ -250,6 +251,7 @@ class StepModel:
     ideals: Sequence[str] = ()
     expected: Mapping[str, float] = field(default_factory=dict)
     free: int = 0
+    turning: float | None = None
 
 
 @dataclass(frozen=True)
@@ -299,27 +301,27 @@ def bounds(model: StepModel) -> Bounds:
     contacts = contact_stiffness(model.touches, layout, state, topology, model.expected)
     return Bounds(
         _limits(model, contacts),
-        arm_limits(layout, state, topology, model.ideals),
+        arm_limits(layout, state, topology, model.ideals, model.turning),
         contact_periods(model.touches, contacts),
     )
 
 
 def chosen(
     settings: Settings,
-    found: Bounds,
+    result: Bounds,
     times: Times,
     told: Callable[[], Iterator[Prescribed]],
     request: StepRequest,
 ) -> StepChoice:
     """The step within bounds, of a run of such times in which bodies are ``told`` to move."""
     turn, length, own, contact_steps = times.turn, times.length, times.own, request.contact_steps
-    limits = found.parts + sorted(found.arms, key=lambda entry: entry[1])[:1]
+    limits = result.parts + sorted(result.arms, key=lambda entry: entry[1])[:1]
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
     wanted: float | Literal["auto"] | str = settings.step if request.step is None else request.step
     per = request.outputs or settings.outputs
     if wanted == "auto":
         largest = SAFETY * stable
-        for name, half in found.periods:
+        for name, half in result.periods:
             accurate = half / contact_steps
             largest, culprit = min(
                 (largest, culprit),

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..assembly.assemble import Reassembler, assemble
 from ..assembly.assembled import Assembly
 from ..errors import VfifeError
+from ..kinematics.initial import attempt
 from ..measures.guides import point_motion
 from ..measures.motion import times
 from ..model.functions import turn_of
@@ -25,7 +26,8 @@ from ..results.series import Column, columns
 from ..results.view import View, standing
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
-from ..studies.engine.cases import CaseModel, Cases, NoLane, Numbers, Wanted
+from ..studies.engine.cases import CaseModel, Cases, NoLane, Numbers
+from ..studies.engine.lanes import Wanted
 from .timing import Timing
 
 Array = NDArray[np.float64]
@@ -119,8 +121,12 @@ class FitCases(Cases):
         super().__init__(base, Wanted(("*",), 1))
         self.timing = timing
 
-    def make(self, numbers: Numbers) -> CaseModel:
-        """A mechanism with other numbers, assembled."""
+    def make_all(self, numbers: Sequence[Numbers]) -> list[CaseModel | VfifeError | None]:
+        """Models of cases one after the other."""
+        return [attempt(self.model_of, one) for one in numbers]
+
+    def model_of(self, numbers: Numbers) -> CaseModel:
+        """A mechanism with other numbers, assembled. Raises VfifeError."""
         mechanism, timing = self.mechanism(numbers), self.timing
         turn = turn_of(mechanism)
         run: dict[str, Any] = {"outputs": timing.outputs, "force_step": True}
@@ -139,7 +145,7 @@ class FitCases(Cases):
             CaseModel, self.model({path: value for path, value in numbers.items() if path not in clearance})
         )
         found = self.reassembled(model, clearance) if clearance else model.assembly
-        return found if found is not None else self.make(numbers).assembly
+        return found if found is not None else self.model_of(numbers).assembly
 
 
 class Curves:

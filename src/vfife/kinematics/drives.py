@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError, VfifeError
+from ..kernels.constraint import relative_turn
 from ..model.bodies import PointMass
 from ..model.drivers import AngleTable, Driver
 from ..model.functions import carrier_of, motion_function
@@ -17,7 +18,7 @@ from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
 from ..model.rows import Across, Along, Guided, Turn, place_row, turn_row
 from ..numerics.scalar import hypot
-from .constraints import KERNEL, Constraint
+from .constraints import Constraint
 from .forces import Datum, driven_body
 from .pins import from_center
 from .system import RigidSystem
@@ -29,17 +30,17 @@ def kinematic_drivers(mechanism: Mechanism) -> dict[str, Driver]:
     """Drivers that turn a body about its ideal pivot on the ground, by body. AssemblyError where two turn the
     same one.
     """
-    found: dict[str, Driver] = {}
+    result: dict[str, Driver] = {}
     for name, driver in mechanism.drivers.items():
         body = driven_body(name, driver)
         if not driver.moves or not body or driver.against != "ground":
             continue
-        if body in found:
+        if body in result:
             raise AssemblyError(
                 f"driver {name!r} turns body {body!r}, which another driver turns already; remove one of them"
             )
-        found[body] = driver
-    return found
+        result[body] = driver
+    return result
 
 
 def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
@@ -73,19 +74,19 @@ def standing(mechanism: Mechanism) -> Mechanism:
 
 def pivot_of(mechanism: Mechanism, body: str) -> Joint:
     """The ideal revolute to the ground about which a driven body turns."""
-    found = [
+    result = [
         joint
         for joint in mechanism.joints.values()
         if joint.revolves
         and not isinstance(joint, Contact)
         and {body, "ground"} == {side[0] for side in joint.sides}
     ]
-    if len(found) != 1:
+    if len(result) != 1:
         raise AssemblyError(
             f"the driver of body {body!r} needs exactly one ideal joint between {body!r} and the ground to"
-            f" turn it about; there are {len(found)}"
+            f" turn it about; there are {len(result)}"
         )
-    return found[0]
+    return result[0]
 
 
 def rigid_system(
@@ -145,11 +146,8 @@ def _joint(
 
 def _gear(mechanism: Mechanism, names: tuple[str, ...], gear: Gear) -> Constraint:
     carrier = carrier_of(mechanism, gear)
-    offset = KERNEL.relative_turn(
-        *(_angle(mechanism, body) for body in (gear.first, gear.second)),
-        gear.ratio,
-        _angle(mechanism, carrier),
-    )
+    first, second = (_angle(mechanism, body) for body in (gear.first, gear.second))
+    offset = relative_turn(first, second, gear.ratio, _angle(mechanism, carrier))
     ends = names.index(gear.first), names.index(gear.second)
     return Constraint(gear.name, *ends, gear.rows(), aim=offset, body_c=names.index(carrier))
 
@@ -204,11 +202,11 @@ def travel_of(
 ) -> Constraint:
     """The place of a slider along its guide, or of a point along a direction of space, as a constraint."""
     if driver.slider:
-        found = guide_of(mechanism, driver.slider)
-        if found is None:
+        result = guide_of(mechanism, driver.slider)
+        if result is None:
             sliders = ", ".join(key for key in mechanism.joints if guide_of(mechanism, key)) or "none"
             raise AssemblyError(f"driver {name!r}: {driver.slider!r} is no slider; there are {sliders}")
-        joint, guide = found
+        joint, guide = result
         (a, pin_a), (b, pin_b) = joint.sides
         ends = (
             names.index(a),

@@ -23,10 +23,9 @@ from ..model.mechanism import Mechanism
 from ..numerics import dense
 from ..numerics.elementwise import cos
 from .drives import constraint_drivers, kinematic_drivers
-from .gathered import Gathered
 from .initial import Motion
 from .linalg import DENSE, dependent_rows
-from .system import RigidSystem
+from .system import RigidSystem, of_bodies
 
 Array = NDArray[np.float64]
 
@@ -67,7 +66,7 @@ class Passage:
 class Follower:
     """A determined system on its way: rows and columns that count, and what they were at the last position."""
 
-    gathered: Gathered
+    system: RigidSystem
     rows: NDArray[np.intp]
     columns: NDArray[np.intp]
     extent: float
@@ -78,16 +77,14 @@ class Follower:
         """None where drives and joints do not determine every motion that a joint feels, or hold one twice
         with the drives.
         """
-        gathered = Gathered(system)
-        if not system.drives or not gathered.rows or gathered.columns > DENSE:
+        if not system.drives or position.size > DENSE:
             return None
-        kept = gathered.aimed(np.array([drive.aim for drive in system.drives]))
         aside = position + 0.1 * cos(np.arange(position.size)).reshape(position.shape) * np.array(
             [1.0, 1.0, 1.0]
         )
-        felt = np.flatnonzero(np.abs(gathered.at(aside, kept)[1]).max(axis=0) > 0.0)
-        jacobian = gathered.at(position, kept)[1][:, felt]
-        rows = np.arange(gathered.rows)
+        felt = np.flatnonzero(np.abs(system.dense_rows(aside, system.aims)[1]).max(axis=0) > 0.0)
+        jacobian = system.dense_rows(position, system.aims)[1][:, felt]
+        rows = np.arange(system.starts[-1])
         if len(rows) > len(felt):
             twice = dependent_rows(jacobian)
             if any(row >= system.held for row in twice):
@@ -95,10 +92,10 @@ class Follower:
             rows = np.setdiff1d(rows, twice)
         if len(rows) != len(felt) or dense.singular_values(jacobian[rows])[-1] < 1e-6:
             return None
-        whole = len(rows) == gathered.rows and len(felt) == gathered.columns - 3
+        whole = len(rows) == system.starts[-1] and len(felt) == position.size - 3
         picked = (slice(None), slice(None)) if whole else np.ix_(rows, felt)
         return cls(
-            gathered,
+            system,
             rows,
             felt,
             max(float(system.reach[1:].max()), float(np.abs(position[:, :2]).max())),
@@ -109,9 +106,9 @@ class Follower:
         """The position near a guess, and its square matrix, which ``quick`` is that of a position next to it;
         None where Newton's method does not close it.
         """
-        position, kept, best = guess, self.gathered.aimed(aims), math.inf
+        position, best = guess, math.inf
         for _ in range(NEWTON):
-            phi, jacobian = self.gathered.at(position, kept)
+            phi, jacobian = self.system.dense_rows(position, aims)
             size, square = float(np.abs(phi[self.rows]).max()), jacobian[self.picked]
             if size <= CLOSED * self.extent:
                 return (position, square) if np.abs(phi).max() <= 1e3 * CLOSED * self.extent else None
@@ -125,7 +122,7 @@ class Follower:
             if (
                 quick
                 and size <= QUICK * self.extent
-                and len(self.rows) == self.gathered.rows
+                and len(self.rows) == self.system.starts[-1]
                 and self.moved(step) <= NEAR * self.extent
             ):
                 return position, square  # squared by this step; the matrix is as near as the position was
@@ -142,12 +139,12 @@ class Follower:
 
     def moved(self, step: Array) -> float:
         """Size of a step: the largest coordinate in (x, y, l theta)."""
-        return float(np.abs(step.ravel() * self.gathered.reach).max())
+        return float(np.abs(step[1:].ravel() * self.system.metric[0]).max())
 
     def velocity(self, square: Array, rate: Array) -> Array | None:
         """dq/ds for drives that move at ``rate`` [d]."""
-        right = np.zeros(self.gathered.rows)
-        right[self.gathered.driven] = self.gathered.scale * rate
+        right = np.zeros(self.system.starts[-1])
+        right[self.system.held :] = self.system.drive_lengths * rate
         return self.solved_freely(square, right[self.rows])
 
     def solved_freely(self, square: Array, right: Array) -> Array | None:
@@ -156,14 +153,14 @@ class Follower:
             answer = dense.solve(square, right)
         except np.linalg.LinAlgError:
             return None
-        step = np.zeros(self.gathered.columns)
-        step[3 + self.columns] = answer
-        return (step / self.gathered.reach).reshape(-1, 3)
+        step = np.zeros(len(self.system.metric[0]))
+        step[self.columns] = answer
+        return of_bodies(step / self.system.metric[0])
 
     def stress(self, square: Array) -> Array:
         """The multipliers [rows] that come nearest to loading nothing, the largest 1."""
         left = dense.svd(square)[0][:, -1]
-        stress = np.zeros(self.gathered.rows)
+        stress = np.zeros(self.system.starts[-1])
         stress[self.rows] = np.abs(left) / np.abs(left).max()
         return stress
 
@@ -178,7 +175,7 @@ def follow(
     if start is None:
         return Passage(0.0, position, False, None, ())
     (here, square), at = start, 0.0
-    found: list[tuple[float, Array]] = []
+    result: list[tuple[float, Array]] = []
     sign = dense.determinant_sign(square)
     going, bend, stride = (
         follower.velocity(square, rates(0.0)),
@@ -189,7 +186,7 @@ def follow(
         if at >= length * (1.0 - 1e-12):
             break
         if going is None:
-            return Passage(at, here, True, follower.stress(square), tuple(found))
+            return Passage(at, here, True, follower.stress(square), tuple(result))
         stride = min(stride, length - at)
         guess = here + stride * going + 0.5 * (stride * stride) * bend
         tried = follower.closed(
@@ -213,13 +210,13 @@ def follow(
             stride *= 0.5
         else:
             beyond = _hopped(follower, here, going, bend, at, aims, length)
-            if beyond is None or len(found) == MOST_TOLD:
-                return Passage(at, here, beyond is None, follower.stress(square), tuple(found))
-            found.append((at, follower.stress(square)))
+            if beyond is None or len(result) == MOST_TOLD:
+                return Passage(at, here, beyond is None, follower.stress(square), tuple(result))
+            result.append((at, follower.stress(square)))
             (here, square), at = beyond
             sign, going = dense.determinant_sign(square), follower.velocity(square, rates(at))
             bend, stride = np.zeros_like(here), 0.382 * pace
-    return Passage(at, here, False, None, tuple(found))
+    return Passage(at, here, False, None, tuple(result))
 
 
 def _hopped(
@@ -313,7 +310,7 @@ def _there_and_back(
     times = np.linspace(0.0, min(duration, function.period or duration), LOOKS)
     values = sign * function.sampled(times)[:, 0]
     values = values - values[0]
-    found = []
+    result = []
     for towards in (1.0, -1.0):
         reach = towards * values
         length = float(reach.max())
@@ -335,8 +332,8 @@ def _there_and_back(
             lambda s, towards=towards: np.array([towards]),  # type: ignore[misc]
             length, min(pace, max(length / 4.0, 1e-3 * pace)), when, turns,
         )  # fmt: skip
-        found.append((float(np.argmax(reach > 0.5 * min(length, 1.0))), one))
-    return [one for _, one in sorted(found, key=lambda pair: pair[0])]
+        result.append((float(np.argmax(reach > 0.5 * min(length, 1.0))), one))
+    return [one for _, one in sorted(result, key=lambda pair: pair[0])]
 
 
 def followed(follower: Follower, start: Array, way: Way) -> Passage:
@@ -346,17 +343,16 @@ def followed(follower: Follower, start: Array, way: Way) -> Passage:
     here, singular, done = start, [], 0.0
     for _ in range(MOST_TURNS):
         length = min(TURN, way.length - done)
-        found = follow(follower, here, lambda s, done=done: way.aims(done + s), way.rates, length, way.pace)  # type: ignore[misc]
-        singular += [(done + place, stress) for place, stress in found.singular]
-        done, here = done + found.reached, found.position
+        result = follow(follower, here, lambda s, done=done: way.aims(done + s), way.rates, length, way.pace)  # type: ignore[misc]
+        singular += [(done + place, stress) for place, stress in result.singular]
+        done, here = done + result.reached, result.position
         off = here - start
         off[:, 2] -= TURN * np.round(off[:, 2] / TURN)
-        felt = np.zeros(off.size)
-        felt[3 + follower.columns] = (off.ravel() * follower.gathered.reach)[3 + follower.columns]
+        felt = (off[1:].ravel() * follower.system.metric[0])[follower.columns]
         if (
-            found.reached < length
-            or np.abs(felt).max() <= BACK * follower.extent
+            result.reached < length
+            or np.abs(felt).max(initial=0.0) <= BACK * follower.extent
             or done >= way.length * (1.0 - 1e-12)
         ):
-            return Passage(done, here, found.jammed, found.stressed, tuple(singular))
+            return Passage(done, here, result.jammed, result.stressed, tuple(singular))
     return Passage(done, here, False, None, tuple(singular))

@@ -142,10 +142,10 @@ class Instant:
 
 def applied(now: Instant, datum: Datum) -> list[Applied]:
     """Loads, torques and springs, each as forces on bodies; those on the ground are there too. Weight is not."""
-    found = [one for action in actions(now.mechanism, datum) for one in _acting(action, now)]
+    result = [one for action in actions(now.mechanism, datum) for one in _acting(action, now)]
     for spring in now.mechanism.springs.values():
-        found += _pulling(spring, now, datum.spring.get(spring.name, 0.0))
-    return found
+        result += _pulling(spring, now, datum.spring.get(spring.name, 0.0))
+    return result
 
 
 def constant_forces(now: Instant, pushed: Iterable[Applied]) -> Array:
@@ -172,15 +172,15 @@ def actions(mechanism: Mechanism, datum: Datum) -> list[Action]:
     """Loads at pins, and torques or forces of drivers with their opposites. ValueError for a force over a
     speed or an angle.
     """
-    found = [action for name, one in mechanism.loads.items() for action in _loading(mechanism, name, one)]
+    result = [action for name, one in mechanism.loads.items() for action in _loading(mechanism, name, one)]
     for name, driver in mechanism.drivers.items():
         if not driver.moves:
             body = driven_body(name, driver)
             function, depends = _effort(mechanism, driver, body)
-            found.append(
+            result.append(
                 Action(("driver", name), function, depends, _sides(driver, body), steady=driver.steady)
             )
-    return found
+    return result
 
 
 def _loading(mechanism: Mechanism, name: str, one: Load) -> Iterator[Action]:

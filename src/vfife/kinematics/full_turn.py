@@ -1,27 +1,34 @@
-"""Whether a mechanism makes a turn of its one crank far from singular positions, seen from positions at many
+"""Whether mechanisms make a turn of their one crank far from singular positions, seen from positions at many
 angles at once.
+
+To follow a turn (:mod:`vfife.kinematics.follower`) takes some forty positions one after the other; here all
+of them are closed side by side, for all cases of a batch. What is not sure is left to the follower.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.dense import Solved, solve_with_determinant
-from .gathered import Gathered
 from .initial import Motion
 from .linalg import DENSE
+from .system import alike, flat, metrics, of_bodies, rows_of
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
-ANGLES = 36  # in a turn, as far apart as the longest strides of the follower
-WELL = 0.03  # of the largest determinant of a turn: what never falls below changes no sign between two angles
-ASTRAY = 0.3  # of a stride, by which a position may be off the one predicted from velocities
-QUICK = 1e-5  # of the extent: a correction this small squares to round-off
-BACK = 1e-6  # of the extent: it has come back
+POSITIONS_PER_TURN = 36  # as far apart as the longest strides of the follower
+DETERMINANT_MARGIN = (
+    0.03  # of the largest determinant of a turn: what never falls below changes no sign between two angles
+)
+PREDICTION_TOLERANCE = 0.3  # of a stride, by which a position may be off the one predicted from velocities
+LAST_CORRECTION = 1e-5  # of the extent: a correction this small squares to round-off
+CLOSURE_TOLERANCE = 1e-6  # of the extent: it has come back
 CORRECTIONS = 6
 
 
@@ -31,118 +38,144 @@ class FullTurn:
     turn.
     """
 
-    towards: float
+    direction: float
     positions: Array
 
 
-def full_turn(motion: Motion, speed: float, neighbour: FullTurn | None = None) -> FullTurn | None:
-    """The turn of the one crank of a mechanism, driven with ``speed`` (rad/s, its sign matters), if it surely
-    gets through; None says nothing.
+def full_turns(
+    motions: Sequence[Motion], speeds: Sequence[float], neighbour: FullTurn | None = None
+) -> list[FullTurn | None]:
+    """The turn of the one crank of each mechanism, driven with a speed (rad/s, its sign matters), if it
+    surely gets through; None says nothing.
 
     A ``neighbour`` is the turn of a mechanism with slightly other lengths: Newton's steps from its positions
     close all positions at once. Without one, or where these do not close, the turn is walked in strides along
     velocity and curvature, with a correction at each.
     """
-    system, drives = motion.system, motion.system.drives
-    columns = 3 * len(system.names) - 3
-    if (
-        len(drives) != 1
-        or not drives[0].turns
-        or drives[0].body_a != 0
-        or system.starts[-1] != columns
-        or columns > DENSE
-    ):
-        return None
-    corrector = _Corrector(motion, math.copysign(1.0, speed) * motion.hand)
-    found = None
-    if (
-        neighbour is not None
-        and neighbour.towards == corrector.towards
-        and neighbour.positions.shape == corrector.shape
-    ):
-        found = corrector.closed(neighbour.positions)
-    return corrector.closed(corrector.walked()) if found is None else found
+    result: list[FullTurn | None] = [None] * len(motions)
+    for own in alike([motion.system for motion in motions]):
+        system = motions[own[0]].system
+        columns = 3 * len(system.names) - 3
+        one_crank = len(system.drives) == 1 and system.drives[0].turns and system.drives[0].body_a == 0
+        if not one_crank or system.starts[-1] != columns or columns > DENSE:
+            continue
+        directions = {k: math.copysign(1.0, speeds[k]) * motions[k].hand for k in own}
+        for direction in (1.0, -1.0):
+            which = [k for k in own if directions[k] == direction]
+            turns = _turned([motions[k] for k in which], direction, neighbour) if which else []
+            for k, turn in zip(which, turns, strict=True):
+                result[k] = turn
+    return result
+
+
+def _turned(motions: Sequence[Motion], direction: float, neighbour: FullTurn | None) -> list[FullTurn | None]:
+    """The turns of mechanisms of one structure."""
+    result: list[FullTurn | None] = [None] * len(motions)
+    shape = motions[0].position.shape
+    if neighbour is not None and neighbour.direction == direction and neighbour.positions.shape[1:] == shape:
+        corrector = _Corrector(motions, direction)
+        result = corrector.closed(np.repeat(neighbour.positions[:, None], len(motions), axis=1))
+    left = [k for k, one in enumerate(result) if one is None]
+    if left:
+        corrector = _Corrector([motions[k] for k in left], direction)
+        for k, turn in zip(left, corrector.closed(corrector.walked()), strict=True):
+            result[k] = turn
+    return result
 
 
 class _Corrector:
-    """Newton's steps of a determined mechanism with one crank."""
+    """Newton's steps of determined mechanisms with one crank: positions are [angles, cases, n, 3]."""
 
-    def __init__(self, motion: Motion, towards: float) -> None:
-        system = motion.system
-        self.towards, self.gathered = towards, Gathered(system)
-        self.start = motion.position * np.array([1.0, motion.hand, motion.hand])
-        self.aim, self.stride = system.drives[0].aim, 2.0 * math.pi / ANGLES
-        self.angles: Array = self.stride * np.arange(ANGLES + 1, dtype=np.float64)
-        self.shape = (len(self.angles), *self.start.shape)
-        self.reach = self.gathered.reach[3:]
-        self.extent = max(float(system.reach[1:].max()), float(np.abs(self.start[:, :2]).max()))
+    def __init__(self, motions: Sequence[Motion], direction: float) -> None:
+        systems = [motion.system for motion in motions]
+        self.direction, self.rows, self.reach = direction, rows_of(systems), metrics(systems)[0]
+        self.drive = len(systems[0].joints)
+        self.aim = np.array([one.drives[0].aim for one in systems])
+        self.rate = direction * np.array([one.drive_lengths[0] for one in systems])
+        self.start = np.array(
+            [motion.position * np.array([1.0, motion.hand, motion.hand]) for motion in motions]
+        )
+        self.extent = np.maximum(
+            [one.reach[1:].max() for one in systems], np.abs(self.start[..., :2]).max(axis=(-2, -1))
+        )
+        self.stride = 2.0 * math.pi / POSITIONS_PER_TURN
+        self.angles: Array = self.stride * np.arange(POSITIONS_PER_TURN + 1, dtype=np.float64)
 
-    def closed(self, positions: Array) -> FullTurn | None:
-        """The turn whose positions are near these; None where they do not close, or are not surely those of
-        one motion.
+    def closed(self, positions: Array) -> list[FullTurn | None]:
+        """The turns whose positions are near these; None of a case where they do not close, or are not surely
+        those of one motion.
         """
         positions = positions.copy()
+        turns: list[FullTurn | None] = [None] * len(self.start)
+        going = np.ones(len(turns), dtype=bool)
         for _ in range(CORRECTIONS):
             step, determinant = self.step(positions, self.angles)
-            if not determinant.all() or not np.isfinite(step).all():
-                return None
-            positions[:, 1:] -= self.turned_back(step[..., 0])
-            if float(np.abs(step[..., 0]).max()) <= QUICK * self.extent:
-                return (
-                    FullTurn(self.towards, positions)
-                    if self.sure(positions, step[..., 1], determinant)
-                    else None
-                )
-        return None
+            going &= (determinant != 0.0).all(axis=0) & np.isfinite(step).all(axis=(0, 2, 3))
+            correction = np.where(going[:, None], step[..., 0], 0.0)
+            positions -= self.of_bodies(correction)
+            last = going & (np.abs(correction).max(axis=(0, 2)) <= LAST_CORRECTION * self.extent)
+            if last.any():
+                for k in np.flatnonzero(last & self.sure(positions, step[..., 1], determinant)):
+                    turns[k] = FullTurn(self.direction, positions[:, k].copy())
+                going &= ~last
+            if not going.any():
+                break
+        return turns
 
-    def turned_back(self, step: Array) -> Array:
-        """Steps [k, 3(n-1)] in (x, y, l theta) as changes of positions [k, n-1, 3]."""
-        return (step / self.reach).reshape(len(step), -1, 3)
+    def of_bodies(self, step: Array) -> Array:
+        """Steps (..., cases, 3(n-1)) in (x, y, l theta) as changes of positions (..., cases, n, 3)."""
+        return of_bodies(step / self.reach)
 
     def step(self, positions: Array, angles: Array) -> Solved:
-        """Newton's steps and velocities [k, 3(n-1), 2] at so many angles (rad) from the start, and
-        determinants [k].
+        """Newton's steps and velocities [k, cases, 3(n-1), 2] at so many angles (rad) from the start, and
+        determinants [k, cases].
         """
-        phi, jacobian = self.gathered.at(
-            positions, self.gathered.aimed((self.aim + self.towards * angles)[:, None])
-        )
+        aims = (self.aim + self.direction * angles[:, None])[..., None]
+        phi, entries = self.rows.at(positions, self.rows.aimed(self.drive, aims))
         rate = np.zeros_like(phi)
-        rate[:, -1] = self.towards * self.gathered.scale[0]
-        return solve_with_determinant(jacobian, np.stack([phi, rate], axis=-1))
+        rate[..., -1] = self.rate
+        return solve_with_determinant(self.rows.dense(entries), np.stack([phi, rate], axis=-1))
 
     def walked(self) -> Array:
         """Positions predicted from one angle to the next, each corrected once."""
-        here, found = self.start[None].copy(), []
+        here, result = self.start[None].copy(), []
         before = None
         for angle in self.angles:
             step, _ = self.step(here, np.array([angle]))
-            here[:, 1:] -= self.turned_back(step[..., 0])
-            found.append(here[0].copy())
+            here = here - self.of_bodies(step[..., 0])
+            result.append(here[0])
             going = step[..., 1]
             bend = 0.0 if before is None else 0.5 * self.stride * (going - before)
-            here[:, 1:] += self.turned_back(self.stride * going + bend)
+            here = here + self.of_bodies(self.stride * going + bend)
             before = going
-        return np.array(found)
+        return np.array(result)
 
-    def sure(self, positions: Array, velocity: Array, determinant: Array) -> bool:
+    def sure(self, positions: Array, velocity: Array, determinant: Array) -> Mask:
         """Whether closed positions are one motion from the start and back, far from where a determinant
-        vanishes.
+        vanishes [cases].
         """
-        if (
-            not (np.sign(determinant) == np.sign(determinant[0])).all()
-            or not np.abs(determinant).min() > WELL * np.abs(determinant).max()
-        ):
-            return False
+        size = np.abs(determinant)
+        far = (np.sign(determinant) == np.sign(determinant[0])).all(axis=0) & (
+            size.min(axis=0) > DETERMINANT_MARGIN * size.max(axis=0)
+        )
         apart = positions[-1] - positions[0]
-        apart[:, 2] -= 2.0 * math.pi * np.round(apart[:, 2] / (2.0 * math.pi))
-        ends = np.abs(np.stack([apart, positions[0] - self.start])[:, 1:].reshape(2, -1) * self.reach).max()
-        moved = np.diff(positions[:, 1:].reshape(len(positions), -1) * self.reach, axis=0)
+        apart[..., 2] -= 2.0 * math.pi * np.round(apart[..., 2] / (2.0 * math.pi))
+        ends = np.abs(self.lengths(np.stack([apart, positions[0] - self.start]))).max(axis=(0, 2))
+        moved = np.diff(self.lengths(positions), axis=0)
         here, there = self.stride * velocity[:-1], self.stride * velocity[1:]
         before, beyond = np.roll(here, 1, axis=0), np.roll(there, -1, axis=0)
         # Positions are predicted from both ends of a stride: between two singular positions, where it does
         # not close, velocities turn round.
-        ahead = np.abs(moved - here - 0.5 * (here - before)).max(axis=1) <= ASTRAY * np.abs(here).max(axis=1)
-        back = np.abs(moved - there + 0.5 * (beyond - there)).max(axis=1) <= ASTRAY * np.abs(there).max(
-            axis=1
+        ahead = np.abs(moved - here - 0.5 * (here - before)).max(axis=-1) <= PREDICTION_TOLERANCE * np.abs(
+            here
+        ).max(axis=-1)
+        back = np.abs(moved - there + 0.5 * (beyond - there)).max(axis=-1) <= PREDICTION_TOLERANCE * np.abs(
+            there
+        ).max(axis=-1)
+        return np.asarray(
+            far & ahead.all(axis=0) & back.all(axis=0) & (ends <= CLOSURE_TOLERANCE * self.extent)
         )
-        return bool(ahead.all() and back.all() and ends <= BACK * self.extent)
+
+    def lengths(self, positions: Array) -> Array:
+        """Positions (..., cases, n, 3) in (x, y, l theta) (..., cases, 3(n-1))."""
+        return np.asarray(flat(positions) * self.reach)

@@ -28,7 +28,7 @@ SOFT = 1e-9
 REFINEMENTS = 30
 
 
-def matrix(values: list[Any], rows: list[int], columns: list[int], shape: tuple[int, ...]) -> Matrix:
+def matrix(values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> Matrix:
     """G from its entries, which may repeat."""
     if shape[1] <= DENSE:
         dense = np.zeros(shape)
@@ -42,23 +42,26 @@ def times(matrix: Matrix, vector: Array) -> Any:
     return matrix.times(vector) if isinstance(matrix, Sparse) else products.times(matrix, vector)
 
 
-def weighted(weight: Array, jacobian: Matrix) -> Matrix:
-    """diag(weight) G."""
-    if isinstance(jacobian, np.ndarray):
-        return np.asanyarray(weight[:, None] * jacobian)
-    return jacobian.weighted(weight)
-
-
 def decomposed(jacobian: Array) -> tuple[Array, Array, Array]:
     """The whole singular value decomposition of a dense G; not to be written to.
 
     Velocities, accelerations, reactions and mobility are asked for at one position, so the last few are kept.
     """
+    if jacobian.ndim == 3 and len(jacobian) == 1:
+        left, size, right = decomposed(jacobian[0])
+        return left[None], size[None], right[None]
     return _decomposed(jacobian.shape, jacobian.tobytes())
 
 
+def independent(jacobian: Matrix) -> NDArray[np.bool_]:
+    """Whether no row of dense matrices (cases, r, c) depends on others; nothing is said of sparse ones."""
+    if not isinstance(jacobian, np.ndarray):
+        return np.zeros(len(jacobian), dtype=bool)
+    return np.asarray((decomposed(jacobian)[1] > RANK_TOLERANCE).sum(axis=-1) == jacobian.shape[-2])
+
+
 @lru_cache(maxsize=4)
-def _decomposed(shape: tuple[int, int], entries: bytes) -> tuple[Array, Array, Array]:
+def _decomposed(shape: tuple[int, ...], entries: bytes) -> tuple[Array, Array, Array]:
     left, size, right = dense.svd(np.frombuffer(entries).reshape(shape))
     for one in (left, size, right):
         one.setflags(write=False)
@@ -66,24 +69,60 @@ def _decomposed(shape: tuple[int, int], entries: bytes) -> tuple[Array, Array, A
 
 
 class DampedStep:
-    """(damping) -> (G^T G + damping)^-1 G^T error, of least norm; directions that no row sees are left alone."""
+    """(damping) -> (G^T G + damping)^-1 G^T error of each case, of least norm; directions that no row sees
+    are left alone.
 
-    def __init__(self, jacobian: Matrix, error: Array) -> None:
-        self.error, self.squared = error, None
-        if not isinstance(jacobian, np.ndarray):
-            self.jacobian, self.squared = jacobian, jacobian.squared()
-            return
-        left, size, right = dense.svd(jacobian, full=False)
-        rank = int((size > RANK_TOLERANCE).sum())
-        self.size, self.part, self.columns = size[:rank], times(left.T[:rank], error), right[:rank].T
+    ``size`` and ``part`` [cases, k] and ``columns`` [cases, 3(n-1), k] are those of singular values, the
+    smallest left out by a size of 0. Of large systems there is one case, ``sparse``, with its square and
+    error.
+    """
 
-    def __call__(self, damping: float) -> Array:
-        if self.squared is not None:
-            found: Array = self.jacobian.transposed_times(
-                self.squared.solver(max(damping, EPSILON))(self.error)
+    def __init__(
+        self, size: Array, part: Array, columns: Array, sparse: tuple[Sparse, Any, Array] | None = None
+    ) -> None:
+        self.size, self.part, self.columns, self.sparse = size, part, columns, sparse
+
+    @classmethod
+    def empty(cls, jacobian: Any) -> DampedStep:
+        """Of such matrices, before any of them is decomposed."""
+        count, *shape = jacobian.shape
+        least, columns = (min(shape), shape[1]) if shape else (0, 0)
+        return cls(np.zeros((count, least)), np.zeros((count, least)), np.zeros((count, columns, least)))
+
+    @classmethod
+    def of(cls, weight: Array, jacobian: Any, error: Array) -> DampedStep:
+        """Of matrices [cases, r, 3(n-1)], their rows weighted; or of an array of one sparse matrix."""
+        if jacobian.dtype == object:
+            one, none = jacobian[0].weighted(weight), np.zeros((1, 0))
+            return cls(none, none, none[:, None][:, :0], (one, one.squared(), weight * error[0]))
+        left, size, right = dense.svd(weight[:, None] * jacobian, full=False)
+        part = times(turned(left), weight * error)
+        return cls(np.where(size > RANK_TOLERANCE, size, 0.0), part, turned(right).copy())
+
+    def select(self, which: NDArray[np.bool_]) -> DampedStep:
+        """Some of the cases."""
+        return DampedStep(self.size[which], self.part[which], self.columns[which], self.sparse)
+
+    def update(self, which: NDArray[np.bool_], weight: Array, jacobian: Any, error: Array) -> None:
+        """Some of the cases have other matrices and errors."""
+        if which.any():
+            new = DampedStep.of(weight, jacobian[which], error[which])
+            self.size[which], self.part[which], self.columns[which], self.sparse = (
+                new.size,
+                new.part,
+                new.columns,
+                new.sparse,
             )
-            return found
-        return np.asarray(times(self.columns, self.size / (self.size * self.size + damping) * self.part))
+
+    def __call__(self, damping: Array) -> Array:
+        if self.sparse is not None:
+            jacobian, squared, error = self.sparse
+            return np.asarray(
+                jacobian.transposed_times(squared.solver(max(float(damping[0]), EPSILON))(error))
+            )[None]
+        counts = self.size > 0.0
+        square = np.where(counts, self.size * self.size + damping[:, None], 1.0)
+        return np.asarray(times(self.columns, np.where(counts, self.size / square * self.part, 0.0)))
 
 
 def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tuple[Array, Array]:
@@ -91,18 +130,27 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tu
     (x - free) = G^T lambda.
 
     Where rows depend on one another, lambda is the solution of least norm, and x fits ``wanted`` as well as
-    can be.
+    can be. Of dense matrices any number of cases (cases, ...) is solved at once, those of one rank together.
     """
     if isinstance(jacobian, np.ndarray):
         left, size, right = decomposed(jacobian)
-        rank = int(np.sum(size > RANK_TOLERANCE))
-        across, along = left[:, :rank].T, right[:rank]
-        motion = times(along.T, times(across, wanted) / size[:rank])
-        null = right[rank:].T
-        if null.shape[1]:
-            pull = times(null.T, mass * (free - motion))
-            motion = motion + times(null, dense.solve(products.product(null.T, mass[:, None] * null), pull))
-        return motion, times(across.T, times(along, mass * (motion - free)) / size[:rank])
+        ranks = np.sum(size > RANK_TOLERANCE, axis=-1)
+        if ranks.ndim and (ranks != ranks[0]).any():
+            motion, multiplier = np.empty_like(free), np.empty_like(wanted)
+            for rank in np.unique(ranks):
+                own = ranks == rank
+                motion[own], multiplier[own] = constrained(jacobian[own], wanted[own], mass[own], free[own])
+            return motion, multiplier
+        rank = int(ranks.flat[0])
+        across, along = turned(left[..., :rank]), right[..., :rank, :]
+        motion = times(turned(along), times(across, wanted) / size[..., :rank])
+        null = turned(right[..., rank:, :])
+        if null.shape[-1]:
+            pull = times(turned(null), mass * (free - motion))
+            motion = motion + times(
+                null, dense.solve(products.product(turned(null), mass[..., None] * null), pull)
+            )
+        return motion, times(turned(across), times(along, mass * (motion - free)) / size[..., :rank])
     squared = jacobian.squared(1.0 / mass)
     left_over = wanted - times(jacobian, free)
     solve, multiplier = (
@@ -116,6 +164,11 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tu
             break
         multiplier += solve(missing)
     return free + jacobian.transposed_times(multiplier) / mass, multiplier
+
+
+def turned(matrix: Array) -> Array:
+    """The transposes of matrices."""
+    return np.swapaxes(matrix, -1, -2)
 
 
 def shared_out(jacobian: Matrix, mobility: Array, multiplier: Array) -> Array:
@@ -182,23 +235,23 @@ def dependent_rows(jacobian: Matrix) -> list[int]:
     """
     if isinstance(jacobian, np.ndarray):
         return _ends(self_stress(jacobian))
-    found: list[int] = []
+    result: list[int] = []
     for rows in jacobian.squared().components():
         here = jacobian.part(rows)
-        found += rows[_ends(self_stress(here.toarray() if here.shape[1] <= DENSE else here))].tolist()
-    return sorted(found)
+        result += rows[_ends(self_stress(here.toarray() if here.shape[1] <= DENSE else here))].tolist()
+    return sorted(result)
 
 
 def _ends(stress: Array) -> list[int]:
     """The rows at which self-stresses [r, k] end."""
-    found: list[int] = []
+    result: list[int] = []
     left = stress.copy()
     for row in range(len(left) - 1, -1, -1):
         size = products.norm(left[row])
         if size > 1e-6:
-            found.append(row)
+            result.append(row)
             along = left[row] / size
             left = left - np.outer(times(left, along), along)
-            if len(found) == stress.shape[1]:
+            if len(result) == stress.shape[1]:
                 break
-    return found[::-1]
+    return result[::-1]

@@ -22,7 +22,7 @@ from ..numerics.scalar import distance
 from .linalg import Matrix, constrained, dependent_rows, self_stress
 from .pins import from_center
 from .solve import close
-from .system import RigidSystem, checked, equations, metric
+from .system import RigidSystem, checked, equations
 
 Array = NDArray[np.float64]
 
@@ -107,7 +107,7 @@ def _blocked(system: RigidSystem, position: Array) -> bool:
     now = equations(system, position)
     if not isinstance(now.jacobian, np.ndarray):
         return False
-    lengths, stress = metric(system)[0], self_stress(now.jacobian)
+    lengths, stress = system.metric[0], self_stress(now.jacobian)
     null = dense.svd(now.jacobian)[2][len(now.jacobian) - stress.shape[1] :]
     count = len(null)
     if count > FEW:
@@ -137,17 +137,17 @@ def _aside(system: RigidSystem, position: Array) -> Array | None:
     """
     released = dataclasses.replace(system, drives=())
     jacobian = equations(released, position).jacobian
-    lengths = metric(system)[0]
+    lengths = system.metric[0]
     scale = np.column_stack([np.ones_like(system.reach), np.ones_like(system.reach), system.reach])
     for motion in _directions(released, position, jacobian):
         size = max(np.abs(motion).max() / system.reach[1:].max(), np.abs((motion / lengths)[2::3]).max())
         step = np.vstack([np.zeros(3), (ASIDE / size * motion / lengths).reshape(-1, 3)])
         try:
-            found = close(released, position + step, named=False).position
+            result = close(released, position + step, named=False).position
         except AssemblyError:
             continue
-        if norm((found - position) * scale) > 0.1 * norm(step * scale):
-            return found
+        if norm((result - position) * scale) > 0.1 * norm(step * scale):
+            return result
     return None
 
 
@@ -155,7 +155,7 @@ def _directions(system: RigidSystem, position: Array, jacobian: Matrix) -> Itera
     """Free motions in (x, y, l theta) that may go on: of the second order, N^T gamma(v) = 0 for every
     self-stress N, where that can be solved.
     """
-    lengths = metric(system)[0]
+    lengths = system.metric[0]
     wish = cos(np.square(np.arange(1, len(lengths) + 1))) * np.repeat(system.reach[1:], 3)
     if isinstance(jacobian, np.ndarray):
         stress = self_stress(jacobian)

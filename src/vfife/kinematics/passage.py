@@ -21,9 +21,9 @@ from ..numerics.scalar import log10, whole_power
 from .drives import rigid_system
 from .follower import TURN, Follower, Passage, Way, followed, ways_of
 from .forces import Datum
-from .gathered import FELT, Gathered, Parted, closing_joint, parted
 from .initial import Motion, ideal_motion
 from .linalg import DENSE
+from .parted import FELT, Parted, closing_joint, parted
 from .pins import first_guess
 from .system import mirrored
 
@@ -49,8 +49,8 @@ def unclosed(
     joint = next((k for k, one in enumerate(system.joints) if one.name in error.joints), None)
     if joint is None or len(error.gaps) != 1 or 3 * len(guess) > DENSE:
         return ()
-    aims = np.array([drive.aim for drive in system.drives])
-    opened = parted(Gathered(system), joint, aims, guess)
+    aims = system.aims
+    opened = parted(system, joint, aims, guess)
     lengths = list(
         sensitive(
             mechanism, datum, 1.0, joint, aims, opened, tuple(mechanism.bodies), tuple(mechanism.joints)
@@ -68,26 +68,26 @@ def nearest(
     """Of lengths (name, m, change of the gap with it) those that would do: name, now and then (m), the
     smallest change first.
     """
-    found = [
+    result = [
         (name, now, then)
         for name, now, slope in lengths
         if (then := would_do(mechanism, name, now, gap / -slope, duration)) is not None
     ]
-    return tuple(sorted(found, key=lambda one: abs(one[2] / one[1] - 1.0)))
+    return tuple(sorted(result, key=lambda one: abs(one[2] / one[1] - 1.0)))
 
 
-def widest(follower: Follower, joint: int, way: Way, found: Passage) -> tuple[float, float, Parted]:
+def widest(follower: Follower, joint: int, way: Way, result: Passage) -> tuple[float, float, Parted]:
     """The widest gap (m) of a joint on the rest of a way, as far as it opens at once; its place, and the
     position there, opened.
     """
-    end = min(way.length, found.reached + TURN) if way.turning else way.length
+    end = min(way.length, result.reached + TURN) if way.turning else way.length
     stride, seen = (
         FIRST * way.pace,
-        [(0.0, found.reached, Parted(found.position, 0.0, np.zeros(follower.gathered.rows)))],
+        [(0.0, result.reached, Parted(result.position, 0.0, np.zeros(follower.system.starts[-1])))],
     )
 
     def at(place: float) -> tuple[float, float, Parted]:
-        opened = parted(follower.gathered, joint, way.aims(place), seen[-1][2].position)
+        opened = parted(follower.system, joint, way.aims(place), seen[-1][2].position)
         return opened.gap, place, opened
 
     while seen[-1][1] < end and (len(seen) < 3 or seen[-1][0] >= seen[-2][0]):
@@ -141,9 +141,9 @@ def sensitive(
         systems = [
             rigid_system(sized(mechanism, name, length * (1.0 + part)), datum=datum) for part in (0.0, NUDGE)
         ]
-        before, after = (Gathered(mirrored(system) if hand < 0.0 else system) for system in systems)
-        phi = before.at(opened.position, before.aimed(aims))[0]
-        moved = after.at(opened.position, after.aimed(aims))[0] - phi
+        before, after = (mirrored(system) if hand < 0.0 else system for system in systems)
+        phi = before.dense_rows(opened.position, aims)[0]
+        moved = after.dense_rows(opened.position, aims)[0] - phi
         slope = dot(opened.pulls, moved) / (
             opened.gap * NUDGE * length
         )  # the least gap does not feel that the position would move too
@@ -203,9 +203,9 @@ def still_open(mechanism: Mechanism, duration: float) -> float | None:
     closes, jam = _first_jam(mechanism, duration)
     if jam is None:
         return 0.0 if closes else None
-    follower, way, found = jam
-    joint = closing_joint(follower.gathered.system, found.stressed)
-    return None if joint is None else widest(follower, joint, way, found)[0]
+    follower, way, result = jam
+    joint = closing_joint(follower.system, result.stressed)
+    return None if joint is None else widest(follower, joint, way, result)[0]
 
 
 def _first_jam(mechanism: Mechanism, duration: float) -> tuple[bool, tuple[Follower, Way, Passage] | None]:
@@ -219,9 +219,9 @@ def _first_jam(mechanism: Mechanism, duration: float) -> tuple[bool, tuple[Follo
     if follower is None:
         return False, None
     for way in ways_of(mechanism, motion, duration):
-        found = followed(follower, start, way)
-        if found.jammed and found.stressed is not None:
-            return True, (follower, way, found)
+        result = followed(follower, start, way)
+        if result.jammed and result.stressed is not None:
+            return True, (follower, way, result)
     return True, None
 
 
@@ -283,20 +283,20 @@ def passage(
         return None, ()
     passed: dict[tuple[float, ...], Singular] = {}
     for way in ways_of(mechanism, motion, duration):
-        found = followed(follower, start, way)
-        for place, stress in found.singular:
+        result = followed(follower, start, way)
+        for place, stress in result.singular:
             one = Singular(told(motion, way.aims(place)), way.time(place), names(motion, stress))
             passed.setdefault(tuple(round(value % TURN, 3) for value in one.aims), one)
-        if found.jammed and found.stressed is not None:
-            joint = closing_joint(system, found.stressed)
-            gap = None if joint is None else widest(follower, joint, way, found)
+        if result.jammed and result.stressed is not None:
+            joint = closing_joint(system, result.stressed)
+            gap = None if joint is None else widest(follower, joint, way, result)
             if gap is not None and gap[0] <= NEGLIGIBLE * follower.extent:
-                aims = told(motion, way.aims(found.reached))
+                aims = told(motion, way.aims(result.reached))
                 return None, (
                     *passed.values(),
-                    Singular(aims, way.time(found.reached), names(motion, found.stressed)),
+                    Singular(aims, way.time(result.reached), names(motion, result.stressed)),
                 )
-            return _jam(mechanism, motion, way, found, joint, gap, duration if lengths else 0.0), tuple(
+            return _jam(mechanism, motion, way, result, joint, gap, duration if lengths else 0.0), tuple(
                 passed.values()
             )
     return None, tuple(passed.values())
@@ -322,24 +322,24 @@ def _jam(
     mechanism: Mechanism,
     motion: Motion,
     way: Way,
-    found: Passage,
+    result: Passage,
     joint: int | None,
     widest_gap: tuple[float, float, Parted] | None,
     duration: float,
 ) -> Jam:
-    system, stress = motion.system, np.zeros(0) if found.stressed is None else found.stressed
+    system, stress = motion.system, np.zeros(0) if result.stressed is None else result.stressed
     part = names(motion, stress)
     bodies = {
         system.names[body] for one in system.joints if one.name in part for body in (one.body_a, one.body_b)
     } - {"ground"}
-    here = told(motion, way.aims(found.reached))
+    here = told(motion, way.aims(result.reached))
     if joint is None or widest_gap is None:
         return Jam(
-            here, way.time(found.reached), ", ".join(part), math.nan, here, tuple(sorted(bodies)), part
+            here, way.time(result.reached), ", ".join(part), math.nan, here, tuple(sorted(bodies)), part
         )
     gap, place, opened = widest_gap
     jam = Jam(
-        here, way.time(found.reached), system.joints[joint].name, gap, told(motion, way.aims(place)),
+        here, way.time(result.reached), system.joints[joint].name, gap, told(motion, way.aims(place)),
         tuple(name for name in mechanism.bodies if name in bodies), part,
     )  # fmt: skip
     if not duration:

@@ -8,196 +8,22 @@ alike.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import AssemblyError
-from ..numerics import dense
+from ..errors import AssemblyError, VfifeError
 from ..numerics.elementwise import cos
-from ..numerics.products import dot, norm
-from .gathered import Gathered, closing_joint, parted
-from .linalg import DENSE, RANK_TOLERANCE, DampedStep, Matrix, constrained, shared_out, times, weighted
-from .system import RigidSystem, checked, equations, metric
+from ..numerics.products import norm
+from .descent import LARGEST_TURN, Closure, descend
+from .linalg import DENSE, RANK_TOLERANCE, constrained, independent, shared_out, times
+from .parted import closing_joint, parted
+from .rows import ConstraintRows
+from .system import RigidSystem, checked, flat, metrics, of_bodies, rows_of
 
 Array = NDArray[np.float64]
-
-Slopes = Callable[[Array], tuple[float, Array]]  # a place -> what is to be least, and its derivatives
-
-NEWTON = 12
-APART = 1e-6  # of the extent, of places whose slopes make a second derivative
-THERE = 1e-9  # of the extent: a step that is none
-ROUND = 1e-8  # of the largest curvature: less is rounding, or a free motion
-LEVEL = 1e-6  # of the root of what is left: a slope that is none
-FAR = 0.2  # of the extent: further away it is another bottom
-MOST = 0.5  # of what is there now is left at the bottom, or more: else the way down has not come to an end
-
-
-def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
-    """How far the bottom lies from here, [count], where it is one: curved upwards, near, and no more than
-    half as deep again; None where not.
-    """
-    here, (now, slope) = np.zeros(count), slopes(np.zeros(count))
-    left = now
-    for _ in range(NEWTON):
-        curvature = np.column_stack(
-            [slopes(here + change)[1] - slope for change in APART * extent * np.eye(count)]
-        ) / (APART * extent)
-        size, along = dense.eigh(0.5 * (curvature + curvature.T))
-        if size[0] < -ROUND * size[-1]:
-            return None
-        curved = size > ROUND * size[-1]
-        step = -times(along[:, curved] / size[curved], times(along[:, curved].T, slope))
-        here = here + step
-        left, slope = slopes(here)
-        if left < MOST * now or np.abs(here).max() > FAR * extent:
-            return None
-        if np.abs(step).max() <= THERE * extent:
-            return here if left <= now and np.abs(slope).max() <= LEVEL * math.sqrt(left) else None
-    return None
-
-
-LARGEST_TURN = 0.1  # rad a body may turn in one step: longer steps can jump to the other branch
-DRIVE_WEIGHT = 30.0  # a loop that cannot close must show its gap at the joints, not as a false driven angle
-STEPS = 400
-LOOKS = (12, 20, 30, 45, 70, 100, 150, 200, 300)  # steps after which it is looked whether this is the bottom
-OPEN, SLOW = 1e-6, 0.5  # of the extent: a gap; of |phi|^2 at the look before: less is a good way down
-
-
-@dataclass(frozen=True, eq=False)
-class Closure:
-    """A closed position [n,3] (m, m, rad), its largest open distance `residual` (m) and the steps it took."""
-
-    position: Array
-    residual: float
-    iterations: int
-
-
-def opened(system: RigidSystem, position: Array) -> tuple[Array, Matrix]:
-    """phi and G at a position."""
-    rows = equations(system, position)
-    return rows.phi, rows.jacobian
-
-
-def descend(system: RigidSystem, start: Array) -> Closure:
-    """Reduce |phi| from a position [n,3] until it is round-off or falls no more; the result may still be open."""
-    return _Descent(system, start).run()
-
-
-class _Descent:
-    """A position on its way, its damping, and the position that the last step was refused for."""
-
-    def __init__(self, system: RigidSystem, start: Array) -> None:
-        self.system, self.position, self.lengths = system, np.array(start), metric(system)[0]
-        reach, joints = system.reach, system.held
-        self.scale = reach[1:].max(initial=0.0)
-        self.finest = np.finfo(float).eps * self.scale
-        self.weight = np.repeat([1.0, DRIVE_WEIGHT], [joints, len(system.drives)])
-        pace = [LARGEST_TURN * (reach[d.body_b] if d.turns else self.scale) for d in system.drives]
-        self.limit = np.concatenate([np.full(joints, np.inf), pace])
-        self.phi, self.jacobian = opened(system, self.position)
-        self.damping, self.taken, self.going, self.seen = 0.1, 0, True, np.inf
-        self.refused: Array | None = None
-        self.look()
-
-    def run(self) -> Closure:
-        """Steps until the end."""
-        while self.going:
-            self.step()
-            self.look_down()
-        return Closure(self.position, float(np.abs(self.phi).max(initial=0.0)), self.taken)
-
-    def look_down(self) -> None:
-        """Ends at the bottom, where that is near and open: steps would only go to and fro across it."""
-        if not self.going or self.taken not in LOOKS:
-            return
-        phi, before = self.phi, self.seen
-        self.seen = dot(self.weight * self.weight, phi * phi)
-        hindered = (np.abs(phi) > self.limit).any()
-        if (
-            hindered
-            or not isinstance(self.jacobian, np.ndarray)
-            or np.abs(phi).max() <= OPEN * self.scale
-            or self.seen < SLOW * before
-        ):
-            return
-        start, square = self.position, self.weight * self.weight
-
-        def moved(change: Array) -> Array:
-            there: Array = start.copy()
-            there[1:] += (change / self.lengths).reshape(-1, 3)
-            return there
-
-        def slopes(change: Array) -> tuple[float, Array]:
-            phi, jacobian = opened(self.system, moved(change))
-            return dot(square, phi * phi), times(jacobian.T, 2.0 * (square * phi))
-
-        found = bottom(slopes, float(self.scale), len(self.lengths))
-        if found is not None:
-            self.position = moved(found)
-            self.phi, self.jacobian = opened(self.system, self.position)
-            self.going = False
-
-    def look(self) -> None:
-        """What follows from phi: the error of this step, whose drives advance no faster than the joints can
-        follow, and the least step.
-        """
-        self.error = np.clip(self.phi, -self.limit, self.limit)
-        weighed = self.weight * self.error
-        self.square, self.merit = dot(self.error, self.error), math.sqrt(dot(weighed, weighed))
-        self.closed = np.abs(self.error).max(initial=0.0) <= self.finest
-        self.least: DampedStep | None = None
-
-    def step(self) -> None:
-        """One more step, unless it is closed."""
-        if self.closed:
-            self.going = False
-            return
-        if self.least is None:
-            self.least = DampedStep(weighted(self.weight, self.jacobian), self.weight * self.error)
-        step = self.limited(self.least, self.damping * self.square / (self.scale * self.scale))
-        if np.abs(step * self.lengths).max() <= self.finest:
-            self.going = False
-            return
-        self.taken += 1
-        trial = self.position.copy()
-        trial[1:] += step.reshape(-1, 3)
-        if (
-            self.refused is not None and (trial == self.refused).all()
-        ):  # near round-off the damping grows for long before a position feels it
-            self.damping *= 8.0
-        else:
-            self.take(trial)
-        self.going = self.taken < STEPS
-
-    def take(self, trial: Array) -> None:
-        """Goes there where it is better."""
-        phi, jacobian = opened(self.system, trial)
-        left = self.weight * (phi - self.phi + self.error)
-        if math.sqrt(dot(left, left)) < self.merit:
-            self.position, self.phi, self.jacobian = trial, phi, jacobian
-            self.damping, self.refused = max(self.damping / 4.0, 1e-6), None
-            self.look()
-        else:
-            self.damping *= 8.0
-            self.refused = trial
-
-    def limited(self, least: DampedStep, damping: float) -> Array:
-        """-(G^T G + damping)^-1 G^T error as a step in (x, y, theta), its turns limited.
-
-        A step somewhat too long is shortened, for that keeps its joints together; one far too long comes from
-        a dead centre nearby, and is damped until the other directions get their part.
-        """
-        while True:
-            step: Array = -least(damping) / self.lengths
-            excess = float(np.abs(step[2::3]).max()) / LARGEST_TURN
-            if excess < 10.0:
-                return step / max(1.0, excess)
-            damping = max(4.0 * damping, RANK_TOLERANCE * RANK_TOLERANCE)
-
 
 CLOSED = 1e-12  # largest open distance of a closed loop, in parts of the extent of the bodies
 
@@ -211,82 +37,149 @@ def close(system: RigidSystem, guess: Array, named: bool = True) -> Closure:
     on a bad guess. To find the names takes as long again as to find that it does not close: whoever does not
     read them has them not ``named``.
     """
-    start = checked(system, guess, "guess")
-    for drive in system.drives:
+    [result] = close_all([system], [checked(system, guess, "guess")], named)
+    if isinstance(result, VfifeError):
+        raise result
+    return result
+
+
+def close_all(
+    systems: Sequence[RigidSystem], guesses: Sequence[Array], named: bool = True
+) -> list[Closure | VfifeError]:
+    """The same of systems of one structure; the error of one that stays open stands in its place."""
+    starts = np.array(guesses, dtype=float)
+    starts[:, 0] = 0.0
+    sound = np.flatnonzero(np.isfinite(starts).all(axis=(1, 2)))
+    for k, drive in enumerate(systems[0].drives):
         if drive.turns:
-            off = drive.aim - (start[drive.body_b, 2] - start[drive.body_a, 2])
-            start[drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
-    closure = descend(system, start)
-    if not _is_closed(system, closure):
-        if not named:
-            raise AssemblyError("joints stay open")
-        nudged = start.copy()
-        nudged[1:, 2] += 0.5 * LARGEST_TURN * cos(np.arange(1, len(start)))
-        raise _open_joints(system, closure, _is_closed(system, descend(system, nudged)))
-    return closure
+            off = np.array([one.drives[k].aim for one in systems]) - (
+                starts[:, drive.body_b, 2] - starts[:, drive.body_a, 2]
+            )
+            starts[:, drive.body_b, 2] += 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+    result: list[Closure | VfifeError] = [
+        VfifeError("the approximate start of a body is beyond all numbers: check units")
+    ] * len(systems)
+    for k, closure in zip(
+        sound.tolist(),
+        descend([systems[k] for k in sound.tolist()], starts[sound]) if len(sound) else (),
+        strict=True,
+    ):
+        result[k] = (
+            closure if _is_closed(systems[k], closure) else _stays_open(systems[k], starts[k], closure, named)
+        )
+    return result
 
 
-def velocities(system: RigidSystem, position: Array, guess_velocity: Array | None = None) -> Array:
-    """Return the velocity [n,3] (m/s, m/s, rad/s) that satisfies joints and drives at a closed position
-    [n,3].
+def _stays_open(system: RigidSystem, start: Array, closure: Closure, named: bool) -> AssemblyError:
+    if not named:
+        return AssemblyError("joints stay open")
+    nudged = start.copy()
+    nudged[1:, 2] += 0.5 * LARGEST_TURN * cos(np.arange(1, len(start)))
+    return _open_joints(system, closure, _is_closed(system, descend([system], nudged[None])[0]))
 
-    G v = rate; of all such v the one with the least (v - v0)^T M (v - v0), v0 the guess [n,3] (default:
-    rest). Raises AssemblyError when no velocity exists (a driven dead centre), VfifeError on bad shapes.
+
+class Velocities(NamedTuple):
+    """Velocities [cases, n, 3] (m/s, m/s, rad/s), and the fault of each case that has none, else None."""
+
+    velocity: Array
+    faults: list[AssemblyError | None]
+
+
+def velocities(systems: Sequence[RigidSystem], position: Array, wish: Array) -> Velocities:
+    """Solve G v = rate at closed positions [cases, n, 3] of systems of one structure.
+
+    Of all such v it is the one with the least (v - v0)^T M (v - v0), v0 the ``wish`` [cases, n, 3]. A driven
+    dead centre has none.
     """
-    position = checked(system, position, "position")
-    before = checked(
-        system, np.zeros_like(position) if guess_velocity is None else guess_velocity, "guess_velocity"
-    )
-    rows = equations(system, position)
-    lengths, mass = metric(system)
-    motion = constrained(rows.jacobian, rows.rate, mass, flat(before) * lengths)[0]
-    _demand(system, times(rows.jacobian, motion) - rows.rate, motion, "velocity")
-    return of_bodies(motion / lengths)
+    rows, lengths, mass = rows_of(systems), *metrics(systems)
+    nearest = _nearest(rows, position, rows.rate(), mass, flat(wish) * lengths)
+    return Velocities(of_bodies(nearest.motion / lengths), _faults(systems, nearest, "velocity"))
+
+
+class Accelerations(NamedTuple):
+    """Accelerations [cases, n, 3] (m/s2, rad/s2), reactions of joints [cases, j, 3] (N, N, N m) and of drives
+    [cases, d] (N m; N for a travel).
+
+    ``independent`` [cases]: whether no row of G depends on others. ``faults``: that of each case without an
+    acceleration, else None.
+    """
+
+    acceleration: Array
+    reaction: Array
+    driving: Array
+    independent: NDArray[np.bool_]
+    faults: list[AssemblyError | None]
 
 
 def accelerations(
-    system: RigidSystem, position: Array, velocity: Array, force: Array
-) -> tuple[Array, Array, Array]:
-    """Return acceleration [n,3] (m/s2, rad/s2), joint reactions [j,3] (N, N, N m) and drive reactions [d] (N
-    m; N for a travel).
+    systems: Sequence[RigidSystem], position: Array, velocity: Array, force: Array
+) -> Accelerations:
+    """Solve M a = F + G^T lambda with G a = gamma, of systems of one structure.
 
-    M a = F + G^T lambda with G a = gamma; force [n,3] is (N, N, N m) at the centres of mass.  A reaction (fx,
-    fy, m) is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the
-    opposite of both at the same place in space (of a gear's moment, -ratio times it).  Where joints are
-    redundant, lambda is the solution of least norm, each row weighed by its own diagonal of G M^-1 G^T,
-    without the bodies that drives turn against the ground: as a step shares reactions. Raises AssemblyError
-    when no acceleration exists (a dead centre, or a velocity that parts the joints), VfifeError on bad
-    shapes.
+    ``force`` [cases, n, 3] is (N, N, N m) at the centres of mass.  A reaction (fx, fy, m)
+    is the force of body_a on body_b at body_b's point and the moment on body_b; body_a has the opposite of
+    both at the same place in space (of a gear's moment, -ratio times it).  Where joints are redundant, lambda
+    is the solution of least norm, each row weighed by its own diagonal of G M^-1 G^T, without the bodies that
+    drives turn against the ground: as a step shares reactions. A dead centre has none, nor has a velocity
+    that parts the joints.
     """
-    position, velocity = checked(system, position, "position"), checked(system, velocity, "velocity")
-    rows = equations(system, position, velocity)
-    lengths, mass = metric(system)
-    load = flat(checked(system, force, "force")) / lengths
-    motion, multiplier = constrained(rows.jacobian, rows.gamma, mass, load / mass)
-    _demand(system, times(rows.jacobian, motion) - rows.gamma, motion, "acceleration")
-    driven = [one.body_b for one in system.drives if one.turns and one.body_a == 0]
-    free = np.repeat(~np.isin(np.arange(1, len(system.names)), driven), 3)
-    multiplier = shared_out(rows.jacobian, free / mass, multiplier)
-    reaction = [
-        one.reaction(position, multiplier[system.rows(k)], system.lengths[k])
-        for k, one in enumerate(system.joints)
-    ]
-    driving = [
-        system.lengths[k] if one.turns else 1.0
-        for k, one in enumerate(system.drives, start=len(system.joints))
-    ]
-    reactions = np.array(reaction, dtype=float).reshape(-1, 3)
-    return of_bodies(motion / lengths), reactions, multiplier[system.held :] * np.array(driving, dtype=float)
+    rows, lengths, mass, first = rows_of(systems), *metrics(systems), systems[0]
+    nearest = _nearest(rows, position, rows.gamma(position, velocity), mass, flat(force) / lengths / mass)
+    driven = [one.body_b for one in first.drives if one.turns and one.body_a == 0]
+    free = np.repeat(~np.isin(np.arange(1, len(first.names)), driven), 3)
+    alone, multiplier = independent(nearest.matrices), nearest.multiplier
+    for k in np.flatnonzero(~alone).tolist():
+        multiplier[k] = shared_out(nearest.matrices[k], free / mass[k], multiplier[k])
+    driving = multiplier[:, first.held :] * np.array([one.drive_lengths for one in systems])
+    reaction, acceleration = (
+        reactions(first, rows, nearest.entries, multiplier),
+        of_bodies(nearest.motion / lengths),
+    )
+    return Accelerations(acceleration, reaction, driving, alone, _faults(systems, nearest, "acceleration"))
 
 
-def flat(motion: Array) -> Array:
-    """Motions of the moving bodies one after the other."""
-    return motion[1:].reshape(-1)
+class Nearest(NamedTuple):
+    """G of all cases and its entries, motions nearest to the free ones [cases, c], multipliers and what rows
+    miss, [cases, r] each.
+    """
+
+    matrices: Any
+    entries: Array
+    motion: Array
+    multiplier: Array
+    missing: Array
 
 
-def of_bodies(motion: Array) -> Array:
-    """Such motions body by body, the ground at rest before them."""
-    return np.concatenate([np.zeros((1, 3)), motion.reshape(-1, 3)])
+def _nearest(rows: ConstraintRows, position: Array, wanted: Array, mass: Array, free: Array) -> Nearest:
+    """The motions that come nearest to the free ones with G motion = wanted."""
+    entries = rows.at(position)[1]
+    if rows.columns <= DENSE:
+        matrices = rows.dense(entries)
+        motion, multiplier = constrained(matrices, wanted, mass, free)
+        return Nearest(matrices, entries, motion, multiplier, times(matrices, motion) - wanted)
+    large = [rows.matrix(one) for one in entries]
+    motion, multiplier = map(np.array, zip(*map(constrained, large, wanted, mass, free), strict=True))
+    return Nearest(
+        large,
+        entries,
+        motion,
+        multiplier,
+        np.array([times(one, own) for one, own in zip(large, motion, strict=True)]) - wanted,
+    )
+
+
+def reactions(system: RigidSystem, rows: ConstraintRows, entries: Array, multiplier: Array) -> Array:
+    """Force (N) of each joint on its body b at its point, and moment (N m) on it [cases, j, 3]; body a has
+    the opposite at the same place.
+    """
+    result, directions = np.zeros((len(entries), len(system.joints), 3)), rows.directions(entries)
+    for k, one in enumerate(system.joints):
+        own = multiplier[:, system.rows(k)]
+        for row in range(one.lengths):
+            result[:, k, :2] += directions[k][:, row] * own[:, row, None]
+        if one.turn is not None:
+            result[:, k, 2] = rows.lengths[:, k] * own[:, -1]
+    return result
 
 
 def _is_closed(system: RigidSystem, closure: Closure) -> bool:
@@ -297,7 +190,7 @@ def _is_closed(system: RigidSystem, closure: Closure) -> bool:
 
 def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) -> AssemblyError:
     """Return the error that names the open joints of a position, their gaps and the likely cause."""
-    before = opened(system, closure.position)[0]
+    before = system.constraint_rows.at(closure.position)[0]
     phi, alone = _put_down(system, closure)
     gaps = [norm(phi[system.rows(k)]) for k in range(len(system.joints))]
     largest = max(gaps, default=0.0)
@@ -335,16 +228,13 @@ def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
     """phi of an open position, the gap put down to the joint that closes the loop; and whether that one alone
     is open then.
     """
-    phi = opened(system, closure.position)[0]
+    phi = system.constraint_rows.at(closure.position)[0]
     rows = np.abs(phi)
     joint = closing_joint(system, rows / rows.max()) if len(rows) <= DENSE else None
     if joint is None:
         return phi, False
-    gathered = Gathered(system)
-    position, gap, _ = parted(
-        gathered, joint, np.array([drive.aim for drive in system.drives]), closure.position
-    )
-    alone = opened(system, position)[0]
+    position, gap, _ = parted(system, joint, system.aims, closure.position)
+    alone = system.constraint_rows.at(position)[0]
     others = np.delete(np.abs(alone), np.arange(system.starts[joint], system.starts[joint + 1]))
     return (alone, True) if others.max(initial=0.0) <= 1e-3 * gap else (phi, False)
 
@@ -358,13 +248,21 @@ def _gap(system: RigidSystem, k: int, phi: Array) -> str:
     return f"{joint.name} by {' and '.join(parts)}"
 
 
-def _demand(system: RigidSystem, missing: Array, motion: Array, quantity: str) -> None:
-    """Raise AssemblyError where G motion misses its wanted value by more than round-off."""
-    largest = max(np.abs(motion).max(initial=0.0), np.abs(missing).max(initial=0.0))
-    missed = np.abs(missing) > RANK_TOLERANCE * largest
-    if missed.any():
-        joints = [joint.name for k, joint in enumerate(system.joints) if missed[system.rows(k)].any()]
-        named = joints + [system.drive_name(drive) for drive in system.drives]
-        cause = "the position is a dead centre, the drives disagree, or the velocity given parts the joints; "
-        cause += "start at another angle, or remove one of the drives or joints named"
-        raise AssemblyError(f"no {quantity} satisfies {', '.join(named)}: {cause}", joints)
+def _faults(systems: Sequence[RigidSystem], nearest: Nearest, quantity: str) -> list[AssemblyError | None]:
+    """The error of each case whose G motion misses its wanted value by more than round-off, else None."""
+    largest = np.maximum(
+        np.abs(nearest.motion).max(axis=-1, initial=0.0), np.abs(nearest.missing).max(axis=-1, initial=0.0)
+    )
+    missed = np.abs(nearest.missing) > RANK_TOLERANCE * largest[:, None]
+    return [
+        _fault(system, own, quantity) if own.any() else None
+        for system, own in zip(systems, missed, strict=True)
+    ]
+
+
+def _fault(system: RigidSystem, missed: NDArray[np.bool_], quantity: str) -> AssemblyError:
+    joints = [joint.name for k, joint in enumerate(system.joints) if missed[system.rows(k)].any()]
+    named = joints + [system.drive_name(drive) for drive in system.drives]
+    cause = "the position is a dead centre, the drives disagree, or the velocity given parts the joints; "
+    cause += "start at another angle, or remove one of the drives or joints named"
+    return AssemblyError(f"no {quantity} satisfies {', '.join(named)}: {cause}", joints)

@@ -6,16 +6,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
 from ..numerics.elementwise import hypot
-from .constraints import Constraint, directions
-from .linalg import DENSE, Matrix, matrix
+from .constraints import Constraint
+from .linalg import Matrix
+from .rows import ConstraintRows
 
 Array = NDArray[np.float64]
 
@@ -24,9 +27,8 @@ Array = NDArray[np.float64]
 class RigidSystem:
     """Rigid bodies, their joints and their drives; body 0 is the ground, at the origin with angle 0.
 
-    mass [n] in kg and inertia [n] about the centre of mass in kg m2; entry 0 is ignored.  `reach` [n] in m is
-    the larger of the radius of gyration and the farthest point of a joint of each body.  Raises VfifeError on
-    inconsistent input.
+    mass [n] in kg and inertia [n] about the centre of mass in kg m2; entry 0 is ignored.  Raises VfifeError
+    on inconsistent input.
     """
 
     names: tuple[str, ...]
@@ -34,50 +36,71 @@ class RigidSystem:
     inertia: Array
     joints: Sequence[Constraint]
     drives: Sequence[Constraint] = ()
-    reach: Array = field(init=False, repr=False)
-    starts: tuple[int, ...] = field(init=False, repr=False)
-    lengths: tuple[float, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         n = len(self.names)
         for one in self.constraints:
             _check(one, n)
-        mass, inertia = np.array(self.mass, dtype=float), np.array(self.inertia, dtype=float)
-        if mass.shape != (n,) or inertia.shape != (n,):
+        if np.shape(self.mass) != (n,) or np.shape(self.inertia) != (n,):
             raise VfifeError(f"mass and inertia must have one entry for each of the {n} bodies")
-        moving = np.stack([mass[1:], inertia[1:]])
+        moving = np.array([self.mass[1:], self.inertia[1:]], dtype=float)
         if not ((moving > 0.0) & (moving < np.inf)).all():
             raise VfifeError("mass and inertia of every moving body must be finite and greater than zero")
-        reach = np.ones(n)
-        reach[1:] = np.sqrt(inertia[1:] / mass[1:])
+        turned = [(drive.body_a, drive.body_b) for drive in self.drives if drive.turns]
+        if len(set(turned)) < len(turned):
+            raise VfifeError("each drive must turn a moving body of its own")
+
+    @cached_property
+    def reach(self) -> Array:
+        """The larger of the radius of gyration and the farthest point of a joint of each body [n] (m), 1 of
+        the ground.
+        """
+        result = np.ones(len(self.names))
+        result[1:] = np.sqrt(
+            np.asarray(self.inertia, dtype=float)[1:] / np.asarray(self.mass, dtype=float)[1:]
+        )
         sides = [
             side
             for one in self.constraints
             for side in ((one.body_a, one.point_a), (one.body_b, one.point_b))
         ]
         np.maximum.at(
-            reach,
+            result,
             [body for body, _ in sides],
             hypot(*np.array([at for _, at in sides], dtype=float).reshape(-1, 2).T),
         )
-        turned = [(drive.body_a, drive.body_b) for drive in self.drives if drive.turns]
-        if len(set(turned)) < len(turned):
-            raise VfifeError("each drive must turn a moving body of its own")
-        starts = np.cumsum([0, *(one.size for one in self.constraints)])
-        lengths = tuple(_length(one, reach) for one in self.constraints)
-        for name, value in (
-            ("mass", mass),
-            ("inertia", inertia),
-            ("reach", reach),
-            ("starts", tuple(map(int, starts))),
-            ("lengths", lengths),
-        ):
-            object.__setattr__(self, name, value)
+        return result
 
-    @property
+    @cached_property
+    def starts(self) -> tuple[int, ...]:
+        """First row of each constraint, and the number of rows."""
+        return (0, *accumulate(one.size for one in self.constraints))
+
+    @cached_property
+    def lengths(self) -> tuple[float, ...]:
+        """What multiplies a row of angles of each constraint, so that it has unit length (m); 1 where there
+        is none.
+        """
+        return tuple(1.0 if one.turn is None else _length(one, self.reach) for one in self.constraints)
+
+    @cached_property
+    def constraint_rows(self) -> ConstraintRows:
+        """The rows of this system."""
+        return ConstraintRows([self.constraints], np.array(self.lengths), self.reach, single=True)
+
+    @cached_property
     def constraints(self) -> tuple[Constraint, ...]:
         """Joints, then drives: the order of the rows."""
         return (*self.joints, *self.drives)
+
+    @cached_property
+    def structure(self) -> tuple[Any, ...]:
+        """All of it but numbers and names, to be compared."""
+        ties = tuple(
+            (one.body_a, one.body_b, one.body_c, tuple(map(type, one.held)), one.driven)
+            for one in self.constraints
+        )
+        return len(self.names), len(self.joints), ties
 
     @property
     def held(self) -> int:
@@ -88,36 +111,38 @@ class RigidSystem:
         """Rows of the k-th constraint."""
         return slice(self.starts[k], self.starts[k + 1])
 
-    @cached_property
-    def _places(self) -> tuple[list[int], list[int]]:
-        """Rows and columns of the entries of G, constraint by constraint, row by row, body by body."""
-        rows: list[int] = []
-        columns: list[int] = []
-        for one, first in zip(self.constraints, self.starts, strict=False):
-            for row in range(first, first + one.size):
-                for body in (one.body_a, one.body_b, one.body_c):
-                    if body:
-                        rows += (row,) * 3
-                        columns += range(3 * body - 3, 3 * body)
-        return rows, columns
+    def dense_rows(self, position: Array, aims: Array) -> tuple[Array, Array]:
+        """phi (..., r) and G (..., r, 3(n-1)) at positions (..., n, 3), the drives at ``aims`` (..., d) (rad,
+        m).
+        """
+        rows = self.constraint_rows
+        phi, entries = rows.at(position, rows.aimed(len(self.joints), aims))
+        return phi, rows.dense(entries)
+
+    @property
+    def aims(self) -> Array:
+        """What the drives keep [d] (rad, m)."""
+        return np.array([drive.aim for drive in self.drives])
 
     @cached_property
-    def _flat(self) -> NDArray[np.intp]:
-        """Places of these entries in G as one line."""
-        rows, columns = (np.array(one, dtype=np.intp) for one in self._places)
-        return rows * (3 * len(self.names) - 3) + columns
-
-    def jacobian(self, values: list[float]) -> Matrix:
-        """G from its entries, those of one place summed up in their order."""
-        shape = self.starts[-1], 3 * len(self.names) - 3
-        if shape[1] > DENSE:
-            return matrix(values, *self._places, shape)
-        return np.bincount(self._flat, values, minlength=shape[0] * shape[1]).reshape(shape)
+    def drive_lengths(self) -> Array:
+        """What multiplies the rows of drives [d]: a length (m) where they turn, else 1."""
+        return np.array(
+            [
+                self.lengths[k] if one.turns else 1.0
+                for k, one in enumerate(self.drives, start=len(self.joints))
+            ],
+            dtype=float,
+        )
 
     @cached_property
     def metric(self) -> tuple[Array, Array]:
         """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]; not to be written to."""
-        reach, mass, inertia = self.reach[1:], self.mass[1:], self.inertia[1:]
+        reach, mass, inertia = (
+            self.reach[1:],
+            np.asarray(self.mass, dtype=float)[1:],
+            np.asarray(self.inertia, dtype=float)[1:],
+        )
         one, turning = np.ones_like(reach), inertia / (reach * reach)
         return np.stack([one, one, reach], axis=-1).reshape(-1), np.stack(
             [mass, mass, turning], axis=-1
@@ -144,7 +169,7 @@ def _check(one: Constraint, n: int) -> None:
                 f" zero, not {one.ratio:g}"
             )
         return
-    if not two or len(one.point_a) != 2 or len(one.point_b) != 2 or not _finite(*one.point_a, *one.point_b):  # type: ignore
+    if not two or len(one.point_a) != 2 or len(one.point_b) != 2 or not _finite(*one.point_a, *one.point_b):
         raise VfifeError(f"joint {one.name} must join a point (x, y) each of two different bodies out of {n}")
     if not _finite(one.aim, one.speed, one.acceleration):
         raise VfifeError(f"{one.name}: place, speed, acceleration and relative angle must be finite")
@@ -177,42 +202,43 @@ def equations(system: RigidSystem, position: Array, velocity: Array | None = Non
     """The rows of all joints, then those of the drives, at a position and velocity [n, 3]; without a velocity
     gamma is that of the drives alone.
     """
-    bodies, speeds = position.tolist(), None if velocity is None else velocity.tolist()
-    facing = [directions(bodies, body) for body in range(len(bodies))]
-    phi: list[float] = []
-    rate: list[float] = []
-    gamma: list[float] = []
-    values: list[float] = []
-    reach = system.reach.tolist()
-    for one, length in zip(system.constraints, system.lengths, strict=True):
-        found = one.rows(bodies, speeds, length, facing)
-        phi += found.phi
-        gamma += found.gamma
-        rate += [0.0] * len(found.phi)
-        sides = [
-            (body, blocks)
-            for body, blocks in ((one.body_a, found.a), (one.body_b, found.b), (one.body_c, found.c))
-            if body
-        ]
-        for k in range(len(found.phi)):
-            for body, blocks in sides:
-                x, y, turn = blocks[k]
-                values += (x, y, turn / reach[body])
-        if one.driven:
-            scale = length if one.turns else 1.0
-            rate[-1] = scale * one.speed
-            gamma[-1] += scale * one.acceleration
-    return Equations(
-        np.array(phi, dtype=float),
-        system.jacobian(values),
-        np.array(rate, dtype=float),
-        np.array(gamma, dtype=float),
-    )
+    rows = system.constraint_rows
+    phi, entries = rows.at(position)
+    gamma = rows.accelerated() if velocity is None else rows.gamma(position, velocity)
+    return Equations(phi, rows.matrix(entries), rows.rate(), gamma)
 
 
-def metric(system: RigidSystem) -> tuple[Array, Array]:
-    """(1, 1, l) and (m, m, I / l^2) of each moving body [3(n-1)]."""
-    return system.metric
+def rows_of(systems: Sequence[RigidSystem]) -> ConstraintRows:
+    """The rows of systems of one structure, case by case."""
+    if len(systems) == 1:
+        return systems[0].constraint_rows.select(None)
+    lengths, reach = np.array([one.lengths for one in systems]), np.array([one.reach for one in systems])
+    return ConstraintRows([one.constraints for one in systems], lengths, reach)
+
+
+def metrics(systems: Sequence[RigidSystem]) -> tuple[Array, Array]:
+    """The metrics of systems of one structure, [cases, 3(n-1)] each."""
+    lengths, mass = zip(*(one.metric for one in systems), strict=True)
+    return np.array(lengths), np.array(mass)
+
+
+def flat(motion: Array) -> Array:
+    """Motions (..., n, 3) of the moving bodies one after the other."""
+    return motion[..., 1:, :].reshape(*motion.shape[:-2], -1)
+
+
+def of_bodies(motion: Array) -> Array:
+    """Such motions body by body (..., n, 3), the ground at rest before them."""
+    lead = motion.shape[:-1]
+    return np.concatenate([np.zeros((*lead, 1, 3)), motion.reshape(*lead, -1, 3)], axis=-2)
+
+
+def alike(systems: Sequence[RigidSystem]) -> list[list[int]]:
+    """Systems of one structure, by their numbers."""
+    result: dict[tuple[Any, ...], list[int]] = {}
+    for k, one in enumerate(systems):
+        result.setdefault(one.structure, []).append(k)
+    return list(result.values())
 
 
 def checked(system: RigidSystem, value: Array, name: str) -> Array:

@@ -5,15 +5,16 @@ steps.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias, TypedDict, Unpack
 
-from ..assembly.assemble import assemble
+from ..assembly.assemble import assemble, assemble_all
 from ..assembly.assembled import Assembly
 from ..assembly.possible import Outlook
 from ..assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
+from ..errors import VfifeError
 from ..kinematics.initial import Motion
 from ..model.mechanism import Mechanism
 from ..results.restart import (
@@ -89,6 +90,34 @@ def ideal_of(
     ideal = mechanism.ideal()
     given = None if start is None else initial_state(start, ideal)
     return assemble(ideal, beside=mechanism, turns=turns, duration=duration, given=given, motion=motion)
+
+
+def ideals_of(
+    mechanisms: Sequence[Mechanism], turns: float, motions: Sequence[Motion | None]
+) -> list[Assembly | VfifeError | None]:
+    """The same of each of many mechanisms, from their starts, the fault of one that cannot be assembled in
+    its place.
+    """
+    found: dict[int, Assembly | VfifeError | None] = {
+        k: None for k, one in enumerate(mechanisms) if not comparable(one)
+    }
+    steady = {
+        k: all(one.steady_speed is not None for one in mechanism.drivers.values() if one.moves)
+        for k, mechanism in enumerate(mechanisms)
+    }
+    for length, whose in ((1.0, True), (turns, False)):
+        which = [k for k in steady if k not in found and steady[k] == whose]
+        own, ideals = [mechanisms[k] for k in which], [mechanisms[k].ideal() for k in which]
+        assembled = assemble_all(
+            ideals,
+            None,
+            expected=[{}] * len(which),
+            motions=[motions[k] for k in which],
+            beside=own,
+            turns=length,
+        )
+        found |= dict(zip(which, assembled, strict=True))
+    return [found[k] for k in range(len(mechanisms))]
 
 
 def referred(ideal: Assembly | None) -> Result | None:

@@ -26,7 +26,8 @@ from ..modelfile.parameter import Parameter
 from ..results.studied import Study
 from ..store.member_errors import sample_size
 from ..store.studyfile import hash_of
-from .engine.cases import run_members, streams
+from .engine.cases import run_members
+from .engine.lanes import streams
 from .engine.run_missing import RATIO
 from .methods.allocation import FIRST, WIDTH, Allotment
 from .methods.local_search import derivatives_impossible

@@ -9,24 +9,20 @@ from __future__ import annotations
 import dataclasses
 import math
 import threading
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ...assembly.assemble import Reassembler, assemble
-from ...assembly.assembled import Assembly, limited_rows
-from ...assembly.possible import Outlook, outlook
+from ...assembly.assemble import Reassembler, assemble, assemble_all
+from ...assembly.assembled import Assembly
+from ...assembly.possible import Outlook, outlooks
 from ...compiler.runtime.cuda import WITHOUT, card
 from ...errors import DeviceError, VfifeError
+from ...kinematics.initial import attempt
 from ...measures.catalogue import PEAKS, WantedMeasures, last_turn, over_turn
-from ...measures.energy import ledger
-from ...measures.ranges import DEEP_HALVINGS
 from ...measures.turns import each_turn
 from ...model.joints import Contact
 from ...model.mechanism import Mechanism
@@ -35,200 +31,19 @@ from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, replaced
 from ...results.view import Reductions
 from ...simulation.simulate import carry_out, prepare
-from ...simulation.start import ideal_of
-from ...solvers.arguments import Loop, RunArguments
-from ...solvers.companions import measured_rows
+from ...simulation.start import ideals_of
+from ...solvers.arguments import RunArguments
 from ...solvers.interrupts import Workers
-from ...solvers.record import Columns, Record, places, recorded_rows
+from ...solvers.record import Record
 from ...solvers.repeating import Settling, outputs_of_a_turn
 from ...solvers.status import Status
 from ...solvers.streaming import Lane, stepped
-from ...solvers.transient import choose_loop, run
-
-Array = NDArray[np.float64]
-
-# ends of turns that are kept to see whether energy is accounted for; every second of them goes when there are
-# more
-ENDS = 64
-AT_ONCE = 16  # turns between two looks, where nothing is asked for at their ends
-DOUBTFUL = (
-    0.1  # of the energy limit: a ledger that is as open at the ends of turns is looked at output by output
-)
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """What is asked of every member: ``measures`` by the names that ``vfife run --json`` gives them, all
-    where there are none.
-
-    It is stepped for so many ``turns`` at the most, and ends before where turns repeat within ``settle`` (1).
-    Measures of a turn are means over the ``last`` turns. ``step`` (s): None takes the automatic step of each.
-    """
-
-    measures: tuple[str, ...]
-    turns: int
-    settle: float | None = None
-    last: int = 1
-    step: float | None = None
-
-    @classmethod
-    def of(cls, written: Mapping[str, Any]) -> Wanted:
-        """Return what was written as a mapping of its fields."""
-        return cls(**{**written, "measures": tuple(written["measures"])})
-
-
-def streams(assembly: Assembly, loop: Loop = "auto") -> bool:
-    """Whether a member may be stepped in a lane: turns of a crank at constant speed, in whole outputs, and a
-    step that is written out.
-    """
-    settings = assembly.mechanism.settings
-    return (
-        settings.analysis != "static"
-        and outputs_of_a_turn(assembly) is not None
-        and choose_loop(assembly, loop) == "generated"
-    )
-
-
-class Plan:
-    """What is kept of members that differ in numbers of play: the rows that their lanes hand out, and where
-    blocks stand among them.
-
-    Where one row for each turn tells all that is ``wanted``, and nobody asks whether turns repeat, a turn is
-    handed out as one output.
-    """
-
-    def __init__(self, assembly: Assembly, wanted: Wanted, measures: WantedMeasures) -> None:
-        self.wanted, self.measures = wanted, measures
-        self.recorded = recorded_rows(assembly)
-        self.fine = wanted.settle is not None or not measures.by_turn
-        self.handed = rows_by_turn(assembly) if measures.by_turn and self.fine else self.recorded
-        self.told, self.ends = Columns(assembly.layout, self.handed), Columns(assembly.layout, self.recorded)
-        self.limited = places(self.handed, limited_rows(assembly))
-        self.deep = assembly.layout["contact_deep"]
-
-
-class Stepped(Lane):
-    """A member in a lane. ``again`` assembles it with another step, ``reference`` are measures of the ideal
-    mechanism.
-
-    It is ``doubtful`` where its own run has to tell what became of it: where numbers left all bounds, or
-    energy may be unaccounted for.
-    """
-
-    def __init__(
-        self,
-        number: int,
-        assembly: Assembly,
-        plan: Plan,
-        reference: Mapping[str, float] | None,
-        again: Callable[[Mechanism, float], Assembly],
-    ) -> None:
-        super().__init__(number, assembly, plan.handed, limited=plan.limited)
-        self.plan, self.reference, self.again = plan, reference, again
-        if not plan.fine:
-            self.every *= self.per
-        self.rows = self.per if plan.fine else 1  # of a turn
-        self.turns, self.values = 0, dict[str, float]()
-        self.settling: Settling | None = None
-
-    @property
-    def outputs(self) -> int:
-        """Rows up to the next look: those of a turn, or where they are one, of several turns."""
-        return self.rows if self.plan.fine else min(AT_ONCE, self.plan.wanted.turns - self.turns)
-
-    def start(self, state: Array) -> None:
-        """The first output."""
-        plan, settle = self.plan, self.plan.wanted.settle
-        if settle is not None:
-            self.settling = Settling(self.assembly, self.handed, settle)
-        self.last: deque[Array] = deque(maxlen=plan.wanted.last)
-        self.before, self.ends = state[None, self.handed], [(0, state[self.plan.recorded])]
-
-    def take(self, rows: Array, broken: int, state: Array) -> None:
-        """A turn, or several of a row each."""
-        self.doubtful = (
-            broken >= 0
-            or bool(self.bounds.unsound(rows).any())
-            or not np.isfinite(state[self.plan.recorded]).all()
-        )
-        if self.doubtful:
-            return
-        for turn in np.split(rows, len(rows) // self.rows):
-            self.turns += 1
-            self.last.append(np.concatenate([self.before, turn]))
-            self.before = turn[-1:]
-            self.ends.append((self.turns, state[self.plan.recorded] if self.plan.fine else turn[-1]))
-            if len(self.ends) > ENDS:
-                del self.ends[1::2]
-        if self.settling is not None:
-            self.settling.take(rows)
-        self.final = state
-
-    @property
-    def ended(self) -> bool:
-        """Whether no turn is left to make."""
-        return (
-            self.doubtful
-            or self.turns == self.plan.wanted.turns
-            or (self.settling is not None and self.settling.ended)
-        )
-
-    @property
-    def settled(self) -> int | None:
-        """The turn after which it ended because turns repeat."""
-        return self.turns if self.settling is not None and self.settling.ended else None
-
-    def end(self) -> Stepped | None:
-        """Takes its measures; where first contacts landed too deep for an automatic step, it is made again
-        with half of that.
-        """
-        choice, assembly = self.assembly.choice, self.assembly
-        if self.doubtful:
-            return None
-        deep = bool(np.any(self.final[self.plan.deep]))
-        if deep and choice.automatic and len(choice.tried) < DEEP_HALVINGS[0]:
-            return Stepped(self.number, self._halved(), self.plan, self.reference, self.again)
-        size = self.per * choice.outputs_every
-        steps, rows = zip(*self.ends, strict=True)
-        whole = Record(
-            assembly,
-            np.array(steps, dtype=np.int64) * size,
-            np.array(rows),
-            self.plan.recorded,
-            columns=self.plan.ends,
-        )
-        self.doubtful = ledger(whole).error > DOUBTFUL * assembly.mechanism.settings.energy_limit
-        first = self.turns - len(self.last)
-        records = []
-        for k, own in enumerate(self.last, first):
-            at = np.arange(k * self.rows, (k + 1) * self.rows + 1, dtype=np.int64) * self.every
-            records.append(Record(assembly, at, own, self.handed, columns=self.plan.told))
-        self.values = self.plan.measures.over(records, self.reference)
-        del self.final, self.before
-        self.last.clear()
-        self.ends.clear()
-        return None
-
-    def _halved(self) -> Assembly:
-        """The same with half the step, which stays an automatic one."""
-        choice = self.assembly.choice
-        found = self.again(self.assembly.mechanism, 0.5 * choice.step)
-        tried = (*choice.tried, (choice.step, None))
-        return dataclasses.replace(
-            found, choice=dataclasses.replace(found.choice, automatic=True, tried=tried)
-        )
-
-
-def rows_by_turn(assembly: Assembly) -> NDArray[np.uint32]:
-    """Rows of S that tell the measures of a turn of which its extremes and its end are enough, whether turns
-    repeat, and whether it broke.
-    """
-    forces = np.asarray(assembly.layout.rows_of("contact_normal_force"), dtype=np.uint32)
-    return np.unique(np.concatenate([measured_rows(assembly), limited_rows(assembly), forces]))
-
+from .lanes import Plan, Stepped, Wanted, streams
 
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
+LOAD = ".force.max"  # ends the name of the largest force of a joint
+BATCH = 64  # cases that are assembled at once
 MOST_MODELS = 64  # that differ in other numbers than those of clearance joints
 
 
@@ -270,7 +85,7 @@ class NoLane:
 
 
 class Cases:
-    """Assembles cases of a mechanism one after the other."""
+    """Assembles cases of a mechanism, some at once; each is what it is alone, to the bit."""
 
     def __init__(self, base: Mechanism, wanted: Wanted) -> None:
         settings = dataclasses.replace(base.settings, settle=wanted.settle, companions=0)
@@ -280,22 +95,36 @@ class Cases:
         self.measures = WantedMeasures(wanted.measures, reduced.over if reduced.asked else None)
         self.parameters: dict[str, Parameter | None] = {}
         self.clearances: dict[str, ClearanceNumber | None] = {}
-        self.models: dict[tuple[tuple[str, float | str], ...], CaseModel | VfifeError | None] = {}
+        self.models: dict[ModelKey, CaseModel | VfifeError | None] = {}
         self.neighbour = Outlook()
 
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | NoLane]:
-        """The cases in their order."""
-        for k, one in enumerate(numbers):
-            try:
-                yield self.case(k, one)
-            except VfifeError as error:
-                yield NoLane(k, sentence(error))
+        """The cases in their order. The first comes by itself, so that lanes need not wait for others."""
+        for first, end in pairwise((0, *range(1, len(numbers), BATCH), len(numbers))):
+            self.prepare(numbers[first:end])
+            for k in range(first, end):
+                result = attempt(self.case, k, numbers[k])
+                yield NoLane(k, sentence(result)) if isinstance(result, VfifeError) else result
+
+    def prepare(self, numbers: Sequence[Numbers]) -> None:
+        """Makes the models of cases at once that are not known yet."""
+        keys = {model_key(own): own for own in map(self.without_clearance, numbers)}
+        unknown = [key for key in keys if key not in self.models]
+        for key, result in zip(unknown, self.make_all([keys[key] for key in unknown]), strict=True):
+            while len(self.models) >= MOST_MODELS:
+                del self.models[next(iter(self.models))]
+            self.models[key] = result
+
+    def without_clearance(self, numbers: Numbers) -> Numbers:
+        """The numbers that are none of clearance joints."""
+        return {path: value for path, value in numbers.items() if not self.of_clearance(path)}
 
     def case(self, number: int, numbers: Numbers) -> Stepped | NoLane:
         """One of them. Raises VfifeError where it cannot be assembled."""
-        clearance = {path: value for path, value in numbers.items() if self.of_clearance(path)}
+        own = self.without_clearance(numbers)
+        clearance = {path: value for path, value in numbers.items() if path not in own}
         try:
-            model = self.model({path: value for path, value in numbers.items() if path not in clearance})
+            model = self.model(own)
         except VfifeError:
             if not clearance:
                 raise
@@ -320,11 +149,11 @@ class Cases:
         if path not in self.parameters:
             self.parameters[path] = None
             with suppress(VfifeError):
-                found = Parameter(self.base, path)
-                found = (
-                    found if found.steps else Parameter(self.base, found.path)
+                result = Parameter(self.base, path)
+                result = (
+                    result if result.steps else Parameter(self.base, result.path)
                 )  # a joint by the bodies that it connects
-                self.parameters[path] = found if found.steps else None
+                self.parameters[path] = result if result.steps else None
         return self.parameters[path]
 
     def of_clearance(self, path: str) -> ClearanceNumber | None:
@@ -333,21 +162,21 @@ class Cases:
         """
         if path not in self.clearances:
             self.clearances[path] = None
-            found = self.parameter(path)
+            result = self.parameter(path)
             steps = (
                 ()
-                if found is None or found.quantity is None or found.quantity.words
-                else tuple(map(str, found.steps or ()))
+                if result is None or result.quantity is None or result.quantity.words
+                else tuple(map(str, result.steps or ()))
             )
             of_law = len(steps) == 4 and steps[2] in LAWS
             if (
-                found is not None
+                result is not None
                 and steps[:1] == ("joints",)
                 and self.base.joints[steps[1]].refits
                 and (len(steps) == 3 or of_law)
             ):
                 self.clearances[path] = ClearanceNumber(
-                    steps[1], steps[2] if of_law else "", steps[-1], found
+                    steps[1], steps[2] if of_law else "", steps[-1], result
                 )
         return self.clearances[path]
 
@@ -368,14 +197,14 @@ class Cases:
                 return None
         joints: dict[str, Contact] = {}
         for name, parts in changes.items():
-            found: Any = model.assembly.mechanism.joints[name]
+            result: Any = model.assembly.mechanism.joints[name]
             try:
                 laws = {
-                    kind: dataclasses.replace(getattr(found, kind), **values)
+                    kind: dataclasses.replace(getattr(result, kind), **values)
                     for kind, values in parts.items()
                     if kind
                 }
-                joints[name] = dataclasses.replace(found, **parts.get("", {}), **laws)
+                joints[name] = dataclasses.replace(result, **parts.get("", {}), **laws)
             except ValueError:
                 return None
         return model.reassembler.with_joints(joints)
@@ -384,43 +213,76 @@ class Cases:
         """The model with such numbers, none of them of clearance joints. Raises VfifeError where there can be
         none.
         """
-        key = tuple(sorted(numbers.items()))
+        key = model_key(numbers)
         if key not in self.models:
-            if len(self.models) >= MOST_MODELS:
-                del self.models[next(iter(self.models))]
-            try:
-                self.models[key] = self.make(numbers)
-            except VfifeError as error:
-                self.models[key] = error
-        found = self.models[key]
-        if isinstance(found, VfifeError):
-            raise VfifeError(str(found))
-        return found
+            self.prepare([numbers])
+        return sound(self.models[key])
 
     def make(self, numbers: Numbers) -> CaseModel | None:
-        """A model assembled, and its ideal mechanism run; None for one that does not go into a lane."""
-        mechanism, turns = self.mechanism(numbers), float(self.wanted.turns)
-        if mechanism.settings.analysis == "static":
-            return None
-        self.neighbour = seen = outlook(mechanism, turns, neighbour=self.neighbour)
-        ideal = ideal_of(mechanism, turns, motion=seen.motion) if seen.through else None
-        reference = None
-        if ideal is not None:
-            record = run(ideal)
-            if record.status != Status.COMPLETE:
-                return None
-            reference = over_turn(record, last_turn(record), PEAKS)
-        expected = {
-            name.removesuffix(".force.max"): value
-            for name, value in (reference or {}).items()
-            if name.endswith(".force.max")
+        """A model assembled, and its ideal mechanism run; None for one that does not go into a lane. Raises
+        VfifeError where there can be none.
+        """
+        return sound(self.make_all([numbers])[0])
+
+    def make_all(self, numbers: Sequence[Numbers]) -> list[CaseModel | VfifeError | None]:
+        """The same of many at once: starts are solved, turns looked at and ideal mechanisms run side by side;
+        a fault stands in a model's place.
+        """
+        turns, read = float(self.wanted.turns), [attempt(self.mechanism, one) for one in numbers]
+        result: list[CaseModel | VfifeError | None] = [
+            one if isinstance(one, VfifeError) else None for one in read
+        ]
+        mechanisms = {
+            k: one
+            for k, one in enumerate(read)
+            if isinstance(one, Mechanism) and one.settings.analysis != "static"
         }
-        assembly = assemble(mechanism, self.wanted.step, expected=expected, motion=seen.motion, turns=turns)
+        seen = dict(zip(mechanisms, outlooks(list(mechanisms.values()), turns, self.neighbour), strict=True))
+        outlook = {k: one for k, one in seen.items() if isinstance(one, Outlook)}
+        self.neighbour = next(reversed(outlook.values()), self.neighbour)
+        through = [k for k, one in outlook.items() if one.through]
+        ideals = dict(
+            zip(
+                through,
+                ideals_of([mechanisms[k] for k in through], turns, [outlook[k].motion for k in through]),
+                strict=True,
+            )
+        )
+        peaks = peaks_of({k: one for k, one in ideals.items() if isinstance(one, Assembly)})
+        which = [k for k in outlook if ideals.get(k) is None or k in peaks]
+        expected = [
+            {
+                name.removesuffix(LOAD): value
+                for name, value in peaks.get(k, {}).items()
+                if name.endswith(LOAD)
+            }
+            for k in which
+        ]
+        starts = [outlook[k].motion for k in which]
+        assemblies = assemble_all(
+            [mechanisms[k] for k in which], self.wanted.step, expected=expected, motions=starts, turns=turns
+        )
+        for k, fault in (*seen.items(), *ideals.items(), *zip(which, assemblies, strict=True)):
+            result[k] = fault if isinstance(fault, VfifeError) else result[k]
+        for k, assembly, forces in zip(which, assemblies, expected, strict=True):
+            if isinstance(assembly, Assembly):
+                result[k] = self.lane_model(assembly, forces, peaks.get(k), outlook[k].through)
+        return result
+
+    def lane_model(
+        self,
+        assembly: Assembly,
+        expected: Mapping[str, float],
+        reference: Mapping[str, float] | None,
+        through: bool,
+    ) -> CaseModel | None:
+        """What is handed out of an assembly; None of one that does not go into a lane."""
         if not streams(assembly):
             return None
         # Where clearance has to bridge what opens, it decides whether it can, so other clearances are
         # assembled anew.
-        reassembler = Reassembler(assembly, self.wanted.step, expected, usable=seen.through, turns=turns)
+        turns = float(self.wanted.turns)
+        reassembler = Reassembler(assembly, self.wanted.step, expected, usable=through, turns=turns)
         return CaseModel(
             reassembler,
             Plan(assembly, self.wanted, self.measures),
@@ -434,15 +296,42 @@ class Cases:
         """
         parameters = [self.parameter(path) for path in numbers]
         with suppress(ValueError):
-            found = dataclasses.replace(self.base, source=None)
+            result = dataclasses.replace(self.base, source=None)
             for parameter, value in zip(parameters, numbers.values(), strict=True):
                 if parameter is None or parameter.steps is None:
                     break
-                found = replaced(found, parameter.steps, parameter.read(value))
+                result = replaced(result, parameter.steps, parameter.read(value))
             else:
-                if not across(Checks(found)):
-                    return found
+                if not across(Checks(result)):
+                    return result
         return loads(self.text, set=list(numbers.items()))
+
+
+ModelKey = tuple[tuple[str, float | str], ...]
+
+
+def sound(model: CaseModel | VfifeError | None) -> CaseModel | None:
+    """A model. Raises the fault that stands in its place."""
+    if isinstance(model, VfifeError):
+        raise VfifeError(str(model))
+    return model
+
+
+def model_key(numbers: Numbers) -> ModelKey:
+    """Numbers in an order that does not depend on theirs."""
+    return tuple(sorted(numbers.items()))
+
+
+def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
+    """Largest values of ideal mechanisms over their last turn, run side by side, by number; none of those
+    whose numbers leave all bounds.
+    """
+    lanes = stepped([Lane(k, one) for k, one in ideals.items()], len(ideals), workers=1) if ideals else ()
+    return {
+        lane.number: over_turn(lane.record, last_turn(lane.record), PEAKS)
+        for lane in lanes
+        if not lane.doubtful
+    }
 
 
 def sentence(error: VfifeError) -> str:
@@ -536,9 +425,9 @@ def by_themselves(
         return k, None if stop.is_set() else single(cases, numbers[k])
 
     with Workers(workers) as threads:
-        for k, found in threads.results([threads.submit(one, k) for k in which]):
-            if found is not None:
-                yield k, found
+        for k, result in threads.results([threads.submit(one, k) for k in which]):
+            if result is not None:
+                yield k, result
 
 
 def single(cases: Cases, numbers: Numbers) -> Outcome:

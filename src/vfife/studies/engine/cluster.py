@@ -31,7 +31,8 @@ from ...laws.user import load_laws
 from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
 from ...modelfile import dump, loads
-from .cases import Outcome, Wanted, on_device, run_members
+from .cases import Outcome, on_device, run_members
+from .lanes import Wanted
 
 Numbers = Mapping[str, float | str]
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]

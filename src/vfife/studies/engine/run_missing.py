@@ -33,8 +33,9 @@ from ...store.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
 from ..spec.plan import Plan, StudyParameter
 from ..spec.study_file import StudyReading, StudyTables, case_spec, units_of
-from .cases import Outcome, Wanted, run_members
+from .cases import Outcome, run_members
 from .cluster import THREADS, Resources, Runner
+from .lanes import Wanted
 
 Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]

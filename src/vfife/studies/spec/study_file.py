@@ -23,7 +23,7 @@ from ...results.series import REDUCTION
 from ...results.studied import UNITS, unit_of
 from ...results.view import View, standing
 from ...schema import Field, Reading, meaning_of
-from ..engine.cases import Wanted
+from ..engine.lanes import Wanted
 from .case_rows import with_cases
 from .parameters import read_parameters
 from .plan import SEARCH, Amount, OneOrMore, Plan, StudySpec, VaryTable

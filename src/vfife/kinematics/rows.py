@@ -1,0 +1,349 @@
+"""Rows of constraints of rigid systems that differ in numbers alone: phi, G and gamma of all cases of a batch
+at once.
+
+What a row measures, which way it pulls and on which lever is the text of the step,
+:mod:`vfife.kernels.constraint`, run on arrays; gamma comes from the same text, run on numbers that carry
+their derivatives in time. Each entry is the same sum of the same terms in a batch of any size, so a case has
+the bits that it has alone. Positions are (..., cases, bodies, 3) with (x, y, theta) of centres of mass in m
+and rad, the ground first; the axis of the cases is missing where there is one system, and further axes come
+before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.constraint import Guide
+from ..kernels.topology import ACROSS, ALONG, APART, NOWHERE, ON_PATH, PINNED
+from ..model.rows import Across, Along, Apart, Coincide, OnPath
+from ..numerics.elementwise import sincos
+from .constraints import Constraint
+from .linalg import DENSE, Matrix, matrix
+from .taylor import KERNEL, Taylor
+
+Array = NDArray[np.float64]
+Places = NDArray[np.intp]
+
+KINDS = {type(None): NOWHERE, Coincide: PINNED, Across: ACROSS, Along: ALONG, Apart: APART, OnPath: ON_PATH}
+SIGNS = np.array([[-1.0], [1.0]])  # of what a row measures, on bodies a and b
+SOMEWHERE = 1e-9  # of the length of a massless link whose pins a first guess puts in one place
+
+
+class Group(NamedTuple):
+    """Constraints [k] with a place of one kind: their numbers, first rows, and where blocks of bodies a and b
+    are are [rows, 2, k].
+    """
+
+    owner: Places
+    row: Places
+    blocks: Places
+
+
+class Pattern(NamedTuple):
+    """Where the entries of G are, constraint by constraint, row by row, body by body: blocks of (x, y, turn);
+    those of the ground are left out.
+    """
+
+    bodies: Places  # [3, constraints]: a, b and c
+    rows: Places
+    columns: Places
+    owner: Places  # body of each entry that is a turn, 0 of others
+    repeated: bool  # whether two entries share a place
+    groups: tuple[tuple[int, Group], ...]
+    turns: Places
+    turn_rows: Places
+    turn_entries: Places  # [3, turns]
+    size: int  # rows
+
+
+@lru_cache(maxsize=64)
+def pattern(ties: tuple[tuple[int, int, int, int, bool], ...]) -> Pattern:
+    """The entries of constraints, each (body a, b and c, kind of its place, whether it holds a turn)."""
+    rows: list[int] = []
+    columns: list[int] = []
+    groups: dict[int, list[tuple[int, int, list[list[int]]]]] = {}
+    turns: list[tuple[int, int, list[int]]] = []
+    row, nowhere = 0, -3  # behind the last entry lies one more block, which takes what is of the ground
+    for k, (a, b, c, kind, turn) in enumerate(ties):
+        blocks: list[list[int]] = []
+        first = row
+        for _ in range((2 if kind == PINNED else 0 if kind == NOWHERE else 1) + turn):
+            blocks.append([])
+            for body in (a, b, c):
+                blocks[-1].append(len(rows) if body else nowhere)
+                rows += (row,) * 3 if body else ()
+                columns += range(3 * body - 3, 3 * body) if body else ()
+            row += 1
+        if kind != NOWHERE:
+            groups.setdefault(kind, []).append(
+                (k, first, [block[:2] for block in blocks[: 2 if kind == PINNED else 1]])
+            )
+        if turn:
+            turns.append((k, row - 1, [entry + 2 for entry in blocks[-1]]))
+    bodies = np.array(ties, dtype=np.intp).reshape(-1, 5)[:, :3].T
+    owners = np.array(columns, dtype=np.intp) // 3 + 1
+    places = set(zip(rows, columns, strict=True))
+    numbered = np.array([(k, at, *entries) for k, at, entries in turns], dtype=np.intp).reshape(-1, 5).T
+    return Pattern(
+        bodies, np.array(rows, dtype=np.intp), np.array(columns, dtype=np.intp), np.where(np.arange(len(owners)) % 3 == 2, owners, 0),
+        len(places) < len(rows), tuple((kind, _group(kind, own)) for kind, own in groups.items()),
+        numbered[0], numbered[1], numbered[2:], row,
+    )  # fmt: skip
+
+
+def _group(kind: int, members: list[tuple[int, int, list[list[int]]]]) -> Group:
+    owner, row, blocks = zip(*members, strict=True)
+    places = np.array(blocks, dtype=np.intp).reshape(len(owner), -1, 2)
+    return Group(np.array(owner, dtype=np.intp), np.array(row, dtype=np.intp), np.moveaxis(places, 0, -1))
+
+
+class Aims(NamedTuple):
+    """What rows keep: places along guides and lengths (m), and angles (rad), both (..., constraints)."""
+
+    place: Array
+    turn: Array
+
+
+class ConstraintRows:
+    """The rows of constraints, of which each case has its own numbers: phi [r] (m), G [r, 3(n-1)] in (x, y, l
+    theta), gamma [r] (m/s2).
+
+    ``reach`` (..., n) divides turns and ``lengths`` (..., k) multiplies rows of angles, both in m.
+    """
+
+    def __init__(
+        self, cases: Sequence[Sequence[Constraint]], lengths: Array, reach: Array, single: bool = False
+    ) -> None:
+        first, self.cases, self.single = cases[0], cases, single
+        numbers = np.array([[one.numbers for one in case] for case in cases], dtype=float).reshape(
+            len(cases), len(first), 11
+        )
+        numbers = np.moveaxis(numbers[0] if single else numbers, -1, 0)
+        self.points = (
+            np.stack([*numbers[:4:2]], axis=-2),
+            np.stack([*numbers[1:4:2]], axis=-2),
+        )  # x and y, (..., 2, constraints) of bodies a and b
+        self.direction, self.ratio, self.speed, self.acceleration = (
+            numbers[4:6],
+            numbers[8],
+            numbers[9],
+            numbers[10],
+        )
+        self.aims, self.lengths, self.reach = Aims(numbers[6], numbers[7]), lengths, reach
+        ties = tuple(
+            (one.body_a, one.body_b, one.body_c, KINDS[type(one.place)], one.turn is not None)
+            for one in first
+        )
+        self.pattern = pattern(ties)
+        self.columns = 3 * reach.shape[-1] - 3
+        self.arms = np.where(
+            self.pattern.owner > 0, reach[..., self.pattern.owner], 1.0
+        )  # of entries that are turns
+        self.constant = self._constant()
+
+    def _constant(self) -> Array:
+        """Entries that no position changes: of pins along x and y, and of turns."""
+        result = np.zeros((*self.lengths.shape[:-1], len(self.pattern.rows) + 3))
+        for kind, group in self.pattern.groups:
+            for side, sign in ((0, -1.0), (1, 1.0)):
+                for axis in (0, 1) if kind == PINNED else ():
+                    result[..., group.blocks[axis, side] + axis] = sign
+        turns = self.pattern.turns
+        length, ratio = self.lengths[..., turns], self.ratio[..., turns]
+        for entries, value in zip(
+            self.pattern.turn_entries, (-length * ratio, length, -length * (1.0 - ratio)), strict=True
+        ):
+            result[..., entries] = value
+        return result
+
+    def aimed(self, first: int, aims: Array) -> Aims:
+        """What rows keep with other aims (..., d) (rad, m) of the constraints from the ``first`` on."""
+        shape = np.broadcast_shapes((*aims.shape[:-1], len(self.cases[0])), self.aims.turn.shape)
+        place, turn = (np.broadcast_to(one, shape).copy() for one in self.aims)
+        along = [isinstance(one.place, Along) for one in self.cases[0][first:]]
+        turn[..., first:] = aims
+        place[..., first:] = np.where(along, aims, place[..., first:])
+        return Aims(place, turn)
+
+    def at(self, position: Array, aims: Aims | None = None) -> tuple[Array, Array]:
+        """phi (..., r) and the entries of G (..., entries) at positions (..., n, 3)."""
+        aims = self.aims if aims is None else aims
+        bodies, turns = self.pattern.bodies[:2], self.pattern.turns
+        s, c = sincos(position[..., 2])
+        cosine, sine = c[..., bodies], s[..., bodies]
+        arm = KERNEL.arm(cosine, sine, *self.points)
+        place = position[..., 0][..., bodies], position[..., 1][..., bodies]
+        pin_x, pin_y = place[0] + arm[0], place[1] + arm[1]
+        ex, ey = pin_x[..., 1, :] - pin_x[..., 0, :], pin_y[..., 1, :] - pin_y[..., 0, :]
+        lead = ex.shape[:-1]
+        phi, entries = np.zeros((*lead, self.pattern.size)), np.empty((*lead, self.constant.shape[-1]))
+        entries[...] = self.constant
+        for kind, (own, row, blocks) in self.pattern.groups:
+            own_x, own_y, gap = arm[0][..., own], arm[1][..., own], (ex[..., own], ey[..., own])
+            if kind == PINNED:
+                phi[..., row], phi[..., row + 1] = gap
+                entries[..., blocks[0] + 2] = KERNEL.lever(own_x, own_y, 1.0, 0.0) * SIGNS
+                entries[..., blocks[1] + 2] = KERNEL.lever(own_x, own_y, 0.0, 1.0) * SIGNS
+                continue
+            measured, nx, ny = self._placed(kind, own, (cosine[..., 0, own], sine[..., 0, own]), *gap)
+            phi[..., row] = measured - aims.place[..., own]
+            own_x[..., 0, :] = (
+                own_x[..., 1, :] + place[0][..., 1, own] - place[0][..., 0, own]
+            )  # the foot of the journal's pin, on body a
+            own_y[..., 0, :] = own_y[..., 1, :] + place[1][..., 1, own] - place[1][..., 0, own]
+            nx, ny = nx[..., None, :], ny[..., None, :]
+            for axis, value in enumerate((nx, ny, KERNEL.lever(own_x, own_y, nx, ny))):
+                entries[..., blocks[0] + axis] = value * SIGNS
+        if len(turns):
+            angle = position[..., 2][..., self.pattern.bodies[:, turns]]
+            turned = KERNEL.relative_turn(
+                angle[..., 0, :], angle[..., 1, :], self.ratio[..., turns], angle[..., 2, :]
+            )
+            phi[..., self.pattern.turn_rows] = self.lengths[..., turns] * (turned - aims.turn[..., turns])
+        return phi, entries[..., :-3] / self.arms + 0.0
+
+    def _placed(
+        self, kind: int, own: Places, face: tuple[Array, Array], ex: Array, ey: Array
+    ) -> tuple[Array, Array, Array]:
+        """What rows of a kind measure (m), and their directions in space."""
+        if kind == ON_PATH:
+            result = [
+                self._on_path(own, at, *(value[at] for value in (*face, ex, ey)))
+                for at in np.ndindex(ex.shape)
+            ]
+            return tuple(np.array(result, dtype=float).reshape(*ex.shape, 3)[..., k] for k in range(3))  # type: ignore[return-value]
+        if kind == APART:
+            ex = np.where(
+                (ex == 0.0) & (ey == 0.0), SOMEWHERE * self.aims.place[..., own], ex
+            )  # any direction leads apart
+        return KERNEL.guide_row((), Guide(kind, 0, 0, *self.direction[..., own]), *face, ex, ey)  # type: ignore[no-any-return]
+
+    def _on_path(self, own: Places, at: tuple[int, ...], *gap: Any) -> tuple[Any, Any, Any]:
+        """The same of a pin in a slot: ``gap`` is the direction of the bearing's body and the journal's pin
+        seen from the bearing's.
+        """
+        pieces, count = self.cases[0 if self.single else at[-2]][own[at[-1]]].pieces
+        return KERNEL.guide_row(pieces, Guide(ON_PATH, 0, count, 1.0, 0.0), *gap)  # type: ignore[no-any-return]
+
+    def gamma(self, position: Array, velocity: Array) -> Array:
+        """- dG/dt v (..., r), and the accelerations of drives: second derivatives of phi with all
+        accelerations zero, turned round.
+        """
+        a, b, _ = self.pattern.bodies
+        s, c = sincos(position[..., 2])
+        there = []
+        for side, body in enumerate((a, b)):
+            cosine, sine, w = c[..., body], s[..., body], velocity[..., body, 2]
+            face = Taylor(cosine, -sine * w, -cosine * w * w), Taylor(sine, cosine * w, -sine * w * w)
+            x, y = (
+                Taylor(position[..., body, axis], velocity[..., body, axis], np.zeros_like(w))
+                for axis in (0, 1)
+            )
+            arm = KERNEL.arm(*face, *(one[..., side, :] for one in self.points))
+            there.append((x + arm[0], y + arm[1], face))
+        (ax, ay, face_a), (bx, by, _) = there
+        ex, ey = bx - ax, by - ay
+        result = np.zeros((*ex.value.shape[:-1], self.pattern.size))
+        for kind, (own, row, _) in self.pattern.groups:
+            gap = [one.part((..., own)) for one in (*face_a, ex, ey)]
+            if kind == PINNED:
+                result[..., row], result[..., row + 1] = -gap[2].second, -gap[3].second
+            elif kind == ON_PATH:
+                for at in np.ndindex(gap[0].value.shape):
+                    result[(*at[:-1], row[at[-1]])] = -self._on_path(own, at, *(one.part(at) for one in gap))[
+                        0
+                    ].second
+            else:
+                guide = Guide(kind, 0, 0, *self.direction[..., own])
+                result[..., row] = -KERNEL.guide_row((), guide, *gap)[0].second
+        return result + self.accelerated()
+
+    def accelerated(self) -> Array:
+        """What drives demand of accelerations (m/s2), zero in other rows."""
+        return self._of_drives(self.acceleration)
+
+    def rate(self) -> Array:
+        """What drives demand of velocities (m/s), zero in other rows."""
+        return self._of_drives(self.speed)
+
+    def _of_drives(self, values: Array) -> Array:
+        result, row = np.zeros((*self.lengths.shape[:-1], self.pattern.size)), -1
+        for k, one in enumerate(self.cases[0]):
+            row += one.size
+            if one.driven:
+                result[..., row] = (self.lengths[..., k] if one.turns else 1.0) * values[..., k]
+        return result
+
+    def dense(self, entries: Array) -> Array:
+        """G (..., r, 3(n-1)) from its entries, those of one place summed up in their order."""
+        result = np.zeros((*entries.shape[:-1], self.pattern.size, self.columns))
+        if self.pattern.repeated:
+            np.add.at(result, (..., self.pattern.rows, self.pattern.columns), entries)  # type: ignore[arg-type]
+        else:
+            result[..., self.pattern.rows, self.pattern.columns] = entries
+        return result
+
+    def matrix(self, entries: Array) -> Matrix:
+        """G of one system: dense, or sparse where it is large."""
+        if self.columns <= DENSE:
+            return self.dense(entries)
+        return matrix(entries, self.pattern.rows, self.pattern.columns, (self.pattern.size, self.columns))
+
+    def matrices(self, entries: Array) -> Any:
+        """G of cases: [cases, r, 3(n-1)], or where they are large an array of the sparse matrix of the one
+        case.
+        """
+        if self.columns <= DENSE:
+            return self.dense(entries)
+        result = np.empty(1, dtype=object)
+        result[0] = self.matrix(entries[0])
+        return result
+
+    def select(self, which: NDArray[np.bool_] | None) -> ConstraintRows:
+        """Some of the cases; with None, one system as a batch of one."""
+        result = copy(self)
+        result.points, result.direction = (
+            (self.points[0][which], self.points[1][which]),
+            self.direction[:, which],
+        )
+        result.ratio, result.speed, result.acceleration = (
+            self.ratio[which],
+            self.speed[which],
+            self.acceleration[which],
+        )
+        result.lengths, result.arms, result.reach, result.constant = (
+            self.lengths[which],
+            self.arms[which],
+            self.reach[which],
+            self.constant[which],
+        )
+        result.aims = Aims(self.aims.place[which], self.aims.turn[which])
+        result.cases = (
+            self.cases if which is None else [self.cases[k] for k in np.flatnonzero(which).tolist()]
+        )
+        result.single = False
+        return result
+
+    def directions(self, entries: Array) -> list[Array]:
+        """Directions in space (..., rows, 2) in which the rows of the place of each constraint pull at its
+        body b.
+        """
+        result = [np.zeros((0, 2))] * len(self.cases[0])
+        for _, group in self.pattern.groups:
+            for k, blocks in zip(group.owner.tolist(), np.moveaxis(group.blocks, -1, 0), strict=True):
+                side = 1 if self.pattern.bodies[1, k] else 0  # the ground has no entries
+                result[k] = entries[..., blocks[:, side, None] + np.arange(2)] * (1.0 if side else -1.0)
+        return result
+
+
+def measured(constraint: Constraint, position: Array) -> float:
+    """Where the point of body b is along the guide of a constraint without an aim (m), at a position [n, 3]."""
+    return float(
+        ConstraintRows([[constraint]], np.ones(1), np.ones(len(position)), single=True).at(position)[0][0]
+    )
