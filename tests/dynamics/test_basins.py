@@ -56,13 +56,13 @@ def test_a_double_well_has_two_basins_that_are_each_others_mirror(wells) -> None
     assert np.array_equal(labels, 1.0 - labels[::-1, ::-1])
     rest = [float(one.points[0, 0]) for one in found.attractors]
     assert sorted(rest) == pytest.approx([-math.sqrt(1.1**2 - 1.0), math.sqrt(1.1**2 - 1.0)], rel=1e-3)
-    sides = np.sign(np.array(found.asked.x))
+    sides = np.sign(np.array(found.spec.x))
     assert np.array_equal(np.sign(np.array(rest))[labels[2].astype(int)], sides)
     assert {one.kind for one in found.attractors} == {"period 1"}
     over = dataclasses.replace(
-        found, asked=dataclasses.replace(found.asked, paths=(found.asked.paths[0], "spring.snap.stiffness"))
+        found, spec=dataclasses.replace(found.spec, paths=(found.spec.paths[0], "spring.snap.stiffness"))
     )
-    assert found.asked.varied == () and [one.kind for one in over.attractors] == [
+    assert found.spec.varied == () and [one.kind for one in over.attractors] == [
         "period 1"
     ]  # points would move with the stiffness
 
@@ -78,7 +78,7 @@ def test_basins_go_on_where_they_were_broken_off(wells) -> None:
         for k in range(30)
     )
     assert again.companions == found.companions and len(found.companions) == 6
-    x, y = (found.asked.paths[0], -0.6, 0.6), (found.asked.paths[1], -4.0, 4.0)
+    x, y = (found.spec.paths[0], -0.6, 0.6), (found.spec.paths[1], -4.0, 4.0)
     whole = basins(
         snapping(), x, y, count=(6, 5), turns=12, dropped=8, step=1e-3, series=["block.x"], companions=0
     )
@@ -154,9 +154,7 @@ def test_a_value_begun_anew_is_a_run_of_its_own(tmp_path) -> None:
     path, starts = "joint.pin.clearance", [{}, {"start.crank": 1.0, "start.pin.vy": 0.2}]
     up = bifurcation(loose(), path, 2e-4, 3e-4, **GIVEN, companions=0)
     whole = bifurcation(loose(), path, 2e-4, 3e-4, **GIVEN, starts=starts, companions=1)
-    assert (
-        whole.asked.ways == ("own start", "start.crank = 1 rad, start.pin.vy = 0.2 m/s") and whole.done == 3
-    )
+    assert whole.spec.ways == ("own start", "start.crank = 1 rad, start.pin.vy = 0.2 m/s") and whole.done == 3
     for name in up.points:
         assert (
             np.array_equal(whole.points[name][0, 0], up.points[name][0, 0])
@@ -212,7 +210,7 @@ def test_a_start_comes_to_the_phase_of_all() -> None:
     )  # fmt: skip
     angles = np.mod(found.points["crank.angle"], 2.0 * math.pi)
     assert angles == pytest.approx(
-        np.full(angles.shape, 0.5 * math.pi), abs=math.pi / found.asked.steps * 1.01
+        np.full(angles.shape, 0.5 * math.pi), abs=math.pi / found.spec.steps * 1.01
     )
 
 

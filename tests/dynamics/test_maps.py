@@ -69,9 +69,9 @@ def test_the_first_value_is_the_run_of_its_own() -> None:
     m = load(
         f"{EXAMPLES}/slider_crank_loose_pin.toml", set=[("joint.pin.contact.restitution", 0.3), (path, 2e-4)]
     )
-    step = 2.0 * math.pi / 100.0 / found.asked.steps
+    step = 2.0 * math.pi / 100.0 / found.spec.steps
     alone = vfife.simulate(m, turns=5, outputs=1, step=step, companions=0, reference=False, force_step=True)
-    for name in found.asked.series:
+    for name in found.spec.series:
         own = alone.series[name].values
         assert np.array_equal(found.points[name][0, 0], own[4:6])
     assert (
@@ -85,11 +85,11 @@ def test_a_phase_is_so_much_of_a_turn_later() -> None:
     found = bifurcation(
         loose(), path, 2e-4, 3e-4, **{**GIVEN, "count": 2}, series=["rod.angular_velocity"], phase=0.25
     )
-    assert found.asked.steps % 4 == 0
+    assert found.spec.steps % 4 == 0
     m = load(
         f"{EXAMPLES}/slider_crank_loose_pin.toml", set=[("joint.pin.contact.restitution", 0.3), (path, 2e-4)]
     )
-    step = 2.0 * math.pi / 100.0 / found.asked.steps
+    step = 2.0 * math.pi / 100.0 / found.spec.steps
     alone = vfife.simulate(m, turns=6, outputs=4, step=step, companions=0, reference=False, force_step=True)
     own = alone.series["rod.angular_velocity"].values
     assert np.array_equal(found.points["rod.angular_velocity"][0, 0], own[[4 * 4 + 1, 5 * 4 + 1]])

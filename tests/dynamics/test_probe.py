@@ -49,9 +49,9 @@ def test_a_map_takes_the_step_that_a_run_finds(monkeypatch) -> None:
     steps = steps_of_a_run(light())
     assert step_count([light()], None, search=True) == steps
     monkeypatch.setattr("vfife.dynamics.sections.Sectioning.pieces", lambda *_: iter(()))
-    assert poincare_section(light(), turns=2, dropped=0).asked.steps == steps
+    assert poincare_section(light(), turns=2, dropped=0).spec.steps == steps
     monkeypatch.setattr(turn_steps, "run_step", lambda model: 1e-5)
-    assert poincare_section(light(0.2), turns=2, dropped=0).asked.steps == int(np.ceil(2e3 * np.pi))
+    assert poincare_section(light(0.2), turns=2, dropped=0).spec.steps == int(np.ceil(2e3 * np.pi))
     grid = ("start.crank", 0.0, 1.0), ("start.pin.vx", 0.0, 0.1)
     assert TurnRun("basins", 2, dropped=1).step_count(models_along(light(0.3), grid)) == int(
         np.ceil(2e3 * np.pi)
@@ -65,7 +65,7 @@ def test_the_step_of_a_sweep_is_the_finest_of_ends_and_middle(monkeypatch) -> No
     monkeypatch.setattr(turn_steps, "COUNTS", type(turn_steps.COUNTS)())
     given = {"count": 2, "turns": 2, "dropped": 1, "companions": 0}
     turn = 2.0 * np.pi / 100.0
-    assert bifurcation(light(), "joint.pin.clearance", 2e-4, 3e-4, **given).asked.steps == int(
+    assert bifurcation(light(), "joint.pin.clearance", 2e-4, 3e-4, **given).spec.steps == int(
         np.ceil(turn / 1e-5)
     )
     assert len(models_along(light(), (("joint.pin.clearance", 1e-4, 2e-4), ("body.rod.mass", 0.1, 0.2)))) == 5

@@ -159,7 +159,7 @@ def test_a_section_is_the_run_of_its_own_and_misses_no_impact() -> None:
     itself.
     """
     found = poincare_section(loose(), **SHORT)
-    step = 2.0 * math.pi / 100.0 / found.asked.steps
+    step = 2.0 * math.pi / 100.0 / found.spec.steps
     alone = vfife.simulate(
         loose(), turns=10, outputs=1, step=step, companions=0, reference=False, force_step=True
     )

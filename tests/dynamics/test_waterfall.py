@@ -56,7 +56,7 @@ def test_orders_have_the_amplitudes_of_the_closed_form():
     found = whole()
     assert found.done == 5 and not found.diverged and found.orders[:3] == pytest.approx([0.0, 0.5, 1.0])
     for value, sizes, frequencies in zip(
-        found.asked.values, found.amplitudes["block.x"], found.frequencies, strict=True
+        found.spec.values, found.amplitudes["block.x"], found.frequencies, strict=True
     ):
         assert sizes[2] == pytest.approx(response(value), rel=5e-3)
         assert sizes[6] == pytest.approx(2.0 * response(3.0 * value), rel=5e-3)
@@ -99,7 +99,7 @@ def test_a_waterfall_goes_on_with_what_is_missing(tmp_path):
     for found in (rest, load_map(tmp_path / "a.waterfall")):
         assert (
             np.array_equal(found.amplitudes["block.x"], whole().amplitudes["block.x"])
-            and found.asked == whole().asked
+            and found.spec == whole().spec
         )
     before = (tmp_path / "a.waterfall").read_bytes()
     with pytest.raises(VfifeError, match="asks something else"):

@@ -105,7 +105,7 @@ def answer_of_map(path: Path) -> Any:
         {name: points.tobytes() for name, points in found.points.items()},
         found.kinds,
         found.exponents.tobytes(),
-        found.asked,
+        found.spec,
     )
 
 

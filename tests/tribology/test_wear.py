@@ -88,7 +88,7 @@ def test_depths_go_with_the_turns_until_geometry_follows():
     assert (far().errors <= 0.01 * 2e-4).all() and len(far().turns) > 4
     # The motion is chaotic: of 40 clearances that differ by 1e-13 the largest share lies between 0.0006 and
     # 0.073, above 0.01 for every other one.
-    assert max(far().beside) < 0.1, (
+    assert max(far().step_difference) < 0.1, (
         "half the step wears the same surfaces the same: as round ones they would lose 14 % elsewhere"
     )
 
@@ -122,7 +122,7 @@ def test_a_steady_motion_wears_in_exact_proportion():
     assert found.volume("bore", "journal") == pytest.approx(volume, rel=1e-3, abs=0.0)
     assert found.volume("bore", "bearing") == pytest.approx(volume * SOFT / HARD, rel=1e-3, abs=0.0)
     assert smooth(found.depth[-1], 8)[1] == pytest.approx(HARD * 2.0 * 9.81 / 0.02 * turns, rel=0.02, abs=0.0)
-    assert max(found.beside) < 1e-3, "half the step wears the same"
+    assert max(found.step_difference) < 1e-3, "half the step wears the same"
     assert np.degrees(ANGLES[smooth(found.depth[-1], 8)[0].argmax()]) == pytest.approx(90.0, abs=2.0)
 
 
@@ -144,7 +144,7 @@ def test_the_volume_of_a_turn_is_k_times_what_a_run_rubs():
         m,
         turns=4,
         outputs=360,
-        step=2.0 * math.pi / 100.0 / found.asked.steps,
+        step=2.0 * math.pi / 100.0 / found.spec.steps,
         companions=0,
         reference=False,
         force_step=True,
@@ -189,14 +189,17 @@ def test_a_life_ends_at_its_limit():
     """The play at the end is the limit; of a force the turns are between the two points around it."""
     found = worn(clearance=2.06e-4)
     assert (
-        found.ended["by"] == "clearance"
+        found.life_end["by"] == "clearance"
         and found.play[-1, 0] == pytest.approx(2.06e-4, rel=1e-9, abs=0.0)
         and found.complete
     )
-    assert 0.0 < found.ended["turns"] < 4e6 and found.turns[-1] == found.ended["turns"]
+    assert 0.0 < found.life_end["turns"] < 4e6 and found.turns[-1] == found.life_end["turns"]
     limit = 0.5 * (worn().force[0, 0] + worn().force.max())
     pressed = worn(force=limit)
-    assert pressed.ended["by"] == "force" and pressed.turns[-2] < pressed.ended["turns"] <= pressed.turns[-1]
+    assert (
+        pressed.life_end["by"] == "force"
+        and pressed.turns[-2] < pressed.life_end["turns"] <= pressed.turns[-1]
+    )
     assert pressed.force[-1, 0] >= limit > pressed.force[-2, 0]
 
 
@@ -216,11 +219,11 @@ def test_it_goes_on_where_it_was_broken_off(tmp_path):
         and np.array_equal(whole.force, worn().force)
         and whole.simulated == worn().simulated
     )
-    assert np.array_equal(load_wear(path).depth, whole.depth) and part.beside == ()
+    assert np.array_equal(load_wear(path).depth, whole.depth) and part.step_difference == ()
     assert (
-        load_wear(path).beside == whole.beside == worn().beside
-        and 0.0 < worn().beside[0] < 0.1
-        and worn().beside[1] < 0.3
+        load_wear(path).step_difference == whole.step_difference == worn().step_difference
+        and 0.0 < worn().step_difference[0] < 0.1
+        and worn().step_difference[1] < 0.3
     )
     before = path.read_bytes()
     with pytest.raises(VfifeError, match="there is a wear file here that asks something else"):

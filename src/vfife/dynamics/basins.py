@@ -104,14 +104,14 @@ class Basins(CheckedMap):
     def of(
         cls,
         name: str,
-        asked: BasinSpec,
+        spec: BasinSpec,
         legs: Mapping[int, tuple[Array, Array]],
         companions: Sequence[Companion],
     ) -> Basins:
         """Basins of the rows of a map file."""
-        points = {k: one.reshape(-1, len(asked.series)) for k, (one, _) in legs.items()}
+        points = {k: one.reshape(-1, len(spec.series)) for k, (one, _) in legs.items()}
         return cls(
-            name, asked, tuple(companions), points, {k: one.reshape(-1) for k, (_, one) in legs.items()}
+            name, spec, tuple(companions), points, {k: one.reshape(-1) for k, (_, one) in legs.items()}
         )
 
     @classmethod
@@ -138,7 +138,7 @@ class Basins(CheckedMap):
         """The motions to which cases lead, that of most cases first; over a number of the model, those of one
         kind.
         """
-        cases, tolerance = range(self.asked.count), math.inf if self.asked.varied else ALIKE
+        cases, tolerance = range(self.spec.count), math.inf if self.spec.varied else ALIKE
         points = [self.points[k] if k in self.verdicts else None for k in cases]
         return attractors(points, [self.verdicts.get(k) for k in cases], tolerance)
 
@@ -147,10 +147,10 @@ class Basins(CheckedMap):
         """Number of the attractor of each case, shape (y, x); NaN where there is no start, or it is not
         known.
         """
-        found = np.full(self.asked.count, np.nan)
+        labels = np.full(self.spec.count, np.nan)
         for k, one in enumerate(self.attractors):
-            found[list(one.members)] = k
-        return found.reshape(len(self.asked.y), len(self.asked.x))
+            labels[list(one.members)] = k
+        return labels.reshape(len(self.spec.y), len(self.spec.x))
 
     def kind_of(self, case: Companion) -> str:
         """Motion of the case of a companion, empty if it is not known."""
@@ -158,7 +158,7 @@ class Basins(CheckedMap):
 
     def name_of(self, case: Companion) -> str:
         """The case of a companion in words."""
-        return ", ".join(f"{path} = {value:.4g}" for path, value in self.asked.numbers(case.number).items())
+        return ", ".join(f"{path} = {value:.4g}" for path, value in self.spec.numbers(case.number).items())
 
     def plot(self) -> Figure:
         """The grid as a figure, each attractor in a colour."""
@@ -170,11 +170,11 @@ class Basins(CheckedMap):
         """Write a row for each case: its two numbers, attractor (counted from 1), motion and exponent, and
         its series at the end.
         """
-        rows: list[list[object]] = [[*self.asked.paths, "attractor", "kind", "exponent", *self.asked.series]]
+        rows: list[list[object]] = [[*self.spec.paths, "attractor", "kind", "exponent", *self.spec.series]]
         labels = self.labels.reshape(-1)
         for case, one in self.verdicts.items():
             value = "" if one.exponent is None else one.exponent.value
-            numbers = self.asked.numbers(case).values()
+            numbers = self.spec.numbers(case).values()
             rows.append([*numbers, int(labels[case]) + 1, one.kind, value, *self.points[case][-1].tolist()])
         write_rows(path, rows)
 
@@ -227,7 +227,7 @@ def basins(
         for (_, low, high), number in zip((x, y), count, strict=True)
     )
     series, _ = chosen_series(first, run.series)
-    asked = BasinSpec(
+    spec = BasinSpec(
         dump(mechanism),
         paths,
         units,
@@ -246,26 +246,24 @@ def basins(
 
     def start_of(case: int, steps: int) -> Start:
         state = states.setdefault(steps, StartStates(mechanism, steps))
-        return Start(
-            case, partial(state.at, asked.numbers(case)), state.ahead(asked.numbers(case), run.phase)
-        )
+        return Start(case, partial(state.at, spec.numbers(case)), state.ahead(spec.numbers(case), run.phase))
 
-    with run.rows(Basins, mechanism.name, asked) as rows:
-        known, checked = rows.known, unpacked(rows.array(COMPANIONS))
-        known |= rows.legs(gaps=True)
+    with run.rows(Basins, mechanism.name, spec) as rows:
+        legs, checked = rows.done, unpacked(rows.array(COMPANIONS))
+        legs |= rows.legs(gaps=True)
         for one, points in orbits(
-            asked, near, [start_of(case, steps) for case in range(asked.count)], known=tuple(known)
+            spec, near, [start_of(case, steps) for case in range(spec.count)], done=tuple(legs)
         ):
-            known[one.number] = points, one.growth
+            legs[one.number] = points, one.growth
             rows.write("legs", one.number, points, one.growth, np.zeros(0))
-            run.job.count(len(known), asked.count, "starts")
+            run.job.count(len(legs), spec.count, "starts")
         if not checked and companions:
-            cases = [case for case, (points, _) in sorted(known.items()) if len(points)]
+            cases = [case for case, (points, _) in sorted(legs.items()) if len(points)]
             checked += list(
-                start_companions(asked, [cases[k] for k in sampled(len(cases), companions)], start_of, near)
+                start_companions(spec, [cases[k] for k in sampled(len(cases), companions)], start_of, near)
             )
             rows.write("arrays", COMPANIONS, packed(checked))
-    return Basins.of(mechanism.name, asked, known, checked)
+    return Basins.of(mechanism.name, spec, legs, checked)
 
 
 def grid_units(mechanism: Mechanism, x: str, y: str) -> tuple[str, str]:

@@ -109,7 +109,7 @@ class Spell:
 class Bifurcation(CheckedMap):
     """A bifurcation diagram, its values in the order of the way up, NaN where they are not known yet.
 
-    Chains are the way up and the way down, or the starts. Of each of ``asked.series`` the ``points`` in SI
+    Chains are the way up and the way down, or the starts. Of each of ``spec.series`` the ``points`` in SI
     units, shape (chains, values, turns); ``growth`` of a small difference in each of these turns, its
     logarithm; the largest Lyapunov ``exponents`` (1/turn), each with the lower and the higher of its two
     halves, shape (chains, values, 3); ``kinds`` of the motion, shape (chains, values). ``done`` values are
@@ -127,42 +127,42 @@ class Bifurcation(CheckedMap):
     def of(
         cls,
         name: str,
-        asked: SweepSpec,
+        spec: SweepSpec,
         legs: Mapping[int, tuple[Array, Array]],
         companions: Sequence[Companion],
     ) -> Bifurcation:
         """The diagram of the rows of a map file."""
-        shape = len(asked.ways), len(asked.values), asked.turns - asked.dropped
-        points, growth = {series: np.full(shape, np.nan) for series in asked.series}, np.full(shape, np.nan)
-        exponents, kinds = np.full((*shape[:2], 3), np.nan), [[""] * shape[1] for _ in asked.ways]
-        for chain, value, values, logarithms in chain_values(asked, legs):
-            for j, series in enumerate(asked.series):
+        shape = len(spec.ways), len(spec.values), spec.turns - spec.dropped
+        points, growth = {series: np.full(shape, np.nan) for series in spec.series}, np.full(shape, np.nan)
+        exponents, kinds = np.full((*shape[:2], 3), np.nan), [[""] * shape[1] for _ in spec.ways]
+        for chain, value, values, logarithms in chain_values(spec, legs):
+            for j, series in enumerate(spec.series):
                 points[series][chain, value] = values[:, j]
             growth[chain, value] = logarithms
-            found = exponent(logarithms)
-            exponents[chain, value] = found.value, found.low, found.high
-            kinds[chain][value] = verdict(values, found).kind
+            largest = exponent(logarithms)
+            exponents[chain, value] = largest.value, largest.low, largest.high
+            kinds[chain][value] = verdict(values, largest).kind
         ordered = tuple(sorted(companions, key=lambda one: (one.way, one.number, one.ratio)))
-        done = len(legs) // max(1, len(asked.starts))
-        return cls(name, asked, ordered, points, growth, exponents, tuple(map(tuple, kinds)), done)
+        done = len(legs) // max(1, len(spec.starts))
+        return cls(name, spec, ordered, points, growth, exponents, tuple(map(tuple, kinds)), done)
 
     @classmethod
     def read(cls, file: MapFile) -> Bifurcation:
         """The diagram in a map file, as far as it is known."""
-        asked, rows = SweepSpec.of(file.spec["asked"]), MapRows(file)
-        companions = load_rows(rows, asked)
-        return cls.of(file.spec["name"], asked, rows.known, companions)
+        spec, rows = SweepSpec.of(file.spec["asked"]), MapRows(file)
+        companions = load_rows(rows, spec)
+        return cls.of(file.spec["name"], spec, rows.done, companions)
 
     def spells(self, chain: int) -> list[Spell]:
         """Neighbouring values with the same motion, in the order of the way up."""
-        known = [
-            (value, kind) for value, kind in zip(self.asked.values, self.kinds[chain], strict=True) if kind
+        kinds = [
+            (value, kind) for value, kind in zip(self.spec.values, self.kinds[chain], strict=True) if kind
         ]
-        found: list[Spell] = []
-        for kind, pairs in groupby(known, key=lambda one: one[1]):
+        spells: list[Spell] = []
+        for kind, pairs in groupby(kinds, key=lambda one: one[1]):
             values = [value for value, _ in pairs]
-            found.append(Spell(kind, values[0], values[-1], len(values)))
-        return found
+            spells.append(Spell(kind, values[0], values[-1], len(values)))
+        return spells
 
     def verdict(self, chain: int, value: int) -> Verdict:
         """The motion at a value, with its evidence."""
@@ -175,7 +175,7 @@ class Bifurcation(CheckedMap):
 
     def name_of(self, case: Companion) -> str:
         """The value of a companion in words."""
-        return f"{self.asked.path} = {self.asked.values[case.number]:.5g} ({self.asked.ways[case.way]})"
+        return f"{self.spec.path} = {self.spec.values[case.number]:.5g} ({self.spec.ways[case.way]})"
 
     def plot(self) -> Figure:
         """The diagram as a figure, with the exponents below it."""
@@ -187,34 +187,34 @@ class Bifurcation(CheckedMap):
         """Write a row for every value, way and turn that was looked at, with the exponent and the kind of the
         motion.
         """
-        rows: list[list[object]] = [[self.asked.path, "way", "turn", *self.asked.series, "exponent", "kind"]]
-        for chain, way in enumerate(self.asked.ways):
-            for k, value in enumerate(self.asked.values):
+        rows: list[list[object]] = [[self.spec.path, "way", "turn", *self.spec.series, "exponent", "kind"]]
+        for chain, way in enumerate(self.spec.ways):
+            for k, value in enumerate(self.spec.values):
                 if kind := self.kinds[chain][k]:
                     points = np.stack([one[chain, k] for one in self.points.values()], axis=1)
-                    for turn, row in enumerate(points.tolist(), self.asked.dropped + 1):
+                    for turn, row in enumerate(points.tolist(), self.spec.dropped + 1):
                         rows.append([value, way, turn, *row, float(self.exponents[chain, k, 0]), kind])
         write_rows(path, rows)
 
 
-def load_rows(rows: MapRows, asked: SweepSpec) -> list[Companion]:
-    """Read the rows of a map file into ``rows.known``, and return their companions.
+def load_rows(rows: MapRows, spec: SweepSpec) -> list[Companion]:
+    """Read the rows of a map file into ``rows.done``, and return their companions.
 
     Where the state is carried on, a missing row ends them.
     """
-    rows.known |= rows.legs(gaps=bool(asked.starts))
-    return [one for number in rows.known for one in unpacked(rows.array(f"beside {number}"))]
+    rows.done |= rows.legs(gaps=bool(spec.starts))
+    return [one for number in rows.done for one in unpacked(rows.array(f"beside {number}"))]
 
 
 def chain_values(
-    asked: SweepSpec, legs: Mapping[int, tuple[Array, Array]]
+    spec: SweepSpec, legs: Mapping[int, tuple[Array, Array]]
 ) -> Iterator[tuple[int, int, Array, Array]]:
     """Chain, value, points (turns, series) and growth (turns,) of all rows; each is of one chain from starts,
     else of both chains.
     """
-    count, series = len(asked.values), len(asked.series)
+    count, series = len(spec.values), len(spec.series)
     for number, (points, growth) in legs.items():
-        if asked.starts:
+        if spec.starts:
             yield number // count, number % count, points, growth.reshape(-1)
             continue
         shaped = points.reshape(len(points), series, 2)
@@ -266,19 +266,19 @@ def bifurcation(
     run.begin(work, with_steps(parameter.set(values[0]), steps))
     models = [with_steps(parameter.set(value), steps) for value in values]
     series, units = chosen_series(models[0], run.series)
-    asked = SweepSpec(
+    spec = SweepSpec(
         text, path, values, run.turns, run.dropped, series, run.phase, steps, unit_at(mechanism, path), units, own, companions
     )  # fmt: skip
-    refuse_other_mechanisms(asked, models)
-    with run.rows(Bifurcation, mechanism.name, asked) as rows:
-        found = load_rows(rows, asked)
-        for leg in (from_starts if own else from_neighbours)(asked, models, rows):
+    refuse_other_mechanisms(spec, models)
+    with run.rows(Bifurcation, mechanism.name, spec) as rows:
+        repeats = load_rows(rows, spec)
+        for leg in (from_starts if own else from_neighbours)(spec, models, rows):
             rows.write("arrays", f"beside {leg.number}", packed(leg.companions))
             rows.write("legs", leg.number, leg.points, leg.growth, leg.state)
-            rows.known[leg.number] = leg.points, leg.growth
-            found += leg.companions
-            run.job.count(len(rows.known), asked.count, "values")
-    return Bifurcation.of(mechanism.name, asked, rows.known, found)
+            rows.done[leg.number] = leg.points, leg.growth
+            repeats += leg.companions
+            run.job.count(len(rows.done), spec.count, "values")
+    return Bifurcation.of(mechanism.name, spec, rows.done, repeats)
 
 
 class SweepRow(NamedTuple):
@@ -291,64 +291,63 @@ class SweepRow(NamedTuple):
     companions: Sequence[Companion]
 
 
-def refuse_other_mechanisms(asked: SweepSpec, models: Sequence[Assembly]) -> None:
+def refuse_other_mechanisms(spec: SweepSpec, models: Sequence[Assembly]) -> None:
     """Raises ModelError where the motion of one value cannot go on at the next, or beside it in a lane."""
-    for value, one in zip(asked.values, models, strict=True):
-        why = side_by_side(models[0], one) if asked.starts else carried_on(models[0], one)
+    for value, one in zip(spec.values, models, strict=True):
+        why = side_by_side(models[0], one) if spec.starts else carried_on(models[0], one)
         if why is not None:
-            what = f"at {value:g} the mechanism is another than at {asked.values[0]:g}: {why()}"
+            what = f"at {value:g} the mechanism is another than at {spec.values[0]:g}: {why()}"
             remedy = (
                 "sweep play, a law, a mass, a load or the speed, or begin each value anew (--start own,"
                 " starts=[{}])"
             )
             raise ModelError(
-                [Fault(asked.path, what, "", "", "use vfife study" if asked.starts else remedy)],
+                [Fault(spec.path, what, "", "", "use vfife study" if spec.starts else remedy)],
                 one.mechanism.name,
             )
     refuse_large_frame(models[0])
 
 
-def end_neighbours(asked: SweepSpec, chain: int) -> Neighbours:
+def end_neighbours(spec: SweepSpec, chain: int) -> Neighbours:
     """The first model of a chain, a little to both sides; inside the range, so that both can be assembled."""
-    low, high = asked.values[0], asked.values[-1]
+    low, high = spec.values[0], spec.values[-1]
     span = NEAR * (high - low)
     inner = low + span if chain == 0 else high - 2.0 * span
     up, down = (
-        with_steps(loads(asked.model, set=[(asked.path, value)]), asked.steps)
-        for value in (inner + span, inner)
+        with_steps(loads(spec.model, set=[(spec.path, value)]), spec.steps) for value in (inner + span, inner)
     )
     return Neighbours(up, down, span)
 
 
-def from_neighbours(asked: SweepSpec, models: list[Assembly], rows: MapRows) -> Iterator[SweepRow]:
-    """The rows that are not known yet, their state carried on from value to value, with companions of some."""
-    chains, known, last = [models, models[::-1]], len(rows.known), len(models) - 1
-    if known > last:
+def from_neighbours(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Iterator[SweepRow]:
+    """The rows that are not known yet, their state continued from value to value, with companions of some."""
+    chains, count, last = [models, models[::-1]], len(rows.done), len(models) - 1
+    if count > last:
         return
     near, sample = (
-        [end_neighbours(asked, k) for k in range(len(chains))],
-        sampled(len(models), asked.companions),
+        [end_neighbours(spec, k) for k in range(len(chains))],
+        sampled(len(models), spec.companions),
     )
 
     def companions(number: int, state: Array, done: int, look: Callable[[], None]) -> list[Companion]:
-        if number not in sample or number < known:
+        if number not in sample or number < count:
             return []
         return chain_companions(
-            asked, (number, last - number), [chain[number] for chain in chains], near, state, done, look
+            spec, (number, last - number), [chain[number] for chain in chains], near, state, done, look
         )
 
-    sweep = Sweep(chains, near, asked.phase, companions)
-    whole = sweep.whole(known) - 1
+    sweep = Sweep(chains, near, spec.phase, companions)
+    last_leg = sweep.whole(count) - 1
     resume = (
-        (whole, rows.file.state(whole).reshape(sweep.states.shape))
-        if rows.file is not None and whole >= 0
+        (last_leg, rows.file.state(last_leg).reshape(sweep.states.shape))
+        if rows.file is not None and last_leg >= 0
         else None
     )
-    for leg in sweep.legs(asked.turns, asked.dropped, resume):
-        if leg.number >= known:
+    for leg in sweep.legs(spec.turns, spec.dropped, resume):
+        if leg.number >= count:
             here = [chain[leg.number] for chain in chains]
             points = [
-                series_values(one, sweep.kept, leg.rows[:, :, k], asked.series, asked.steps)
+                series_values(one, sweep.kept, leg.rows[:, :, k], spec.series, spec.steps)
                 for k, one in enumerate(here)
             ]
             yield SweepRow(
@@ -360,32 +359,32 @@ def from_neighbours(asked: SweepSpec, models: list[Assembly], rows: MapRows) -> 
             )
 
 
-def from_starts(asked: SweepSpec, models: list[Assembly], rows: MapRows) -> Iterator[SweepRow]:
+def from_starts(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Iterator[SweepRow]:
     """The rows that are not known yet, each from a start of its own; companions come first, so that an
     interrupted map has them.
     """
-    near, count = end_neighbours(asked, 0), len(models)
+    near, count = end_neighbours(spec, 0), len(models)
     if (
         carried_on(models[0], near.up) is not None
     ):  # pins move with the number: a difference by it would open the joints
-        near = neighbours_of(models[0].mechanism, models[0], asked.steps)
+        near = neighbours_of(models[0].mechanism, models[0], spec.steps)
 
     def start_of(number: int, steps: int) -> Start:
-        numbers, model = dict(asked.starts[number // count]), models[number % count]
+        numbers, model = dict(spec.starts[number // count]), models[number % count]
         state = StartStates(model.mechanism, steps)
-        own = not numbers and steps == asked.steps
+        own = not numbers and steps == spec.steps
         return Start(
-            number, (lambda: model) if own else partial(state.at, numbers), state.ahead(numbers, asked.phase)
+            number, (lambda: model) if own else partial(state.at, numbers), state.ahead(numbers, spec.phase)
         )
 
-    known = tuple(rows.known)
+    done = tuple(rows.done)
     companions: dict[int, list[Companion]] = {
-        number: [] for number in sampled(asked.count, asked.companions) if number not in known
+        number: [] for number in sampled(spec.count, spec.companions) if number not in done
     }
-    for own in start_companions(asked, tuple(companions), start_of, near):
+    for own in start_companions(spec, tuple(companions), start_of, near):
         companions[own.number].append(Companion(own.number % count, own.number // count, own.ratio, own.kind))
     for one, points in orbits(
-        asked, near, [start_of(number, asked.steps) for number in range(asked.count)], known=known
+        spec, near, [start_of(number, spec.steps) for number in range(spec.count)], done=done
     ):
         if one.assembly is None:
             raise ModelError([Fault("starts", one.why)], models[0].mechanism.name)

@@ -29,8 +29,8 @@ def load_map(path: str | Path) -> AnyMap:
             raise RunFileError(
                 f"{path}: this map file was written by another version of vfife; make the map again"
             )
-        found = kind.read(file)
+        result = kind.read(file)
     warn_of_damage(
         Path(path), "map", file.damage, "Give the command that made it again: it computes what is gone."
     )
-    return found
+    return result

@@ -56,17 +56,18 @@ class MapSpec:
 
 @dataclass(frozen=True)
 class Map(NotebookDocument):
-    """A map, as far as it is computed: the ``name`` of the model, and the specification ``asked``."""
+    """A map, as far as it is computed: the ``name`` of the model, and the specification ``spec``."""
 
     kind: ClassVar[str]  # in map files
+    former_names = {"asked": "spec", "told": "step_report", "alike": "agreement"}  # noqa: RUF012
     name: str
-    asked: Any
+    spec: Any
 
     @property
     def laws(self) -> str:
         """Contact and friction laws of the model in words, joint by joint where they differ."""
         joints: dict[str, list[str]] = {}
-        for name, joint in loads(self.asked.model).contacts.items():
+        for name, joint in loads(self.spec.model).contacts.items():
             joints.setdefault(f"contact {joint.contact.name}, friction {joint.friction.name}", []).append(
                 name
             )
@@ -128,21 +129,21 @@ class MapRun:
         self.job.begin(work.forecast(assembly, self.file))
 
     @contextmanager
-    def rows(self, kind: type[Map], name: str, asked: MapSpec, what: str = "this map") -> Iterator[MapRows]:
+    def rows(self, kind: type[Map], name: str, spec: MapSpec, what: str = "this map") -> Iterator[MapRows]:
         """The rows of a map of this kind while it is computed. Ctrl-C ends that quietly, unless nothing is
         known.
         """
         with (
             self.job,
             locked_file(
-                MapFile, self.file, {"what": kind.kind, "name": name, "asked": vars(asked)}, what
+                MapFile, self.file, {"what": kind.kind, "name": name, "asked": vars(spec)}, what
             ) as file,
         ):
-            found = MapRows(file)
+            rows = MapRows(file)
             try:
-                yield found
+                yield rows
             except KeyboardInterrupt:
-                if not any(len(row[0]) for row in found.known.values()):
+                if not any(len(row[0]) for row in rows.done.values()):
                     raise
 
 
@@ -186,10 +187,10 @@ class TurnRun(MapRun):
 
 @dataclass
 class MapRows:
-    """Rows of a map: those in its file, if it has one, and all that are added; ``known`` by their numbers."""
+    """Rows of a map: those in its file, if it has one, and all that are added; ``done`` by their numbers."""
 
     file: MapFile | None
-    known: dict[int, Any] = field(default_factory=dict)
+    done: dict[int, Any] = field(default_factory=dict)
 
     def legs(self, gaps: bool) -> dict[int, tuple[Array, Array]]:
         """Points and growth of the rows in the file; with ``gaps`` also those after a missing one."""
@@ -234,8 +235,8 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
                 for _ in takewhile(lambda both: both[0] == both[1], zip(name.split("."), parts, strict=False))
             )
 
-        known = sorted(numbers(mechanism), key=common, reverse=True)
-        raise ValueError(f"{path}: this is no number of the model; {suggestion(path, known, 'name one')}")
+        paths = sorted(numbers(mechanism), key=common, reverse=True)
+        raise ValueError(f"{path}: this is no number of the model; {suggestion(path, paths, 'name one')}")
     return number.unit
 
 
@@ -251,12 +252,12 @@ def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbou
 
     Raises ModelError if there is no such number.
     """
-    known = {path: value for path, value in numbers(mechanism).items() if value}
+    values = {path: value for path, value in numbers(mechanism).items() if value}
     rank = {
-        path: next((k for k, end in enumerate(LIKELY) if path.endswith(end)), len(LIKELY)) for path in known
+        path: next((k for k, end in enumerate(LIKELY) if path.endswith(end)), len(LIKELY)) for path in values
     }
     for path in sorted(rank, key=rank.__getitem__):
-        value = known[path]
+        value = values[path]
         with suppress(VfifeError):
             number = Parameter(mechanism, path)
             up, down = (with_steps(number.set(value * (1.0 + sign * NEAR)), steps) for sign in (1.0, -1.0))
@@ -299,15 +300,15 @@ def checked_series(first: Assembly, series: tuple[str, ...]) -> tuple[tuple[str,
 
 
 def refuse_unknown(
-    where: str, names: Sequence[str], known: Sequence[str], what: str, otherwise: str, model: Assembly
+    where: str, names: Sequence[str], choices: Sequence[str], what: str, otherwise: str, model: Assembly
 ) -> None:
     """Raises ModelError with all names that are not known, each with the most similar name, or what to do
     ``otherwise``.
     """
     wrong = [
-        Fault(where, what, name, "", suggestion(name, known, otherwise))
+        Fault(where, what, name, "", suggestion(name, choices, otherwise))
         for name in names
-        if name not in known
+        if name not in choices
     ]
     if wrong:
         raise ModelError(wrong, model.mechanism.name)
@@ -321,23 +322,23 @@ def default_series(assembly: Assembly) -> tuple[str, ...]:
     the largest range as a share of the largest of its kind. A body that a driver turns counts only if nothing
     else varies.
     """
-    bodies, known = list(assembly.bodies), set(standing(assembly).series)
+    bodies, series = list(assembly.bodies), set(standing(assembly).series)
     contacts = zip(assembly.contacts, assembly.contact_joints, strict=True)
     pairs = [(f"{contact}.penetration", f"{joint}.force_max") for contact, joint in contacts]
-    journals = [pair for pair in pairs if known.issuperset(pair)]
+    journals = [pair for pair in pairs if series.issuperset(pair)]
     kinds = [
-        [name for body in bodies for what in kind if (name := f"{body}.{what}") in known] for kind in MOTIONS
+        [name for body in bodies for what in kind if (name := f"{body}.{what}") in series] for kind in MOTIONS
     ]
-    found = variations(assembly, [*((name,) for pair in journals for name in pair), *kinds])
+    ranges = variations(assembly, [*((name,) for pair in journals for name in pair), *kinds])
     for pair in journals:
-        if all(found[name] > VARIATION for name in pair):
+        if all(ranges[name] > VARIATION for name in pair):
             return pair
     last = f"{bodies[-1]}.angular_velocity"
-    if found.get(last, 0.0) > VARIATION:
+    if ranges.get(last, 0.0) > VARIATION:
         return (last,)
-    moving = [name for kind in kinds for name in kind if found[name] > VARIATION]
+    moving = [name for kind in kinds for name in kind if ranges[name] > VARIATION]
     free = [name for name in moving if name.rpartition(".")[0] not in assembly.mechanism.drivers]
-    return (max(free or moving, key=found.__getitem__, default=last),)
+    return (max(free or moving, key=ranges.__getitem__, default=last),)
 
 
 def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, float]:
@@ -350,27 +351,27 @@ def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, 
     motion.runner.advance(1, 1)
     rows = motion.record(every, PROBE_TURNS * PROBE_OUTPUTS)[:, :, 0]
     values = dict(zip(names, series_values(assembly, motion.kept, rows, names, every).T, strict=True))
-    found = {}
+    ranges = {}
     for kind in kinds:
         size = max((float(np.abs(values[name]).max()) for name in kind), default=0.0)
         for name in kind:
             share = float(np.ptp(values[name])) / size if size > 0.0 else 0.0
-            found[name] = share if np.isfinite(share) else 0.0
-    return found
+            ranges[name] = share if np.isfinite(share) else 0.0
+    return ranges
 
 
 def series_values(
-    assembly: Assembly, kept: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int
+    assembly: Assembly, columns: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int
 ) -> Array:
     """Values of series once a turn of so many steps, shape (turns, series), from rows of the state, shape
     (turns, kept).
     """
-    found = np.zeros((len(rows), len(series)))
+    values = np.zeros((len(rows), len(series)))
     if len(rows):
-        view = View(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, kept))
+        view = View(Record(assembly, np.arange(1, len(rows) + 1, dtype=np.int64) * steps, rows, columns))
         for j, name in enumerate(series):
-            found[:, j] = view.series.column(name).values
-    return found
+            values[:, j] = view.series.column(name).values
+    return values
 
 
 # ------------------------------------------------------------------------------------------------------------- forecast
@@ -437,7 +438,7 @@ class MapWork:
         """Forecast of the cases that the file does not have; the time of a step is measured if there is much
         to do.
         """
-        cost, left = run_cost(assembly), max(self.cases - known_cases(file), 0)
+        cost, left = run_cost(assembly), max(self.cases - stored_cases(file), 0)
         seconds = self._seconds(step := 1e-9 * cost.ns_per_step, left)
         if seconds > WORTH and cost.loop == "generated":
             seconds = self._seconds(step := timed_step(assembly), left)
@@ -463,12 +464,12 @@ class MapWork:
         return each * (left + COMPANION_STEPS * min(self.companions, left))
 
 
-def known_cases(file: str | Path | None) -> int:
+def stored_cases(file: str | Path | None) -> int:
     """Number of cases in a map file."""
     if file is None or not Path(file).exists():
         return 0
     try:
-        with MapFile.open(Path(file)) as known:
-            return len(known.keys("legs"))
+        with MapFile.open(Path(file)) as store:
+            return len(store.keys("legs"))
     except VfifeError:  # reported when the map is continued
         return 0

@@ -73,11 +73,11 @@ class PoincareSection(Map):
     struck: Mapping[str, Mapping[str, Array]]
 
     @classmethod
-    def of(cls, name: str, asked: SectionSpec, pieces: Iterable[Piece]) -> PoincareSection:
+    def of(cls, name: str, spec: SectionSpec, pieces: Iterable[Piece]) -> PoincareSection:
         """The section of successive pieces."""
-        shapes = (-1, len(asked.series)), (-1,), (-1, len(COLUMNS))
+        shapes = (-1, len(spec.series)), (-1,), (-1, len(COLUMNS))
         parts: list[list[Array]] = [
-            [np.zeros(shape)] for shape in ((0, len(asked.series)), (0,), (0, len(COLUMNS)))
+            [np.zeros(shape)] for shape in ((0, len(spec.series)), (0,), (0, len(COLUMNS)))
         ]
         for piece in pieces:
             for part, one, shape in zip(parts, piece, shapes, strict=True):
@@ -85,9 +85,9 @@ class PoincareSection(Map):
         points, growth, onsets = (np.concatenate(part) for part in parts)
         struck = {
             contact: dict(zip(COLUMNS[1:], onsets[onsets[:, 0] == k, 1:].T, strict=True))
-            for k, contact in enumerate(asked.contacts)
+            for k, contact in enumerate(spec.contacts)
         }
-        return cls(name, asked, dict(zip(asked.series, points.T, strict=True)), growth, struck)
+        return cls(name, spec, dict(zip(spec.series, points.T, strict=True)), growth, struck)
 
     @classmethod
     def read(cls, file: MapFile) -> PoincareSection:
@@ -120,8 +120,8 @@ class PoincareSection(Map):
         for every onset.
         """
         turns = np.column_stack([*self.points.values(), self.growth]).tolist()
-        rows = ([self.asked.dropped + turn, *row] for turn, row in enumerate(turns, 1))
-        write_rows(path, [["turn", *self.asked.series, "growth"], *rows])
+        rows = ([self.spec.dropped + turn, *row] for turn, row in enumerate(turns, 1))
+        write_rows(path, [["turn", *self.spec.series, "growth"], *rows])
         if self.struck:
             onsets = {
                 name: np.column_stack([one[column] for column in COLUMNS[1:]]).tolist()
@@ -154,38 +154,38 @@ def poincare_section(
     series, units = chosen_series(first, run.series)
     contacts = contacts_of(first, joints)
     names = tuple(first.contacts[k] for k in contacts)
-    asked = SectionSpec(dump(mechanism), run.turns, run.dropped, series, run.phase, steps, names, units)
+    spec = SectionSpec(dump(mechanism), run.turns, run.dropped, series, run.phase, steps, names, units)
     motion = Sectioning(
         first, neighbours_of(mechanism, first, steps), run.phase, run.turns, run.dropped, contacts
     )
-    with run.rows(PoincareSection, mechanism.name, asked) as rows:
-        rows.known |= dict(enumerate(pieces_of(rows)))
-        last = len(rows.known) - 1
+    with run.rows(PoincareSection, mechanism.name, spec) as rows:
+        rows.done |= dict(enumerate(pieces_of(rows)))
+        last = len(rows.done) - 1
         resume = (last, rows.file.state(last)) if rows.file is not None and last >= 0 else None
         for piece in motion.pieces(resume):
             points = series_values(first, motion.kept, piece.rows, series, steps)
             rows.write("arrays", f"struck {piece.number}", piece.struck)
             rows.write("legs", piece.number, points, piece.growth, piece.state)
-            rows.known[piece.number] = points, piece.growth, piece.struck
+            rows.done[piece.number] = points, piece.growth, piece.struck
             run.job.count(motion.cuts[piece.number][1], run.turns, "turns")
-    return PoincareSection.of(mechanism.name, asked, rows.known.values())
+    return PoincareSection.of(mechanism.name, spec, rows.done.values())
 
 
 def contacts_of(first: Assembly, joints: Sequence[str]) -> tuple[int, ...]:
     """Numbers of the contacts of joints. Raises ModelError for a joint without clearance."""
-    known = list(dict.fromkeys(first.contact_joints))
+    names = list(dict.fromkeys(first.contact_joints))
     refuse_unknown(
-        "joints", joints, known, "there is no joint with play of this name", "name one with clearance", first
+        "joints", joints, names, "there is no joint with play of this name", "name one with clearance", first
     )
     return tuple(k for k, name in enumerate(first.contact_joints) if name in joints)
 
 
 def pieces_of(rows: MapRows) -> list[Piece]:
     """The pieces in a map file, up to the first that is missing."""
-    found = []
+    pieces = []
     for number, (points, growth) in rows.legs(gaps=False).items():
         struck = rows.array(f"struck {number}")
         if struck is None:
             break
-        found.append((points, growth, struck))
-    return found
+        pieces.append((points, growth, struck))
+    return pieces

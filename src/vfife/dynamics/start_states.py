@@ -42,10 +42,10 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str:
     joint, _, axis = rest.rpartition(".")
     if head == "start" and axis in AXES:
         if joint not in mechanism.clearances:
-            known = [CRANK, *(f"start.{name}.{one}" for name in mechanism.clearances for one in AXES)]
+            paths = [CRANK, *(f"start.{name}.{one}" for name in mechanism.clearances for one in AXES)]
             raise ValueError(
                 f"{path}: there is no joint with clearance of this name;"
-                f" {suggestion(path, known, 'name one')}"
+                f" {suggestion(path, paths, 'name one')}"
             )
         return AXES[axis]
     return unit_at(mechanism, path)
@@ -75,10 +75,10 @@ def refuse_contradiction(mechanism: Mechanism, paths: Iterable[str]) -> None:
     journal.
     """
     paths = list(paths)
-    told = bodies_of(mechanism, paths)
+    bodies = bodies_of(mechanism, paths)
     for path in paths:
         parts = path.split(".")
-        if len(parts) > 2 and parts[0] == "body" and parts[2] == "velocity" and parts[1] in told:
+        if len(parts) > 2 and parts[0] == "body" and parts[2] == "velocity" and parts[1] in bodies:
             what = "this velocity follows from that of the body's journal, which is given, too"
             remedy = f"leave out {path}, or start.JOINT.vx and .vy"
             raise ModelError([Fault(path, what, "", "one of both", remedy)], mechanism.name)
@@ -90,7 +90,7 @@ class StartStates:
 
     mechanism: Mechanism
     steps: int
-    known: dict[float, Array] = field(default_factory=dict)
+    positions: dict[float, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.text = dump(self.mechanism)
@@ -129,8 +129,8 @@ class StartStates:
         velocity = (ends[2] - ends[0]) / (2.0 * NEAR * turn)
         if any(any(body.velocity) for body in model.bodies.values()):
             velocity = velocity + self.own_velocity(model, time, near, bodies_of(model, own))
-        given = Given(ends[1], velocity, frozenset(model.bodies))
-        return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, given=given)
+        motion = Given(ends[1], velocity, frozenset(model.bodies))
+        return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, given=motion)
 
     def journals(
         self, model: Mechanism, own: Mapping[str, float]
@@ -161,20 +161,20 @@ class StartStates:
 
     def turned(self, model: Mechanism, time: float, alone: bool) -> Array:
         """Where the bodies of the ideal mechanism are after a time (s), gone there in small parts of a turn."""
-        known = {} if alone else self.known
-        if 0.0 not in known:
-            known[0.0] = ideal_motion(model).position
-        if time not in known:
-            nearest = min(known, key=lambda one: abs(one - time))
+        positions = {} if alone else self.positions
+        if 0.0 not in positions:
+            positions[0.0] = ideal_motion(model).position
+        if time not in positions:
+            nearest = min(positions, key=lambda one: abs(one - time))
             parts = max(1, math.ceil(2.0 * math.pi * abs(time - nearest) / (turn_of(model) or 1.0) / AT_ONCE))
-            position = known[nearest]
+            position = positions[nearest]
             for k in range(1, parts + 1):
                 position = ideal_motion(model, nearest + (time - nearest) * k / parts, position).position
-            known[time] = position
-        return known[time]
+            positions[time] = position
+        return positions[time]
 
     @staticmethod
-    def own_velocity(model: Mechanism, time: float, near: Array, told: set[str]) -> Array:
+    def own_velocity(model: Mechanism, time: float, near: Array, unchanged: set[str]) -> Array:
         """By how much ``body.*.velocity`` changes the velocities at a time (s) near a position, shape (bodies
         + 1, 3), in m/s and rad/s.
 
@@ -188,7 +188,7 @@ class StartStates:
             ideal_motion(dataclasses.replace(model, bodies=still), time, near),
         )
         change = with_own.velocity - without.velocity
-        change[[name in told for name in with_own.names]] = 0.0
+        change[[name in unchanged for name in with_own.names]] = 0.0
         return change
 
     @staticmethod

@@ -130,32 +130,32 @@ def unpacked(rows: Array | None) -> list[Companion]:
 
 
 def orbits(
-    asked: TurnSpec,
+    spec: TurnSpec,
     near: Neighbours | None,
     starts: Sequence[Start],
     steps: int | None = None,
-    known: Collection[int] = (),
+    done: Collection[int] = (),
 ) -> Iterator[tuple[Orbit, Array]]:
     """Simulate motions from starts that are not ``known``, and yield each when it ends, with its series once
     a turn.
 
     The series have the shape (turns, series), without turns for what is no start.
     """
-    steps = steps or asked.steps
-    for one in Orbits(steps, asked.turns, asked.dropped, near).each(starts, known):
-        model, none = one.assembly, np.zeros((0, len(asked.series)))
+    steps = steps or spec.steps
+    for one in Orbits(steps, spec.turns, spec.dropped, near).each(starts, done):
+        model, none = one.assembly, np.zeros((0, len(spec.series)))
         yield (
             one,
             (
                 none
                 if model is None
-                else series_values(model, recorded_rows(model), one.rows, asked.series, steps)
+                else series_values(model, recorded_rows(model), one.rows, spec.series, steps)
             ),
         )
 
 
 def chain_companions(
-    asked: TurnSpec, numbers: Sequence[int], models: Sequence[Assembly], near: Sequence[Neighbours], state: Array, done: int,
+    spec: TurnSpec, numbers: Sequence[int], models: Sequence[Assembly], near: Sequence[Neighbours], state: Array, done: int,
     look: Callable[[], None] | None,
 ) -> list[Companion]:  # fmt: skip
     """Repeat the values with these ``numbers`` of both chains, from the ``state`` before them, shape (rows,
@@ -163,7 +163,7 @@ def chain_companions(
 
     Ratios with which a model is unstable are left out.
     """
-    found, steps = list[Companion](), steps_of_turn(models[0])
+    companions, steps = list[Companion](), steps_of_turn(models[0])
     for ratio in RATIOS:
         try:
             again = [with_steps(one.mechanism, round(ratio * steps)) for one in models]
@@ -172,22 +172,22 @@ def chain_companions(
         states = [restepped(state[:, k], done, one) for k, one in enumerate(again)]
         runner = TurnRunner(again, look=look)
         runner.restore(np.stack([one for one, _ in states], axis=1), states[0][1])
-        rows, growth = runner.growing(asked.turns, asked.dropped, near)
+        rows, growth = runner.growing(spec.turns, spec.dropped, near)
         for k, one in enumerate(again):
-            points = series_values(one, runner.kept, rows[:, :, k], asked.series, runner.turn)
-            found.append(Companion(numbers[k], k, ratio, verdict(points, exponent(growth[:, k])).kind))
-    return found
+            points = series_values(one, runner.kept, rows[:, :, k], spec.series, runner.turn)
+            companions.append(Companion(numbers[k], k, ratio, verdict(points, exponent(growth[:, k])).kind))
+    return companions
 
 
 def start_companions(
-    asked: TurnSpec, sample: Sequence[int], make: Callable[[int, int], Start], near: Neighbours | None
+    spec: TurnSpec, sample: Sequence[int], make: Callable[[int, int], Start], near: Neighbours | None
 ) -> Iterator[Companion]:
     """Repeat cases from their starts, which ``make`` assembles by number and steps in a turn, except where
     they are unstable.
     """
     for ratio in RATIOS:
-        steps = round(ratio * asked.steps)
-        for one, points in orbits(asked, near, [make(number, steps) for number in sample], steps):
+        steps = round(ratio * spec.steps)
+        for one, points in orbits(spec, near, [make(number, steps) for number in sample], steps):
             if one.assembly is not None:
                 yield Companion(
                     one.number,

@@ -46,26 +46,26 @@ class SpectrumLane(Lane):
     ``series``.
     """
 
-    def __init__(self, number: int, assembly: Assembly, asked: WaterfallSpec) -> None:
+    def __init__(self, number: int, assembly: Assembly, spec: WaterfallSpec) -> None:
         super().__init__(number, assembly, loop="generated")
-        self.asked = asked
-        self.last: deque[Array] = deque(maxlen=asked.last)
+        self.spec = spec
+        self.last: deque[Array] = deque(maxlen=spec.last)
 
     @property
     def ended(self) -> bool:
         """Whether it needs no further turn."""
-        return self.doubtful or self.done == self.asked.turns * self.per
+        return self.doubtful or self.done == self.spec.turns * self.per
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
         """Take a turn. The output before it stays, because some series need their predecessor."""
         super().take(rows, broken, state)
         if self.doubtful:
             return
-        if self.done > (self.asked.turns - self.asked.last) * self.per:
+        if self.done > (self.spec.turns - self.spec.last) * self.per:
             outputs = np.concatenate(self.parts)
             steps = np.arange(len(outputs), dtype=np.int64) * self.every
             view = View(Record(self.assembly, steps, outputs, self.handed))
-            values = [view.series.column(name).values for name in self.asked.series]
+            values = [view.series.column(name).values for name in self.spec.series]
             self.last.append(np.array(values, dtype=float)[:, 1:])
         self.parts = [rows[-1:].copy()]
 
@@ -73,9 +73,9 @@ class SpectrumLane(Lane):
     def amplitudes(self) -> Array:
         """Amplitudes of each series by order, shape (series, orders); NaN if the motion diverged."""
         if self.doubtful:
-            return np.full((len(self.asked.series), self.asked.orders), math.nan)
-        window, values = self.asked.window, np.concatenate(self.last, axis=1)
-        return np.array([spectrum(one, 1.0, window=window).amplitudes[: self.asked.orders] for one in values])
+            return np.full((len(self.spec.series), self.spec.orders), math.nan)
+        window, values = self.spec.window, np.concatenate(self.last, axis=1)
+        return np.array([spectrum(one, 1.0, window=window).amplitudes[: self.spec.orders] for one in values])
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class WaterfallSpec(MapSpec):
 class Waterfall(Map):
     """Amplitudes of orders over a number, NaN where they are not known yet, or where the motion diverged.
 
-    ``orders`` (1), shape (orders,); ``turn`` (s) at each value, shape (values,); of each of ``asked.series``
+    ``orders`` (1), shape (orders,); ``turn`` (s) at each value, shape (values,); of each of ``spec.series``
     the ``amplitudes`` in SI units, shape (values, orders). ``done`` values are known; at the ``diverged``
     ones there is no motion.
     """
@@ -122,21 +122,19 @@ class Waterfall(Map):
     diverged: tuple[float, ...] = ()
 
     @classmethod
-    def of(cls, name: str, asked: WaterfallSpec, found: Mapping[int, Array]) -> Waterfall:
+    def of(cls, name: str, spec: WaterfallSpec, legs: Mapping[int, Array]) -> Waterfall:
         """The waterfall of amplitudes by the number of their value."""
-        table = np.full((len(asked.values), len(asked.series), asked.orders), math.nan)
-        for number, amplitudes in found.items():
+        table = np.full((len(spec.values), len(spec.series), spec.orders), math.nan)
+        for number, amplitudes in legs.items():
             table[number] = amplitudes
         diverged = tuple(
-            asked.values[number] for number, one in sorted(found.items()) if not np.isfinite(one).all()
+            spec.values[number] for number, one in sorted(legs.items()) if not np.isfinite(one).all()
         )
         turn = np.array(
-            [turn_of(loads(asked.model, set=[(asked.path, value)])) or math.nan for value in asked.values]
+            [turn_of(loads(spec.model, set=[(spec.path, value)])) or math.nan for value in spec.values]
         )
-        amplitudes_of = {series: table[:, j] for j, series in enumerate(asked.series)}
-        return cls(
-            name, asked, np.arange(asked.orders) / asked.last, turn, amplitudes_of, len(found), diverged
-        )
+        amplitudes_of = {series: table[:, j] for j, series in enumerate(spec.series)}
+        return cls(name, spec, np.arange(spec.orders) / spec.last, turn, amplitudes_of, len(legs), diverged)
 
     @classmethod
     def read(cls, file: MapFile) -> Waterfall:
@@ -156,19 +154,19 @@ class Waterfall(Map):
     @property
     def words(self) -> str:
         """Window and resolution, in words."""
-        asked = self.asked
-        name = asked.window if asked.window in ("flat-top", "rectangular") else asked.window.capitalize()
-        wide = resolution_of(asked.window, float(asked.last))
-        dropped = f", {asked.turns - asked.last} dropped" if asked.turns > asked.last else ""
+        spec = self.spec
+        name = spec.window if spec.window in ("flat-top", "rectangular") else spec.window.capitalize()
+        wide = resolution_of(spec.window, float(spec.last))
+        dropped = f", {spec.turns - spec.last} dropped" if spec.turns > spec.last else ""
         return (
-            f"{name} window over {asked.last} turns{dropped}; resolution {wide:.3g} orders; {asked.outputs}"
+            f"{name} window over {spec.last} turns{dropped}; resolution {wide:.3g} orders; {spec.outputs}"
             " outputs a turn"
         )
 
     @property
     def limits(self) -> str:
         """Step and laws, in words."""
-        return f"steps of {1e6 * self.asked.step:.3g} µs at most; {self.laws}"
+        return f"steps of {1e6 * self.spec.step:.3g} µs at most; {self.laws}"
 
     def plot(self, hertz: bool = False) -> Figure:
         """The amplitudes as colour, orders to the right, or frequencies (``hertz``), the number upwards."""
@@ -180,12 +178,12 @@ class Waterfall(Map):
         """Write a row for each value and order: value, order, frequency (Hz) and the amplitude of each
         series. Raises OSError.
         """
-        asked = self.asked
-        heads = (f"{name} [{unit}]" for name, unit in zip(asked.series, asked.units, strict=True))
-        table: list[list[object]] = [[f"{asked.path} [{asked.unit}]", "order [1]", "frequency [Hz]", *heads]]
-        values = np.stack([self.amplitudes[name] for name in asked.series], axis=2)
+        spec = self.spec
+        heads = (f"{name} [{unit}]" for name, unit in zip(spec.series, spec.units, strict=True))
+        table: list[list[object]] = [[f"{spec.path} [{spec.unit}]", "order [1]", "frequency [Hz]", *heads]]
+        values = np.stack([self.amplitudes[name] for name in spec.series], axis=2)
         for value, frequencies, amplitudes in zip(
-            asked.values, self.frequencies.tolist(), values, strict=True
+            spec.values, self.frequencies.tolist(), values, strict=True
         ):
             if np.isfinite(amplitudes).all():
                 rows = zip(self.orders.tolist(), frequencies, amplitudes.tolist(), strict=True)
@@ -293,17 +291,17 @@ def waterfall(
             [Fault("series", "the mechanism has no joint that carries a force", "", "", "name series")],
             mechanism.name,
         )
-    asked = WaterfallSpec(
+    spec = WaterfallSpec(
         text, path, unit_at(mechanism, path), values, run.turns, last, run.window, series, units, run.outputs, run.highest, step
     )  # fmt: skip
-    with run.rows(Waterfall, mechanism.name, asked, "this waterfall") as rows:
-        rows.known |= {number: points for number, (points, _) in rows.legs(gaps=True).items()}
-        missing = [k for k in range(count) if k not in rows.known]
-        for lane in stepped((SpectrumLane(k, assemblies[k], asked) for k in missing), max(1, len(missing))):
-            rows.known[lane.number] = lane.amplitudes
+    with run.rows(Waterfall, mechanism.name, spec, "this waterfall") as rows:
+        rows.done |= {number: points for number, (points, _) in rows.legs(gaps=True).items()}
+        missing = [k for k in range(count) if k not in rows.done]
+        for lane in stepped((SpectrumLane(k, assemblies[k], spec) for k in missing), max(1, len(missing))):
+            rows.done[lane.number] = lane.amplitudes
             rows.write("legs", lane.number, lane.amplitudes, np.zeros((0, 1)), np.zeros((0, 1)))
-            run.job.count(len(rows.known), count, "runs")
-    return Waterfall.of(mechanism.name, asked, rows.known)
+            run.job.count(len(rows.done), count, "runs")
+    return Waterfall.of(mechanism.name, spec, rows.done)
 
 
 def work_of(run: SpectrumRun, mechanism: Mechanism, count: int, last: int, steps: float) -> MapWork:
@@ -328,5 +326,5 @@ def automatic_step(models: Sequence[Mechanism]) -> float:
 def joint_forces(assembly: Assembly) -> tuple[str, ...]:
     """Forces of the joints with clearance, or of all joints if there is none."""
     names = [f"{name}.force" for name in dict.fromkeys(assembly.contact_joints) or assembly.mechanism.joints]
-    known = standing(assembly).series
-    return tuple(name for name in names if name in known)
+    series = standing(assembly).series
+    return tuple(name for name in names if name in series)

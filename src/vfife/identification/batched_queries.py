@@ -158,20 +158,20 @@ class Evaluations:
         every = [request for some in requests for request in some]
         traces = iter(traces_of(self.curves, self.parameters, every) if every else ())
         rows: list[Evaluation] = []
-        found = []
+        points = []
         for query, point, some in zip(queries, stored, requests, strict=True):
             one = (
                 self.computed(query, point, [next(traces) for _ in some], rows)
                 if some or point is None
                 else point
             )
-            found.append(one)
+            points.append(one)
         if self.file is not None and rows:
             self.file.add_points(rows)
-        for query, one in zip(queries, found, strict=True):
+        for query, one in zip(queries, points, strict=True):
             self.count(query, one)
         self.report()
-        return found
+        return points
 
     def stored(self, query: Query) -> Point | None:
         """A point in the file; without derivatives where these are not there."""

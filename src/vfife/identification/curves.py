@@ -69,17 +69,17 @@ class Channels:
 
     def read(self, record: Record) -> Array:
         """Values of shape (outputs, channels)."""
-        known: dict[str, Mapping[str, Channel]] = {}
+        entities: dict[str, Mapping[str, Channel]] = {}
         return np.stack(
             [
-                self._one(record, name, column, known)
+                self._one(record, name, column, entities)
                 for name, column in zip(self.names, self.columns, strict=True)
             ],
             axis=1,
         )
 
     def _one(
-        self, record: Record, name: str, column: Column | None, known: dict[str, Mapping[str, Channel]]
+        self, record: Record, name: str, column: Column | None, entities: dict[str, Mapping[str, Channel]]
     ) -> Array:
         if column is None:
             point, _, what = name.rpartition(".")
@@ -87,31 +87,31 @@ class Channels:
         variable, entity = column.variable, column.entity
         if entity is None:
             return np.asarray(View(record).channels[variable].values, dtype=float)
-        if entity not in known:
-            known[entity] = recorded(record, entity)
-        if variable not in known[entity]:
-            known[entity] = {**known[entity], **MADE[entity](record)}
-        return np.asarray(known[entity][variable].values[:, column.index], dtype=float)
+        if entity not in entities:
+            entities[entity] = recorded(record, entity)
+        if variable not in entities[entity]:
+            entities[entity] = {**entities[entity], **MADE[entity](record)}
+        return np.asarray(entities[entity][variable].values[:, column.index], dtype=float)
 
 
 def point_values(record: Record, point: str, what: str) -> Array:
     """A component of the position, velocity or acceleration of a point of a body."""
     quantity, _, axis = what.rpartition("_")
-    found = point_motion(record, point)
-    values = {"": found.position, "velocity": found.velocity, "acceleration": found.acceleration}[quantity]
+    motion = point_motion(record, point)
+    values = {"": motion.position, "velocity": motion.velocity, "acceleration": motion.acceleration}[quantity]
     return np.asarray(values[:, "xy".index(axis)], dtype=float)
 
 
 def units_of(mechanism: Mechanism) -> dict[str, str]:
     """Unit of every channel that a curve may be of."""
     assembly = assemble(mechanism)
-    found = {
+    units = {
         one.name: one.unit for one in columns(standing(assembly)) if one.name not in ("time", "crank_angle")
     }
     for name, where in assembly.bodies.items():
         for pin in where.nodes if where.elements else where.pins:
-            found |= {f"{name}.{pin}.{what}": unit for what, unit in MOVED.items()}
-    return found
+            units |= {f"{name}.{pin}.{what}": unit for what, unit in MOVED.items()}
+    return units
 
 
 class FitCases(Cases):
@@ -144,8 +144,8 @@ class FitCases(Cases):
         model = cast(
             CaseModel, self.model({path: value for path, value in numbers.items() if path not in clearance})
         )
-        found = self.reassembled(model, clearance) if clearance else model.assembly
-        return found if found is not None else self.model_of(numbers).assembly
+        assembly = self.reassembled(model, clearance) if clearance else model.assembly
+        return assembly if assembly is not None else self.model_of(numbers).assembly
 
 
 class Curves:
@@ -167,13 +167,13 @@ class Curves:
 
     def each(self, cases: Sequence[Numbers]) -> list[Trace | str]:
         """The trace of each case, or the reason why it has none."""
-        found: list[Trace | str] = [""] * len(cases)
+        traces: list[Trace | str] = [""] * len(cases)
         for one in stepped(self._lanes(cases), len(cases), workers=self.workers):
             if isinstance(one, NoLane):
-                found[one.number] = one.reason or ""
+                traces[one.number] = one.reason or ""
             else:
-                found[one.number] = "numbers left all bounds" if one.doubtful else self.trace(one.record)
-        return found
+                traces[one.number] = "numbers left all bounds" if one.doubtful else self.trace(one.record)
+        return traces
 
     def _lanes(self, cases: Sequence[Numbers]) -> Iterator[Lane | NoLane]:
         for k, numbers in enumerate(cases):

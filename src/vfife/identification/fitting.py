@@ -85,8 +85,8 @@ class Descents:
             if not self.unexplained or self.evaluations.best is None:
                 return
             best = self.evaluations.best[1]
-            found = self.screen(self.further(max(screened // 2, starts), seed + restart))
-            self.descend(self.distant(found, starts, [best]))
+            points = self.screen(self.further(max(screened // 2, starts), seed + restart))
+            self.descend(self.distant(points, starts, [best]))
 
     @property
     def unexplained(self) -> bool:
@@ -123,25 +123,25 @@ class Descents:
 
     def screen(self, places: Array) -> list[tuple[Array, Fitted]]:
         """Points with their curves, the best first. Raises VfifeError where none has a motion."""
-        found: list[tuple[Array, Fitted]] = []
+        screened: list[tuple[Array, Fitted]] = []
         for first in range(0, len(places), BATCH):
             batch = places[first : first + BATCH]
             points = self.evaluations([Query(tuple(one)) for one in batch])
-            found += [
+            screened += [
                 (at, one.fitted) for at, one in zip(batch, points, strict=True) if one.fitted is not None
             ]
-        if not found:
+        if not screened:
             reason = self.evaluations.reasons[0]
             raise VfifeError(f"none of {len(places)} members has a motion: {reason}; correct the bounds")
-        return sorted(found, key=lambda one: one[1].cost)
+        return sorted(screened, key=lambda one: one[1].cost)
 
     def distant(
-        self, found: list[tuple[Array, Fitted]], count: int, known: list[Array]
+        self, points: list[tuple[Array, Fitted]], count: int, former: list[Array]
     ) -> list[tuple[Array, Fitted]]:
         """The best points that are far enough from each other and from those that are ``known``."""
         chosen: list[tuple[Array, Fitted]] = []
-        for at, one in found:
-            others = [*known, *(other for other, _ in chosen)]
+        for at, one in points:
+            others = [*former, *(other for other, _ in chosen)]
             if len(chosen) < count and all(
                 np.linalg.norm(at - other) > DISTANCE * math.sqrt(len(at)) for other in others
             ):
@@ -180,21 +180,21 @@ class Descents:
         from scipy.optimize import least_squares
 
         near, count, misfit = first.offset, 0, self.evaluations.misfit
-        known: dict[bytes, tuple[Array, Slopes | None]] = {}
+        cache: dict[bytes, tuple[Array, Slopes | None]] = {}
 
         def at(shares: Array) -> tuple[Array, Slopes | None]:
             nonlocal near, count
-            if (key := shares.tobytes()) not in known:
+            if (key := shares.tobytes()) not in cache:
                 (point,) = ask([Query(tuple(shares), near, self.search.tangents)])
                 if point.fitted is None:
-                    known[key] = misfit.lost, None
+                    cache[key] = misfit.penalty, None
                 else:
                     near, count = point.fitted.offset, count + 1
-                    known[key] = point.fitted.residuals, point.slopes
+                    cache[key] = point.fitted.residuals, point.slopes
                     best = self.evaluations.best
                     if count > PATIENCE and best is not None and point.fitted.cost > HOPELESS_COST * best[0]:
                         raise Hopeless
-            return known[key]
+            return cache[key]
 
         def jacobian(shares: Array) -> Array:
             slopes = at(shares)[1]
@@ -205,13 +205,13 @@ class Descents:
             {"ftol": CLOSE, "xtol": CLOSE, "gtol": 1e-12, "max_nfev": MOST_EVALUATIONS},
         )
         try:
-            found: Any = least_squares(
+            minimum: Any = least_squares(
                 lambda shares: at(shares)[0], inside, jacobian, (0.0, 1.0), "trf", **limits
             )
         except Hopeless:
             return
-        values = (float(one.value(x)) for one, x in zip(self.evaluations.parameters, found.x, strict=True))
-        self.search.ends.append((float(found.cost), tuple(values)))
+        values = (float(one.value(x)) for one, x in zip(self.evaluations.parameters, minimum.x, strict=True))
+        self.search.ends.append((float(minimum.cost), tuple(values)))
 
 
 MOST_SKIPPED = 100_000  # turns
@@ -340,12 +340,12 @@ def planned(
     if not isinstance(data, Measured):
         data = measured(data, units_of(mechanism), columns_of(settings.columns), settings.weights)
     text = dump(mechanism)
-    found = parameters_of(parameters, mechanism)
+    unknowns = parameters_of(parameters, mechanism)
     offset = offset_of(settings.offset, data, mechanism)
-    refuse_few_samples(data, found)
-    timing = timing_of(mechanism, text, data, found, offset, settings.skip, settings.step)
+    refuse_few_samples(data, unknowns)
+    timing = timing_of(mechanism, text, data, unknowns, offset, settings.skip, settings.step)
     misfit = Misfit(data, offset, settings.skip, settings.compare, envelope_width(settings.width, data))
-    return FitTask(mechanism, text, data, found, misfit, timing, settings)
+    return FitTask(mechanism, text, data, unknowns, misfit, timing, settings)
 
 
 @dataclass(frozen=True)
@@ -394,11 +394,11 @@ class FitTask:
         VfifeError as assembling does.
         """
         one = self.curves().cases.assembled(numbers_at(self.parameters, np.full(len(self.parameters), 0.5)))
-        lanes, known = (
+        lanes, stored = (
             stream_lanes(len(one.topology.contact_bearing)),
-            0 if file is None or replace else self.known(Path(file)),
+            0 if file is None or replace else self.stored_runs(Path(file)),
         )
-        left, values = max(self.runs - known, 0), self.misfit.count
+        left, values = max(self.runs - stored, 0), self.misfit.count
         at_once = self.settings.starts * (2 * len(self.parameters) + 1)
         table = stream(one, at_once, lanes)
         seconds = table.seconds(left) + COMPARISON * values * left
@@ -416,18 +416,18 @@ class FitTask:
         memory = RECORD_COPIES * run_cost(one).bytes * min(cores() * lanes, self.runs) + LIBRARIES
         remedy = "give fewer points (screened, starts), a shorter piece of the data or a coarser step"
         work = f"about {counted(left, 'run')} of {one.choice.steps:,} steps" + (
-            f" beside {known:,} that are there" if known else ""
+            f" beside {stored:,} that are there" if stored else ""
         )
         return Forecast(
-            "run", left, one.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, known, cores(), lanes, less=remedy, work=work,
+            "run", left, one.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored, cores(), lanes, less=remedy, work=work,
             note="; half or twice of that by how the searches go",
         )  # fmt: skip
 
-    def known(self, file: Path) -> int:
+    def stored_runs(self, file: Path) -> int:
         """Runs that a fit file has of the same question; all of them if the fit is complete."""
         try:
-            with FitFile.open(file) as found:
-                return self.runs if found.fit(self.search) is not None else len(found.keys("looks"))
+            with FitFile.open(file) as store:
+                return self.runs if store.fit(self.search) is not None else len(store.keys("looks"))
         except VfifeError:  # reported when the fit is continued
             return 0
 
@@ -455,9 +455,9 @@ class FitTask:
             before = store.fit(self.search)
             if before is not None and before.status == "complete":
                 return before
-            found = self.result(store, progress)
-            store.conclude(found, self.search)
-            return found
+            result = self.result(store, progress)
+            store.conclude(result, self.search)
+            return result
 
     def opened(self, path: Path, replace: bool) -> FitFile:
         """The file of the fit. Raises VfifeError for one of another fit."""

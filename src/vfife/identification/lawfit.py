@@ -94,23 +94,23 @@ def fit_law(
         )
     speeds = [1.0]
     scale = max(float(loop.loading[1].std()), 1e-300)
-    wanted = np.concatenate([loop.loading[1], loop.unloading[1]])
+    measured = np.concatenate([loop.loading[1], loop.unloading[1]])
 
     def law_at(shares: Array) -> ContactLaw:
         values = {one.name: one.value(float(x)) for one, x in zip(parameters, shares, strict=True)}
-        found, faults = read_law("contact", {**holder, **values})
-        if found is None or not isinstance(found, ContactLaw):
+        candidate, faults = read_law("contact", {**holder, **values})
+        if candidate is None or not isinstance(candidate, ContactLaw):
             raise ModelError(faults, f'law "{law}"')
-        return found
+        return candidate
 
     def residuals(shares: Array) -> Array:
-        left: Array = (forces(law_at(shares), pair, loop, speeds) - wanted) / scale
+        left: Array = (forces(law_at(shares), pair, loop, speeds) - measured) / scale
         return left
 
-    best, ended = best_search(residuals, parameters, seed)
+    best, ends = best_search(residuals, parameters, seed)
     share = best.x
     parts = [one for one in np.split(best.fun, [len(loop.loading[0])]) if len(one) > 2]
-    found = confidence_of(parts, parameters, share, best.jac, len(parameters), confidence)
+    uncertainty = confidence_of(parts, parameters, share, best.jac, len(parameters), confidence)
     values = [
         Value(
             s.name,
@@ -124,7 +124,9 @@ def fit_law(
             None,
             s.logarithmic,
         )
-        for s, x, e, (low, high) in zip(parameters, share, found.errors, found.limits, strict=True)
+        for s, x, e, (low, high) in zip(
+            parameters, share, uncertainty.errors, uncertainty.limits, strict=True
+        )
     ]
     model, count = forces(law_at(share), pair, loop, speeds), len(loop.loading[0])
     curves = [Laid("loading", "force", "N", "penetration", loop.loading[0], loop.loading[1], model[:count])]
@@ -135,8 +137,8 @@ def fit_law(
             )
         )
     return Fit(
-        f"law {kind.name}", loop.name, "complete", values, found.correlation, found.directions, 0.0, 0.0, "penetration", curves, ended, 0, 0,
-        "differences", found.autocorrelation, confidence, time.monotonic() - began,
+        f"law {kind.name}", loop.name, "complete", values, uncertainty.correlation, uncertainty.directions, 0.0, 0.0, "penetration", curves, ends, 0, 0,
+        "differences", uncertainty.autocorrelation, confidence, time.monotonic() - began,
     )  # fmt: skip
 
 
@@ -159,17 +161,17 @@ def law_of(law: str) -> type[ContactLaw]:
 
 
 def law_parameters(
-    law: type[ContactLaw], given: Mapping[str, Any], loop: Loop, back: bool
+    law: type[ContactLaw], fixed: Mapping[str, Any], loop: Loop, back: bool
 ) -> list[FitParameter]:
     """The parameters to identify, between bounds about a first guess: those without a default that are not
     given, and the restitution.
     """
-    found = []
+    parameters = []
     for field in dataclasses.fields(law):
         held = value_of(field)
         open_ = field.default is None or field.default is dataclasses.MISSING
         if (
-            field.name in given
+            field.name in fixed
             or not isinstance(held, Measure)
             or not (open_ or (back and field.name == RESTITUTION))
         ):
@@ -177,7 +179,7 @@ def law_parameters(
         limits = (held.above if held.above is not None else held.low, held.high)
         if field.name == RESTITUTION or (limits[0] is not None and limits[1] is not None):
             low = limits[0] or 0.01
-            found.append(
+            parameters.append(
                 FitParameter(
                     field.name, (field.name,), str(field.metadata.get("unit", "1")), low, limits[1] or 1.0
                 )
@@ -187,7 +189,7 @@ def law_parameters(
             wide = STIFFNESS_RANGE * (
                 STIFFNESS_RANGE if "exponent" in {one.name for one in dataclasses.fields(law)} else 1.0
             )
-            found.append(
+            parameters.append(
                 FitParameter(
                     field.name,
                     (field.name,),
@@ -198,14 +200,14 @@ def law_parameters(
             )
         elif back and field.name == "damping_coefficient":
             size = float(loop.loading[1].max())
-            found.append(FitParameter(field.name, (field.name,), "N s/m", 1e-3 * size, 1e3 * size))
+            parameters.append(FitParameter(field.name, (field.name,), "N s/m", 1e-3 * size, 1e3 * size))
         else:
             remedy = f"give it, as in --set {field.name}=..."
             raise VfifeError(
                 f'the law "{law.name}" needs {field.name}, which a curve of force over penetration does not'
                 f" tell; {remedy}"
             )
-    return found
+    return parameters
 
 
 def exponent_of(law: type[ContactLaw]) -> float:
@@ -226,7 +228,7 @@ def best_search(
     """The best of searches from several starts."""
     from scipy.optimize import least_squares
 
-    found = []
+    minima = []
     for start in (np.full(len(parameters), 0.5), *sobol(STARTS, len(parameters), seed)):
         one = least_squares(
             residuals,
@@ -237,14 +239,14 @@ def best_search(
             ftol=1e-8,
             max_nfev=40,
         )
-        found.append(one)
-        found.sort(key=lambda one: float(one.cost))
-        exact = found[0].cost <= EXACT * len(found[0].fun)
-        if exact or (len(found) > 1 and found[1].cost <= (1.0 + AGREEMENT) * found[0].cost):
+        minima.append(one)
+        minima.sort(key=lambda one: float(one.cost))
+        exact = minima[0].cost <= EXACT * len(minima[0].fun)
+        if exact or (len(minima) > 1 and minima[1].cost <= (1.0 + AGREEMENT) * minima[0].cost):
             break  # two searches came to one point, or one to the curve itself
-    return found[0], [
+    return minima[0], [
         (float(one.cost), tuple(float(s.value(x)) for s, x in zip(parameters, one.x, strict=True)))
-        for one in found
+        for one in minima
     ]
 
 
@@ -258,18 +260,18 @@ def forces(law: ContactLaw, pair: Pair, loop: Loop, speeds: list[float]) -> Arra
         p = law.parameters(pair)
         return np.array([law.force(max(float(depth), 0.0), 0.0, p)[0] for depth in loop.loading[0]])
     speed = speeds[0]
-    found = free_impact(law, pair, 1.0, speed, STEPS)
+    impact = free_impact(law, pair, 1.0, speed, STEPS)
     for _ in range(SPEED_CORRECTIONS):
-        if abs(found.deepest / loop.deepest - 1.0) < 1e-6 or not found.deepest > 0.0:
+        if abs(impact.deepest / loop.deepest - 1.0) < 1e-6 or not impact.deepest > 0.0:
             break
-        speed *= (loop.deepest / found.deepest) ** (
-            0.5 * (1.0 + max(law.exponent_at(0.5 * found.deepest, pair), 1.0))
+        speed *= (loop.deepest / impact.deepest) ** (
+            0.5 * (1.0 + max(law.exponent_at(0.5 * impact.deepest, pair), 1.0))
         )
-        found = free_impact(law, pair, 1.0, speed, STEPS)
+        impact = free_impact(law, pair, 1.0, speed, STEPS)
     speeds[0] = speed
-    turn = int(np.argmax(found.penetration))
-    up = np.interp(loop.loading[0], found.penetration[: turn + 1], found.force[: turn + 1])
-    down = np.interp(loop.unloading[0], found.penetration[turn:][::-1], found.force[turn:][::-1])
+    turn = int(np.argmax(impact.penetration))
+    up = np.interp(loop.loading[0], impact.penetration[: turn + 1], impact.force[: turn + 1])
+    down = np.interp(loop.unloading[0], impact.penetration[turn:][::-1], impact.force[turn:][::-1])
     return np.concatenate([up, down])
 
 
@@ -292,10 +294,13 @@ def loop_of(path: Path) -> Loop:
     values = numbers(rows, heads, sorted(factors), faults)
     if faults:
         raise ModelError(faults, str(path))
-    seen = {name: factors[k] * values[k] for name, (k, _) in chosen.items()}
-    depth, force = seen["penetration"], seen["force"] if "force" in seen else seen["loading"]
-    if "unloading" in seen:
-        return Loop((depth, force), (depth, seen["unloading"]), path.name)
+    columns_si = {name: factors[k] * values[k] for name, (k, _) in chosen.items()}
+    depth, force = (
+        columns_si["penetration"],
+        columns_si["force"] if "force" in columns_si else columns_si["loading"],
+    )
+    if "unloading" in columns_si:
+        return Loop((depth, force), (depth, columns_si["unloading"]), path.name)
     turn = int(np.argmax(depth))
     back = depth[turn:].min() < (1.0 - UNLOADING) * depth[turn]
     nothing = np.zeros(0)

@@ -31,7 +31,7 @@ ABSCISSAE: Mapping[str, tuple[Over, str]] = {
 }
 LARGEST, MOST_ROWS = 64_000_000, 500_000  # bytes; rows
 LEAST = 8  # samples
-TOLD = 10  # faults of one kind; more are counted
+MOST_FAULTS = 10  # faults of one kind; more are counted
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class CsvSpec:
 def measured(
     path: str | Path,
     units: Mapping[str, str],
-    asked: Mapping[str, CsvSpec] | None = None,
+    specs: Mapping[str, CsvSpec] | None = None,
     weights: Mapping[str, float] | None = None,
 ) -> Measured:
     """The curves of a file. ``units`` are those of the channels that the mechanism has; ``asked`` says of
@@ -107,7 +107,7 @@ def measured(
             )
         )
     before = len(faults)
-    chosen = choice(columns, units, asked, faults) if heads else {}
+    chosen = choice(columns, units, specs, faults) if heads else {}
     if heads and len(faults) == before and not chosen:
         remedy = (
             "name columns as channels are, or say which is which with --column; the mechanism has"
@@ -152,14 +152,14 @@ def measured(
     ]
     if faults or place is None:
         raise ModelError(faults, str(path))
-    told = weights or {}
+    column_weights = weights or {}
     curves = tuple(
         Curve(
             one.channel,
             heads[k],
             factors[k] * values[k],
             one.proportional,
-            float(told.get(columns[k][0], 1.0)),
+            float(column_weights.get(columns[k][0], 1.0)),
         )
         for k, one in chosen.items()
     )
@@ -237,7 +237,7 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
     uneven = [(line, row) for line, row in rows if len(row) != len(heads)]
     some(
         faults,
-        [fault_of_row(line, row, len(heads)) for line, row in uneven[:TOLD]],
+        [fault_of_row(line, row, len(heads)) for line, row in uneven[:MOST_FAULTS]],
         len(uneven),
         "lines have another number of values",
     )
@@ -260,19 +260,19 @@ def some(faults: list[Fault], first: Sequence[Fault], count: int, what: str) -> 
 
 def split(head: str) -> tuple[str, str]:
     """Name and unit of a column's head, ``C.force [N]`` or ``C.force (N)``."""
-    found = HEAD.fullmatch(head)
-    return (found[1].strip(), (found[2] or found[3] or "").strip()) if found is not None else (head, "")
+    match = HEAD.fullmatch(head)
+    return (match[1].strip(), (match[2] or match[3] or "").strip()) if match is not None else (head, "")
 
 
 def choice(
     columns: Sequence[tuple[str, str]],
     units: Mapping[str, str],
-    asked: Mapping[str, CsvSpec] | None,
+    specs: Mapping[str, CsvSpec] | None,
     faults: list[Fault],
 ) -> dict[int, CsvSpec]:
     """Which columns count, by their numbers."""
     names = [name for name, _ in columns]
-    if asked is None:
+    if specs is None:
         for name in dict.fromkeys(one for one in names if one in units and names.count(one) > 1):
             faults.append(
                 Fault(
@@ -284,8 +284,8 @@ def choice(
                 )
             )
         return {k: CsvSpec(name) for k, name in enumerate(names) if name in units}
-    found = {}
-    for name, one in asked.items():
+    chosen = {}
+    for name, one in specs.items():
         if name not in names:
             faults.append(
                 Fault(
@@ -314,21 +314,21 @@ def choice(
                         "rename all but one of them",
                     )
                 )
-            found[names.index(name)] = one
-    return found
+            chosen[names.index(name)] = one
+    return chosen
 
 
-def factor(unit: str, wanted: str, where: str, faults: list[Fault]) -> float:
+def factor(unit: str, channel_unit: str, where: str, faults: list[Fault]) -> float:
     """From the unit of a column to that of its channel; nothing said is the same unit."""
     try:
-        return number(f"1 {unit}", wanted) if unit and unit != "1" else 1.0
+        return number(f"1 {unit}", channel_unit) if unit and unit != "1" else 1.0
     except Fault as error:
         what = (
             error.what.removeprefix("a text whose ")
             if error.what.startswith("a text whose ")
             else f"unit is that of {error.what}"
         )
-        faults.append(Fault(where, f"its {what}", shown(unit), error.limit, f"for example [{wanted}]"))
+        faults.append(Fault(where, f"its {what}", shown(unit), error.limit, f"for example [{channel_unit}]"))
         return 1.0
 
 
@@ -338,24 +338,24 @@ def numbers(
     """Columns as numbers; the first few cells that are none are told, line by line, and how many more there
     are.
     """
-    found = {k: np.full(len(rows), np.nan) for k in which}
+    table = {k: np.full(len(rows), np.nan) for k in which}
     bad: list[Fault] = []
     count = 0
     for at, (line, row) in enumerate(rows):
-        for k, column in found.items():
+        for k, column in table.items():
             try:
                 column[at] = float(row[k])
             except ValueError:
                 column[at] = math.nan
             if not math.isfinite(column[at]):
                 count += 1
-                if len(bad) < TOLD:
-                    bad.append(Fault(f"line {line}, column {k + 1} ({heads[k]})", *said_of(row[k])))
+                if len(bad) < MOST_FAULTS:
+                    bad.append(Fault(f"line {line}, column {k + 1} ({heads[k]})", *cell_fault(row[k])))
     some(faults, bad, count, "cells are no numbers")
-    return found
+    return table
 
 
-def said_of(cell: str) -> tuple[str, str, str, str]:
+def cell_fault(cell: str) -> tuple[str, str, str, str]:
     """What is wrong with a cell, its text, what is allowed, and what to do."""
     text = cell.strip()
     if not text:
@@ -374,7 +374,7 @@ def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fa
     """Times or angles ascend; cells that are no numbers are told elsewhere."""
     sound = np.flatnonzero(np.isfinite(places))
     back = np.flatnonzero(np.diff(places[sound]) <= 0.0)
-    found = [
+    first = [
         Fault(
             f"line {lines[sound[at + 1]]}, column {head}",
             f"it is not after line {lines[sound[at]]}",
@@ -382,9 +382,9 @@ def check_places(places: Array, lines: Sequence[int], head: str, faults: list[Fa
             "ascending values",
             "sort the rows",
         )
-        for at in back[:TOLD]
+        for at in back[:MOST_FAULTS]
     ]
-    some(faults, found, len(back), "lines are not after the line before them")
+    some(faults, first, len(back), "lines are not after the line before them")
 
 
 def columns_of(texts: Sequence[str] | Mapping[str, str] | None) -> dict[str, CsvSpec] | None:

@@ -52,15 +52,15 @@ def numbers_at(parameters: Sequence[FitParameter], shares: Array) -> Numbers:
     }
 
 
-def parameters_of(given: Mapping[Any, Any] | Sequence[str], mechanism: Mechanism) -> list[FitParameter]:
+def parameters_of(texts: Mapping[Any, Any] | Sequence[str], mechanism: Mechanism) -> list[FitParameter]:
     """Parameters from texts or from a mapping of paths to two bounds.
 
     Texts are as ``"joint.C.clearance=0.1..1 mm"``, with commas between several paths and ``*`` for any
     characters. Raises ModelError with all faults.
     """
     faults: list[Fault] = []
-    known, found, owners = numbers(mechanism), list[FitParameter](), dict[str, str]()
-    items = given.items() if isinstance(given, Mapping) else [text.partition("=")[::2] for text in given]
+    values, parameters, owners = numbers(mechanism), list[FitParameter](), dict[str, str]()
+    items = texts.items() if isinstance(texts, Mapping) else [text.partition("=")[::2] for text in texts]
     for key, value in items:
         name = ",".join(key) if isinstance(key, tuple | list) else str(key).strip()
         bounds = ends_of(value) or value if isinstance(value, str) else value
@@ -68,7 +68,7 @@ def parameters_of(given: Mapping[Any, Any] | Sequence[str], mechanism: Mechanism
             remedy = 'write PATH=LEAST..MOST, as in "joint.C.clearance=0.1..1 mm"'
             faults.append(Fault(name or "parameters", "two bounds are needed", shown(bounds), "", remedy))
             continue
-        one = parameter_of(name, (bounds[0], bounds[1]), mechanism, known, faults)
+        one = parameter_of(name, (bounds[0], bounds[1]), mechanism, values, faults)
         for path in one.paths if one is not None else ():
             if path in owners:
                 faults.append(
@@ -77,24 +77,32 @@ def parameters_of(given: Mapping[Any, Any] | Sequence[str], mechanism: Mechanism
                     )
                 )
             owners[path] = name
-        found += [one] if one is not None else []
-    if not faults and not found:
+        parameters += [one] if one is not None else []
+    if not faults and not parameters:
         remedy = 'say what, as in -p "joint.C.clearance=0.1..1 mm"'
         faults.append(Fault("parameters", "nothing is looked for", remedy=remedy))
     if faults:
         raise ModelError(faults, "fit")
-    return found
+    return parameters
 
 
 def parameter_of(
-    name: str, bounds: tuple[Any, Any], mechanism: Mechanism, known: Mapping[str, float], faults: list[Fault]
+    name: str,
+    bounds: tuple[Any, Any],
+    mechanism: Mechanism,
+    model_values: Mapping[str, float],
+    faults: list[Fault],
 ) -> FitParameter | None:
     """One parameter; None if there is a fault, which is added to ``faults``."""
-    before, found = len(faults), list[Parameter]()
+    before, matches = len(faults), list[Parameter]()
     for text in (part.strip() for part in name.split(",")):
-        paths = [path for path in known if fnmatchcase(path, text)] if "*" in text or "?" in text else [text]
+        paths = (
+            [path for path in model_values if fnmatchcase(path, text)]
+            if "*" in text or "?" in text
+            else [text]
+        )
         if not paths:
-            remedy = suggestion(text, known, "* stands for any characters")
+            remedy = suggestion(text, model_values, "* stands for any characters")
             faults.append(Fault(name, "fits no number of this model", remedy=remedy))
         for path in paths:
             try:
@@ -103,18 +111,18 @@ def parameter_of(
                 faults.append(fault.at(name, value=shown(path)))
                 continue
             if number.quantity is None:
-                remedy = suggestion(path, known, NO_NUMBER)
+                remedy = suggestion(path, model_values, NO_NUMBER)
                 faults.append(
                     Fault(name, "no number is there that can be looked for", shown(path), "", remedy)
                 )
                 continue
-            found.append(number)
-    if len({one.unit for one in found}) > 1:
-        units = ", ".join(f"{one.path} in {one.unit}" for one in found)
+            matches.append(number)
+    if len({one.unit for one in matches}) > 1:
+        units = ", ".join(f"{one.path} in {one.unit}" for one in matches)
         faults.append(
             Fault(name, "numbers of different units cannot be one", units, remedy="look for each by itself")
         )
-    ends = [bound_of(name, value, found[0], faults) for value in bounds] if len(faults) == before else []
+    ends = [bound_of(name, value, matches[0], faults) for value in bounds] if len(faults) == before else []
     if not ends or None in ends:
         return None
     low, high = (float(value) for value in ends if value is not None)
@@ -122,11 +130,11 @@ def parameter_of(
         text = f"{shown(bounds[0])} .. {shown(bounds[1])}"
         faults.append(Fault(name, "the bounds do not ascend", text, "", "exchange or correct them"))
         return None
-    values = {known[one.path] for one in found if one.path in known}
+    values = {model_values[one.path] for one in matches if one.path in model_values}
     initial = values.pop() if len(values) == 1 else None
     inside = initial is not None and low <= initial <= high
     return FitParameter(
-        name, tuple(one.path for one in found), found[0].unit, low, high, initial if inside else None
+        name, tuple(one.path for one in matches), matches[0].unit, low, high, initial if inside else None
     )
 
 
@@ -135,8 +143,8 @@ def bound_of(name: str, value: Any, number: Parameter, faults: list[Fault]) -> f
     with suppress(ValueError):
         value = float(value) if isinstance(value, str) else value
     try:
-        found: float = number.quantity.take(value, True)  # type: ignore[union-attr]
-        return found
+        bound: float = number.quantity.take(value, True)  # type: ignore[union-attr]
+        return bound
     except Fault as fault:
         faults.append(Fault(name, f"its bound: {fault.what}", fault.value, fault.limit, fault.remedy))
         return None

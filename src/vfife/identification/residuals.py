@@ -34,7 +34,7 @@ OFFSET_SIDE, NEWTON_STEPS = (
     1e-3,
     3,
 )  # side of a difference along the offset, as a share of the range searched; steps
-LOST = 10.0  # deviations by which a case without a motion misses every sample
+NO_MOTION = 10.0  # deviations by which a case without a motion misses every sample
 
 
 @dataclass(frozen=True)
@@ -87,9 +87,9 @@ class Misfit:
         return self.offset.free or self.measured.over == "angle"
 
     @property
-    def lost(self) -> Array:
+    def penalty(self) -> Array:
         """Residuals of a case without curves."""
-        return np.full(self.count, LOST)
+        return np.full(self.count, NO_MOTION)
 
     def compared(self, values: Array) -> Array:
         """Curves as they are compared: themselves, their moving root mean square, or the amplitudes of their
@@ -154,13 +154,13 @@ class Misfit:
         ends = (near - reach, near + reach)
         if not self.offset.free:
             ends = max(ends[0], low), min(ends[1], high)
-        found = minimize_scalar(
+        minimum = minimize_scalar(
             lambda at: self.at_offset(trace, at).cost,
             bounds=ends,
             method="bounded",
             options={"xatol": 1e-4 * (high - low)},
         )
-        return self.polished(trace, float(found.x), ends)
+        return self.polished(trace, float(minimum.x), ends)
 
     def polished(self, trace: Trace, at: float, ends: tuple[float, float]) -> Fitted:
         """Refine the offset to many digits by Gauss-Newton steps along it, because residuals at it are
@@ -193,14 +193,14 @@ class Misfit:
         data, origin = self.data[::every], self.origin(trace)
         offsets = low + (high - low) * (np.arange(count) + 0.5) / count
         at, costs = origin + offsets[:, None] + places, np.zeros(count)
-        for k, (one, wanted) in enumerate(zip(trace.values.T, data.T, strict=True)):
+        for k, (one, curve) in enumerate(zip(trace.values.T, data.T, strict=True)):
             values = np.interp(at, trace.places, one)
             if self.proportional[k]:  # the residual with the best factor and level
-                centred, target = values - values.mean(axis=1, keepdims=True), wanted - wanted.mean()
+                centred, target = values - values.mean(axis=1, keepdims=True), curve - curve.mean()
                 explained = (centred @ target) ** 2 / np.maximum((centred * centred).sum(axis=1), 1e-300)
                 costs += (float(target @ target) - explained) / self.deviations[k] ** 2
             else:
-                costs += ((values - wanted) ** 2).sum(axis=1) / self.deviations[k] ** 2
+                costs += ((values - curve) ** 2).sum(axis=1) / self.deviations[k] ** 2
         return float(offsets[int(np.argmin(costs))]), 1.5 * (high - low) / count
 
     @property
@@ -265,8 +265,8 @@ def between(places: Array, trace: Trace) -> Array:
     first, last = values[at], values[at + 1]
     rise = last - first
     a, b = slopes[at] * width - rise, rise - slopes[at + 1] * width
-    found: Array = first + u * rise + u * (1.0 - u) * (a * (1.0 - u) + b * u)
-    return found
+    values_between: Array = first + u * rise + u * (1.0 - u) * (a * (1.0 - u) + b * u)
+    return values_between
 
 
 # ----------------------------------------------------------------------------------------------------------
@@ -322,24 +322,24 @@ def tangent_traces(
 
 def neighbours(curves: Curves, parameters: Sequence[FitParameter], shares: Array, k: int) -> Neighbours:
     """Assemblies with parameter k a little larger and a little smaller."""
-    ends, found = np.clip([shares[k] + NEAR, shares[k] - NEAR], 0.0, 1.0), list[Assembly]()
+    ends, assemblies = np.clip([shares[k] + NEAR, shares[k] - NEAR], 0.0, 1.0), list[Assembly]()
     for end in ends:
         changed = shares.copy()
         changed[k] = end
-        found.append(curves.cases.assembled(numbers_at(parameters, changed)))
-    return Neighbours(found[0], found[1], float(ends[0] - ends[1]))
+        assemblies.append(curves.cases.assembled(numbers_at(parameters, changed)))
+    return Neighbours(assemblies[0], assemblies[1], float(ends[0] - ends[1]))
 
 
-def extrapolated(curves: Curves, pair: tuple[Any, Any], apart: float) -> tuple[Trace, Trace]:
+def extrapolated(curves: Curves, pair: tuple[Any, Any], distance: float) -> tuple[Trace, Trace]:
     """Traces ``SIDE`` to both sides, from those of two records that are ``apart`` in the parameter."""
     up, down = (curves.trace(one) for one in pair)
-    ratio = 2.0 * SIDE / apart
+    ratio = 2.0 * SIDE / distance
 
     def moved(first: Any, second: Any, sign: float) -> Any:
         return 0.5 * (first + second) + sign * ratio * (first - second)
 
     turn = up.turn is not None and down.turn is not None
-    above, below = (
+    upper, lower = (
         Trace(
             moved(up.places, down.places, sign),
             moved(up.values, down.values, sign),
@@ -347,7 +347,7 @@ def extrapolated(curves: Curves, pair: tuple[Any, Any], apart: float) -> tuple[T
         )
         for sign in (0.5, -0.5)
     )
-    return above, below
+    return upper, lower
 
 
 @dataclass(frozen=True)
@@ -370,14 +370,14 @@ class Slopes:
             [(*pair, 2.0 * SIDE) for pair in traces[0]] if by_tangents else list(differences(traces, shares))
         )
         columns, offsets = [], []
-        for up, down, apart in pairs:
+        for up, down, distance in pairs:
             if isinstance(up, str) or isinstance(down, str):  # a side without a motion
                 columns.append(np.zeros(misfit.count))
                 offsets.append(0.0)
                 continue
-            above, below = misfit(up, offset), misfit(down, offset)
-            columns.append((above.residuals - below.residuals) / apart)
-            offsets.append((above.offset - below.offset) / apart)
+            upper, lower = misfit(up, offset), misfit(down, offset)
+            columns.append((upper.residuals - lower.residuals) / distance)
+            offsets.append((upper.offset - lower.offset) / distance)
         return Slopes(np.stack(columns, axis=1), np.array(offsets))
 
 

@@ -112,12 +112,12 @@ def offset_error(slopes: Slopes | None, confidence: Confidence, misfit: Misfit, 
 
 def autocorrelation(residuals: Sequence[Array]) -> float:
     """Mean correlation of successive residuals of all curves, between 0 and 0.99."""
-    found = []
+    correlations = []
     for one in residuals:
         centred = one - one.mean()
         square = float(centred @ centred)
-        found.append(float(centred[1:] @ centred[:-1]) / square if square > 0.0 else 0.0)
-    return min(max(float(np.mean(found)), 0.0), 0.99)
+        correlations.append(float(centred[1:] @ centred[:-1]) / square if square > 0.0 else 0.0)
+    return min(max(float(np.mean(correlations)), 0.0), 0.99)
 
 
 @dataclass(frozen=True)
@@ -198,19 +198,19 @@ def changed_traces(
 
 
 def widened(
-    confidence: Confidence, found: Sensitivity, parameters: Sequence[FitParameter], best: Array,
+    confidence: Confidence, sensitivity: Sensitivity, parameters: Sequence[FitParameter], best: Array,
     points: Sequence[tuple[float, tuple[float, ...]]],
 ) -> tuple[Array, Limits]:  # fmt: skip
     """Errors and limits that include the error of the step, and all points that cost no more than the best
     one with other steps or turns.
     """
-    alike = np.array([shares for cost, shares in points if cost <= found.cost])
+    alike = np.array([shares for cost, shares in points if cost <= sensitivity.cost])
     errors, limits = confidence.errors.copy(), list(confidence.limits)
     for k, (one, (low, high)) in enumerate(zip(parameters, confidence.limits, strict=True)):
         error, middle = float(errors[k]), 0.5 * (low + high)
         if not math.isfinite(error) or not len(alike):
             continue
-        errors[k] = math.hypot(error, one.slope(best[k]) * float(found.shift[k]))
+        errors[k] = math.hypot(error, one.slope(best[k]) * float(sensitivity.shift[k]))
         half = 0.5 * (high - low) * float(errors[k]) / max(error, 1e-300)
         ends = [one.value(float(end)) for end in (alike[:, k].min(), alike[:, k].max())]
         limits[k] = min(middle - half, *ends), max(middle + half, *ends)
@@ -240,28 +240,28 @@ def concluded(
         raise VfifeError("no member has a motion")
     _, shares, point = evaluations.best
     best, misfit, parameters = evaluations.best[2].fitted, evaluations.misfit, evaluations.parameters
-    found = (
+    sensitivity = (
         None
         if slopes is None
         else sensitivity_of(evaluations.curves, parameters, misfit, shares, best, slopes.jacobian)
     )
     nuisance = 2 * int(misfit.proportional.sum()) + (0 if misfit.offset.fixed else 1)
     parts, jacobian = list(misfit.columns(best.residuals).T), None if slopes is None else slopes.jacobian
-    inflation = 1.0 if found is None else found.inflation
+    inflation = 1.0 if sensitivity is None else sensitivity.inflation
     confidence = confidence_of(
         parts, parameters, shares, jacobian, len(parameters) + nuisance, level, inflation
     )
     errors, limits = confidence.errors, confidence.limits
-    if found is not None:
-        errors, limits = widened(confidence, found, parameters, shares, evaluations.points)
+    if sensitivity is not None:
+        errors, limits = widened(confidence, sensitivity, parameters, shares, evaluations.points)
     values = [
         Value(
             one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high), (one.low, one.high), one.initial,
-            one.logarithmic, found is None or found.trusted,
+            one.logarithmic, sensitivity is None or sensitivity.trusted,
         )
         for one, x, e, (low, high) in zip(parameters, shares, errors, limits, strict=True)
     ]  # fmt: skip
-    notes = [*search.notes, *cautions(evaluations, point.unsettled, found), *evaluations.reasons[:3]]
+    notes = [*search.notes, *cautions(evaluations, point.unsettled, sensitivity), *evaluations.reasons[:3]]
     by = "derivatives of the steps" if search.tangents else "differences of runs"
     return Fit(
         name, misfit.measured.name, "interrupted" if slopes is None else "complete", values, confidence.correlation, confidence.directions,
@@ -271,7 +271,7 @@ def concluded(
     )  # fmt: skip
 
 
-def cautions(evaluations: Evaluations, unsettled: float, found: Sensitivity | None) -> Iterator[str]:
+def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivity | None) -> Iterator[str]:
     """What the limits do not include, or had to be widened for."""
     share = evaluations.share
     if unsettled > UNSETTLED * max(share, 1e-3):
@@ -288,15 +288,17 @@ def cautions(evaluations: Evaluations, unsettled: float, found: Sensitivity | No
             f"the model misses the data by {100.0 * share:.3g} % of their deviation, by {causes}: of these"
             " the errors know only noise"
         )
-    if found is None or found.inflation < INFLATED:
+    if sensitivity is None or sensitivity.inflation < INFLATED:
         return
-    size, cause = max((found.by_steps, "with other steps"), (found.by_turns, "from the next turn on"))
-    alike = sum(cost <= found.cost for cost, _ in evaluations.points)
+    size, cause = max(
+        (sensitivity.by_steps, "with other steps"), (sensitivity.by_turns, "from the next turn on")
+    )
+    alike = sum(cost <= sensitivity.cost for cost, _ in evaluations.points)
     text = (
         f"at these numbers the model's own curves differ by {100.0 * size:.2g} % of the data's deviations"
         f" {cause}"
     )
-    if found.trusted:
+    if sensitivity.trusted:
         yield (
             f"{text}: errors and limits are widened by it, {alike} of {len(evaluations.points)} points fit as"
             " well"
@@ -319,11 +321,11 @@ def best_offset(misfit: Misfit, best: Fitted) -> float:
 
 def best_curves(misfit: Misfit, best: Fitted, units: Mapping[str, str]) -> list[Laid]:
     """Measured curves, and those of the best point."""
-    found, (over, places) = [], misfit.places()
+    curves, (over, places) = [], misfit.places()
     for k, curve in enumerate(misfit.measured.curves):
         factor, level = (float(value) for value in best.gains[:, k])
         unit = units.get(curve.channel, "") if not curve.proportional else "1"
-        found.append(
+        curves.append(
             Laid(
                 curve.channel,
                 curve.head,
@@ -336,4 +338,4 @@ def best_curves(misfit: Misfit, best: Fitted, units: Mapping[str, str]) -> list[
                 level,
             )
         )
-    return found
+    return curves

@@ -123,13 +123,13 @@ def envelope_width(value: Any, data: Measured) -> float:
 
 def positive(name: str, value: Any, unit: str, largest: float, limit: str) -> float:
     """An argument in its unit. Raises ModelError if it is not positive, or exceeds the ``largest``."""
-    found = float(number(value, unit))
-    if not 0.0 < found <= largest:
-        what = "zero or negative" if found <= 0.0 else "too large"
+    quantity = float(number(value, unit))
+    if not 0.0 < quantity <= largest:
+        what = "zero or negative" if quantity <= 0.0 else "too large"
         raise ModelError(
-            [Fault(name, what, f"{found:.4g} {unit}", limit, "correct it, or leave it out")], "fit"
+            [Fault(name, what, f"{quantity:.4g} {unit}", limit, "correct it, or leave it out")], "fit"
         )
-    return found
+    return quantity
 
 
 def timing_of(
@@ -190,8 +190,8 @@ def middle_and_ends(count: int) -> list[Array]:
 def probe(text: str, values: Numbers) -> Mechanism | None:
     """The mechanism with other values by path; None if it cannot be assembled."""
     try:
-        found = loads(text, set=list(values.items()))
-        assemble(found)
+        mechanism = loads(text, set=list(values.items()))
+        assemble(mechanism)
     except VfifeError:
         return None
-    return found
+    return mechanism

@@ -47,14 +47,14 @@ def diagram(found: Bifurcation) -> Figure:
     """
     rows = len(found.points) + 1
     figure, axes = panels(rows, 1, 9.0, 2.7, sharex=True)
-    values = np.array(found.asked.values)
-    scale, unit_x = readable(values, found.asked.unit)
+    values = np.array(found.spec.values)
+    scale, unit_x = readable(values, found.spec.unit)
     x = scale * values
     for ax, (name, points) in zip(axes, found.points.items(), strict=False):
         factor, unit = readable(
-            points, dict(zip(found.asked.series, found.asked.units, strict=False)).get(name, "SI")
+            points, dict(zip(found.spec.series, found.spec.units, strict=False)).get(name, "SI")
         )
-        for k, (way, chain) in enumerate(zip(found.asked.ways, points, strict=True)):
+        for k, (way, chain) in enumerate(zip(found.spec.ways, points, strict=True)):
             marker, area = MARKERS[k % len(MARKERS)]
             across, color, width = (
                 np.repeat(x, chain.shape[1]),
@@ -94,11 +94,11 @@ def diagram(found: Bifurcation) -> Figure:
         last.legend(loc="lower right")
     last.axhline(0.0, color=GREY, lw=0.8)
     last.set_ylabel("largest exponent\n(1/turn)")
-    last.set_xlabel(f"{found.asked.path} ({unit_x})")
-    if len(found.asked.ways) > 1:
+    last.set_xlabel(f"{found.spec.path} ({unit_x})")
+    if len(found.spec.ways) > 1:
         axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
-    kept = found.asked.turns - found.asked.dropped
-    heading(figure, _title(found, f"{kept} turns at each value after {found.asked.dropped}", found.agreement))
+    kept = found.spec.turns - found.spec.dropped
+    heading(figure, _title(found, f"{kept} turns at each value after {found.spec.dropped}", found.agreement))
     return figure
 
 
@@ -123,13 +123,13 @@ def basins(found: Basins) -> Figure:
     """Attractor of each start, and shares of all starts; white: impossible starts, crosses: companions that
     are classified otherwise.
     """
-    asked = found.asked
+    spec = found.spec
     figure, (ax,) = panels(1, 1, 8.0, 7.0)
     scales = [readable(np.degrees(values) if unit == "rad" else np.array(values), "°" if unit == "rad" else unit) for values, unit in
-              ((asked.x, asked.units[0]), (asked.y, asked.units[1]))]  # fmt: skip
+              ((spec.x, spec.units[0]), (spec.y, spec.units[1]))]  # fmt: skip
     x, y = (
         np.array(values) * scale * (180.0 / np.pi if unit == "rad" else 1.0)
-        for values, unit, (scale, _) in zip((asked.x, asked.y), asked.units, scales, strict=True)
+        for values, unit, (scale, _) in zip((spec.x, spec.y), spec.units, scales, strict=True)
     )
     colour = colours(found)
     if colour:
@@ -147,21 +147,21 @@ def basins(found: Basins) -> Figure:
         crosses.append(
             ax.scatter(x[columns], y[rows], marker="x", c=INK, s=50.0, label="another with another step")
         )
-    ax.set_xlabel(f"{asked.paths[0]} ({scales[0][1]})")
-    ax.set_ylabel(f"{asked.paths[1]} ({scales[1][1]})")
+    ax.set_xlabel(f"{spec.paths[0]} ({scales[0][1]})")
+    ax.set_ylabel(f"{spec.paths[1]} ({scales[1][1]})")
     ax.grid(visible=False)
     ax.set_facecolor("white")
     of_all = max(len(found.verdicts), 1)
     labels = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in found.attractors]
     shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, labels, strict=True)]
     figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
-    starts = f"{len(found.verdicts):,} starts, {asked.turns - asked.dropped} turns after {asked.dropped}"
+    starts = f"{len(found.verdicts):,} starts, {spec.turns - spec.dropped} turns after {spec.dropped}"
     heading(figure, _title(found, starts, found.agreement))
     return figure
 
 
 def _title(found: Any, turns: str, companions: str) -> str:
-    return f"{found.name}: {turns}, {found.asked.steps:,} steps a turn; {found.laws}; {companions}"
+    return f"{found.name}: {turns}, {found.spec.steps:,} steps a turn; {found.laws}; {companions}"
 
 
 MARK = 9.0  # area of a point
@@ -180,9 +180,7 @@ def section(found: PoincareSection) -> Figure:
     heading(
         figure,
         _title(
-            found,
-            f"{found.verdict.kind}; {found.done:,} turns after {found.asked.dropped:,}",
-            "no companions",
+            found, f"{found.verdict.kind}; {found.done:,} turns after {found.spec.dropped:,}", "no companions"
         ),
     )
     return figure
@@ -192,7 +190,7 @@ def points(ax: Axes, found: PoincareSection) -> None:
     """Draw the section at a phase of the crank: the second series over the first, or a single one over itself
     a turn before.
     """
-    units = dict(zip(found.asked.series, found.asked.units, strict=True))
+    units = dict(zip(found.spec.series, found.spec.units, strict=True))
     names = list(found.points)[:2]
     x, y = found.points[names[0]], found.points[names[-1]]
     label = names[-1]
@@ -202,7 +200,7 @@ def points(ax: Axes, found: PoincareSection) -> None:
     ax.scatter(scale_x * x, scale_y * y, s=MARK, c=BLUE, lw=0.0)
     ax.set_xlabel(f"{names[0]} ({unit_x})")
     ax.set_ylabel(f"{label} ({unit_y})")
-    ax.set_title(f"once a turn, at {360.0 * found.asked.phase:g}° of it")
+    ax.set_title(f"once a turn, at {360.0 * found.spec.phase:g}° of it")
     ax.ticklabel_format(useOffset=False)
 
 
@@ -211,7 +209,7 @@ def converging(ax: Axes, found: PoincareSection) -> None:
     exponent = found.exponent
     ax.axhline(0.0, color=GREY, lw=0.8)
     if exponent is not None:
-        turns = found.asked.dropped + 1 + np.arange(len(exponent.running))
+        turns = found.spec.dropped + 1 + np.arange(len(exponent.running))
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
         ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
         text = f"{exponent.value:+.4g}; halves {exponent.low:+.4g}, {exponent.high:+.4g}"

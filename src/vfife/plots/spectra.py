@@ -238,11 +238,11 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
     """A panel for each series: orders or frequencies (``hertz``) to the right, the parameter upwards; missing
     and diverged values are grey.
     """
-    asked, unit = one.asked, one.asked.unit
-    panels = Panels.alike(len(asked.series), 2, (5.2, 3.4), (8.0, 4.4), across=1.85)
-    factor, unit = (RPM, "rpm") if unit == "rad/s" else scale_of(float(np.abs(asked.values).max()), unit)
-    y = edges(factor * np.array(asked.values), len(asked.values))
-    for ax, name, unit_of in zip(panels.axes, asked.series, asked.units, strict=True):
+    spec, unit = one.spec, one.spec.unit
+    panels = Panels.alike(len(spec.series), 2, (5.2, 3.4), (8.0, 4.4), across=1.85)
+    factor, unit = (RPM, "rpm") if unit == "rad/s" else scale_of(float(np.abs(spec.values).max()), unit)
+    y = edges(factor * np.array(spec.values), len(spec.values))
+    for ax, name, unit_of in zip(panels.axes, spec.series, spec.units, strict=True):
         shown, of = logarithms(one.amplitudes[name], unit_of)
         ax.set_facecolor(FAINT)
         coloured(
@@ -255,7 +255,7 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
         )
         ax.set(
             title=name,
-            ylabel=f"{asked.path} ({unit})",
+            ylabel=f"{spec.path} ({unit})",
             xlabel="frequency (Hz)" if hertz else "order of the crank",
         )
         ax.set_xlim(left=0.0)

@@ -54,10 +54,10 @@ def wear_over_turns(found: Worn) -> Figure:
         fontsize=9.0,
     )
     text = f"{counted(found.turns[-1])} turns of the crank, {found.simulated:,.0f} of them simulated"
-    if found.ended:
+    if found.life_end:
         text += (
-            f"; life of joint {found.ended['joint']} ends after {counted(found.ended['turns'])} by its"
-            f" {found.ended['by']}"
+            f"; life of joint {found.life_end['joint']} ends after {counted(found.life_end['turns'])} by its"
+            f" {found.life_end['by']}"
         )
     heading(figure, f"{found.name}: wear after {text}")
     return laid_out(figure)
@@ -164,7 +164,7 @@ def closed(depth: Any) -> Any:
 def over_turns(ax: Any, found: Worn, row: int, quantity: str) -> None:
     """Draw clearance or largest force of a joint over turns, with its limit."""
     values = (found.play if quantity == "play" else found.force)[:, row]
-    limit = found.asked.clearance if quantity == "play" else found.asked.force
+    limit = found.spec.clearance if quantity == "play" else found.spec.force
     size = max(float(values.max()), limit or 0.0)
     factor, unit = scale_of(size, "m" if quantity == "play" else "N")
     million = found.turns[-1] >= 1e5
@@ -173,8 +173,8 @@ def over_turns(ax: Any, found: Worn, row: int, quantity: str) -> None:
     if limit is not None:
         ax.axhline(factor * limit, color=VERMILION, lw=1.0, ls=(0, (5, 1.6)), label="limit")
         ax.legend(loc="best", fontsize=8.0)
-    if found.ended and found.ended["joint"] == found.joints[row]:
-        ax.axvline(found.ended["turns"] / (1e6 if million else 1.0), color=GREY, lw=0.8)
+    if found.life_end and found.life_end["joint"] == found.joints[row]:
+        ax.axvline(found.life_end["turns"] / (1e6 if million else 1.0), color=GREY, lw=0.8)
     ax.set_ylabel(f"play ({unit}),\ndeepest places" if quantity == "play" else f"largest force\n({unit})")
     ax.set_xlim(left=0.0)
     if quantity == "force":

@@ -47,15 +47,13 @@ def document(found: Any) -> Document:
 
 def _protocol(found: Any, turns: str) -> str:
     """How many turns were run and dropped with how many steps, and under which laws."""
-    return (
-        f"{turns}, {found.asked.dropped} of them dropped, {found.asked.steps:,} steps a turn; {found.laws}."
-    )
+    return f"{turns}, {found.spec.dropped} of them dropped, {found.spec.steps:,} steps a turn; {found.laws}."
 
 
 def diagram(found: Bifurcation) -> Document:
     """Numbers of values with each motion, and ranges of values."""
-    asked = found.asked
-    heads = asked.ways if asked.starts else ("values on the way up", "on the way down")
+    spec = found.spec
+    heads = spec.ways if spec.starts else ("values on the way up", "on the way down")
     counts = [Counter(kind for kind in kinds if kind) for kinds in found.kinds]
     rows = [
         (kind, *(one[kind] for one in counts))
@@ -64,10 +62,10 @@ def diagram(found: Bifurcation) -> Document:
     texts = [
         _chaos(found),
         *(
-            f"{DIRECTIONS.get(way, way)}: {spells_words(found.spells(k), asked.unit)}."
-            for k, way in enumerate(asked.ways)
+            f"{DIRECTIONS.get(way, way)}: {spells_words(found.spells(k), spec.unit)}."
+            for k, way in enumerate(spec.ways)
         ),
-        _protocol(found, f"{asked.turns} turns at each value"),
+        _protocol(found, f"{spec.turns} turns at each value"),
         (
             "A period is told within 0.1 % of the range, chaos where a small difference grows more than"
             " e-fold in each half of the turns."
@@ -75,7 +73,7 @@ def diagram(found: Bifurcation) -> Document:
         f"Companions: {found.step_report or 'none.'}",
     ]
     return Document(
-        [Table.numeric(("motion", *heads), rows), *paragraphs(texts)], f"{found.name}: {asked.path}"
+        [Table.numeric(("motion", *heads), rows), *paragraphs(texts)], f"{found.name}: {spec.path}"
     )
 
 
@@ -86,9 +84,9 @@ def _period(kind: str) -> tuple[float, str]:
 
 def _chaos(found: Bifurcation) -> str:
     """Between which values chaos was found in each direction; other motions may lie between them."""
-    texts, unit = [], found.asked.unit
-    for way, kinds in zip(found.asked.ways, found.kinds, strict=True):
-        values = [value for value, kind in zip(found.asked.values, kinds, strict=True) if kind == CHAOTIC]
+    texts, unit = [], found.spec.unit
+    for way, kinds in zip(found.spec.ways, found.kinds, strict=True):
+        values = [value for value, kind in zip(found.spec.values, kinds, strict=True) if kind == CHAOTIC]
         if values:
             ends = f"{quantity(min(values), unit)} and {quantity(max(values), unit)}"
             direction = DIRECTIONS[way].lower() if way in DIRECTIONS else f"from {way}"
@@ -111,7 +109,7 @@ def spells_words(spells: Sequence[Spell], unit: str) -> str:
 
 def basins(found: Basins) -> Document:
     """Number of starts that lead to each motion."""
-    asked, every = found.asked, max(len(found.verdicts), 1)
+    spec, every = found.spec, max(len(found.verdicts), 1)
     sizes = [(one.kind, len(one.members)) for one in found.attractors]
     if len(sizes) > MOST_ATTRACTORS:
         rest = sizes[MOST_ATTRACTORS:]
@@ -120,24 +118,24 @@ def basins(found: Basins) -> Document:
     none = found.done - len(found.verdicts)
     impossible = f" {none:,} of the grid are no start, a journal being outside its bearing." if none else ""
     same = (
-        f"of one period, for their points move with {' and '.join(asked.varied)}"
-        if asked.varied
+        f"of one period, for their points move with {' and '.join(spec.varied)}"
+        if spec.varied
         else "whose points are within 1 % of that of all"
     )
     texts = [
-        f"{_protocol(found, f'{asked.turns} turns of each start')}{impossible}",
+        f"{_protocol(found, f'{spec.turns} turns of each start')}{impossible}",
         f"A period is told within 0.1 % of the range; periodic motions are one {same}.",
         f"Companions: {found.step_report or 'none.'}",
     ]
     return Document(
         [Table.numeric(("motion", "starts", "share"), rows), *paragraphs(texts)],
-        f"{found.name}: {asked.paths[0]}, {asked.paths[1]}",
+        f"{found.name}: {spec.paths[0]}, {spec.paths[1]}",
     )
 
 
 def section(found: PoincareSection) -> Document:
     """The kind of a motion, its evidence, and the contacts that began."""
-    asked, verdict = found.asked, found.verdict
+    spec, verdict = found.spec, found.verdict
     texts = [f"{found.name}: {verdict.kind}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
     for name, impacts in found.struck.items():
         count = len(impacts["speed"])
@@ -152,7 +150,7 @@ def section(found: PoincareSection) -> Document:
         )
         texts.append(f"{name}: {counted(count, 'contact')} began{fastest}{closed}.")
     texts.append(
-        f"{found.done:,} turns after {asked.dropped:,} that were dropped, {asked.steps:,} steps a turn;"
+        f"{found.done:,} turns after {spec.dropped:,} that were dropped, {spec.steps:,} steps a turn;"
         f" {found.laws}. Without companions."
     )
     return Document(paragraphs(texts))
@@ -160,15 +158,15 @@ def section(found: PoincareSection) -> Document:
 
 def waterfall(found: Waterfall) -> Document:
     """The range of the sweep, and the transform of the series."""
-    asked = found.asked
-    low, high = asked.values[0], asked.values[-1]
+    spec = found.spec
+    low, high = spec.values[0], spec.values[-1]
     speeds = (
-        f" ({30.0 / math.pi * low:.4g} to {30.0 / math.pi * high:.4g} rpm)" if asked.unit == "rad/s" else ""
+        f" ({30.0 / math.pi * low:.4g} to {30.0 / math.pi * high:.4g} rpm)" if spec.unit == "rad/s" else ""
     )
     texts = [
         (
-            f"{found.name}: {', '.join(asked.series)} over {asked.path} from {low:.6g} to {high:.6g}"
-            f" {asked.unit}{speeds}"
+            f"{found.name}: {', '.join(spec.series)} over {spec.path} from {low:.6g} to {high:.6g}"
+            f" {spec.unit}{speeds}"
         ),
         f"{found.done:,} runs. {found.words}.",
         (
@@ -178,7 +176,7 @@ def waterfall(found: Waterfall) -> Document:
     ]
     if found.diverged:
         texts.append(
-            f"At {', '.join(f'{value:g}' for value in found.diverged)} {asked.unit} the motion diverged."
+            f"At {', '.join(f'{value:g}' for value in found.diverged)} {spec.unit} the motion diverged."
         )
     return Document(paragraphs(texts))
 

@@ -35,35 +35,35 @@ def document(found: Worn) -> Document:
 
 def _remarks(found: Worn) -> Iterator[str]:
     """Numbers of turns and steps, errors of the extrapolation, sources of coefficients, and life."""
-    asked, mechanism = found.asked, found.mechanism(0)
+    spec, mechanism = found.spec, found.mechanism(0)
     frictions = ", ".join(f"{name} {mechanism.contacts[name].friction.name}" for name in found.joints)
     yield (
-        f"{found.simulated:,.0f} turns were simulated, {asked.settle} of {asked.settle + asked.block} dropped"
-        f" each time, {asked.steps:,} steps a turn; friction: {frictions}.{_half_step(found)}"
+        f"{found.simulated:,.0f} turns were simulated, {spec.settle} of {spec.settle + spec.block} dropped"
+        f" each time, {spec.steps:,} steps a turn; friction: {frictions}.{_half_step(found)}"
     )
     block = "what a block of one turn leaves of a rate open is not known."
-    if asked.block > 1:
+    if spec.block > 1:
         block = f"the turns of a block leave {100.0 * found.spread.max():.2g} % of a rate open."
     errors = (
         f"the largest error {1e6 * found.errors.max():.2g} µm, all together {1e6 * found.errors.sum():.2g} µm"
     )
     yield f"{counted(len(found.turns) - 1, 'jump')}, {errors}; {block}"
     yield from _coefficients(mechanism, found)
-    if asked.harmonics == 0:
+    if spec.harmonics == 0:
         yield "Clearances do not follow what is worn, so depths go with the turns."
     if found.sharp.max() > 1.0:
         yield (
             "Profiles bend more sharply than the journal, which would rest on the edges of what it wore:"
             " depths are more than there would be."
         )
-    if 0 < asked.harmonics < MOST_HARMONICS:
+    if 0 < spec.harmonics < MOST_HARMONICS:
         yield from _smoothed(found)
-    if found.ended:
+    if found.life_end:
         yield (
-            f"Life: {found.ended['turns']:,.0f} turns, until joint {found.ended['joint']} reaches the limit"
-            f" of its {found.ended['by']}."
+            f"Life: {found.life_end['turns']:,.0f} turns, until joint {found.life_end['joint']} reaches the limit"
+            f" of its {found.life_end['by']}."
         )
-    elif asked.clearance is not None or asked.force is not None:
+    elif spec.clearance is not None or spec.force is not None:
         yield f"Life: more than {found.turns[-1]:,.0f} turns; no limit was reached{_outlook(found)}."
 
 
@@ -82,9 +82,9 @@ def _coefficients(mechanism: Mechanism, found: Worn) -> Iterator[str]:
 
 def _half_step(found: Worn) -> str:
     """The change of the last block with half the step."""
-    if not found.beside:
+    if not found.step_difference:
         return " No companion with half the step was run: the wear is not complete."
-    volume, place = (100.0 * share for share in found.beside)
+    volume, place = (100.0 * share for share in found.step_difference)
     return (
         f" With half the step the last block wears {volume:.2g} % of volume more or less, {place:.2g} % of"
         " the deepest place."
@@ -102,8 +102,8 @@ def _smoothed(found: Worn) -> Iterator[str]:
         if grown < CLEAR * lost:
             yield (
                 f"The play of {joint} grew by {1e6 * grown:.4g} µm where its deepest places lost"
-                f" {1e6 * lost:.4g} µm: {found.asked.harmonics} harmonics blur what is narrow; see how far"
-                f" more of them (--harmonics {min(2 * found.asked.harmonics, MOST_HARMONICS)}) change it."
+                f" {1e6 * lost:.4g} µm: {found.spec.harmonics} harmonics blur what is narrow; see how far"
+                f" more of them (--harmonics {min(2 * found.spec.harmonics, MOST_HARMONICS)}) change it."
             )
 
 
@@ -111,7 +111,7 @@ def _outlook(found: Worn) -> str:
     """When the first joint would reach its limit of clearance at the rate of the last jump; empty without a
     limit or growth.
     """
-    limit = found.asked.clearance
+    limit = found.spec.clearance
     if limit is None or len(found.turns) < 2:
         return ""
     rate = (found.play[-1] - found.play[-2]) / (found.turns[-1] - found.turns[-2])

@@ -150,15 +150,15 @@ def step_difference(
     repetition, state = WearRunner(fine, PLACES, interrupts), blocks.state
     repetition.restore(*restepped(state[:-1], int(state[-1]), fine))
     repetition.shape(*(state[rows] for rows in blocks.harmonics))
-    found, _ = rates(repetition.block(spec.settle, spec.block), surfaces, spec.block)
+    fine_rate, _ = rates(repetition.block(spec.settle, spec.block), surfaces, spec.block)
 
     def largest(change: Array) -> float:
         return float(np.abs(smooth(change, max(spec.harmonics, 1))).max())
 
     volume, deepest = float(rate.sum()), largest(rate)
     return (
-        abs(float(found.sum()) / volume - 1.0) if volume > 0.0 else 0.0,
-        largest(found - rate) / deepest if deepest > 0.0 else 0.0,
+        abs(float(fine_rate.sum()) / volume - 1.0) if volume > 0.0 else 0.0,
+        largest(fine_rate - rate) / deepest if deepest > 0.0 else 0.0,
     )
 
 
@@ -262,19 +262,22 @@ class WearSimulation:
         if self.spec.harmonics:
             self.blocks.shape(*harmonics_of(self.surfaces, depth, self.spec.harmonics, self.blocks.assembly))
         record = self.blocks.block(self.spec.settle, self.spec.block)
-        found, spread = rates(record, self.surfaces, self.spec.block)
+        rate, spread = rates(record, self.surfaces, self.spec.block)
         self.block_numbers = {"spread": spread, "force": largest_forces(record, self.surfaces)}
-        return found
+        return rate
 
-    def points(self, known: list[WearPoint], state: Array | None) -> Iterator[WearPoint]:
+    def points(self, former: list[WearPoint], state: Array | None) -> Iterator[WearPoint]:
         """Compute the points after those ``known``, up to the end of the turns or of a life."""
         spec, joints = self.spec, list(dict.fromkeys(surface.joint for surface in self.surfaces))
-        if known and state is not None:
+        if former and state is not None:
             self.blocks.restore(state[:-1], int(state[-1]))
-            numbers = known[-1].numbers
+            numbers = former[-1].numbers
             if numbers["ended"]:
                 return
-            here, last = Standing(numbers["turns"], known[-1].depth, known[-1].rate, numbers["next"]), numbers
+            here, last = (
+                Standing(numbers["turns"], former[-1].depth, former[-1].rate, numbers["next"]),
+                numbers,
+            )
         else:
             depth = np.zeros((len(self.surfaces), PLACES))
             rate = self.rate(depth)
@@ -314,13 +317,13 @@ class WearSimulation:
         return Forecast("block", count, steps, seconds, disk=16.0 * point.depth.size * blocks, less="ask for fewer turns or smaller blocks",
                         note=f", if wear goes on as in its first block{limited}")  # fmt: skip
 
-    def progress(self, turns: float, known: float, seconds: float) -> Progress:
+    def progress(self, turns: float, before: float, seconds: float) -> Progress:
         """Where the wear stands: ``turns`` of which ``known`` ones were in the file."""
-        spec, gone = self.spec, turns - known
+        spec, progress = self.spec, turns - before
         most = "" if spec.clearance is None and spec.force is None else "at most "
         left = (
-            f", {most}{span(seconds * (spec.turns - turns) / gone)} left"
-            if gone > 0.0 and turns < spec.turns
+            f", {most}{span(seconds * (spec.turns - turns) / progress)} left"
+            if progress > 0.0 and turns < spec.turns
             else ""
         )
         text = f"{turns:,.0f} of {spec.turns:,.0f} turns, {self.blocks.turns:,.0f} simulated{left}"
@@ -383,5 +386,5 @@ def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | Non
 def largest_forces(record: Record, surfaces: list[Surface]) -> list[float]:
     """Largest force (N) of each joint that wears, over a record."""
     window = np.arange(len(record.steps)) > 0
-    found = largest_loads(record, window)
-    return [found[f"{name}.force.max"] for name in dict.fromkeys(surface.joint for surface in surfaces)]
+    largest = largest_loads(record, window)
+    return [largest[f"{name}.force.max"] for name in dict.fromkeys(surface.joint for surface in surfaces)]

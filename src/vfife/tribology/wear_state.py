@@ -75,13 +75,14 @@ class Worn(NotebookDocument):
     deepest places together, and the largest ``force`` (N) of the block of turns that was simulated there,
     shape (points, joints). ``errors`` (m) are those of the jumps that led to the points, ``spread`` (1) what
     the mean rate of a block leaves open, as a share. ``sharp`` (1): above 1 a journal would rest on the edges
-    of what it wore. ``beside``: how far the last rates are apart with half the step, of all volume and of the
-    deepest place, as shares; empty where that is not known. ``ended``: turns, joint and limit (``by``) of a
+    of what it wore. ``step_difference``: how far the last rates are apart with half the step, of all volume and of the
+    deepest place, as shares; empty where that is not known. ``life_end``: turns, joint and limit (``by``) of a
     life that ended, or empty.
     """
 
+    former_names = {"asked": "spec", "ended": "life_end", "beside": "step_difference"}  # noqa: RUF012
     name: str
-    asked: WearSpec
+    spec: WearSpec
     surfaces: tuple[Surface, ...]
     joints: tuple[str, ...]
     turns: Array
@@ -93,8 +94,8 @@ class Worn(NotebookDocument):
     spread: Array
     sharp: Array
     simulated: float
-    ended: dict[str, Any]
-    beside: tuple[float, ...] = ()
+    life_end: dict[str, Any]
+    step_difference: tuple[float, ...] = ()
 
     @property
     def angles(self) -> Array:
@@ -104,7 +105,7 @@ class Worn(NotebookDocument):
     @property
     def complete(self) -> bool:
         """Whether all turns that were asked for are known, or a life has ended."""
-        return bool(self.ended) or bool(self.turns[-1] >= self.asked.turns)
+        return bool(self.life_end) or bool(self.turns[-1] >= self.spec.turns)
 
     def volume(self, joint: str, side: str) -> Array:
         """Volume (m^3) that a side of a joint has lost since the start, shape (points,)."""
@@ -131,21 +132,21 @@ class Worn(NotebookDocument):
 
     def mechanism(self, point: int = -1) -> Mechanism:
         """The mechanism as it is worn at a point, its profiles those that its geometry follows."""
-        mechanism, found = self._model()
-        depth = self.depth[point] - np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
-        worn = shaped(mechanism, found, max(self.asked.harmonics, 1))
+        mechanism, surfaces = self._model()
+        depth = self.depth[point] - np.stack([depth_at(one.profile, ANGLES)[0] for one in surfaces])
+        mechanism_with_wear = shaped(mechanism, surfaces, max(self.spec.harmonics, 1))
         for surface, (cosines, sines) in zip(
-            found, profiles(found, depth, max(self.asked.harmonics, 1)), strict=True
+            surfaces, profiles(surfaces, depth, max(self.spec.harmonics, 1)), strict=True
         ):
             numbers = (
                 cosines[0],
                 *(float(number) for pair in zip(cosines[1:], sines[1:], strict=True) for number in pair),
             )
-            replaced(worn, surface, tuple(map(float, numbers)))
-        return worn
+            replaced(mechanism_with_wear, surface, tuple(map(float, numbers)))
+        return mechanism_with_wear
 
     def _model(self) -> tuple[Mechanism, list[Surface]]:
-        mechanism = loads(self.asked.model)
+        mechanism = loads(self.spec.model)
         return mechanism, surfaces_of(mechanism)
 
     def plot(self) -> Figure:
@@ -168,7 +169,7 @@ class Worn(NotebookDocument):
 
 def surfaces_of(mechanism: Mechanism) -> list[Surface]:
     """Sides of journals in bearings that have a coefficient of wear."""
-    found = []
+    surface_list = []
     for name, joint in mechanism.contacts.items():
         if joint.wear is None or not joint.shapes_worn:
             continue
@@ -176,12 +177,12 @@ def surfaces_of(mechanism: Mechanism) -> list[Surface]:
         for side in SIDES:
             k = coefficient(getattr(joint.wear, side), getattr(pair, side))
             if k:
-                found.append(
+                surface_list.append(
                     Surface(
                         name, side, k, getattr(joint.wear, f"{side}_profile"), joint.touchings(0.0)[0].size
                     )
                 )
-    return found
+    return surface_list
 
 
 def replaced(mechanism: Mechanism, surface: Surface, profile: tuple[float, ...]) -> None:
@@ -192,10 +193,10 @@ def replaced(mechanism: Mechanism, surface: Surface, profile: tuple[float, ...])
         mechanism.joints[surface.joint] = dataclasses.replace(joint, wear=wear)
 
 
-def shaped(mechanism: Mechanism, found: Sequence[Surface], harmonics: int) -> Mechanism:
+def shaped(mechanism: Mechanism, surfaces: Sequence[Surface], harmonics: int) -> Mechanism:
     """The mechanism with room for so many harmonics in the profile of each surface that wears."""
     model = dataclasses.replace(mechanism, joints=dict(mechanism.joints))
-    for surface in found if harmonics else ():
+    for surface in surfaces if harmonics else ():
         room = 2 * harmonics - 1 - len(surface.profile)
         replaced(model, surface, (*surface.profile, *(0.0,) * room))
     return model
@@ -227,12 +228,12 @@ def smooth(depth: Array, harmonics: int) -> Array:
     return np.asarray(times(c, cosines) + times(s, sines), dtype=float)
 
 
-def profiles(found: Sequence[Surface], depth: Array, harmonics: int) -> list[tuple[Array, Array]]:
+def profiles(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[tuple[Array, Array]]:
     """Cosines and sines of each surface: its own from the start, and of the depth (m) that it lost since,
     shape (surfaces, places).
     """
     cosines, sines = transformed(depth, harmonics)
-    for own, (surface, c, s) in enumerate(zip(found, cosines, sines, strict=True)):
+    for own, (surface, c, s) in enumerate(zip(surfaces, cosines, sines, strict=True)):
         for k in range(min(harmonics, (len(surface.profile) + 1) // 2)):
             a, b = (surface.profile[0], 0.0) if k == 0 else surface.profile[2 * k - 1 : 2 * k + 1]
             c[k], s[k] = c[k] + a, s[k] + b
@@ -241,12 +242,12 @@ def profiles(found: Sequence[Surface], depth: Array, harmonics: int) -> list[tup
 
 
 def harmonics_of(
-    found: Sequence[Surface], depth: Array, harmonics: int, assembly: Assembly
+    surfaces: Sequence[Surface], depth: Array, harmonics: int, assembly: Assembly
 ) -> tuple[Array, Array]:
     """Cosines and sines of all profiles in the order in which an assembly has them."""
-    known = {
+    series = {
         (one.joint, one.side): pair
-        for one, pair in zip(found, profiles(found, depth, harmonics), strict=True)
+        for one, pair in zip(surfaces, profiles(surfaces, depth, harmonics), strict=True)
     }
     cosines, sines = (
         assembly.state[assembly.layout.rows_of(f"harmonic_{part}")].copy() for part in ("cosine", "sine")
@@ -254,19 +255,19 @@ def harmonics_of(
     at = 0
     for joint, counts in zip(assembly.contact_joints, assembly.topology.profiles, strict=True):
         for side, count in zip(SIDES, counts, strict=True):
-            if (joint, side) in known:
-                both = known[joint, side]
+            if (joint, side) in series:
+                both = series[joint, side]
                 cosines[at : at + len(both[0])], sines[at : at + len(both[1])] = both
             at += count
     return cosines, sines
 
 
-def rates(record: Record, found: Sequence[Surface], turns: int) -> tuple[Array, list[float]]:
+def rates(record: Record, surfaces: Sequence[Surface], turns: int) -> tuple[Array, list[float]]:
     """Depth (m) a turn at each place of each surface, and what the mean of the turns leaves open of the
     volume, as a share of it.
     """
-    depth, spread = np.zeros((len(found), PLACES)), []
-    for row, surface in enumerate(found):
+    depth, spread = np.zeros((len(surfaces), PLACES)), []
+    for row, surface in enumerate(surfaces):
         contact = record.assembly.contact_joints.index(surface.joint)
         part, side = rubbed(record, contact, surface.side), SIDES.index(surface.side)
         depth[row] = surface.k / areas(record, contact)[side] * around(part) / turns
@@ -276,40 +277,44 @@ def rates(record: Record, found: Sequence[Surface], turns: int) -> tuple[Array, 
     return depth, spread
 
 
-def clearances(found: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
+def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
     """Play (m) of each joint: its clearance and the deepest places of its surfaces, as the geometry has them."""
-    whole = smooth(depth, max(harmonics, 1)) + np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
-    play = {one.joint: one.clearance for one in found}
-    for one, around_it in zip(found, whole, strict=True):
+    depths = smooth(depth, max(harmonics, 1)) + np.stack(
+        [depth_at(one.profile, ANGLES)[0] for one in surfaces]
+    )
+    play = {one.joint: one.clearance for one in surfaces}
+    for one, around_it in zip(surfaces, depths, strict=True):
         play[one.joint] += float(around_it.max())
     return list(play.values())
 
 
-def sharpness(found: Sequence[Surface], depth: Array, harmonics: int) -> float:
+def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> float:
     """How sharply profiles bend where they are deep, -h'' over clearance and depth, both surfaces of a joint
     together at their worst; from 1 on the journal is wider than what it wore, and would rest on the edges.
     """
     bent: dict[str, float] = {}
-    for one, (cosines, sines) in zip(found, profiles(found, depth, max(harmonics, 1)), strict=True):
+    for one, (cosines, sines) in zip(surfaces, profiles(surfaces, depth, max(harmonics, 1)), strict=True):
         k = np.arange(len(cosines))
         s, c = sincos(np.outer(ANGLES, k))
         second = times(c, k * k * cosines) + times(s, k * k * sines)
         bent[one.joint] = bent.get(one.joint, 0.0) + float(second.max())
-    play = dict(zip(bent, clearances(found, depth, harmonics), strict=True))
+    play = dict(zip(bent, clearances(surfaces, depth, harmonics), strict=True))
     return max(bent[joint] / play[joint] for joint in bent)
 
 
-def worn_of(name: str, asked: WearSpec, points: Sequence[WearPoint], beside: Sequence[float] = ()) -> Worn:
+def worn_of(
+    name: str, spec: WearSpec, points: Sequence[WearPoint], step_difference: Sequence[float] = ()
+) -> Worn:
     """What the points tell."""
-    found = surfaces_of(loads(asked.model))
-    own = np.stack([depth_at(one.profile, ANGLES)[0] for one in found])
+    surfaces = surfaces_of(loads(spec.model))
+    own = np.stack([depth_at(one.profile, ANGLES)[0] for one in surfaces])
     numbers = [point.numbers for point in points]
     column = {
         key: np.array([one[key] for one in numbers])
         for key in ("turns", "play", "force", "error", "spread", "sharp")
     }
     return Worn(
-        name, asked, tuple(found), tuple(numbers[0]["joints"]), column["turns"], np.stack([own + point.depth for point in points]),
+        name, spec, tuple(surfaces), tuple(numbers[0]["joints"]), column["turns"], np.stack([own + point.depth for point in points]),
         np.stack([point.rate for point in points]), column["play"], column["force"], column["error"], column["spread"], column["sharp"],
-        numbers[-1]["simulated"], numbers[-1]["ended"], tuple(beside),
+        numbers[-1]["simulated"], numbers[-1]["ended"], tuple(step_difference),
     )  # fmt: skip

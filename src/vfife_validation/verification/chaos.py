@@ -111,7 +111,7 @@ def grazing_a_stop(nudge: Nudge) -> Rows:
     )
     deepest = found.points["stop.penetration_max"][0].max(axis=1)
     yield Row("exponent before it", "1/turn", -0.05 * turn, float(found.exponents[0, 0, 0]), 0.01)
-    met = [value for value, depth in zip(found.asked.values, deepest, strict=True) if depth > 0.0]
+    met = [value for value, depth in zip(found.spec.values, deepest, strict=True) if depth > 0.0]
     yield Row("force at which it is met", "N", force, met[0] if met else math.inf, 1.5e-4)
     for beyond in (1e-4, 1e-3, 1e-2):
         size = 1.0 + beyond

@@ -419,7 +419,7 @@ def counted(found: Any) -> tuple[int, int, str]:
     from ...dynamics.sections import PoincareSection
 
     if isinstance(found, PoincareSection):
-        return found.done, found.asked.turns - found.asked.dropped, "turns"
+        return found.done, found.spec.turns - found.spec.dropped, "turns"
     if isinstance(found, Basins):
-        return found.done, found.asked.count, "starts"
-    return found.done, len(found.asked.values), "values"
+        return found.done, found.spec.count, "starts"
+    return found.done, len(found.spec.values), "values"
