@@ -25,7 +25,7 @@ from vfife.compiler.runtime.native import stream_lanes
 from vfife.compiler.runtime.runner import Runner
 from vfife.solvers.record import recorded_rows
 from vfife.studies.engine.cases import Cases, run_members
-from vfife.studies.engine.lanes import Wanted
+from vfife.studies.spec.plan import CaseSpec
 
 MODEL = EXAMPLES / "four_bar_case_c.toml"
 WANTED = ("C.force.max", "C.force.lip", "follower.angular_acceleration.max", "C.impacts")
@@ -66,7 +66,7 @@ class Study:
         began = time.perf_counter()
         found = [
             one
-            for _, one in run_members(self.base, self.numbers, Wanted(WANTED, self.turns), workers=workers)
+            for _, one in run_members(self.base, self.numbers, CaseSpec(WANTED, self.turns), workers=workers)
         ]
         self.steps = sum(one.steps for one in found)
         if len(found) != len(self.numbers) or any(one.status != "complete" for one in found):
@@ -77,7 +77,7 @@ class Study:
         """Wall time (s) a step of the loop with one lane and nothing beside it, over the turns of the first
         member.
         """
-        assembly: Any = Cases(self.base, Wanted(WANTED, self.turns)).case(0, self.numbers[0]).assembly  # type: ignore[union-attr]
+        assembly: Any = Cases(self.base, CaseSpec(WANTED, self.turns)).case(0, self.numbers[0]).assembly  # type: ignore[union-attr]
         runner = Runner(
             assembly.topology,
             assembly.state[:, None],
@@ -94,7 +94,7 @@ class Study:
 
 def assembly_time(numbers: list[dict[str, float | str]]) -> float:
     """Time of the processor (s) a member of making what goes into a lane, when the first one is there."""
-    made = Cases(load_model(MODEL), Wanted(WANTED, 1)).each([numbers[0], *numbers])
+    made = Cases(load_model(MODEL), CaseSpec(WANTED, 1)).each([numbers[0], *numbers])
     next(made)
     began = time.process_time()
     deque(made, maxlen=0)

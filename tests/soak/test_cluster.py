@@ -20,7 +20,7 @@ from vfife import Study, load_model
 from vfife.studies.engine import run_missing
 from vfife.studies.engine.cases import run_members
 from vfife.studies.engine.cluster import DEATHS, BatchResult, BatchTask, ClusterRunner, cluster, run_batch
-from vfife.studies.engine.lanes import Wanted
+from vfife.studies.spec.plan import CaseSpec
 from vfife.studies.spec.study_file import StudyTables
 
 pytestmark = [
@@ -98,7 +98,7 @@ def deadly(killer: float, folder: str) -> Any:
 
 
 def test_a_case_that_kills_its_workers_is_marked_and_the_rest_finish(tmp_path: Path) -> None:
-    base, wanted = load_model(BASE), Wanted(("C.force.max",), 1)
+    base, wanted = load_model(BASE), CaseSpec(("C.force.max",), 1)
     numbers = [{"joint.C.clearance": 1e-4 + 1e-6 * k} for k in range(60)]
     own = dict(run_members(base, numbers, wanted))
     with cluster("local", 2) as runner:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from vfife.studies.engine.cases import Outcome
-from vfife.studies.engine.lanes import Wanted
+from vfife.studies.spec.plan import CaseSpec
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
 ASKED = f"""
@@ -42,7 +42,7 @@ class Closed:
         self,
         base: Any,
         numbers: Sequence[Mapping[str, Any]],
-        wanted: Wanted,
+        wanted: CaseSpec,
         *,
         workers: Any,
         lanes: Any,

@@ -16,8 +16,8 @@ from vfife.kinematics.solve import close_all
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
 from vfife.modelfile.parameter import Parameter
-from vfife.studies.engine.cases import CaseModel, Cases, run_members
-from vfife.studies.engine.lanes import Stepped, Wanted
+from vfife.studies.engine.cases import CaseModel, Cases, Stepped, run_members
+from vfife.studies.spec.plan import CaseSpec
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE_C = EXAMPLES / "four_bar_case_c.toml"
@@ -46,12 +46,12 @@ def spread(path: str, count: int = COUNT) -> list[dict[str, float | str]]:
 
 def made(base: Mechanism, numbers: list[dict[str, Any]], **wanted: Any) -> list[Any]:
     """What goes into lanes."""
-    return list(Cases(base, Wanted(("C.force.max",), wanted.pop("turns", 2), **wanted)).each(numbers))
+    return list(Cases(base, CaseSpec(("C.force.max",), wanted.pop("turns", 2), **wanted)).each(numbers))
 
 
 def alone(base: Mechanism, numbers: dict[str, Any]) -> CaseModel | None:
     """A case for which no other left anything, read from its text."""
-    cases = Cases(base, Wanted(("C.force.max",), 2))
+    cases = Cases(base, CaseSpec(("C.force.max",), 2))
     return Cases(loads(cases.text, set=list(numbers.items())), cases.wanted).make({})
 
 
@@ -137,7 +137,7 @@ def test_the_start_of_cases_is_that_of_the_law_of_cosines() -> None:
 )
 def test_members_are_their_own_runs(path: str) -> None:
     numbers = spread(path, 4)
-    asked = Wanted(
+    asked = CaseSpec(
         ("C.force.max", "C.force.lip", "crank.torque.max", "C.friction_energy.total"), 1, step=4e-6
     )
     found = dict(run_members(load_model(CASE_C), numbers, asked))

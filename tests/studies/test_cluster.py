@@ -18,12 +18,12 @@ from vfife.errors import VfifeError
 from vfife.studies.engine import cluster as room
 from vfife.studies.engine.cases import run_members
 from vfife.studies.engine.cluster import BatchResult, BatchTask, ClusterRunner, cluster
-from vfife.studies.engine.lanes import Wanted
+from vfife.studies.spec.plan import CaseSpec
 
 pytest.importorskip("distributed")
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
-WANTED = Wanted(("C.force.max", "C.impacts"), 1, step=2e-5)
+WANTED = CaseSpec(("C.force.max", "C.impacts"), 1, step=2e-5)
 PATH = "joint.C.clearance"
 NUMBERS = [{PATH: 1e-4 + 1e-5 * k} for k in range(12)]
 

@@ -19,7 +19,7 @@ from vfife.assembly.assemble import assemble
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.studies.engine import cases as engine
 from vfife.studies.engine.cases import Cases, Outcome, run_members
-from vfife.studies.engine.lanes import Wanted
+from vfife.studies.spec.plan import CaseSpec
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
 NUMBERS: list[dict[str, float | str]] = [
@@ -58,10 +58,10 @@ def bits(found: dict[int, Outcome]) -> dict[int, Any]:
 
 
 def members(
-    numbers: list[dict[str, Any]] = NUMBERS, wanted: Wanted | None = None, **options: Any
+    numbers: list[dict[str, Any]] = NUMBERS, wanted: CaseSpec | None = None, **options: Any
 ) -> dict[int, Outcome]:
     """All outcomes, by number."""
-    return dict(run_members(load_model(BASE), numbers, wanted or Wanted(SOME, **SHORT), **options))
+    return dict(run_members(load_model(BASE), numbers, wanted or CaseSpec(SOME, **SHORT), **options))
 
 
 @pytest.fixture
@@ -114,7 +114,7 @@ def test_order_does_not_matter(reference: dict[int, Any]) -> None:
 @pytest.mark.usefixtures("in_lanes")
 def test_all_measures_over_two_turns_are_means_of_those_of_each() -> None:
     """Every measure there is, from all outputs of the last turns."""
-    found = members(NUMBERS[:1], Wanted((), 3, step=8e-6, last=2))[0].values
+    found = members(NUMBERS[:1], CaseSpec((), 3, step=8e-6, last=2))[0].values
     every = [dict(own(NUMBERS[0], turns, step=8e-6).measures) for turns in (2, 3)]
     assert found.keys() == every[1].keys()
     for name, value in found.items():
@@ -130,7 +130,7 @@ def test_all_measures_over_two_turns_are_means_of_those_of_each() -> None:
 @pytest.mark.usefixtures("in_lanes")
 def test_a_member_ends_where_its_own_run_does_because_turns_repeat() -> None:
     numbers = [{"joint.C.clearance": 5e-5, "joint.C.contact.restitution": 0.1}, {"joint.C.clearance": 4e-4}]
-    found = members(numbers, Wanted(SOME[:1], 6, settle=0.02, step=1e-5))
+    found = members(numbers, CaseSpec(SOME[:1], 6, settle=0.02, step=1e-5))
     for k, one in enumerate(numbers):
         record = own(one, 6, step=1e-5, settle=0.02).record
         assert found[k].steps == record.steps[-1]
@@ -141,7 +141,7 @@ def test_a_member_ends_where_its_own_run_does_because_turns_repeat() -> None:
 @pytest.mark.usefixtures("in_lanes")
 def test_the_automatic_step_is_that_of_the_own_run_halved_where_first_contacts_land_too_deep() -> None:
     numbers = [{"joint.C.landing_depth": 1e-8}, {"joint.C.contact.stiffness": 2e10}]
-    found = members(numbers, Wanted(SOME[:1], 1))
+    found = members(numbers, CaseSpec(SOME[:1], 1))
     tried = []
     for k, one in enumerate(numbers):
         choice = own(one, 1).record.assembly.choice
@@ -161,7 +161,7 @@ def test_numbers_of_play_reach_what_assembly_says(key: str) -> None:
     """Made from an assembly of other numbers, and assembled anew: every bit of state and tables, the step,
     the topology.
     """
-    cases, numbers = Cases(load_model(BASE), Wanted((), 2)), {f"joint.C.{key}": PLAY[key]}
+    cases, numbers = Cases(load_model(BASE), CaseSpec((), 2)), {f"joint.C.{key}": PLAY[key]}
     made, again = cases.model({}), cases.make(numbers)
     assert made is not None and again is not None
     sooner = cases.reassembled(made, numbers)
@@ -194,7 +194,7 @@ def test_member_that_fails_says_why_and_stops_no_other(
 def test_member_that_diverges_is_told_as_its_own_run() -> None:
     """A journal that goes through its soft bearing; a step that is too large for one member is told before."""
     soft = {"joint.C.contact.stiffness": 1e5}
-    found = members([soft, {}, {"joint.C.contact.stiffness": 1e16}], Wanted(SOME[:1], 1, step=5e-6))
+    found = members([soft, {}, {"joint.C.contact.stiffness": 1e16}], CaseSpec(SOME[:1], 1, step=5e-6))
     record = own(soft, 1, step=5e-6).record
     assert found[0].status == str(record.status) == "diverged"
     assert found[0].steps == record.steps[-1]
@@ -209,7 +209,7 @@ def test_stopped_members_are_left_out() -> None:
     stop = threading.Event()
     found = []
     for k, _ in run_members(
-        load_model(BASE), NUMBERS * 20, Wanted(SOME[:1], 1, step=8e-6), workers=1, lanes=2, stop=stop
+        load_model(BASE), NUMBERS * 20, CaseSpec(SOME[:1], 1, step=8e-6), workers=1, lanes=2, stop=stop
     ):
         found.append(k)
         stop.set()

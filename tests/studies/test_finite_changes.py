@@ -18,7 +18,7 @@ from vfife.solvers.ensemble import measures_of, step_sizes
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.transient import run
 from vfife.studies.methods.finite_difference import (
-    LEAST_KNOWN,
+    LEAST_AGREEMENT,
     WIDTHS,
     FiniteChanges,
     agreement,
@@ -83,7 +83,7 @@ def test_a_derivative_that_changes_agree_with_holds_and_its_range_covers_both():
     found = judged([2.0, 2.02, 2.01], changed([1.0] * 3, [1.0205] * 3, [0.9795] * 3, close=2.0))
     assert found.kinds["f"] == "derivative"
     low, high = found.ranges["f"]
-    reach = LEAST_KNOWN * 1.0  # of the largest effect
+    reach = LEAST_AGREEMENT * 1.0  # of the largest effect
     assert low == pytest.approx(1.98 - reach, rel=1e-9) and high == pytest.approx(
         2.05 + reach, rel=1e-9
     )  # three times the spread; the change is 2.05

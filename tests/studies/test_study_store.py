@@ -24,7 +24,7 @@ from vfife.studies import forecast
 from vfife.studies.engine import run_missing
 from vfife.studies.engine.cases import Outcome, run_members
 from vfife.studies.engine.cluster import Resources
-from vfife.studies.engine.lanes import Wanted
+from vfife.studies.spec.plan import CaseSpec
 from vfife.studies.spec.study_file import StudyTables
 from vfife.studies.study import StudyWork
 
@@ -165,7 +165,9 @@ def test_real_members_after_a_kill_are_those_of_a_study_nobody_stopped(
     assert told(whole) == told(again)
     assert len(whole.done) == 4
     numbers = [dict(one.numbers) for one in whole.members]
-    own = dict(run_members(plan.base, numbers, Wanted(("C.force.max", "C.impacts"), 1, step=1e-5), workers=1))
+    own = dict(
+        run_members(plan.base, numbers, CaseSpec(("C.force.max", "C.impacts"), 1, step=1e-5), workers=1)
+    )
     assert [own[k].values["C.force.max"] for k in range(4)] == whole.values("C.force.max").tolist()
 
 

@@ -27,7 +27,7 @@ from ..results.view import View, standing
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..studies.engine.cases import CaseModel, Cases, NoLane, Numbers
-from ..studies.engine.lanes import Wanted
+from ..studies.spec.plan import CaseSpec
 from .timing import Timing
 
 Array = NDArray[np.float64]
@@ -118,7 +118,7 @@ class FitCases(Cases):
     """Assembles cases of a fit for as long as the curves need."""
 
     def __init__(self, base: Mechanism, timing: Timing) -> None:
-        super().__init__(base, Wanted(("*",), 1))
+        super().__init__(base, CaseSpec(("*",), 1))
         self.timing = timing
 
     def make_all(self, numbers: Sequence[Numbers]) -> list[CaseModel | VfifeError | None]:

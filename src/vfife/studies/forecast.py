@@ -33,7 +33,7 @@ from .methods.allocation import FIRST, WIDTH, Allotment
 from .methods.local_search import derivatives_impossible
 from .methods.optimise import Search
 from .spec.plan import Numbers, Plan, StudySpec, case_numbers
-from .spec.study_file import case_spec, remark_on_last
+from .spec.study_file import remark_on_last
 
 SOME = 8  # cases by which the others are judged; every third of them is assembled
 PILOT_TURNS = 6  # turns of each in all, where they are run
@@ -101,7 +101,7 @@ class CasesLeft:
             return dataclasses.replace(one, stepping=stepping)
 
         def once(turns: int) -> None:
-            brief = dataclasses.replace(case_spec(self.plan.spec), turns=turns, last=1, settle=None)
+            brief = dataclasses.replace(self.plan.spec.of_case(), turns=turns, last=1, settle=None)
             for _ in run_members(self.plan.base, some, brief):
                 pass
 

@@ -38,7 +38,8 @@ from ...solvers.record import Record
 from ...solvers.repeating import Settling, outputs_of_a_turn
 from ...solvers.status import Status
 from ...solvers.streaming import Lane, stepped
-from .lanes import Plan, Stepped, Wanted, streams
+from ..spec.plan import CaseSpec
+from .lanes import Plan, Stepped, streams
 
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
@@ -87,7 +88,7 @@ class NoLane:
 class Cases:
     """Assembles cases of a mechanism, some at once; each is what it is alone, to the bit."""
 
-    def __init__(self, base: Mechanism, wanted: Wanted) -> None:
+    def __init__(self, base: Mechanism, wanted: CaseSpec) -> None:
         settings = dataclasses.replace(base.settings, settle=wanted.settle, companions=0)
         self.base, self.wanted = dataclasses.replace(base, settings=settings), wanted
         self.text = dump(self.base)
@@ -341,7 +342,7 @@ def sentence(error: VfifeError) -> str:
 
 FAILED = "failed"
 
-__all__ = ["Outcome", "Wanted", "run_members"]
+__all__ = ["Outcome", "run_members"]
 
 
 @dataclass(frozen=True)
@@ -365,7 +366,7 @@ class Outcome:
 def run_members(
     base: Mechanism,
     numbers: Sequence[Numbers],
-    wanted: Wanted,
+    wanted: CaseSpec,
     *,
     workers: int | None = None,
     lanes: int | None = None,

@@ -31,8 +31,8 @@ from ...laws.user import load_laws
 from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
 from ...modelfile import dump, loads
+from ..spec.plan import CaseSpec
 from .cases import Outcome, on_device, run_members
-from .lanes import Wanted
 
 Numbers = Mapping[str, float | str]
 Runner = Callable[..., Iterator[tuple[int, Outcome]]]
@@ -41,7 +41,7 @@ LOADED: dict[str, str] = {}  # texts of user laws that this process has loaded, 
 
 @dataclass(frozen=True)
 class BatchTask:
-    """What all batches of a study share, as texts and numbers: the model, the fields of ``Wanted``, files and
+    """What all batches of a study share, as texts and numbers: the model, the fields of ``CaseSpec``, files and
     texts of user laws, the step.
     """
 
@@ -51,7 +51,7 @@ class BatchTask:
     step: str
 
     @classmethod
-    def of(cls, base: Mechanism, wanted: Wanted) -> BatchTask:
+    def of(cls, base: Mechanism, wanted: CaseSpec) -> BatchTask:
         """Return the task of a study."""
         laws = stored_laws(
             [
@@ -90,7 +90,7 @@ def run_batch(task: BatchTask, numbers: Sequence[Numbers], lanes: int | None = N
         raise VfifeError(f"{what}; install the same vfife on all workers")
     for file, text in task.laws:
         load(file, text)
-    outcomes = dict(run_members(loads(task.model), numbers, Wanted.of(task.wanted), workers=1, lanes=lanes))
+    outcomes = dict(run_members(loads(task.model), numbers, CaseSpec.of(task.wanted), workers=1, lanes=lanes))
     return BatchResult(
         [dataclasses.asdict(outcomes[k]) for k in range(len(numbers))], time.monotonic() - start
     )
@@ -235,7 +235,7 @@ class ClusterRunner:
         self,
         base: Mechanism,
         numbers: Sequence[Numbers],
-        wanted: Wanted,
+        wanted: CaseSpec,
         *,
         workers: int | None = None,
         lanes: int | None = None,

@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +20,7 @@ from ...solvers.record import Columns, Record, places, recorded_rows
 from ...solvers.repeating import Settling, outputs_of_a_turn
 from ...solvers.streaming import Lane
 from ...solvers.transient import choose_loop
+from ..spec.plan import CaseSpec
 
 Array = NDArray[np.float64]
 
@@ -32,27 +31,6 @@ AT_ONCE = 16  # turns between two looks, where nothing is asked for at their end
 DOUBTFUL = (
     0.1  # of the energy limit: a ledger that is as open at the ends of turns is looked at output by output
 )
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """What is asked of every member: ``measures`` by the names that ``vfife run --json`` gives them, all
-    where there are none.
-
-    It is stepped for so many ``turns`` at the most, and ends before where turns repeat within ``settle`` (1).
-    Measures of a turn are means over the ``last`` turns. ``step`` (s): None takes the automatic step of each.
-    """
-
-    measures: tuple[str, ...]
-    turns: int
-    settle: float | None = None
-    last: int = 1
-    step: float | None = None
-
-    @classmethod
-    def of(cls, written: Mapping[str, Any]) -> Wanted:
-        """Return what was written as a mapping of its fields."""
-        return cls(**{**written, "measures": tuple(written["measures"])})
 
 
 def streams(assembly: Assembly, loop: Loop = "auto") -> bool:
@@ -75,7 +53,7 @@ class Plan:
     handed out as one output.
     """
 
-    def __init__(self, assembly: Assembly, wanted: Wanted, measures: WantedMeasures) -> None:
+    def __init__(self, assembly: Assembly, wanted: CaseSpec, measures: WantedMeasures) -> None:
         self.wanted, self.measures = wanted, measures
         self.recorded = recorded_rows(assembly)
         self.fine = wanted.settle is not None or not measures.by_turn

@@ -31,11 +31,10 @@ from ...store.member_errors import sample_of
 from ...store.provenance import own_laws, versions
 from ...store.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
-from ..spec.plan import Plan, StudyParameter
-from ..spec.study_file import StudyReading, StudyTables, case_spec, units_of
+from ..spec.plan import CaseSpec, Plan, StudyParameter
+from ..spec.study_file import StudyReading, StudyTables, units_of
 from .cases import Outcome, run_members
 from .cluster import THREADS, Resources, Runner
-from .lanes import Wanted
 
 Numbers = Mapping[str, float | str]
 Progress = Callable[[int, int, Outcome], None]
@@ -56,7 +55,7 @@ def description_of(plan: Plan) -> dict[str, Any]:
         "source": base.source,
         "text": dump(base),
         "raw": plan.raw,
-        "wanted": {**dataclasses.asdict(case_spec(spec)), "measures": list(spec.measures)},
+        "wanted": {**dataclasses.asdict(spec.of_case()), "measures": list(spec.measures)},
         "measures": units_of(plan),
         "parameters": [
             {**{key: getattr(one, key) for key in keys}, "paths": list(one.paths)} for one in plan.parameters
@@ -107,9 +106,9 @@ class Engine:
     lasting: bool = True
 
     @property
-    def wanted(self) -> Wanted:
+    def wanted(self) -> CaseSpec:
         """What is computed of each case."""
-        return Wanted.of(self.file.meta[WHAT]["wanted"])
+        return CaseSpec.of(self.file.meta[WHAT]["wanted"])
 
     def run(self, retry: bool = False) -> bool:
         """Compute the cases without an outcome, with ``retry`` also those that failed; return whether all
@@ -192,7 +191,7 @@ class Engine:
         return True
 
     def _outcomes(
-        self, cases: Sequence[StudyCase], wanted: Wanted, further: Sequence[Numbers] = ()
+        self, cases: Sequence[StudyCase], wanted: CaseSpec, further: Sequence[Numbers] = ()
     ) -> Generator[tuple[StudyCase, Outcome]]:
         """Run cases, each with its ``further`` numbers, if any; once closed, begin no more of them."""
         if not cases:
@@ -243,7 +242,7 @@ def sorted_by_model(cases: list[StudyCase]) -> list[StudyCase]:
     return sorted(cases, key=model)
 
 
-def with_reason(outcome: Outcome, wanted: Wanted) -> Outcome:
+def with_reason(outcome: Outcome, wanted: CaseSpec) -> Outcome:
     """Return the outcome, with a reason where a measure is missing."""
     missing = [name for name in wanted.measures if name not in outcome.values]
     if not missing or outcome.reason is not None:

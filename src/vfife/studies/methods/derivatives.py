@@ -35,11 +35,10 @@ from ...solvers.companions import SENSITIVE
 from ...solvers.ensemble import step_sizes
 from ...solvers.record import Record
 from ...solvers.status import Progress, Status
-from ...solvers.tangents import Neighbours, Pairs, comparable, displaced, tangents
+from ...solvers.tangents import Pairs, comparable, displaced, tangents
 from ...solvers.transient import choose_loop, run
-from ..spec.study_file import known_measures
+from ..spec.study_file import measure_names
 from .finite_difference import (
-    WIDE,
     Direction,
     LastTurn,
     Variants,
@@ -58,10 +57,8 @@ PURE = "1", "%"
 MOST_RUNS = 8  # that go side by side in the widest vector
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
 SIZES = 2.8  # runs at the step and at 1.4, 1.7 and 2 times the step, in steps of the first
-VARIANTS, CHANGES = (
-    6,
-    4.0,
-)  # of a model by each number: two for its derivative and four finite changes, each at all step sizes
+# Variants of a model by each number: two for its derivative and four finite changes, each at all step sizes.
+VARIANTS, CHANGES = 6, 4.0
 DISPLACED = 2  # runs with contact whose derivatives are compared, the run itself among them
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
 
@@ -80,23 +77,21 @@ def sensitivity(
     progress: Callable[[Progress], None] | None = None,
     confirm: bool = False,
 ) -> Sensitivity:
-    """How measures ``of`` a run depend on numbers of its model, ``to``: patterns of names and of paths,
-    ``"*.force.max"``, ``"joint.C.*"``; of None: of the largest forces, torques and angular accelerations that
-    there are.
+    """Differentiate measures ``of`` a run by numbers of its model, ``to``: patterns of names and of paths, as
+    ``"*.force.max"`` and ``"joint.C.*"``; of None: of the largest forces, torques and angular accelerations.
 
-    The run is that of :func:`~vfife.simulate` with these arguments; derivatives are of its measures over the
-    last turn, at the steps that it took. Where an onset or a reversal of friction falls in its step is
-    decided by the steps, and leaves each derivative an error of first order in them: with contact it is the
-    mean over ``runs`` with displaced steps, two if nothing is said, with their range; without ``companions``,
-    of the run alone. A number that the model has as zero is left out, and so are those that nothing depends
-    on. Derivatives of a measure that the run's companions do not agree on mean nothing, and are marked. Those
-    relative to the ideal mechanism take its own derivatives with them. ``confirm``: go on even where it takes
-    more than an hour. Raises ModelError for patterns that fit nothing, VfifeError for a run that diverges,
-    KeyboardInterrupt, and what simulate raises.
+    The run is that of :func:`~vfife.simulate` with these arguments; its measures are of the last turn. The
+    place of an onset or of a reversal of friction within its step leaves each derivative an error of first
+    order in the step: with contact the derivative is the mean over ``runs`` with displaced steps, two by
+    default, with their range; without ``companions``, of the run alone. Numbers that are zero in the model,
+    and those that nothing depends on, are left out. Derivatives of a measure on which the companions of the
+    run disagree mean nothing, and are marked. Measures relative to the ideal mechanism take its derivatives
+    into account. ``confirm``: go on even where it takes more than an hour. Raises ModelError for patterns
+    that fit nothing, VfifeError for a run that diverges, KeyboardInterrupt, and what simulate raises.
     """
-    given = Arguments("sensitivity")
-    given.mechanism(mechanism)
-    asked_run = given.run(
+    arguments = Arguments("sensitivity")
+    arguments.mechanism(mechanism)
+    run_arguments = arguments.run(
         turns=turns,
         duration=duration,
         step=step,
@@ -105,96 +100,84 @@ def sensitivity(
         force_step=force_step,
         companions=companions,
     )
-    if given.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
-        given.fault(
-            "runs", "more than go side by side", runs, f"a whole number from 1 to {MOST_RUNS}", "give fewer"
-        )
-    given.check()
+    if arguments.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
+        limit = f"a whole number from 1 to {MOST_RUNS}"
+        arguments.fault("runs", "more than go side by side", runs, limit, "give fewer")
+    arguments.check()
     refuse_unfit(mechanism, of or ())
-    text = dump(mechanism)
     chosen = matching("to", to, numbers(mechanism))
     with job_of("sensitivity", None, confirm, progress) as job:
-        prepared = prepare(mechanism, asked_run)
+        prepared = prepare(mechanism, run_arguments)
         job.begin(forecast(prepared, mechanism, sum(value != 0.0 for value in chosen.values()), runs))
         result = carry_out(prepared, progress=job)
     refuse_unended(result.record)
+    return differentiate(dump(mechanism), result, of, chosen, runs)
+
+
+def differentiate(
+    text: str, result: Result, of: Sequence[str] | None, chosen: Mapping[str, float], runs: int | None
+) -> Sensitivity:
+    """Differentiate the measures of a run that fit the patterns ``of`` by the numbers ``chosen`` of its
+    model.
+    """
     record = result.record
     reference = None if result.reference is None else result.reference.measures
     window = last_turn(record)
     by_measure = {one: over_turn(record, window, (one,)) for one in OVER_TURN}
-    values = {name: value for found in by_measure.values() for name, value in found.items()}
+    values = {name: value for part in by_measure.values() for name, value in part.items()}
     values |= compared(record, values, reference)
     values = silent_moments(record.assembly, values) | values
-    names = matching(
-        "of", [one for one in LARGEST if fits(one, values)] or ["*"] if of is None else of, values
-    )
+    patterns = [one for one in LARGEST if fits(one, values)] or ["*"] if of is None else of
+    names = matching("of", patterns, values)
     relative = any(name.endswith(INFLUENCE) for name in names)
-    measures = (
-        tuple(
-            one for one in OVER_TURN if names.keys() & by_measure[one].keys() or (relative and one in PEAKS)
-        )
-        or PEAKS
+    needed = (
+        one for one in OVER_TURN if names.keys() & by_measure[one].keys() or (relative and one in PEAKS)
     )
+    measures = tuple(needed) or PEAKS
     variants = Variants(text, record.assembly)
     directions, refused = variants.directions(chosen)
-    count = (
-        runs
-        if runs is not None and record.assembly.contacts
-        else 1
-        if record.companions is None
-        else DISPLACED
-    )
-    derivatives = Differentiation(
-        variants, result, tuple(names), LastTurn(measures), count, relative
-    ).derivatives(directions)
+    count = 1 if record.companions is None else DISPLACED
+    if runs is not None and record.assembly.contacts:
+        count = runs
+    task = Differentiation(variants, result, tuple(names), LastTurn(measures), count, relative)
+    derivatives = task.derivatives(directions)
     sizes = {name: max((size_of_change(one, name) for one in derivatives), default=0.0) for name in names}
     remainders = rounding(values, sizes, floors(record.assembly, values)) & names.keys()
-    kept = {name: value for name, value in names.items() if name not in remainders}
-    found = Sensitivity(
-        mechanism.name, kept, derivatives, refused, doubtful(result, kept, measures), remainders
-    )
-    found.derivatives = [
+    significant = {name: value for name, value in names.items() if name not in remainders}
+    unsure = doubtful(result, significant, measures)
+    mechanism = record.assembly.mechanism
+    answer = Sensitivity(mechanism.name, significant, derivatives, refused, unsure, remainders)
+    answer.derivatives = [
         one
         for one in derivatives
-        if any(matters(found, name, one.path) for name in kept if name in one.values)
+        if any(matters(answer, name, one.path) for name in one.values if name in significant)
     ]
-    return found
+    return answer
 
 
 def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | None) -> Forecast:
-    """The forecast of a run and of its derivatives by a ``count`` of numbers: steps with derivatives at all
-    step sizes, and finite changes.
+    """Forecast a run and its derivatives by a ``count`` of numbers: tangents and finite changes at all step
+    sizes.
     """
     assembly, lanes = prepared.assembly, CONTACT_LANES
     alone = run_cost(assembly, companions=prepared.companions, measured=True)
     variant = timed(lambda: assemble(assembly.mechanism, assembly.choice.step, force_step=True))
     displaced = runs or DISPLACED if assembly.contacts else 1
     each = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
-    beside = each * count * LANES[lanes] / (lanes * cores())
-    seconds = alone.seconds * (1.0 + beside) + VARIANTS * count * variant
-    what = (
-        f"a run of {assembly.choice.steps:,} steps and {counted(count, 'number')} by which it has derivatives"
-    )
-    work = f"{what}, each checked by finite changes"
+    further = each * count * LANES[lanes] / (lanes * cores())
+    seconds = alone.seconds * (1.0 + further) + VARIANTS * count * variant
+    steps, by = f"{assembly.choice.steps:,} steps", counted(count, "number")
+    work = f"a run of {steps} and {by} by which it has derivatives, each checked by finite changes"
     note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
     less = "ask for fewer numbers (to) or turns"
     return Forecast(
-        "run",
-        1,
-        alone.seconds,
-        seconds,
-        alone.memory,
-        threads=cores(),
-        lanes=lanes,
-        work=work,
-        less=less,
-        note=note,
-    )
+        "run", 1, alone.seconds, seconds, alone.memory, threads=cores(), lanes=lanes, work=work, less=less, note=note
+    )  # fmt: skip
 
 
 def size_of_change(one: Derivative, name: str) -> float:
-    """By how much of a measure (SI) all of a number would change it: the finite change where there is one, as
-    a derivative may be meaningless.
+    """Return the change of a measure (SI) by 100 % of a number: by the finite change where there is one, as a
+    derivative may be meaningless.
     """
     return abs(one.value * one.changes.get(name, one.values.get(name, 0.0)))
 
@@ -223,6 +206,11 @@ class Differentiation:
     relative: bool
 
     @property
+    def reference(self) -> Reference:
+        """Measures of the ideal mechanism, where it was run."""
+        return None if self.result.reference is None else self.result.reference.measures
+
+    @property
     def ideal(self) -> Variants | None:
         """The ideal mechanism, where the measures need it."""
         if not self.relative or self.result.reference is None:
@@ -233,68 +221,41 @@ class Differentiation:
         """Return the derivatives by each number: by the tangents of displaced runs and of other step sizes,
         judged by finite changes at all of these sizes.
         """
-        base, reference = (
+        base, chosen, reference = (
             self.variants.assembly,
-            None if self.result.reference is None else self.result.reference.measures,
+            {one.path: one.value for one in directions},
+            self.reference,
         )
-        references = self.neighbour_references(directions)
-        sizes = step_sizes(base)
-        found: dict[str, Derivative] = {}
-        slopes: dict[str, dict[str, list[float]]] = {}
+        references, sizes = self.neighbour_references(directions), step_sizes(base)
+        derivatives: dict[str, Derivative] = {}
+        slopes: dict[str, dict[str, list[float]]] = {}  # by path and measure, of all displaced runs and sizes
         for k, size in enumerate(sizes):
-            near = [
-                one._replace(near=Neighbours(size.of(one.near.up), size.of(one.near.down), one.near.apart))
-                for one in directions
-            ]
-            for direction, pairs in record_pairs(
-                size.of(base), near if k else directions, self.measures, 1 if k else self.count
-            ):
-                quotients = self.quotients(
-                    direction, pairs, references.get(direction.path, (reference, reference))
-                )
-                if direction.path not in found:
+            near = [one.with_size(size) for one in directions] if k else directions
+            for one, pairs in record_pairs(size.of(base), near, self.measures, 1 if k else self.count):
+                quotients = self.quotients(one, pairs, references.get(one.path, (reference, reference)))
+                if one.path not in derivatives:
                     means = {name: fmean(values) for name, values in quotients.items()}
                     ranges = {name: (min(values), max(values)) for name, values in quotients.items()}
-                    found[direction.path] = Derivative(
-                        direction.path, direction.value, means, ranges, runs=len(pairs)
-                    )
+                    derivatives[one.path] = Derivative(one.path, one.value, means, ranges, runs=len(pairs))
                 for name, values in quotients.items():
-                    slopes.setdefault(direction.path, {}).setdefault(name, []).extend(values)
-        chosen = {one.path: one.value for one in directions}
-        ideal = self.ideal
-        ideals = {} if ideal is None else ideal_references(ideal, chosen, LastTurn(PEAKS))
+                    slopes.setdefault(one.path, {}).setdefault(name, []).extend(values)
+        ideals = {} if self.ideal is None else ideal_references(self.ideal, chosen, LastTurn(PEAKS))
         changes = finite_changes(self.variants, chosen, sizes, self.measures, reference, ideals)
-        largest = {
-            name: max(
-                (
-                    abs(central[0] * value)
-                    for path, value in chosen.items()
-                    if (central := changes.central(name, path, value, WIDE))
-                ),
-                default=0.0,
-            )
-            for name in self.names
-        }
+        largest = {name: changes.largest(name, chosen) for name in self.names}
         return [
-            compared_with_changes(found[one.path], slopes[one.path], changes, largest)
-            for one in directions
-            if one.path in slopes
+            compared_with_changes(derivatives[path], slopes[path], changes, largest)
+            for path in chosen
+            if path in slopes
         ]
 
     def neighbour_references(self, directions: Sequence[Direction]) -> dict[str, tuple[Reference, Reference]]:
         """Return the largest values of the ideal mechanism to both sides of each number that it has."""
         if (ideal := self.ideal) is None:
             return {}
-        own = [
-            Direction(one.path, one.value, ideal.neighbours(one.path, one.value))
-            for one in directions
-            if ideal.has(one.path, one.value)
-        ]
-        peaks = LastTurn(PEAKS)
-        return {
-            one.path: (peaks(pairs[0][0]), peaks(pairs[0][1]))
-            for one, pairs in record_pairs(ideal.assembly, own, peaks, 1)
-        }
+        peaks, has = LastTurn(PEAKS), [one for one in directions if ideal.has(one.path, one.value)]
+        near = [one._replace(near=ideal.neighbours(one.path, one.value)) for one in has]
+        pairs = record_pairs(ideal.assembly, near, peaks, 1)
+        return {one.path: (peaks(up), peaks(down)) for one, ((up, down),) in pairs}
 
     def quotients(
         self, direction: Direction, pairs: Pairs, references: tuple[Reference, Reference]
@@ -305,15 +266,13 @@ class Differentiation:
         Where an onset or a reversal falls in its step adds an error of either sign, which a mean over places
         in the step takes off.
         """
-        found: dict[str, list[float]] = {}
+        quotients: dict[str, list[float]] = {}
         for pair in pairs:
-            up, down = (
-                self.measures(record, reference) for record, reference in zip(pair, references, strict=True)
-            )
+            up, down = (self.measures(*one) for one in zip(pair, references, strict=True))
             for name in self.names:
                 if name in up and name in down:
-                    found.setdefault(name, []).append((up[name] - down[name]) / direction.near.apart)
-        return found
+                    quotients.setdefault(name, []).append((up[name] - down[name]) / direction.near.apart)
+        return quotients
 
 
 def record_pairs(
@@ -335,23 +294,23 @@ def record_pairs(
             yield one, [(run(one.near.up), run(one.near.down))]
 
 
-def silent_moments(assembly: Assembly, whole: Mapping[str, float]) -> dict[str, float]:
-    """Moments that are exactly zero, which a run leaves out, of ideal joints that hold a turn.
+def silent_moments(assembly: Assembly, values: Mapping[str, float]) -> dict[str, float]:
+    """Return moments of ideal joints that hold a turn and are exactly zero, which a run leaves out.
 
     Whether such a moment is 0 or 1e-45 N m is decided by rounding, on which no answer may depend.
     """
     holders = [name for name, turn in zip(assembly.ideals, assembly.topology.joint_turn, strict=True) if turn]
-    return {f"{one}{MOMENT}": 0.0 for one in holders if f"{one}{MOMENT}" not in whole}
+    return {f"{one}{MOMENT}": 0.0 for one in holders if f"{one}{MOMENT}" not in values}
 
 
-def floors(assembly: Assembly, whole: Mapping[str, float]) -> dict[str, float]:
-    """Scales of moments (N m) and angular accelerations (rad/s^2) that the largest force of a mechanism makes
-    on its largest arm.
+def floors(assembly: Assembly, values: Mapping[str, float]) -> dict[str, float]:
+    """Return scales of moments (N m) and angular accelerations (rad/s^2): those that the largest force of a
+    mechanism makes on its largest arm.
 
     Rounding of a force leaves that much, times the precision, of moments and of turning that are zero; the
     largest measure of the same unit may be such a remainder itself.
     """
-    force = max((value for name, value in whole.items() if name.endswith(".force.max")), default=0.0)
+    force = max((value for name, value in values.items() if name.endswith(".force.max")), default=0.0)
     moment = force * size_of(assembly.mechanism)
     inertia = min((body.inertia for body in assembly.bodies.values() if body.inertia > 0.0), default=math.inf)
     return {"N m": moment, "rad/s^2": moment / inertia}
@@ -362,31 +321,21 @@ def rounding(
     changes: Mapping[str, float] = MappingProxyType({}),
     scales: Mapping[str, float] = MappingProxyType({}),
 ) -> frozenset[str]:
-    """Measures that are what rounding leaves of nothing, beside the largest of their unit: forces beside
-    forces, moments beside torques.
+    """Return the measures that are remainders of rounding, compared with the largest of their unit.
 
-    ``changes``: by how much of a measure (SI) all of a number would change it, at the most; what crosses zero
-    is no rounding. Influence is that of its measure; shares and counts have nothing to stand beside.
-    ``scales`` are sizes by unit that are known otherwise (:func:`floors`).
+    ``changes``: the largest change of a measure (SI) by 100 % of any number; a measure that crosses zero is
+    no remainder. Measures relative to the ideal mechanism are judged by their measure; shares and counts are
+    not. ``scales``: sizes by unit from elsewhere (:func:`floors`).
     """
     sizes = {name: max(abs(value), changes.get(name, 0.0)) for name, value in measures.items()}
-    units = {name: unit_of(name) for name in measures}
-    largest = dict(scales)
+    units, largest = {name: unit_of(name) for name in measures}, dict(scales)
     for name, size in sizes.items():
         largest[units[name]] = max(largest.get(units[name], 0.0), size)
     small = {
-        name
-        for name, size in sizes.items()
-        if units[name] not in PURE and size <= ROUNDING * largest[units[name]]
+        name for name, unit in units.items() if unit not in PURE and sizes[name] <= ROUNDING * largest[unit]
     }
-    return frozenset(
-        small
-        | {
-            name
-            for name in measures
-            if name.endswith(INFLUENCE) and f"{name.removesuffix('lip')}max" in small
-        }
-    )
+    relative = (name for name in measures if name.endswith(INFLUENCE))
+    return frozenset(small.union(name for name in relative if f"{name.removesuffix('lip')}max" in small))
 
 
 def refuse_unended(record: Record) -> None:
@@ -399,14 +348,12 @@ def refuse_unended(record: Record) -> None:
 
 
 def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
-    """Raises ModelError for a mechanism whose steps have no derivatives, and for measures that no run of it
+    """Raise ModelError for a mechanism whose steps have no derivatives, and for measures that no run of it
     can have, before there is one.
     """
     if mechanism.settings.analysis == "static":
-        what, remedy = (
-            "a static analysis has no steps that carry derivatives along",
-            "vary the number with vfife study instead",
-        )
+        what = "a static analysis has no steps that carry derivatives along"
+        remedy = "vary the number with vfife study instead"
         raise ModelError([Fault("run.analysis", what, "static", "dynamic", remedy)], mechanism.name)
     odd = [one for one in of if not fits(one.partition(".")[2], UNITS)]
     if not odd and not Numbering(mechanism).elements:
@@ -417,47 +364,37 @@ def refuse_unfit(mechanism: Mechanism, of: Sequence[str]) -> None:
         what = (
             f"its {elements} elements are stepped by the data-driven loop, which carries no derivatives along"
         )
-        raise ModelError(
-            [Fault("body", what, "", "", "use fewer elements, or vary the number with vfife study")],
-            mechanism.name,
-        )
-    matching("of", odd, dict.fromkeys(known_measures(standing(assembly)), 0.0))
+        remedy = "use fewer elements, or vary the number with vfife study"
+        raise ModelError([Fault("body", what, "", "", remedy)], mechanism.name)
+    matching("of", odd, dict.fromkeys(measure_names(standing(assembly)), 0.0))
 
 
-def fits(pattern: str, known: Iterable[str]) -> bool:
+def fits(pattern: str, names: Iterable[str]) -> bool:
     """Whether a pattern fits any name."""
-    return any(fnmatchcase(one, pattern) for one in known)
+    return any(fnmatchcase(one, pattern) for one in names)
 
 
-def matching(name: str, patterns: Sequence[str], known: dict[str, float]) -> dict[str, float]:
-    """Those that fit any pattern. Raises ModelError with each pattern that fits none."""
-    faults = [
-        Fault(
-            f"{name} {pattern!r}",
-            "fits nothing that this model has",
-            "",
-            "",
-            suggestion(pattern, known, "* stands for any characters"),
-        )
-        for pattern in patterns
-        if not fits(pattern, known)
-    ]
+def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
+    """Return the values whose names fit any pattern. Raises ModelError with each pattern that fits none."""
+    faults = []
+    for pattern in patterns:
+        if not fits(pattern, values):
+            remedy = suggestion(pattern, values, "* stands for any characters")
+            faults.append(
+                Fault(f"{argument} {pattern!r}", "fits nothing that this model has", "", "", remedy)
+            )
     if faults:
         raise ModelError(faults, "sensitivity")
-    return {
-        one: value for one, value in known.items() if any(fnmatchcase(one, pattern) for pattern in patterns)
-    }
+    return {name: value for name, value in values.items() if any(fnmatchcase(name, one) for one in patterns)}
 
 
 def doubtful(result: Result, names: Iterable[str], measures: tuple[Measure, ...]) -> frozenset[str]:
-    """Measures whose companions lie apart by more than a run may that is not sensitive: their derivatives
-    mean nothing.
+    """Return the measures on which companions disagree by more than a run may that is not sensitive: their
+    derivatives mean nothing.
     """
     ideal = None if result.reference is None else result.reference.measures
-    found = (ranged if result.record.companions is None else over_tries)(result.record, ideal, measures)
+    ranges = (ranged if result.record.companions is None else over_tries)(result.record, ideal, measures)
+    widths = {name: ranges[name].high - ranges[name].low for name in names if name in ranges}
     return frozenset(
-        name
-        for name in names
-        if name in found
-        and found[name].high - found[name].low > SENSITIVE * max(abs(found[name].value), 1e-300)
+        name for name, width in widths.items() if width > SENSITIVE * max(abs(ranges[name].value), 1e-300)
     )

@@ -42,6 +42,10 @@ class Direction(NamedTuple):
     value: float
     near: Neighbours
 
+    def with_size(self, size: StepSize) -> Direction:
+        """Return it with another step size."""
+        return self._replace(near=Neighbours(size.of(self.near.up), size.of(self.near.down), self.near.apart))
+
 
 @dataclass(frozen=True)
 class Variants:
@@ -90,8 +94,8 @@ class Variants:
         if errors:
             models.append((0.0, self.assembly))
             models.sort(key=lambda model: -model[0])
-        (above, up), (below, down) = models
-        return Neighbours(up, down, (above - below) * NEAR * abs(value))
+        (upper, up), (lower, down) = models
+        return Neighbours(up, down, (upper - lower) * NEAR * abs(value))
 
     def directions(self, chosen: Values) -> tuple[list[Direction], dict[str, str]]:
         """Return the numbers with their neighbours; and of those that cannot be assembled, the reason."""
@@ -129,9 +133,9 @@ def with_same_steps(mechanism: Mechanism, assembly: Assembly) -> Assembly:
     length: dict[str, Any] = {"duration": choice.step * scale * choice.steps} if choice.turn is None else {
         "turns": choice.steps * choice.step / choice.turn
     }  # fmt: skip
-    outputs = assembly.mechanism.settings.outputs
-    found = assemble(mechanism, choice.step * scale, outputs=outputs, force_step=True, **length)
-    return replace(found, layout=assembly.layout) if found.topology == assembly.topology else found
+    length |= {"outputs": assembly.mechanism.settings.outputs, "force_step": True}
+    variant = assemble(mechanism, choice.step * scale, **length)
+    return replace(variant, layout=assembly.layout) if variant.topology == assembly.topology else variant
 
 
 @dataclass(frozen=True)
@@ -170,7 +174,7 @@ INSIGNIFICANT = 1e-3
 # Of the largest effect on a measure: step sizes that agree on less may do so by chance, and the range reaches
 # as much further, but no more than a few times its own width. Of 344 derivatives of the gallery one, a five-
 # thousandth of the largest, was outside without it.
-LEAST_KNOWN, WIDTHS = 1e-4, 5.0
+LEAST_AGREEMENT, WIDTHS = 1e-4, 5.0
 # A range whose ends are further apart than this factor is that of a motion that is nearly chaotic: it may be
 # wider still at finer steps.
 FACTOR = 5.0
@@ -191,14 +195,12 @@ class FiniteChanges:
     changed: Mapping[Share, Sequence[Values | None]]
 
     def quotients(self, measure: str, path: str, value: float, share: float) -> list[float]:
-        """Return the change of a measure over the change of the number, at each step size at which both
-        are known; ``share`` has a sign.
+        """Return the change of a measure over the change of the number, at each step size at which both are
+        known; ``share`` has a sign.
         """
-        found = []
-        for own, other in zip(self.own, self.changed.get((path, share), ()), strict=False):
-            if own is not None and other is not None and measure in own and measure in other:
-                found.append((other[measure] - own[measure]) / (share * abs(value)))
-        return found
+        pairs = zip(self.own, self.changed.get((path, share), ()), strict=False)
+        both = [(own, other) for own, other in pairs if own and other and measure in own and measure in other]
+        return [(other[measure] - own[measure]) / (share * abs(value)) for own, other in both]
 
     def central(self, measure: str, path: str, value: float, share: float) -> list[float]:
         """Return central quotients at each step size, or those to one side where the number may go to one
@@ -208,6 +210,12 @@ class FiniteChanges:
         if not up or not down:
             return up or down
         return [0.5 * (one + other) for one, other in zip(up, down, strict=False)]
+
+    def largest(self, measure: str, chosen: Values) -> float:
+        """Return the largest change of a measure by 100 % of one of the numbers, at the run's own step."""
+        central = (self.central(measure, path, value, WIDE) for path, value in chosen.items())
+        changes = (abs(one[0] * value) for one, value in zip(central, chosen.values(), strict=True) if one)
+        return max(changes, default=0.0)
 
 
 def ideal_references(
@@ -300,7 +308,7 @@ def agreement(
     found = hull([own, widened(wide)])
     narrow = widened(close)
     found = hull([found, narrow]) if narrow[1] - narrow[0] <= found[1] - found[0] + margin else found
-    reach = min(LEAST_KNOWN / INSIGNIFICANT * little, WIDTHS * (found[1] - found[0]))
+    reach = min(LEAST_AGREEMENT / INSIGNIFICANT * little, WIDTHS * (found[1] - found[0]))
     return (found[0] - reach, found[1] + reach), True
 
 

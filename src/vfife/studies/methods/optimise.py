@@ -1,5 +1,5 @@
-"""Optimisation of a study: axes, aims and limits, read from the table ``[optimise]``; the cases that optuna asks
-for; candidates, and the Pareto front of these. :mod:`.local_search` goes on from the best of them.
+"""Optimisation of a study: axes, aims and limits, read from the table ``[optimise]``; the cases that optuna
+asks for; candidates, and the Pareto front of these. :mod:`.local_search` goes on from the best of them.
 """
 
 from __future__ import annotations

@@ -126,6 +126,32 @@ class StudySpec:
     note: str = described(Text(), "anything worth knowing", "")
     set: dict[str, Any] = described(Names(Amount()), "numbers replaced in all cases, by path", factory=dict)
 
+    def of_case(self) -> CaseSpec:
+        """Return what the engine needs of it."""
+        step = None if self.step == "auto" else float(self.step)
+        return CaseSpec(tuple(self.measures), self.turns, self.settle, self.last, step)
+
+
+@dataclass(frozen=True)
+class CaseSpec:
+    """What is computed of every case: ``measures`` by the names that ``vfife run --json`` gives them, all of
+    them for none, as means over the ``last`` turns.
+
+    A case makes ``turns`` turns, or less where they repeat within ``settle`` (1). ``step`` (s): None for the
+    automatic step of each.
+    """
+
+    measures: tuple[str, ...]
+    turns: int
+    settle: float | None = None
+    last: int = 1
+    step: float | None = None
+
+    @classmethod
+    def of(cls, fields: Mapping[str, Any]) -> CaseSpec:
+        """Return the spec with such fields, as JSON has them."""
+        return cls(**{**fields, "measures": tuple(fields["measures"])})
+
 
 @dataclass(frozen=True)
 class StudyParameter:

@@ -23,7 +23,6 @@ from ...results.series import REDUCTION
 from ...results.studied import UNITS, unit_of
 from ...results.view import View, standing
 from ...schema import Field, Reading, meaning_of
-from ..engine.lanes import Wanted
 from .case_rows import with_cases
 from .parameters import read_parameters
 from .plan import SEARCH, Amount, OneOrMore, Plan, StudySpec, VaryTable
@@ -171,12 +170,6 @@ def base_model(
     return None
 
 
-def case_spec(spec: StudySpec) -> Wanted:
-    """Return what the engine needs to know of each case."""
-    step = None if spec.step == "auto" else float(spec.step)
-    return Wanted(tuple(spec.measures), spec.turns, spec.settle, spec.last, step)
-
-
 def search_plan(tables: StudyTables, table: str, example: str) -> tuple[Plan, Mapping[str, str]]:
     """Return the plan of a search, which has no cases of its own, and the units of its measures. Raises
     ModelError.
@@ -208,13 +201,13 @@ def names_of(base: Mechanism) -> Names:
     names = NAMES.get(text)
     if names is None:
         view = standing(assemble(base))
-        names = NAMES[text] = Names(tuple(known_measures(view)), tuple(view.series))
+        names = NAMES[text] = Names(tuple(measure_names(view)), tuple(view.series))
         if len(NAMES) > MOST_MODELS:
             NAMES.popitem(last=False)
     return names
 
 
-def known_measures(view: View) -> list[str]:
+def measure_names(view: View) -> list[str]:
     """Return the measures that a model has at its start, and those that need a turn."""
     names = list(measures(view.record))
     names += [
