@@ -19,7 +19,7 @@ from rich.table import Table
 
 from vfife import load_model
 from vfife.assembly.assemble import assemble
-from vfife.compiler.runtime.modules import written
+from vfife.compiler.backends.modules import module
 from vfife.compiler.trace.source import data_driven
 
 HERE = Path(__file__).resolve().parent
@@ -98,7 +98,7 @@ def step_text() -> str:
     topology = assemble(
         load_model(EXAMPLES / "four_bar_case_c.toml"), 1e-6, turns=1, force_step=True
     ).topology
-    texts = written(topology, 1), data_driven(topology.contact_laws, topology.friction_laws)
+    texts = module(topology, 1), data_driven(topology.contact_laws, topology.friction_laws)
     return hashlib.sha256("".join(texts).encode()).hexdigest()[:16]
 
 

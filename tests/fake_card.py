@@ -18,7 +18,7 @@ import numpy as np
 
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
 from vfife.compiler.backends import gpu
-from vfife.compiler.runtime import cuda
+from vfife.compiler.runtime import cuda, ptx
 from vfife.compiler.runtime.cuda import Card, DeviceStream
 from vfife.compiler.runtime.native import Code, object_code
 from vfife.compiler.runtime.runner import Starter
@@ -37,7 +37,7 @@ NAMES = {
 def compiled(topology: Topology) -> SimpleNamespace:
     """``member`` for this machine."""
     types = [ctypes.c_int64 if size == "" else ctypes.c_void_p for size in gpu.ARGUMENTS.values()]
-    code = Code(object_code(gpu.written(topology), 0))
+    code = Code(object_code(gpu.module(topology, ptx.stream()), 0))
     return SimpleNamespace(
         code=code, function=code.named("member", ctypes.CFUNCTYPE(None, *types, ctypes.c_int64))
     )

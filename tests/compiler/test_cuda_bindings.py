@@ -16,7 +16,7 @@ from fake_card import rows_on_card
 from lane_models import one_clearance
 from vfife.assembly.assemble import assemble
 from vfife.compiler.backends import gpu
-from vfife.compiler.runtime import native
+from vfife.compiler.runtime import native, ptx
 
 driver = pytest.importorskip(
     "cuda.bindings.driver", reason="needs cuda-bindings, which the extra test brings on Linux"
@@ -76,7 +76,8 @@ def test_our_calls_reach_the_driver(place):
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=name, features=features, opt=0, reloc="pic", codemodel="small"
     )
-    (place / "step.o").write_bytes(machine.emit_object(llvm.parse_assembly(gpu.written(member().topology))))
+    text = gpu.module(member().topology, ptx.stream())
+    (place / "step.o").write_bytes(machine.emit_object(llvm.parse_assembly(text)))
     subprocess.run(["cc", "-shared", "-o", place / "step.so", place / "step.o"], check=True)
     done = run(place, CHILD.format(tests=str(TESTS)), VFIFE_STEP=place / "step.so")
     assert done.returncode == 0, done.stderr.decode()

@@ -13,7 +13,7 @@ import pytest
 from support import bits, go, journal_in_bearing, lanes, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.compiler.backends.python import straight_line
+from vfife.compiler.runtime.loops import python_line
 from vfife.compiler.trace.source import Gathered, dispatch
 from vfife.errors import SourceError
 from vfife.kernels.arrays import Layout
@@ -111,7 +111,7 @@ def test_interpreted_is_data_driven():
 
 def test_the_generated_text_is_data_driven():
     runner = lanes([assembled()], "interpreted")
-    runner.take = straight_line(runner.topology)(runner.memory)
+    runner.take = python_line(runner.topology)(runner.memory)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(EVERY, INTERPRETED)])
     assert same(plain, computed("data-driven", LANES)[0][: len(plain), :, :1])
 

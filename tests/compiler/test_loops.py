@@ -27,7 +27,7 @@ from support import CONTACT_LAWS, bits, lanes
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.compiler.backends import javascript
-from vfife.compiler.backends.python import straight_line
+from vfife.compiler.runtime.loops import python_line
 from vfife.kernels.blocks import BLOCKS
 
 EIGHT = tuple(k % LANES for k in range(8))
@@ -85,7 +85,7 @@ def test_the_generated_text_is_data_driven(model):
     rows, names = computed(model, "data-driven", LANES)
     _, every, _, outputs = RUNS[model]
     runner = lanes([assembled(model)], "interpreted")
-    runner.take = straight_line(runner.topology)(runner.memory)
+    runner.take = python_line(runner.topology)(runner.memory)
     plain = np.concatenate([runner.advance(1, 1), runner.advance(every, outputs)])
     assert differing(plain, rows[: len(plain), :, :1], names) == set()
 
@@ -136,7 +136,7 @@ def test_javascript_is_data_driven(model, tmp_path):
         "extremes": runner.extremes.tolist(),
     }  # fmt: skip
     path = tmp_path / "run.js"
-    path.write_text(javascript.written(runner.topology) + SCRIPT.format(given=json.dumps(given)))
+    path.write_text(javascript.module(runner.topology) + SCRIPT.format(given=json.dumps(given)))
     found = subprocess.run(["node", str(path)], capture_output=True, text=True, check=True).stdout
     there = np.array([[int(x) for x in row] for row in json.loads(found)], dtype=np.uint64).view(np.float64)[
         :, :, None

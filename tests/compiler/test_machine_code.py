@@ -11,8 +11,9 @@ import pytest
 
 from support import SQUARE, four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
-from vfife.compiler.runtime import modules, native
-from vfife.compiler.runtime.modules import pieces, written
+from vfife.compiler.backends import modules
+from vfife.compiler.backends.modules import module, pieces
+from vfife.compiler.runtime import native
 
 ARITHMETIC = re.compile(r"^v?(add|sub|mul|div|sqrt|min|max)(sd|pd)$")
 FUSED = re.compile(r"\bv?fn?m(add|sub|la|ls)|\bfma\b", re.M)
@@ -22,7 +23,7 @@ X86 = pytest.mark.skipif(
 
 
 def text(mechanism, width: int, directions: int = 0) -> str:
-    return written(assemble(mechanism, 1e-6, duration=1e-3).topology, width, directions)
+    return module(assemble(mechanism, 1e-6, duration=1e-3).topology, width, directions)
 
 
 def listing(text: str, triple: str = "", processor: str = "") -> str:
@@ -77,7 +78,7 @@ def test_a_step_is_compiled_in_two_pieces(width, hurried, monkeypatch):
     """The second, where long, has the same operations with least effort, and none is fused for that. The
     driver is that of all steps.
     """
-    monkeypatch.setattr("vfife.compiler.runtime.modules.SHORT", 0 if hurried else 4000)
+    monkeypatch.setattr("vfife.compiler.backends.modules.SHORT", 0 if hurried else 4000)
     topologies = [
         assemble(mechanism, 1e-6, duration=1e-3).topology
         for mechanism in (journal_in_bearing(), four_bar("BC"))
@@ -92,7 +93,7 @@ def test_a_step_is_compiled_in_two_pieces(width, hurried, monkeypatch):
     assert not FUSED.search(made)
     defined = [
         set(re.findall(r"^define (?!internal)[^@]*@(\w+)\(", piece, re.M))
-        for piece in (*one[:2], modules.text())
+        for piece in (*one[:2], modules.processor_driver())
     ]
     assert defined == [
         {"fast_steps", "functions"},
@@ -100,7 +101,7 @@ def test_a_step_is_compiled_in_two_pieces(width, hurried, monkeypatch):
         {"advance", "stream", "polynomial"},
     ]
     assert defined[0] | defined[1] == set(
-        re.findall(r"^define [^@]*@(\w+)\(", written(topologies[0], width), re.M)
+        re.findall(r"^define [^@]*@(\w+)\(", module(topologies[0], width), re.M)
     )
 
 

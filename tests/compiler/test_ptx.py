@@ -17,7 +17,7 @@ import pytest
 from support import four_bar, journal_in_bearing
 from vfife.assembly.assemble import assemble
 from vfife.compiler.backends import gpu
-from vfife.compiler.backends.gpu import ptx
+from vfife.compiler.runtime.ptx import ptx, stream
 
 ARITHMETIC = re.compile(r"^\s+((?:fma|mad|mul|add|sub|div|sqrt|rcp|ex2|neg|abs)\.\S*f64)", re.M)
 
@@ -35,7 +35,7 @@ def nvidia(name: str) -> Path:
 
 
 def text_of(mechanism) -> str:
-    return gpu.written(assemble(mechanism, 1e-6, duration=1e-3).topology)
+    return gpu.module(assemble(mechanism, 1e-6, duration=1e-3).topology, stream())
 
 
 def assembled(program: str, capability: int, folder: Path) -> str:

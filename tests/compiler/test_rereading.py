@@ -10,8 +10,8 @@ import pytest
 import vfife
 from support import SQUARE
 from vfife.assembly.assemble import assemble
-from vfife.compiler.runtime import modules
-from vfife.compiler.runtime.modules import pieces, written
+from vfife.compiler.backends import modules
+from vfife.compiler.backends.modules import module, pieces
 from vfife.compiler.trace import schedule
 from vfife.compiler.trace.straight_line import trace
 from vfife.compiler.trace.tape import Operation, Trace, is_row
@@ -129,11 +129,11 @@ def test_vectors_that_are_put_aside_keep_to_cache_lines():
     Who enters aligns it for all.
     """
     for width in (1, 2, 4, 8):
-        for text in (written(CASE_C, width), *pieces(CASE_C, width)[:2]):
+        for text in (module(CASE_C, width), *pieces(CASE_C, width)[:2]):
             assert (f'"override-stack-alignment", i32 {8 * width}}}' in text) == (width > 2)
-    entered = re.findall(r"@(?:advance|stream|polynomial)\(.*$", modules.text(), re.M)
+    entered = re.findall(r"@(?:advance|stream|polynomial)\(.*$", modules.processor_driver(), re.M)
     assert len(entered) == 3 and all('"stackrealign"' in head for head in entered)
-    assert '"override-stack-alignment", i32 64}' in modules.text()
+    assert '"override-stack-alignment", i32 64}' in modules.processor_driver()
 
 
 def test_what_is_put_aside_has_short_addresses():
@@ -141,4 +141,4 @@ def test_what_is_put_aside_has_short_addresses():
     in ideal joints.
     """
     for width in (1, 4):
-        assert '"frame-pointer"="all"' in re.search(r"@fast_steps\(.*$", written(CASE_C, width), re.M)[0]
+        assert '"frame-pointer"="all"' in re.search(r"@fast_steps\(.*$", module(CASE_C, width), re.M)[0]

@@ -8,7 +8,7 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.compiler.backends.llvm import operators, whole
+from vfife.compiler.backends.llvm import full_step, operators
 from vfife.compiler.trace.straight_line import trace
 from vfife.compiler.trace.tape import Operation, Symbol, Tape, Trace
 
@@ -67,7 +67,7 @@ def test_a_choice_between_a_number_and_zero_is_no_minimum(chip):
     choices += [Operation("t2", ">", ("v2", 0.0)), Operation("t3", "select", ("t2", "v2", 0.0))]
     for width in (1, 2) if chip.startswith("aarch64") else (1,):
         module = llvm.parse_assembly(
-            operators(width) + "\n" + whole(Trace(tuple(choices), {0: "t1", 3: "t3"}), width, False, True)
+            operators(width) + "\n" + full_step(Trace(tuple(choices), {0: "t1", 3: "t3"}), width, False, True)
         )
         module.triple = chip
         machine = llvm.Target.from_triple(chip).create_target_machine(

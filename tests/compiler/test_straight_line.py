@@ -10,7 +10,7 @@ import vfife
 from support import SQUARE, four_bar, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.compiler.backends import llvm
-from vfife.compiler.runtime.modules import written
+from vfife.compiler.backends.modules import module
 from vfife.compiler.trace import schedule
 from vfife.compiler.trace.straight_line import about, trace
 from vfife.compiler.trace.tape import OPERATORS, Trace, is_row
@@ -134,7 +134,7 @@ def test_lines_and_blocks_are_linear_in_the_elements():
     small, large = (assembled(bar(n)).topology for n in (20, 80))
     counts = [len(trace(topology).operations) for topology in (small, large)]
     assert counts[1] == pytest.approx(4 * counts[0], rel=0.05)
-    text = written(large, 1)
+    text = module(large, 1)
     (lean,) = re.findall(r"define i64 @fast_steps\(.*?\n}", text, re.S)
     assert max(len(block.splitlines()) for block in re.split(r"^\w+:$", lean, flags=re.M)) < 4 * llvm.BLOCK
 

@@ -12,7 +12,7 @@ import pytest
 
 from support import SQUARE, bits, four_bar, go, journal_in_bearing, rounds
 from vfife.assembly.assemble import assemble
-from vfife.compiler.backends.python import written
+from vfife.compiler.backends.python import module
 from vfife.compiler.runtime import cache, loops
 from vfife.compiler.trace import functiontext, traceable
 from vfife.compiler.trace.source import data_driven
@@ -82,7 +82,7 @@ def test_steps_are_traced_compiled_and_run_at_once(alone, empty):
 def test_texts_are_written_at_once(empty):
     def text(model: Mechanism) -> tuple[str, str]:
         topology = assemble(model, 2e-6, duration=4e-4, force_step=True).topology
-        return written(topology), data_driven(topology.contact_laws, topology.friction_laws)
+        return module(topology), data_driven(topology.contact_laws, topology.friction_laws)
 
     alone = [text(model) for model in MODELS]
     for _ in range(rounds(2)):

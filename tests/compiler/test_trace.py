@@ -10,7 +10,7 @@ import pytest
 
 from support import bits, four_bar, lanes
 from vfife.assembly.assemble import assemble
-from vfife.compiler.backends.python import straight_line
+from vfife.compiler.runtime.loops import python_line
 from vfife.compiler.runtime.native import compiled
 from vfife.compiler.trace.source import Gathered, data_driven, dispatch
 from vfife.compiler.trace.straight_line import trace
@@ -76,7 +76,7 @@ def test_a_law_of_selects_goes_into_straight_lines():
     """
     law = select_law()
     runner = lanes([assembled(law)], "interpreted")
-    runner.take = straight_line(runner.topology)(runner.memory)
+    runner.take = python_line(runner.topology)(runner.memory)
     assert (bits(runner.advance(100, 6)) == bits(rows(law, "interpreted"))).all()
 
 

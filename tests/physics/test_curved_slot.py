@@ -10,7 +10,7 @@ import pytest
 
 from support import bits, go, lanes, order, particle, times
 from vfife.assembly.assemble import assemble
-from vfife.compiler.backends.python import straight_line
+from vfife.compiler.runtime.loops import python_line
 from vfife.kinematics.initial import ideal_motion
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 from vfife.measures.energy import ledger
@@ -351,7 +351,7 @@ def test_all_loops_agree_to_the_bit(kind, path):
     plain = np.concatenate([runner.advance(1, 1), runner.advance(50, 3)])
     assert (bits(plain) == bits(runs["data-driven"][: len(plain), :, :1])).all()
     runner = lanes(assemblies[:1], "interpreted")
-    runner.take = straight_line(runner.topology)(runner.memory)
+    runner.take = python_line(runner.topology)(runner.memory)
     text = np.concatenate([runner.advance(1, 1), runner.advance(50, 3)])
     assert (bits(text) == bits(plain)).all()
 

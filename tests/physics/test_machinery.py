@@ -11,7 +11,7 @@ import pytest
 from support import bits, finer, lanes, mirrored, order, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.compiler.backends.python import straight_line
+from vfife.compiler.runtime.loops import python_line
 from vfife.kernels.blocks import BLOCKS
 from vfife.laws import Ambrosio, HuntCrossley, LankaraniNikravesh, Material
 from vfife.measures import ledger
@@ -200,7 +200,7 @@ def test_interpreted_is_data_driven(model):
 def test_the_generated_text_is_data_driven(model):
     rows, names = computed(model, "data-driven", 4)
     runner = lanes([assembled(model)], "interpreted")
-    runner.take = straight_line(runner.topology)(runner.memory)
+    runner.take = python_line(runner.topology)(runner.memory)
     with np.errstate(
         invalid="ignore"
     ):  # both sides of a choice are computed, also the one that means nothing

@@ -12,7 +12,7 @@ from support import SQUARE, bits, four_bar, lanes
 from vfife import simulate
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import watched
-from vfife.compiler.backends.python import straight_line
+from vfife.compiler.runtime.loops import python_line
 from vfife.compiler.runtime.runner import LOOK, Runner
 from vfife.model.mechanism import Mechanism
 from vfife.report.divergence import cause, first_infinite
@@ -39,7 +39,7 @@ def side_by_side(steps, loop: str, look: int = LOOK, seen=None) -> Runner:
         watched=own,
     )
     if loop == "straight line":
-        runner.take = straight_line(runner.topology)(runner.memory)
+        runner.take = python_line(runner.topology)(runner.memory)
     runner.look = look
     return runner
 

@@ -21,9 +21,9 @@ import pytest
 from emulated import arm, loading, x86
 from support import four_bar
 from vfife.assembly.assemble import assemble
+from vfife.compiler.backends.modules import module
 from vfife.compiler.runtime import loops, native
 from vfife.compiler.runtime.cuda import Card
-from vfife.compiler.runtime.modules import written
 from vfife.errors import DeviceError
 from vfife.numerics import library
 from vfife.solvers.ensemble import ensemble
@@ -88,8 +88,8 @@ def test_any_processor(processor, lanes, code_for):
 def test_the_text_with_avx_512(name, code_for):
     """Vectors of eight numbers, and no product fused with a sum."""
     code_for(AVX512)
-    module = native._target().parse_assembly(written(golden.start(name).topology, 8))
-    assembly = native.machine().emit_assembly(module)
+    text = module(golden.start(name).topology, 8)
+    assembly = native.machine().emit_assembly(native._target().parse_assembly(text))
     assert len(re.findall(r"\bvmulpd\b.*%zmm", assembly)) > 20
     assert not FUSED.search(assembly)
 

@@ -1,8 +1,9 @@
-"""The step as code: traced into data, ordered, written as text of a language, compiled, kept, run.
+"""The step as code: traced into data, written as text of a language, compiled, stored and run.
 
-``source`` gathers the data-driven text, and ``plain`` writes it for LLVM; ``trace`` and ``traceable`` turn a
-step into data, ``straight_line`` that of one topology, ``tangent`` its derivative; ``schedule`` orders it;
-``llvm``, ``gpu``, ``python`` and ``javascript`` write it, ``modules`` with the loop driver. ``native``
-compiles it for this processor, ``gpu`` to PTX; ``cache`` stores the code; ``loops`` and ``runner`` run it,
-``cuda`` on a graphics card.
+- :mod:`~vfife.compiler.trace`: the data-driven text (``source``); a step as data (``tape``, ``traceable``,
+  ``straight_line``), its order (``graph``, ``schedule``) and its derivative (``tangent``).
+- :mod:`~vfife.compiler.backends`: that data as text of LLVM (``llvm``), graphics cards (``gpu``), JavaScript and
+  Python; plain functions as text of LLVM (``plain``, ``expressions``, ``kinds``); ``modules`` has the loop driver.
+- :mod:`~vfife.compiler.runtime`: machine code (``native``), PTX (``ptx``) and its ``cache``; loops and streams
+  that call it (``loops``, ``runner``, ``cuda``), and laws by themselves (``lawloops``).
 """

@@ -8,27 +8,18 @@ cache holds for eight lanes does not fit there for thousands of threads.
 
 The same text, but for the two lines that ask a card which thread this is, runs on a processor, member by
 member: that is how its bits are known.
-
-The text of a thread as PTX, the language that the drivers of NVIDIA's cards compile.
 """
 
 from __future__ import annotations
 
-import re
-from functools import lru_cache
-
 from ...kernels.advance import Memory, Outputs
 from ...kernels.arrays import Layout
 from ...kernels.topology import Topology
-from ..runtime import cache
-from ..runtime.loops import origin
-from ..runtime.modules import STEPS, brief, llvm_text
-from ..runtime.native import llvmlite_version, simplified
-from ..trace.functiontext import WRITING
 from ..trace.schedule import streamed
-from ..trace.straight_line import Function, functions, resizing, trace
+from ..trace.straight_line import Function, steps_of
 from ..trace.tape import STEP_NUMBER, Operand, Trace, is_row, rows_used
-from .llvm import Lane, Writer, operators, resize, searched, whole
+from .llvm import Lane, Writer, full_step, operators, resize, time_functions
+from .modules import is_short
 
 LEAST = 70  # compute capability (7.0) for which programs are written; later cards run them
 TILE = 32
@@ -87,8 +78,8 @@ class Thread(Lane):
         self.out.append(f"  {name} = phi double [ {first}, %{blocks[0]} ], [ {second}, %{blocks[1]} ]")
 
 
-def lean(step: Trace, found: list[Function], layout: Layout) -> str:
-    """``lean(S, Q, T, numbers, n0, count)`` as that of ``llvm.py``, with rows in registers: read before the
+def fast_steps(step: Trace, found: list[Function], layout: Layout) -> str:
+    """``fast_steps(S, Q, T, numbers, n0, count)`` as that of ``llvm.py``, with rows in registers: read before the
     first step, written after the last.
     """
     w = Thread(TILE)
@@ -193,39 +184,25 @@ done:
 """
 
 
-@lru_cache(maxsize=1)
-def stream() -> str:
-    """The driver's ``stream`` with what it calls but the steps, without variables in memory: on a card these
-    would lie elsewhere than the rows.
-    """
-    text = str(simplified(llvm_text("stream")))
-    steps = "|".join(STEPS)
-    text = re.sub(rf"^declare [^@]*@({steps})\(.*\n", "", text, flags=re.M)
-    return re.sub(r"^(; ModuleID|source_filename|target ).*\n", "", text, flags=re.M)
-
-
 def kind(size: str | None) -> str:
     """Type of an argument."""
     return "i64" if size == "" else "ptr"
 
 
-def written(topology: Topology) -> str:
-    """Text of a module with ``member``."""
-    found, layout, step, long = functions(topology), Layout(topology), trace(topology), trace(topology, True)
+def module(topology: Topology, driver: str) -> str:
+    """Text of a module with ``member``; ``driver`` is that of its ``stream``."""
+    steps, layout = steps_of(topology), Layout(topology)
     return "\n".join(
         [
-            searched(found, 1, layout, (), stride=TILE),
-            lean(step, found, layout),
-            whole(long, 1, bool(found), brief(step, long), TILE),
-            resize(resizing(topology), 1, TILE),
+            time_functions(steps.functions, 1, layout, (), stride=TILE),
+            fast_steps(steps.fast, steps.functions, layout),
+            full_step(steps.full, 1, bool(steps.functions), is_short(steps), TILE),
+            resize(steps.resize, 1, TILE),
             operators(1),
-            stream(),
+            driver,
             member(layout),
         ]
     )
-
-
-TRIPLE = "nvptx64-nvidia-cuda"
 
 
 def kernel() -> str:
@@ -244,38 +221,3 @@ define ptx_kernel void @simulate({given}) {{
   ret void
 }}
 """
-
-
-def ptx(text: str, capability: int = LEAST) -> str:
-    """A text with ``member`` as PTX for cards of a compute capability (70: 7.0) and all later ones."""
-    return assembly(text, kernel(), capability)
-
-
-def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
-    """A text as PTX, with the kernels that call its functions."""
-    import llvmlite.binding as llvm
-
-    with WRITING:
-        llvm.initialize_all_targets()
-        llvm.initialize_all_asmprinters()
-        # Whatever is read or written lies in the card's own memory, which is quicker than an address that may
-        # be of any kind.
-        text = re.sub(r"^define (?!internal)", "define internal ", text, flags=re.M) + kernels
-        module = llvm.parse_assembly(re.sub(r"\bptr\b", "ptr addrspace(1)", text))
-        machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=f"sm_{capability}", opt=3)
-        module.triple, module.data_layout = TRIPLE, str(machine.target_data)
-        module.verify()
-        return str(machine.emit_assembly(module))
-
-
-@lru_cache(maxsize=16)
-def program(topology: Topology) -> str:
-    """PTX of a topology for all cards, from the cache or written."""
-    name = f"step-{cache.digest([*origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
-    found = cache.read(name)
-    if found is not None:
-        return found.decode()
-    cache.missed()
-    text = ptx(written(topology))
-    cache.keep(name, text.encode())
-    return text

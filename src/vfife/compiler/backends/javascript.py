@@ -22,11 +22,11 @@ from typing import NoReturn
 from ...errors import SourceError
 from ...kernels.arrays import Layout
 from ...kernels.topology import Topology
-from ..runtime import modules
 from ..trace.schedule import Line, Load, Store, Test, ordered, streamed, woven
-from ..trace.straight_line import Function, functions, resizing, trace
+from ..trace.straight_line import Function, steps_of
 from ..trace.tape import Operand, rows_used
 from .expressions import written as written_integer
+from .modules import ONE_LANE, STEPS, driver_source
 
 OPERATORS: dict[type[ast.AST], str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.And: "&&", ast.Or: "||", ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=",
@@ -221,7 +221,7 @@ def line(one: Line) -> str:
     return f"const {one.name} = {pattern.format(*map(operand, one.operands))};"
 
 
-def searched(found: list[Function], layout: Layout) -> Iterable[str]:
+def time_functions(found: list[Function], layout: Layout) -> Iterable[str]:
     """Functions at step n, as the data-driven loop has them."""
     step, shift = (layout.row(name) for name in ("step", "shift"))
     yield (
@@ -243,30 +243,19 @@ def definition(head: str, lines: Iterable[str]) -> str:
     return "\n  ".join([f"function {head} {{", *lines]) + "\n}\n"
 
 
-def written(topology: Topology, also: Iterable[int] = ()) -> str:
-    """Text with ``advance`` of :mod:`vfife.kernels.advance` for one simulation, whose arrays are typed
-    arrays.
+def module(topology: Topology, also: Iterable[int] = ()) -> str:
+    """Text with ``advance`` of :mod:`vfife.kernels.advance` for one simulation, whose arrays are typed arrays.
 
     ``also`` are scratch rows that it leaves.
     """
-    also = tuple(also)
-    lean, whole, layout, resize = (
-        trace(topology, also=also),
-        trace(topology, True, also),
-        Layout(topology),
-        resizing(topology),
-    )
-    text = modules.gathered("advance") + modules.ONE_LANE
+    steps = steps_of(topology, tuple(also))
+    fast, full = steps.fast, woven(steps.full, streamed(steps.full))
+    change = map(line, woven(steps.resize, streamed(steps.resize)))
     parts = [
-        script(text, (*modules.STEPS, "fast_step")),
-        definition("functions(S, T, I, n)", searched(functions(topology), layout)),
-        definition(
-            "resize(S, I, C)",
-            ["const [size, shift, repeated] = C;", *map(line, woven(resize, streamed(resize)))],
-        ),
-        definition("fast_step(S, n)", [*map(line, woven(lean, ordered(lean))), "return true;"]),
-        definition(
-            "full_step(S, T, I, n)", ["functions(S, T, I, n);", *map(line, woven(whole, streamed(whole)))]
-        ),
+        script(driver_source("advance") + ONE_LANE, (*STEPS, "fast_step")),
+        definition("functions(S, T, I, n)", time_functions(steps.functions, Layout(topology))),
+        definition("resize(S, I, C)", ["const [size, shift, repeated] = C;", *change]),
+        definition("fast_step(S, n)", [*map(line, woven(fast, ordered(fast))), "return true;"]),
+        definition("full_step(S, T, I, n)", ["functions(S, T, I, n);", *map(line, full)]),
     ]
     return "\n".join(parts)

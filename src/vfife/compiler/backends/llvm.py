@@ -220,8 +220,8 @@ def literal(x: float) -> str:
     return "0x%016X" % struct.unpack("<Q", struct.pack("<d", float(x)))[0]  # noqa: UP031
 
 
-def lean(step: Trace, width: int, changing: Collection[int], arranged: bool = False) -> str:
-    """``lean(S, Q, T, numbers, n0, count)``: steps until one that something rare wants; their number is
+def fast_steps(step: Trace, width: int, changing: Collection[int], arranged: bool = False) -> str:
+    """``fast_steps(S, Q, T, numbers, n0, count)``: steps until one that something rare wants; their number is
     returned.
 
     Each step reads what changes from one of two copies of the state, S and Q, and writes it to the other, so
@@ -291,8 +291,8 @@ def _copied(w: Writer, rows: Iterable[int]) -> None:
         w.out.append(f"  store {w.number} {value}, ptr {w.row(row)}, align {8 * w.width}")
 
 
-def whole(step: Trace, width: int, searching: bool, fast: bool, stride: int = 0) -> str:
-    """``whole(S, T, numbers, n)``: step n, whatever it wants; made ``fast`` where that is worth its time."""
+def full_step(step: Trace, width: int, searching: bool, fast: bool, stride: int = 0) -> str:
+    """``full_step(S, T, numbers, n)``: step n, whatever it wants; made ``fast`` where that is worth its time."""
     w = Writer(width, step.truths, stride=stride)
     care = f"noinline{w.framed}" if fast else "noinline optnone"
     w.begin(searching)
@@ -308,7 +308,7 @@ never:
 """
 
 
-def searched(
+def time_functions(
     found: list[Function],
     width: int,
     layout: Layout,

@@ -20,8 +20,8 @@ import ast
 from collections.abc import Callable
 
 from ...errors import SourceError
-from .blocks import TYPES, Array, External, Kind, Value, answered, members, named, types_of
 from .expressions import Expressions, written
+from .kinds import TYPES, Array, External, Kind, Value, answered, members, named, types_of
 
 # Called from several places: written into each, they would be compiled as often.
 APART = (

@@ -5,17 +5,15 @@ a trace without a compiler.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Iterable
 
-from ...kernels.advance import Memory
 from ...kernels.arrays import Layout
 from ...kernels.topology import Topology
-from ..runtime import modules
-from ..runtime.loops import ENTRIES, Interpreted, Stepped, Take
 from ..trace.schedule import Line, Load, Store, Test, ordered, streamed, woven
-from ..trace.straight_line import Function, functions, resizing, trace
+from ..trace.straight_line import Function, steps_of
 from ..trace.tape import Operand, rows_used
+from .kinds import ENTRIES
+from .modules import ONE_LANE, driver_source
 
 PATTERNS = {
     "sqrt": "sqrt({})", "neg": "-{}", "abs": "abs({})", "and": "{} & {}", "or": "{} | {}", "select": "{1} if {0} else {2}", "round": "nearest({})",
@@ -44,7 +42,7 @@ def line(one: Line) -> str:
     )
 
 
-def searched(found: list[Function], layout: Layout) -> Iterable[str]:
+def time_functions(found: list[Function], layout: Layout) -> Iterable[str]:
     """Functions at step n, as the data-driven loop has them."""
     yield f"dt, shift = S[{layout.row('step')}], S[{layout.row('shift')}]"
     yield "ahead = 0.0 if n == 0 else dt"
@@ -62,29 +60,17 @@ def definition(head: str, lines: Iterable[str]) -> str:
     return "\n    ".join([f"def {head}:", *lines]) + "\n"
 
 
-def written(topology: Topology) -> str:
+def module(topology: Topology) -> str:
     """Text with ``advance`` and ``stream``; it wants ``sqrt``."""
-    lean, whole, layout, resize = trace(topology), trace(topology, True), Layout(topology), resizing(topology)
-    change = ["size, shift, repeated = C[0], C[1], C[2]", *map(line, woven(resize, streamed(resize)))]
+    steps = steps_of(topology)
+    fast, full = steps.fast, woven(steps.full, streamed(steps.full))
+    change = map(line, woven(steps.resize, streamed(steps.resize)))
     parts = [
-        modules.gathered(*ENTRIES),
-        modules.ONE_LANE,
-        definition("functions(S, T, I, n)", searched(functions(topology), layout)),
-        definition("resize(S, I, C)", change),
-        definition("fast_step(S, n)", [*map(line, woven(lean, ordered(lean))), "return True"]),
-        definition(
-            "full_step(S, T, I, n)", ["functions(S, T, I, n)", *map(line, woven(whole, streamed(whole)))]
-        ),
+        driver_source(*ENTRIES),
+        ONE_LANE,
+        definition("functions(S, T, I, n)", time_functions(steps.functions, Layout(topology))),
+        definition("resize(S, I, C)", ["size, shift, repeated = C[0], C[1], C[2]", *change]),
+        definition("fast_step(S, n)", [*map(line, woven(fast, ordered(fast))), "return True"]),
+        definition("full_step(S, T, I, n)", ["functions(S, T, I, n)", *map(line, full)]),
     ]
     return "\n\n".join(parts)
-
-
-def straight_line(topology: Topology) -> Callable[[Memory], Take]:
-    """``advance`` of a topology as plain Python, called as :class:`~vfife.compiler.runtime.runner.Runner`
-    calls its loops.
-    """
-    space: dict[str, Any] = {"sqrt": math.sqrt}
-    exec(
-        compile(written(topology), "<vfife straight line>", "exec"), space
-    )  # the text is our own and the user's laws, never a model file's
-    return Stepped({name: Interpreted(space[name]) for name in ENTRIES})

@@ -19,7 +19,8 @@ from ...errors import DeviceError
 from ...kernels.arrays import Integers, Layout
 from ...kernels.arrays import Numbers as Rows
 from ...kernels.topology import Topology
-from ..backends.gpu import ARGUMENTS, LEAST, TILE, program
+from ..backends.gpu import ARGUMENTS, LEAST, TILE
+from .ptx import program
 from .runner import PARTS, STREAM_LOOK, Begun
 
 SAID = {

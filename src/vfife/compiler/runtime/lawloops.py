@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..backends import javascript, python
-from ..backends.gpu import TILE, assembly
-from ..backends.llvm import operators, whole
+from ..backends.gpu import TILE
+from ..backends.llvm import full_step, operators
 from ..trace.functiontext import WRITING
 from ..trace.schedule import ordered, streamed, woven
 from ..trace.source import Gathered, choices
@@ -28,6 +28,7 @@ from ..trace.tape import Symbol, Tape, Trace
 from ..trace.traceable import Traceable
 from .loops import aligned
 from .native import Code, compiled, interpreted, object_code
+from .ptx import assembly
 
 Rows = NDArray[np.float64]
 WIDTHS = (1, 2, 4, 8)
@@ -147,7 +148,7 @@ class Loops:
         }
 
     def _generated(self, width: int, stride: int) -> Callable[[int, Rows], Rows]:
-        texts = [whole(trace, width, False, stride == width, stride) for trace in self.traces]
+        texts = [full_step(trace, width, False, stride == width, stride) for trace in self.traces]
         names = [f"@law{k}(" for k in range(len(texts))]
         named = [
             one.replace("@full_step(", name).replace("define internal ", "define ")
@@ -198,7 +199,7 @@ class Loops:
     def ptx(self) -> str:
         """PTX of kernels ``card0``, ``card1`` ..., for one thread each."""
         texts = [
-            whole(trace, 1, False, True, TILE).replace("@full_step(", f"@law{k}(")
+            full_step(trace, 1, False, True, TILE).replace("@full_step(", f"@law{k}(")
             for k, trace in enumerate(self.traces)
         ]
         kernels = [

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import dataclasses
 import gc
+import math
 import platform
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -21,10 +22,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...kernels import advance as kernel
 from ...kernels.advance import RUN, Memory, Outputs
 from ...kernels.arrays import Integers, Numbers
 from ...kernels.topology import Topology
+from ..backends.kinds import ENTRIES
 from ..trace.functiontext import WRITING
 from ..trace.source import data_driven
 from ..trace.tables import tables
@@ -32,7 +33,7 @@ from . import cache, native
 from .native import Called, interpreted, library, stored_code
 
 if TYPE_CHECKING:
-    from .modules import Pieces
+    from ..backends.modules import Pieces
 
 
 LINE = 8  # numbers in a line
@@ -52,9 +53,6 @@ def aligned(count: int) -> Numbers:
 
 NEVER = 2**62  # steps between two checks of lanes that are never checked
 NONE: Integers = np.zeros(0, dtype=np.uint32)
-ENTRIES = {
-    function.__name__: native.arguments_of(function) for function in (kernel.advance, kernel.stream)
-}  # kinds of their arguments
 
 
 def memory_of(
@@ -211,9 +209,9 @@ def driver_code() -> bytes:
     """Object code of the driver for straight-line code, from the cache or compiled."""
 
     def text() -> str:
-        from . import modules  # what writes code is loaded where some is written
+        from ..backends import modules  # what writes code is loaded where some is written
 
-        return str(native.simplified(modules.text()))
+        return str(native.simplified(modules.processor_driver()))
 
     return stored_code(("driver",), text, native.object_code)
 
@@ -282,7 +280,7 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Steppe
         code = cache.read(name)
         if code is not None:
             return straight(code)
-        from .modules import pieces
+        from ..backends.modules import pieces
 
         cache.missed()
         with all_kept():
@@ -301,13 +299,23 @@ def loop_of(topology: Topology, loop: str, lanes: int, directions: int = 0) -> S
 
 def forget_steps() -> None:
     """Drops all steps that this process has traced, compiled or loaded: the text of a law is another one."""
-    from ..backends.gpu import program
-    from .modules import _traced  # what writes steps is loaded where one is written
+    from ..trace.straight_line import steps_of  # what writes steps is loaded where one is written
+    from .ptx import program
 
-    for cached in (data_driven_loop, straight_line, _traced, program):
+    for cached in (data_driven_loop, straight_line, steps_of, program):
         cached.cache_clear()
 
 
 def compiler_of(loop: str) -> dict[str, str]:
     """What compiles a loop, and its version."""
     return {} if loop == "interpreted" else {"llvmlite": native.llvmlite_version()}
+
+
+def python_line(topology: Topology) -> Stepped:
+    """Straight-line code of a topology as plain Python, one lane: slow, to be read and stepped through."""
+    from ..backends import python
+
+    space: dict[str, Any] = {"sqrt": math.sqrt}
+    # The text is our own and the user's laws, never a model file's.
+    exec(compile(python.module(topology), "<vfife straight line>", "exec"), space)
+    return Stepped({name: Interpreted(space[name]) for name in ENTRIES})

@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ...kernels.arrays import Counts, Integers, Numbers
-from ..backends.blocks import Array
+from ..backends.kinds import kinds_of, listed
 from ..trace.functiontext import WRITING
 from . import cache
 
@@ -149,8 +148,6 @@ class Code:
 
 
 DTYPES = {"f": np.float64, "u": np.uint32, "l": np.int64}
-ITEMS = {"f": "d", "u": "u", "l": "l"}  # what the items of an array are called in a text
-WORDS: dict[Any, str] = {int: "i", float: "d", Numbers: "f1", Integers: "u1", Counts: "l1"}
 
 
 def interpreted(body: str, name: str) -> Callable[..., Any]:
@@ -210,35 +207,6 @@ def stored_code(decisive: tuple[str, ...], write: Callable[[], str], make: Calla
             code = make(write())
             cache.keep(file, code)
         return code
-
-
-def arguments_of(function: Callable[..., Any]) -> str:
-    """Kinds of the arguments of a function that are annotated; a NamedTuple is one argument, with the kinds
-    of its fields in brackets.
-    """
-    kinds = dict(function.__annotations__)
-    returned = "->" if kinds.pop("return", None) is not None else ""
-    return returned + " ".join(
-        WORDS[one] if one in WORDS else f"({arguments_of(one)})" for one in kinds.values()
-    )
-
-
-def listed(arguments: str) -> list[str]:
-    """Kinds of the arguments one by one, those of a NamedTuple too."""
-    return arguments.removeprefix("->").replace("(", "").replace(")", "").split()
-
-
-def kinds_of(arguments: str) -> list[Any]:
-    """Kinds of the arguments, as :mod:`~vfife.compiler.backends.plain` has them."""
-    found: list[Any] = []
-    for word in arguments.removeprefix("->").replace("(", "( ").replace(")", " )").split():
-        if word == "(":
-            outer, found = found, []
-        elif word == ")":
-            found = [*outer, tuple(found)]
-        else:
-            found.append(Array(ITEMS[word[0]], int(word[1:])) if word[0] in ITEMS else word)
-    return found
 
 
 def signature(kinds: list[str], returns: Any) -> Any:

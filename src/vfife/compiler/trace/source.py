@@ -36,7 +36,7 @@ class Gathered:
     def __init__(self) -> None:
         self.texts: dict[str, str] = {}
         self.origin: dict[str, object] = {}
-        self.given: dict[str, str] = {}
+        self.written: dict[str, str] = {}
 
     def add(self, function: Callable[..., Any], name: str | None = None) -> str:
         """Adds a function, under another name if asked, and all it calls; returns the name it goes by."""
@@ -55,9 +55,9 @@ class Gathered:
         return name
 
     def _resolve(self, function: Callable[..., Any], used: str) -> None:
-        if used in self.given:
+        if used in self.written:
             if used not in self.texts:
-                self.texts[used] = self.given[used]
+                self.texts[used] = self.written[used]
             return
         value = function.__globals__.get(used, math)
         if value is math or isinstance(value, Fields) or is_record(value):
@@ -317,7 +317,7 @@ def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...])
 
 def _data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
     gathered = Gathered()
-    gathered.given = choices(contact_laws, friction_laws, gathered)
+    gathered.written = choices(contact_laws, friction_laws, gathered)
     gathered.add(loop.advance)
     gathered.add(loop.stream)
     return gathered.text()

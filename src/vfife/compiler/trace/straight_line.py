@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 from ...kernels import step as loop
 from ...kernels.arrays import PARTICLE, Layout
@@ -215,3 +216,19 @@ def functions(topology: Topology) -> list[Function]:
             )
         )
     return found
+
+
+class Steps(NamedTuple):
+    """What the loop of a topology is made of: functions of time, fast and full step, and the change of a step's size."""
+
+    functions: list[Function]
+    fast: Trace
+    full: Trace
+    resize: Trace
+
+
+@lru_cache(maxsize=2)  # a mechanism and its ideal one, each in several widths or with derivatives beside it
+def steps_of(topology: Topology, also: tuple[int, ...] = ()) -> Steps:
+    """The steps of a topology, which leave the scratch rows ``also``."""
+    full = trace(topology, full=True, also=also)
+    return Steps(functions(topology), trace(topology, also=also), full, resizing(topology))

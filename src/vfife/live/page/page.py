@@ -142,7 +142,7 @@ def put_together(data: Json) -> str:
 @lru_cache(maxsize=16)
 def step_of(topology: Topology) -> str:
     """The text of a step, kept for the next model that differs in numbers alone."""
-    return javascript.written(topology, left(Layout(topology)))
+    return javascript.module(topology, left(Layout(topology)))
 
 
 def worker(found: PageModel) -> str:

@@ -1,0 +1,62 @@
+"""The text of a graphics card's thread as PTX, the language that the drivers of NVIDIA's cards compile."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+
+from ...kernels.topology import Topology
+from ..backends.gpu import LEAST, kernel, module
+from ..backends.modules import STEPS, driver_text
+from ..trace.functiontext import WRITING
+from . import cache
+from .loops import origin
+from .native import llvmlite_version, simplified
+
+TRIPLE = "nvptx64-nvidia-cuda"
+
+
+@lru_cache(maxsize=1)
+def stream() -> str:
+    """The driver's ``stream`` with what it calls but the steps, without variables in memory: on a card these
+    would lie elsewhere than the rows.
+    """
+    text = str(simplified(driver_text("stream")))
+    steps = "|".join(STEPS)
+    text = re.sub(rf"^declare [^@]*@({steps})\(.*\n", "", text, flags=re.M)
+    return re.sub(r"^(; ModuleID|source_filename|target ).*\n", "", text, flags=re.M)
+
+
+def ptx(text: str, capability: int = LEAST) -> str:
+    """A text with ``member`` as PTX for cards of a compute capability (70: 7.0) and all later ones."""
+    return assembly(text, kernel(), capability)
+
+
+def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
+    """A text as PTX, with the kernels that call its functions."""
+    import llvmlite.binding as llvm
+
+    with WRITING:
+        llvm.initialize_all_targets()
+        llvm.initialize_all_asmprinters()
+        # Whatever is read or written lies in the card's own memory, which is quicker than an address that may
+        # be of any kind.
+        text = re.sub(r"^define (?!internal)", "define internal ", text, flags=re.M) + kernels
+        module = llvm.parse_assembly(re.sub(r"\bptr\b", "ptr addrspace(1)", text))
+        machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=f"sm_{capability}", opt=3)
+        module.triple, module.data_layout = TRIPLE, str(machine.target_data)
+        module.verify()
+        return str(machine.emit_assembly(module))
+
+
+@lru_cache(maxsize=16)
+def program(topology: Topology) -> str:
+    """PTX of a topology for all cards, from the cache or written."""
+    name = f"step-{cache.digest([*origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
+    found = cache.read(name)
+    if found is not None:
+        return found.decode()
+    cache.missed()
+    text = ptx(module(topology, stream()))
+    cache.keep(name, text.encode())
+    return text
