@@ -40,7 +40,7 @@ def chain(bodies: int, closed: bool, clearance: bool) -> Mechanism:
 def join(mechanism: Mechanism, name: str, bearing: str, journal: str, clearance: bool) -> None:
     """A joint of either kind."""
     if clearance:
-        mechanism.clearance(name, bearing, journal, clearance=2e-4, bearing_radius=0.01)
+        mechanism.clearance_joint(name, bearing, journal, clearance=2e-4, bearing_radius=0.01)
     else:
         mechanism.revolute(name, bearing, journal)
 

@@ -52,7 +52,7 @@ def journal(law: ContactLaw) -> Mechanism:
     m = Mechanism("journal in bearing", gravity=(0.0, -9.81), start=StartSettings(journals="seated"))
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=1.0)
-    m.clearance(
+    m.clearance_joint(
         "J",
         "ground.O",
         "journal.center",

@@ -29,7 +29,7 @@ def compressor() -> vfife.Mechanism:
     m.rigid_body("piston", mass="1 kg", inertia=1e-3, position=(0.2, 0))
     m.revolute("O", "ground.O", "crank.start")
     m.revolute("crankpin", "crank.end", "rod.start")
-    m.clearance(
+    m.clearance_joint(
         "pin",
         "rod.end",
         "piston.center",

@@ -22,7 +22,7 @@ m.link("coupler", length=0.260, mass=2.028, angle=math.radians(51))
 m.link("follower", length=0.460, mass=3.588, angle=math.radians(26))
 m.revolute("A", "ground.A", "crank.start")
 m.revolute("B", "crank.end", "coupler.start")
-m.clearance("C", "coupler.end", "follower.end", clearance=0.2e-3, bearing_radius=10e-3)
+m.clearance_joint("C", "coupler.end", "follower.end", clearance=0.2e-3, bearing_radius=10e-3)
 m.revolute("D", "ground.D", "follower.start")
 m.drive("crank", speed=50 * math.pi)
 

@@ -89,7 +89,9 @@ def journals(lane: int) -> Mechanism:
                 name, mass=0.5, inertia=2e-5, pins={"eye": (0.0, 0.0)}, velocity=(0.6, 0.2 + 0.1 * lane, 30.0)
             )
             chosen = contact_law(law, restitution=0.8 + 0.04 * lane)
-            m.clearance(name, "ground.O", f"{name}.eye", clearance=2e-4, bearing_radius=0.01, contact=chosen)
+            m.clearance_joint(
+                name, "ground.O", f"{name}.eye", clearance=2e-4, bearing_radius=0.01, contact=chosen
+            )
     return m
 
 
@@ -132,7 +134,7 @@ def machinery(lane: int) -> Mechanism:
         velocity=(0.1, 0.0, 300.0 * f),
     )
     film = Hydrodynamic(viscosity=0.03)
-    m.clearance(
+    m.clearance_joint(
         "journal",
         "ground.O3",
         "shaft.eye",
@@ -153,7 +155,7 @@ def machinery(lane: int) -> Mechanism:
         "contact": LankaraniNikravesh(restitution=0.7, stiffness=1e9),
         "friction": Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2),
     }
-    m.clearance("dry", "shaft.eye", "ring.eye", clearance=1e-4, bearing_radius=0.01, **dry)
+    m.clearance_joint("dry", "shaft.eye", "ring.eye", clearance=1e-4, bearing_radius=0.01, **dry)
     m.loads["follow"] = PointForce(name="follow", at="ring.eye", force=(3.0, 1.0), moment=0.1, follow=True)
     return with_settings(m, damping=0.5)
 
@@ -172,7 +174,7 @@ def cylinder(lane: int) -> Mechanism:
     )
     m.revolute("A", "ground.O", "crank.start")
     m.revolute("B", "crank.end", "rod.start")
-    m.clearance("C", "rod.end", "piston.eye", clearance=1e-4, bearing_radius=0.01)
+    m.clearance_joint("C", "rod.end", "piston.eye", clearance=1e-4, bearing_radius=0.01)
     m.slider("guide", "ground.O", "piston.eye", direction=(0.98, 0.2))
     m.drive("crank", speed=200.0 * f)
     m.guide_force(

@@ -26,7 +26,7 @@ def loosened(m: Mechanism, joint: str, clearance: float, **options: Any) -> Mech
     """The mechanism with play in one of its revolutes."""
     ideal = m.joints.pop(joint)
     options = {"bearing_radius": 0.01, "contact": SMOOTH, "friction": RUB} | options
-    m.clearance(joint, ideal.bearing, ideal.journal, clearance=clearance, **options)
+    m.clearance_joint(joint, ideal.bearing, ideal.journal, clearance=clearance, **options)
     return m
 
 

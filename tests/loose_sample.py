@@ -98,7 +98,7 @@ class Draft(Pencil):
         (bearing, a, arm), (journal, b, brm) = self.pin(one, at), self.pin(two, at)
         e, stiffness, friction = self.touching
         laws = self.laws() if self.plain else self.other_laws()
-        self.m.clearance(name, bearing, journal, clearance=play, bearing_radius=r + play, **laws)
+        self.m.clearance_joint(name, bearing, journal, clearance=play, bearing_radius=r + play, **laws)
         self.system.touches.append(
             plain.Touch(name, "bearing", a, arm, b, brm, r, r + play, stiffness, e, friction)
         )

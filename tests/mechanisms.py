@@ -68,7 +68,7 @@ def every_law() -> Mechanism:
             "contact": contact_law(law, viscosity=0.4, unloading=UNLOADING),
             "friction": frictions[k % len(frictions)](),
         }
-        m.clearance(
+        m.clearance_joint(
             law.name,
             "ground.O",
             f"{law.name}.eye",
@@ -125,7 +125,7 @@ def swing(contact: ContactLaw, lane: int = 0) -> Mechanism:
     m.revolute("O", "ground.O", "arm.start")
     m.revolute("P", "arm.end", "upper.start")
     friction = Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2)
-    m.clearance(
+    m.clearance_joint(
         "Q", "upper.end", "lower.eye", clearance=3e-4, bearing_radius=0.01, contact=contact, friction=friction
     )
     m.drivers["arm"] = Ramp(body="arm", speed=40.0 + lane, duration=0.004)

@@ -87,7 +87,7 @@ def four_bar(
     ):
         sides = ends[::-1] if exchanged else ends
         if name in clear:
-            m.clearance(name, *sides, **options)
+            m.clearance_joint(name, *sides, **options)
         else:
             m.revolute(name, *sides)
     m.drive("crank", speed=sense * speed)
@@ -99,7 +99,9 @@ def journal_in_bearing(speed: float = 1.0, mass: float = 1.0, **joint: Any) -> M
     m = Mechanism("journal in bearing")
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=mass, velocity=(speed, 0.0, 0.0))
-    m.clearance("J", "ground.O", "journal.center", **{"clearance": 5e-4, "bearing_radius": 0.01, **joint})
+    m.clearance_joint(
+        "J", "ground.O", "journal.center", **{"clearance": 5e-4, "bearing_radius": 0.01, **joint}
+    )
     return m
 
 

@@ -131,6 +131,7 @@ def __getattr__(name: str) -> Any:
             else import_module(f".{name}", __name__)
         )
         globals()[name] = value
+        _attach()
         return value
     if "__all__" not in globals() and (name == "__all__" or not name.startswith("__")):
         _furnish()
@@ -148,6 +149,14 @@ def _furnish() -> None:
         globals().update({name: getattr(module, name) for name in names or module.__all__})
         listed += [] if names else module.__all__
     globals()["__all__"] = listed
+    _attach()
+
+
+def _attach() -> None:
+    """Gives classes that are loaded the methods whose answers packages above them give."""
+    from importlib import import_module
+
+    import_module(".methods", __name__).attach()
 
 
 # Laws and kinds make themselves known in their rooms, so that a new one is its file and an import line there.

@@ -17,7 +17,10 @@ import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+if TYPE_CHECKING:
+    import pandas
 
 # A model file of a thousand bodies has some 300 kB. What is larger by a factor of a hundred is no file of
 # ours.
@@ -152,3 +155,30 @@ def write_rows(path: str | Path, rows: Iterable[Iterable[Any]]) -> None:
 def write_named(path: str | Path, heads: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
     """The same of rows by names, empty where one has no value of a head. Raises OSError."""
     write_rows(path, [heads, *([row.get(head, "") for head in heads] for row in rows)])
+
+
+class DataTable:
+    """An answer with a table: :meth:`table` yields its heads, then its rows."""
+
+    def table(self) -> Iterator[Sequence[Any]]:
+        """Yield the heads of the columns, then every row."""
+        raise NotImplementedError
+
+    def write_csv(self, path: str | Path) -> None:
+        """Write the table as CSV; a file that is there gives way when the new one is whole. Raises OSError."""
+        write_rows(path, self.table())
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the table for pandas, its rows numbered."""
+        import pandas
+
+        heads, *rows = self.table()
+        return pandas.DataFrame(rows, columns=list(heads))
+
+
+def named_rows(rows: Sequence[dict[str, Any]]) -> Iterator[Sequence[Any]]:
+    """Yield the heads and rows of maps by column; what a map lacks is None."""
+    heads = list(dict.fromkeys(key for row in rows for key in row))
+    yield heads
+    for row in rows:
+        yield [row.get(head) for head in heads]

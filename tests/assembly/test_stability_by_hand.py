@@ -55,7 +55,7 @@ def loose(offset: tuple[float, float] = (0.3, -0.4)) -> Assembly:
     m = Mechanism("loose", gravity=(0.0, 0.0))
     m.point("O", 0.0, 0.0)
     m.rigid_body("b", mass=2.0, inertia=0.5, pins={"p": offset})
-    m.clearance("J", "ground.O", "b.p", clearance=1e-4, bearing_radius=0.01, axial_length=0.02)
+    m.clearance_joint("J", "ground.O", "b.p", clearance=1e-4, bearing_radius=0.01, axial_length=0.02)
     return started(m)
 
 

@@ -296,7 +296,7 @@ def pressed(expected: float, inertia: float | None = None) -> Assembly:
     )
     for k, x in enumerate(arms):
         m.point(f"O{k}", x, 0.0)
-        m.clearance(
+        m.clearance_joint(
             f"J{k}",
             f"ground.O{k}",
             f"b.p{k}",

@@ -50,7 +50,7 @@ def model(lane: int) -> Mechanism:
             angle=-1.2,
             velocity=(0.4, -0.3, 9.0 - lane),
         )
-        m.clearance(
+        m.clearance_joint(
             f"J{n}",
             f"ground.O{n}",
             f"d{n}.eye",
@@ -65,7 +65,7 @@ def model(lane: int) -> Mechanism:
     m.link("lower", length=0.15, mass=0.5, angle=-0.9)
     m.revolute("A", "ground.A", "crank.start")
     m.revolute("P", "crank.end", "upper.start")
-    m.clearance(
+    m.clearance_joint(
         "Q",
         "upper.end",
         "lower.start",

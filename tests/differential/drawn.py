@@ -206,7 +206,9 @@ def contact(p: Pencil, seed: int) -> Drawn:
     else:
         clearance = 0.002
         bearing, journal = p.pin("ground", middle), p.pin(ball, middle)
-        p.m.clearance(name, bearing[0], journal[0], clearance=clearance, bearing_radius=r + clearance, **laws)
+        p.m.clearance_joint(
+            name, bearing[0], journal[0], clearance=clearance, bearing_radius=r + clearance, **laws
+        )
         touch("bearing", bearing, journal, r + clearance)
         v = p.real(0.2, 0.6) * cmath.rect(1.0, p.real(-3.0, 3.0))
     wish = np.zeros((len(p.system.mass) - 1, 3))
@@ -254,7 +256,7 @@ def linked(p: Pencil, seed: int) -> Drawn:
     for one, two in ((arm, rod), ("ground", last)):
         name, where, play, r = p.fresh("c"), p.near(two), p.real(5e-4, 1e-3), p.real(0.03, 0.05)
         bearing, journal = p.pin(one, where), p.pin(two, where)
-        p.m.clearance(
+        p.m.clearance_joint(
             name, bearing[0], journal[0], clearance=play, bearing_radius=r + play,
             contact=LankaraniNikravesh(restitution=e, stiffness=stiffness),
             friction=Ambrosio(coefficient=friction[0], v0=friction[1], v1=friction[2]),

@@ -148,7 +148,8 @@ def test_values_go_side_by_side_as_each_does_alone(monkeypatch) -> None:
 
 
 def test_a_table_has_every_point(tmp_path) -> None:
-    found = bifurcation(loose(), "joint.pin.clearance", 2e-4, 3e-4, **GIVEN)
+    found = bifurcation(loose(), "joint.pin.clearance", "0.2 mm", "0.3 mm", **GIVEN)
+    assert (found.asked.values[0], found.asked.values[-1]) == (2e-4, 3e-4)
     found.write_csv(tmp_path / "all.csv")
     lines = (tmp_path / "all.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * 3 * 2 and lines[0].startswith("joint.pin.clearance,way,turn,pin.penetration")
@@ -159,16 +160,13 @@ def test_a_table_has_every_point(tmp_path) -> None:
     ("joint.pin.clearance", {"series": ["pin.forc"]}, "pin.force"),
     ("joint.pin.clearance", {"turns": 2}, "no turn is left"),
     ("joint.pin.clearence", {}, "clearance"),
+    ("joint.pin.clearance", {"turns": "10"}, "turns"),
+    ("joint.pin.clearance", {"low": "2 s"}, "low"),
 ])  # fmt: skip
 def test_what_cannot_be_swept_is_told(path, words, said) -> None:
     with pytest.raises(ModelError, match=said):
-        bifurcation(
-            loose(),
-            path,
-            2e-4 if "pin" in path else 0.12,
-            3e-4 if "pin" in path else 0.13,
-            **{**GIVEN, **words},
-        )
+        ends = {"low": 2e-4, "high": 3e-4} if "pin" in path else {"low": 0.12, "high": 0.13}
+        bifurcation(loose(), path, **{**GIVEN, **ends, **words})
 
 
 def test_a_number_has_its_unit_wherever_it_stands() -> None:

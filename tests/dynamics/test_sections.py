@@ -39,7 +39,7 @@ def billiard(offset: float) -> vfife.Mechanism:
         pins={"pin": (0.0, 0.0)},
     )
     law = LankaraniNikravesh(restitution=1.0, stiffness=2e10)
-    m.clearance(
+    m.clearance_joint(
         "O",
         "ground.O",
         "ball.pin",

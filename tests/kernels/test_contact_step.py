@@ -43,7 +43,7 @@ def two_bodies(arms: bool, friction) -> Mechanism:
         velocity=(-1.0, 1.4, 9.0),
     )
     law = LankaraniNikravesh(restitution=RESTITUTION, stiffness=STIFFNESS)
-    m.clearance(
+    m.clearance_joint(
         "J", "a.eye", "b.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=law, friction=friction
     )
     return m

@@ -59,7 +59,7 @@ def four_bar(ground, first, coupler, second):
     m.link("follower", length=second, mass=1.0)
     m.revolute("A", "ground.A", "crank.start")
     m.revolute("B", "coupler.start", "crank.end")
-    m.clearance("C", "coupler.end", "follower.end", clearance=1e-4, bearing_radius=0.01)
+    m.clearance_joint("C", "coupler.end", "follower.end", clearance=1e-4, bearing_radius=0.01)
     m.revolute("D", "follower.start", "ground.D")
     return m
 

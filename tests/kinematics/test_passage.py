@@ -42,7 +42,7 @@ def four_bar(ground, crank, coupler, rocker, angle=0.0, hand=1.0, play=0.0):
     m.revolute("A", "ground.A", "crank.start")
     m.revolute("B", "crank.end", "coupler.start")
     if play:
-        m.clearance("C", "coupler.end", "rocker.end", clearance=play, bearing_radius=0.01)
+        m.clearance_joint("C", "coupler.end", "rocker.end", clearance=play, bearing_radius=0.01)
     else:
         m.revolute("C", "coupler.end", "rocker.end")
     m.revolute("D", "ground.D", "rocker.start")

@@ -132,7 +132,7 @@ import vfife
 m = vfife.Mechanism()
 m.point("O", 0.0, 0.0)
 m.point_mass("j", mass=1.0, velocity=(1.0, 0.0, 0.0))
-m.clearance("J", "ground.O", "j.center", clearance=2e-4, bearing_radius=0.01, contact=Mine())
+m.clearance_joint("J", "ground.O", "j.center", clearance=2e-4, bearing_radius=0.01, contact=Mine())
 print(float(vfife.simulate(m, duration=1e-3, loop="interpreted").measures["J.impacts"]))
 """
 

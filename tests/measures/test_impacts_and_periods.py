@@ -146,7 +146,7 @@ def test_worn_surfaces_lean_by_their_slope_over_the_eccentricity() -> None:
     m.point("O", 0.0, 0.0)
     m.rigid_body("journal", mass=1.0, inertia=1e-4)
     wear = Wear(bearing=1e-15, bearing_profile=(mean, a, b))
-    m.clearance(
+    m.clearance_joint(
         "J",
         "ground.O",
         "journal.center",

@@ -129,7 +129,7 @@ def test_a_parallelogram_on_springs() -> None:
     m.revolute("A", "ground.A", "left.start")
     m.revolute("D", "ground.D", "right.start")
     m.revolute("B", "left.end", "coupler.start")
-    m.clearance("C", "coupler.end", "right.end", clearance=1e-4, bearing_radius=0.01)  # counts as ideal
+    m.clearance_joint("C", "coupler.end", "right.end", clearance=1e-4, bearing_radius=0.01)  # counts as ideal
     m.torsional_spring("first", "ground", "left", stiffness=stiffness)
     m.torsional_spring("second", "ground", "right", stiffness=stiffness)
     (mode,) = modes(m).modes

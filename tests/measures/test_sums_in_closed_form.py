@@ -33,7 +33,7 @@ def rubbing(**blocks):
     m = Mechanism("journal in bearing", gravity=(0.0, 0.0))
     m.point("O", 0.0, 0.0)
     m.rigid_body("journal", mass=1.0, inertia=1e-4)
-    m.clearance("J", "ground.O", "journal.center", clearance=5e-4, bearing_radius=0.01, axial_length=0.02,
+    m.clearance_joint("J", "ground.O", "journal.center", clearance=5e-4, bearing_radius=0.01, axial_length=0.02,
                 friction=Coulomb(coefficient=0.1), wear=Wear(bearing=1e-15, journal=1e-15))  # fmt: skip
     return made_record(m, blocks, STEPS)
 

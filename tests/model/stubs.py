@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeVar
 
 from ..laws import ContactLaw, FrictionLaw, Material
-from .bodies import Frame, Link, Member, PointMass, RigidBody, Section
+from .bodies import Body, Frame, Link, Member, Pin, PointMass, RigidBody, Section
 from .drivers import *
 from .reading import Place, Quantity, Table
 from .joints import *
@@ -40,7 +40,8 @@ def builders() -> dict[str, Builder]: ...
 class Builders:
     name: str
     points: dict[str, tuple[float, float]]
-    def point(self, name: str, x: Quantity, y: Quantity) -> None: ...
+    def point(self, name: str, x: Quantity, y: Quantity) -> Pin: ...
+    def clearance(self, name: str, bearing: str, journal: str, **values: Any) -> ClearanceRevolute: ...
     def add(self, item: Item, name: str | None = None) -> Item: ...
 """
 

@@ -10,15 +10,8 @@ from vfife.compiler.runtime.native import compiled
 from vfife.compiler.trace.source import Gathered
 from vfife.kernels.polynomial import polynomial
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
-from vfife.model.functions import (
-    Polynomials,
-    clamped,
-    largest_speed,
-    motion_function,
-    torque_function,
-    turning_speed,
-)
-from vfife.model.geometry.polynomials import sine
+from vfife.model.functions import motion_function, turning_speed
+from vfife.model.geometry.polynomials import Polynomials, clamped, sine
 
 
 def test_many_times_at_once_are_those_of_one():
@@ -69,13 +62,13 @@ def test_a_step_is_the_fifth_order_polynomial_and_rests_else():
         assert function(time)[0] == pytest.approx(2.0 - 0.3 * (10 * s**3 - 15 * s**4 + 6 * s**5), abs=1e-14)
         assert function(time)[2] == pytest.approx(-0.3 * (60 * s - 180 * s**2 + 120 * s**3) / 0.16, abs=1e-11)
     assert max(abs(function(time)[1]) for time in np.linspace(0.0, 0.6, 601)) == pytest.approx(
-        largest_speed(driver), rel=1e-9
+        driver.largest_speed, rel=1e-9
     )
 
 
 def test_a_torque_keeps_its_end_values():
     speeds, values = (-3.0, 0.0, 2.0, 5.0), (9.0, 7.0, 4.0, -1.0)
-    function = torque_function(Torque(body="b", value=values, speeds=speeds, interpolation="spline"))
+    function = Torque(body="b", value=values, speeds=speeds, interpolation="spline").effort()
     fit = CubicSpline(speeds, values, bc_type="natural")
     for x in np.linspace(-9.0, 9.0, 181):
         assert function(x)[0] == pytest.approx(float(fit(min(max(x, -3.0), 5.0))), abs=1e-12)
@@ -139,7 +132,7 @@ def test_only_turning_drivers_make_turns():
     assert turning_speed(ConstantSpeed(body="b", speed=-3.0)) == 3.0
     assert turning_speed(ConstantSpeed(slider="s", speed=-3.0)) == 0.0
     assert turning_speed(Harmonic(body="b", amplitude=1.0, frequency=1.0)) == 0.0
-    assert largest_speed(Harmonic(body="b", amplitude=0.5, frequency=2.0)) == pytest.approx(2.0 * math.pi)
-    assert largest_speed(AngleTable(body="b", times=(0.0, 2.0), values=(0.0, 5.0))) == 2.5
+    assert Harmonic(body="b", amplitude=0.5, frequency=2.0).largest_speed == pytest.approx(2.0 * math.pi)
+    assert AngleTable(body="b", times=(0.0, 2.0), values=(0.0, 5.0)).largest_speed == 2.5
     with pytest.raises(TypeError, match="Torque prescribes no motion"):
         motion_function(Torque(body="b", value=1.0))

@@ -63,17 +63,17 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
         ("[body.bar] length = -0.1", "negative", "above 0 m"),
     ),
     "millimetres as metres": (
-        lambda: machine().clearance("C", "rod.end", "ground.O", clearance=0.2, bearing_radius="10 mm"),
+        lambda: machine().clearance_joint("C", "rod.end", "ground.O", clearance=0.2, bearing_radius="10 mm"),
         ("[joint.C] clearance = 0.2", "no journal is left", "check the units"),
     ),
     "a misspelt law": (
-        lambda: machine().clearance(
+        lambda: machine().clearance_joint(
             "C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", contact="hertzz"
         ),
         ("[joint.C.contact] law", "no contact law is called so", 'mean "hertz"'),
     ),
     "a law that was not made": (
-        lambda: machine().clearance(
+        lambda: machine().clearance_joint(
             "C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", friction=vfife.Coulomb
         ),
         ("[joint.C] friction = Coulomb", "the law's class", "write Coulomb()"),

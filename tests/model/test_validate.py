@@ -31,7 +31,7 @@ def crank() -> Mechanism:
     m.link("arm", length=0.1, mass=1.0, material=Material("steel", 2.0e11))
     m.link("rod", length=0.2, mass=1.0, material=Material("steel", 2.1e11))
     m.revolute("A", "ground.O", "arm.start")
-    m.clearance("B", "arm.end", "rod.start", clearance=1e-4, bearing_radius=0.01)
+    m.clearance_joint("B", "arm.end", "rod.start", clearance=1e-4, bearing_radius=0.01)
     m.drive("arm", speed=10.0)
     return m
 

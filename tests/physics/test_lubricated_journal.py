@@ -26,7 +26,7 @@ def shaft(speed: float, force: tuple[float, float], mass: float = 0.05, **law: f
     m.point("O", 0.0, 0.0)
     m.rigid_body("shaft", mass=mass, inertia=1e-3, velocity=(0.0, 0.0, speed))
     contact = Hydrodynamic(viscosity=VISCOSITY, **law)
-    m.clearance(
+    m.clearance_joint(
         "J",
         "ground.O",
         "shaft.center",

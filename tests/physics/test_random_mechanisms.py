@@ -116,7 +116,7 @@ class Builder:
                     [Frictionless(), Coulomb(coefficient=0.2), Ambrosio(coefficient=0.1, v0=1e-3, v1=1e-2)]
                 )
             )
-            self.m.clearance(
+            self.m.clearance_joint(
                 name,
                 bearing,
                 journal,

@@ -58,7 +58,7 @@ def disc_on_a_slope(law: FrictionLaw, tangent: float, steps: int, damping: float
     m = Mechanism("disc on a slope", gravity=(0.0, -G))
     m.point("O", 0.0, 0.0)
     m.rigid_body("disc", mass=1.0, inertia=5e-5, pins={"eye": (0.0, 0.0)}, position=(0.0, 0.0))
-    m.clearance(
+    m.clearance_joint(
         "J", "ground.O", "disc.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law
     )
     torque = -G * math.sin(angle) * (RADIUS - CLEARANCE - depth / 2)
@@ -85,7 +85,7 @@ def hanging(law: FrictionLaw, share: float, steps: int, lower: bool, turn: float
     m.point("O", 0.0, 0.0)
     points = {"eye": (0.0, 0.0), "end": tuple(end * down)}
     m.rigid_body("rod", mass=mass, inertia=2e-3, center=tuple(length * down), pins=points, angle=lean + turn)
-    m.clearance(
+    m.clearance_joint(
         "J", "ground.O", "rod.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law
     )
     eye = np.array([away * math.sin(angle), -away * math.cos(angle)])
@@ -194,7 +194,7 @@ def brake(
     m.point("O", 0.0, 0.0)
     m.rigid_body("disc", mass=1.0, inertia=2e-4, pins={"eye": (0.0, 0.0)}, velocity=(0.0, 0.0, spin))
     m.revolute("axle", "ground.O", "disc.eye")
-    m.clearance(
+    m.clearance_joint(
         "J", "ground.O", "disc.eye", clearance=CLEARANCE, bearing_radius=RADIUS, contact=CONTACT, friction=law
     )
     if torque:

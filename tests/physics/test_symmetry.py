@@ -67,7 +67,7 @@ def free_chain(
     ends = [("a.end", "b.start"), ("b.end", "c.eye")]
     ideal, clear = (pair[::-1] if exchanged else pair for pair in ends)
     m.revolute("P", *ideal)
-    m.clearance(
+    m.clearance_joint(
         "Q", *clear, clearance=3e-4, bearing_radius=0.01, contact=LankaraniNikravesh(restitution=0.7, stiffness=6.6e9),
         friction=friction or Ambrosio(coefficient=0.2, v0=1e-3, v1=1e-2), friction_moment=moment,
     )  # fmt: skip

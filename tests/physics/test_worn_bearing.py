@@ -29,7 +29,7 @@ def afloat(wear: Wear | None) -> Mechanism:
     m = Mechanism("a pin in a ring")
     m.rigid_body("ring", mass=0.3, inertia=4e-5, pins={"bore": (0.0, 0.0)}, velocity=(-0.1, 0.05, 60.0))
     m.rigid_body("pin", mass=0.2, inertia=1e-5, pins={"axis": (0.0, 0.0)}, velocity=(0.4, -0.2, -150.0))
-    m.clearance("bore", "ring.bore", "pin.axis", wear=wear, **SIZES)
+    m.clearance_joint("bore", "ring.bore", "pin.axis", wear=wear, **SIZES)
     return m
 
 
@@ -90,7 +90,7 @@ def impact(
         pins={"axis": (0.0, 0.0)},
         velocity=(math.cos(angle), math.sin(angle), 0.0),
     )
-    m.clearance("O", "ground.O", "journal.axis", wear=wear, **SIZES | {"clearance": clearance})
+    m.clearance_joint("O", "ground.O", "journal.axis", wear=wear, **SIZES | {"clearance": clearance})
     assembly = assemble(m, 5e-7, duration=8e-4, outputs=4)
     assembly.state[assembly.layout.row("contact_bearing_x")] = shift
     record = run(assembly)

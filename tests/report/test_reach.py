@@ -28,7 +28,7 @@ def slider_crank(play: bool = False) -> Mechanism:
     m.revolute("O", "ground.O", "crank.start")
     m.revolute("A", "crank.end", "rod.start")
     if play:
-        m.clearance("B", "rod.end", "block.center", clearance=1e-4, bearing_radius=0.01)
+        m.clearance_joint("B", "rod.end", "block.center", clearance=1e-4, bearing_radius=0.01)
     else:
         m.revolute("B", "rod.end", "block.center")
     m.slider("S", "ground.G", "block.center")

@@ -23,7 +23,7 @@ def slider_crank(elastic: bool, clearance: bool) -> Mechanism:
     m.revolute("A", "ground.O", "crank.start")
     m.revolute("B", "crank.end", "rod.start")
     if clearance:
-        m.clearance("C", "rod.end", "block.center", clearance=2e-4, bearing_radius=5e-3)
+        m.clearance_joint("C", "rod.end", "block.center", clearance=2e-4, bearing_radius=5e-3)
     else:
         m.revolute("C", "rod.end", "block.center")
     m.slider("D", "ground.O", "block.center")

@@ -226,7 +226,7 @@ def test_it_is_shown_and_kept(tmp_path) -> None:
 def test_a_number_says_whether_it_was_estimated() -> None:
     assert repr(Measured(2.5)) == "2.5 (not estimated)" and str(Measured(2.5)) == "2.5" == f"{Measured(2.5)}"
     assert (
-        repr(Measured(2.5, 2.0, 3.0)) == "2.5 (2.0 to 3.0)"
+        repr(Measured(2.5, 2.0, 3.0)) == "2.5 (2 to 3)"
         and Measured(2.5, 2.0, 3.0).estimated
         and not Measured(2.5, 2.5, 2.5, estimated=False).estimated
     )

@@ -104,7 +104,7 @@ def test_a_steady_motion_wears_in_exact_proportion():
     m.revolute("O", "ground.O", "shaft.axis")
     m.slider("guide", "ground.O", "ring.bore", direction=(0.0, 1.0))
     wears = {"bearing": SOFT, "journal": HARD}
-    m.clearance(
+    m.clearance_joint(
         "bore",
         "ring.bore",
         "shaft.axis",

@@ -410,7 +410,7 @@ def test_a_journal_settles_in_its_bearing():
     m = Mechanism("journal", gravity=(0.0, -9.81), settings=static(1.0, 2.0))
     m.point("O", 0.0, 0.0)
     m.point_mass("j", mass=1.0)
-    m.clearance(
+    m.clearance_joint(
         "J",
         "ground.O",
         "j.center",
@@ -432,7 +432,7 @@ def test_a_journal_finds_the_lowest_point():
     m = Mechanism("journal", gravity=(5.0, -9.81), settings=static())
     m.point("O", 0.0, 0.0)
     m.point_mass("j", mass=1.0)
-    m.clearance(
+    m.clearance_joint(
         "J",
         "ground.O",
         "j.center",
@@ -451,7 +451,7 @@ def test_a_rod_comes_to_hang(clear):
     m.point("O", 0.0, 0.0)
     m.link("rod", length=1.0, mass=2.0)
     if clear:
-        m.clearance(
+        m.clearance_joint(
             "J",
             "ground.O",
             "rod.start",

@@ -102,7 +102,7 @@ def test_the_python_front_end_does_its_work(tmp_path, monkeypatch):
     m.link("follower", length=0.460, mass=3.588, angle="26 deg")
     m.revolute("A", "ground.A", "crank.start")
     m.revolute("B", "crank.end", "coupler.start")
-    m.clearance("C", "coupler.end", "follower.end", clearance="0.2 mm", bearing_radius="10 mm")
+    m.clearance_joint("C", "coupler.end", "follower.end", clearance="0.2 mm", bearing_radius="10 mm")
     m.revolute("D", "ground.D", "follower.start")
     m.drive("crank", speed="1500 rpm")
     m.check()

@@ -20,7 +20,7 @@ from ..kinematics.drives import standing
 from ..kinematics.initial import Given, Motion, attempt, ideal_motion, seated
 from ..laws import ContactLaw, FrictionLaw, Law, Material
 from ..laws.check import try_out
-from ..model.functions import Polynomials
+from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces

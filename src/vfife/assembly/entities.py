@@ -30,8 +30,9 @@ from ..kinematics.drives import constraint_drivers, guide_of, kinematic_drivers,
 from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
 from ..kinematics.pins import local_point
-from ..model.functions import Polynomials, carrier_of, motion_function
+from ..model.functions import carrier_of, motion_function
 from ..model.geometry.path import Path
+from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Contact
 from ..model.lumping import Mesh, is_elastic, mesh, rigid_properties
 from ..model.mechanism import Mechanism

@@ -5,37 +5,35 @@ start or of the model.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError
-from ..files import write_rows
 from ..measures.chaos import ALIKE_POINTS as ALIKE
 from ..measures.chaos import Attractor, Verdict, attractors, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
+from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame
 from ..solvers.turn_runner import Start
 from ..store.mapfile import MapFile
 from .maps import (
+    MAP_DEFAULTS,
     START,
     TURNED_START,
     MapOptions,
     MapSpec,
-    Range,
     TurnRun,
     chosen_series,
     models_along,
     neighbours_of,
-    with_defaults,
 )
-from .start_states import StartStates, refuse_contradiction, unit_of_start
+from .start_states import StartStates, refuse_contradiction, unit_of_start, values_between
 from .step_check import SAMPLE, CheckedMap, Companion, orbits, packed, sampled, start_companions, unpacked
 
 if TYPE_CHECKING:
@@ -88,7 +86,7 @@ class BasinSpec(MapSpec):
         return {self.paths[0]: self.x[case % len(self.x)], self.paths[1]: self.y[case // len(self.x)]}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Basins(CheckedMap):
     """Basins of attraction.
 
@@ -166,25 +164,30 @@ class Basins(CheckedMap):
 
         return figure_of(self)
 
-    def write_csv(self, path: str | Path) -> None:
-        """Write a row for each case: its two numbers, attractor (counted from 1), motion and exponent, and
+    def table(self) -> Iterator[Sequence[object]]:
+        """Yield a row for each case: its two numbers, attractor (counted from 1), motion and exponent, and
         its series at the end.
         """
-        rows: list[list[object]] = [[*self.spec.paths, "attractor", "kind", "exponent", *self.spec.series]]
+        yield [*self.spec.paths, "attractor", "kind", "exponent", *self.spec.series]
         labels = self.labels.reshape(-1)
         for case, one in self.verdicts.items():
             value = "" if one.exponent is None else one.exponent.value
             numbers = self.spec.numbers(case).values()
-            rows.append([*numbers, int(labels[case]) + 1, one.kind, value, *self.points[case][-1].tolist()])
-        write_rows(path, rows)
+            yield [*numbers, int(labels[case]) + 1, one.kind, value, *self.points[case][-1].tolist()]
 
 
+Axis = tuple[str, float | str, float | str]  # path of a number, its lowest and its highest value
+
+
+@with_options(MapOptions, **MAP_DEFAULTS, turns=60)
 def basins(
-    mechanism: Mechanism, x: Range, y: Range, *, count: tuple[int, int] = (16, 16), exponents: bool = True, companions: int = SAMPLE,
+    mechanism: Mechanism, x: Axis, y: Axis, *, count: tuple[int, int] = (16, 16), exponents: bool = True, companions: int = SAMPLE,
     **options: Unpack[MapOptions],
 ) -> Basins:  # fmt: skip
-    """Find the motion to which each start of a grid leads; ``x`` and ``y`` are (path, from, to) in SI units,
-    with ``count`` values.
+    """Find the motion to which each start of a grid leads; ``x`` and ``y`` are (path, from, to), with
+    ``count`` values.
+
+    >>> basins(m, ("start.crank", 0, "90 deg"), ("start.C.x", "-0.1 mm", "0.1 mm")).plot()  # doctest: +SKIP
 
     Paths: ``start.crank`` (rad, from the model's own start on), ``start.JOINT.x`` and ``.y`` (m: the journal
     in its bearing, seen from it), ``start.JOINT.vx`` and ``.vy`` (m/s), or any number of the model, as in
@@ -202,9 +205,13 @@ def basins(
     journal outside its bearing is no start, and left out. Raises ModelError for a grid that cannot be
     computed, HeldError where another process writes the file.
     """
-    run = TurnRun("basins", **with_defaults(options, turns=60))
+    run = TurnRun("basins", **options)
     paths, units = (x[0], y[0]), grid_units(mechanism, x[0], y[0])
-    steps = run.step_count(models_along(mechanism, (x, y)))
+    xs, ys = (
+        values_between("basins", mechanism, path, ends, number)
+        for (path, *ends), number in zip((x, y), count, strict=True)
+    )
+    steps = run.step_count(models_along(mechanism, ((x[0], xs[0], xs[-1]), (y[0], ys[0], ys[-1]))))
     own = StartStates(mechanism, steps)
     first = own.at({})
     refuse_large_frame(first)
@@ -221,10 +228,6 @@ def basins(
             first_look=FIRST_LOOK,
         ),
         first,
-    )
-    xs, ys = (
-        tuple(np.linspace(low, high, number).tolist())
-        for (_, low, high), number in zip((x, y), count, strict=True)
     )
     series, _ = chosen_series(first, run.series)
     spec = BasinSpec(

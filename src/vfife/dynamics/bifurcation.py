@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
-from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, Unpack
 
 import numpy as np
@@ -16,16 +15,17 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError
-from ..files import write_rows
 from ..measures.chaos import Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
+from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start, Sweep, carried_on, side_by_side
 from ..store.mapfile import MapFile
 from .maps import (
+    MAP_DEFAULTS,
     MapOptions,
     MapRows,
     MapSpec,
@@ -35,9 +35,8 @@ from .maps import (
     neighbours_of,
     series_values,
     unit_at,
-    with_defaults,
 )
-from .start_states import StartStates, refuse_contradiction, start_words
+from .start_states import StartStates, refuse_contradiction, start_words, values_between
 from .step_check import (
     SAMPLE,
     CheckedMap,
@@ -105,7 +104,7 @@ class Spell:
     count: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Bifurcation(CheckedMap):
     """A bifurcation diagram, its values in the order of the way up, NaN where they are not known yet.
 
@@ -183,18 +182,17 @@ class Bifurcation(CheckedMap):
 
         return diagram(self)
 
-    def write_csv(self, path: str | Path) -> None:
-        """Write a row for every value, way and turn that was looked at, with the exponent and the kind of the
+    def table(self) -> Iterator[Sequence[object]]:
+        """Yield a row for every value, way and turn that was looked at, with the exponent and the kind of the
         motion.
         """
-        rows: list[list[object]] = [[self.spec.path, "way", "turn", *self.spec.series, "exponent", "kind"]]
+        yield [self.spec.path, "way", "turn", *self.spec.series, "exponent", "kind"]
         for chain, way in enumerate(self.spec.ways):
             for k, value in enumerate(self.spec.values):
                 if kind := self.kinds[chain][k]:
                     points = np.stack([one[chain, k] for one in self.points.values()], axis=1)
                     for turn, row in enumerate(points.tolist(), self.spec.dropped + 1):
-                        rows.append([value, way, turn, *row, float(self.exponents[chain, k, 0]), kind])
-        write_rows(path, rows)
+                        yield [value, way, turn, *row, float(self.exponents[chain, k, 0]), kind]
 
 
 def load_rows(rows: MapRows, spec: SweepSpec) -> list[Companion]:
@@ -222,12 +220,15 @@ def chain_values(
             yield k, value, shaped[:, :, k], growth[:, k]
 
 
+@with_options(MapOptions, **MAP_DEFAULTS, turns=90)
 def bifurcation(
-    mechanism: Mechanism, path: str, low: float, high: float, *, count: int = 60, starts: Sequence[Mapping[str, float]] = (),
+    mechanism: Mechanism, path: str, low: float | str, high: float | str, *, count: int = 60, starts: Sequence[Mapping[str, float]] = (),
     companions: int = SAMPLE, **options: Unpack[MapOptions],
 ) -> Bifurcation:  # fmt: skip
-    """Sweep the number at ``path`` from ``low`` to ``high`` (SI) and back in ``count`` values, the state
-    carried on from one to the next.
+    """Sweep the number at ``path`` from ``low`` to ``high`` and back in ``count`` values, the state carried on
+    from one to the next.
+
+    >>> bifurcation(mechanism, "joint.C.clearance", "0.1 mm", "1 mm", count=30).plot()  # doctest: +SKIP
 
     ``turns`` (90) are simulated at each value, of which the first ``dropped``, two thirds unless given, are
     not looked at. ``series`` are looked at once a turn, at a ``phase`` (1) of it, by their names in
@@ -244,8 +245,8 @@ def bifurcation(
     half of the disk. Raises ModelError for a number that cannot be swept so, HeldError where another process
     writes the file.
     """
-    run = TurnRun("bifurcation", **with_defaults(options, turns=90))
-    values = tuple(np.linspace(low, high, count).tolist())
+    run = TurnRun("bifurcation", **options)
+    values = values_between("bifurcation", mechanism, path, (low, high), count)
     own = tuple(tuple(sorted((name, float(value)) for name, value in one.items())) for one in starts)
     for one in own:
         refuse_contradiction(mechanism, (path, *dict(one)))

@@ -5,28 +5,31 @@ series, and the forecast.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import product, takewhile
 from pathlib import Path
-from typing import Any, ClassVar, Self, TypedDict
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, VfifeError, suggestion
+from ..files import DataTable
 from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_step
 from ..job.job import job_of
-from ..model.above import NotebookDocument
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, numbers
+from ..options import Watch
+from ..report.html import NotebookDocument
 from ..results.view import View, standing
 from ..schema import Measure
 from ..simulation.turn_steps import step_count, with_steps
+from ..solvers.arguments import Arguments
 from ..solvers.record import Record
 from ..solvers.tangents import Neighbours, steps_of_turn
 from ..solvers.turn_runner import TurnRunner, carried_on
@@ -54,8 +57,8 @@ class MapSpec:
         return cls(**{key: nested(value) for key, value in stored.items()})
 
 
-@dataclass(frozen=True)
-class Map(NotebookDocument):
+@dataclass(frozen=True, repr=False)
+class Map(NotebookDocument, DataTable):
     """A map, as far as it is computed: the ``name`` of the model, and the specification ``spec``."""
 
     kind: ClassVar[str]  # in map files
@@ -80,27 +83,23 @@ class Map(NotebookDocument):
 # -------------------------------------------------------------------------------------------------------------- running
 
 
-def with_defaults(options: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
-    """Keywords of a map and their defaults."""
-    return {**defaults, **options}
-
-
-class RunOptions(TypedDict, total=False):
+class RunOptions(Watch, total=False):
     """Keywords of all maps."""
 
     turns: int
-    series: Sequence[str]
-    step: float | None
-    file: str | Path | None
-    progress: Callable[[int, int], None] | None
-    confirm: bool
+    series: Sequence[str]  # by their names in ``result.series``
+    step: float | str | None  # s
+    file: str | Path | None  # keeps what is computed; the same call continues it
 
 
 class MapOptions(RunOptions, total=False):
     """Keywords of maps that look at a motion once a turn."""
 
-    dropped: int | None
-    phase: float
+    dropped: int | None  # turns that are not looked at
+    phase: float  # 1: where in a turn
+
+
+MAP_DEFAULTS: dict[str, Any] = {"series": (), "phase": 0.0, "confirm": False}
 
 
 @dataclass
@@ -113,13 +112,18 @@ class MapRun:
     caller: str
     turns: int
     series: Sequence[str] = ()
-    step: float | None = None
+    step: Any = None
     file: str | Path | None = None
     progress: Any = None
     confirm: bool = False
 
     def __post_init__(self) -> None:
-        report, self.series = self.progress, tuple(self.series)
+        report, given = self.progress, Arguments(self.caller)
+        given.count("turns", self.turns, optional=False)
+        self.step: float | None = given.quantity("step", self.step, "s")
+        given.callable("progress", report)
+        given.check()
+        self.series = (self.series,) if isinstance(self.series, str) else tuple(self.series)
         self.job = job_of(
             self.caller, self.file, self.confirm, report, lambda one: report(one.done, one.steps)
         )

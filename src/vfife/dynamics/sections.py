@@ -4,7 +4,7 @@ kind, with the evidence.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Unpack
@@ -17,10 +17,12 @@ from ..files import write_rows
 from ..measures.chaos import Exponent, Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
+from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.impact_section import COLUMNS, Sectioning
 from ..store.mapfile import MapFile
 from .maps import (
+    MAP_DEFAULTS,
     Map,
     MapOptions,
     MapRows,
@@ -30,7 +32,6 @@ from .maps import (
     neighbours_of,
     refuse_unknown,
     series_values,
-    with_defaults,
 )
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ class SectionSpec(MapSpec):
     units: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PoincareSection(Map):
     """A Poincaré section, as far as it is known.
 
@@ -115,13 +116,16 @@ class PoincareSection(Map):
 
         return section(self)
 
-    def write_csv(self, path: str | Path) -> None:
-        """Write a row for every turn that was looked at; for contacts also ``NAME.impacts.csv``, with a row
-        for every onset.
-        """
+    def table(self) -> Iterator[Sequence[object]]:
+        """Yield a row for every turn that was looked at."""
+        yield ["turn", *self.spec.series, "growth"]
         turns = np.column_stack([*self.points.values(), self.growth]).tolist()
-        rows = ([self.spec.dropped + turn, *row] for turn, row in enumerate(turns, 1))
-        write_rows(path, [["turn", *self.spec.series, "growth"], *rows])
+        for turn, row in enumerate(turns, self.spec.dropped + 1):
+            yield [turn, *row]
+
+    def write_csv(self, path: str | Path) -> None:
+        """Write the table, and the onsets of contact into NAME.impacts.csv beside it, if there are any."""
+        super().write_csv(path)
         if self.struck:
             onsets = {
                 name: np.column_stack([one[column] for column in COLUMNS[1:]]).tolist()
@@ -133,6 +137,7 @@ class PoincareSection(Map):
             )
 
 
+@with_options(MapOptions, **MAP_DEFAULTS, turns=300)
 def poincare_section(
     mechanism: Mechanism, *, joints: Sequence[str] = (), **options: Unpack[MapOptions]
 ) -> PoincareSection:
@@ -146,7 +151,7 @@ def poincare_section(
     ``confirm``: compute even what takes more than an hour. Raises ModelError for a mechanism that cannot be
     looked at so, HeldError where another process writes the file.
     """
-    run = TurnRun("poincare_section", **with_defaults(options, turns=300, dropped_share=1 / 3))
+    run = TurnRun("poincare_section", **options, dropped_share=1 / 3)
     steps = run.step_count([mechanism])
     first = with_steps(mechanism, steps)
     refuse_large_frame(first)

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,9 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..numerics.scalar import hypot
+from ..schema import Measure
 from ..simulation.turn_steps import with_steps
+from ..solvers.arguments import Arguments
 from .maps import unit_at
 
 Array = NDArray[np.float64]
@@ -49,6 +52,26 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str:
             )
         return AXES[axis]
     return unit_at(mechanism, path)
+
+
+def values_between(
+    function: str, mechanism: Mechanism, path: str, ends: Sequence[Any], count: int
+) -> tuple[float, ...]:
+    """Values (SI) from one end to the other, numbers or texts with a unit, of a number of a model or a start.
+
+    Raises ModelError for the arguments of ``function``: no such number, or ends that are none of its values.
+    """
+    given = Arguments(function)
+    given.mechanism(mechanism)
+    given.count("count", count, optional=False)
+    given.check()
+    try:
+        unit = Measure(unit_of_start(mechanism, path))
+    except ValueError as error:
+        raise ModelError([Fault("path", str(error))], mechanism.name) from None
+    low, high = (given.read(name, unit, end) for name, end in zip(("low", "high"), ends, strict=True))
+    given.check()
+    return tuple(np.linspace(low, high, count).tolist())
 
 
 def start_words(numbers: Iterable[tuple[str, float]]) -> str:

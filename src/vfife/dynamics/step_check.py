@@ -48,7 +48,7 @@ class Companion:
     kind: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CheckedMap(Map):
     """A map of which some cases were repeated with other steps (``companions``)."""
 

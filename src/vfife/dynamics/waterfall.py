@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
 import numpy as np
@@ -15,12 +14,12 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError
-from ..files import write_rows
 from ..job.cost import ASSEMBLY
 from ..measures.spectral import COSINES, resolution_of, window_of
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
+from ..options import with_options
 from ..results.spectra import spectrum
 from ..results.view import View, standing
 from ..simulation.simulate import prepare
@@ -31,6 +30,7 @@ from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
 from ..store.mapfile import MapFile
 from .maps import Map, MapRun, MapSpec, MapWork, RunOptions, checked_series, unit_at
+from .start_states import values_between
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -105,7 +105,7 @@ class WaterfallSpec(MapSpec):
         return round(self.highest * self.last) + 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Waterfall(Map):
     """Amplitudes of orders over a number, NaN where they are not known yet, or where the motion diverged.
 
@@ -174,21 +174,20 @@ class Waterfall(Map):
 
         return over_values(self, hertz)
 
-    def write_csv(self, path: str | Path) -> None:
-        """Write a row for each value and order: value, order, frequency (Hz) and the amplitude of each
-        series. Raises OSError.
+    def table(self) -> Iterator[Sequence[object]]:
+        """Yield a row for each value and order: value, order, frequency (Hz) and the amplitude of each
+        series.
         """
         spec = self.spec
         heads = (f"{name} [{unit}]" for name, unit in zip(spec.series, spec.units, strict=True))
-        table: list[list[object]] = [[f"{spec.path} [{spec.unit}]", "order [1]", "frequency [Hz]", *heads]]
+        yield [f"{spec.path} [{spec.unit}]", "order [1]", "frequency [Hz]", *heads]
         values = np.stack([self.amplitudes[name] for name in spec.series], axis=2)
         for value, frequencies, amplitudes in zip(
             spec.values, self.frequencies.tolist(), values, strict=True
         ):
             if np.isfinite(amplitudes).all():
                 rows = zip(self.orders.tolist(), frequencies, amplitudes.tolist(), strict=True)
-                table += ([value, order, frequency, *row] for order, frequency, row in rows)
-        write_rows(path, table)
+                yield from ([value, order, frequency, *row] for order, frequency, row in rows)
 
 
 class SpectrumOptions(RunOptions, total=False):
@@ -205,7 +204,6 @@ class SpectrumRun(MapRun):
     spectra.
     """
 
-    turns: int = 12
     outputs: int = 1440
     highest: float = 50.0
     window: str = "hann"
@@ -241,18 +239,21 @@ class SpectrumRun(MapRun):
             raise ModelError(faults, mechanism.name)
 
 
+@with_options(SpectrumOptions, turns=12, series=(), outputs=1440, highest=50.0, window="hann", confirm=False)
 def waterfall(
     mechanism: Mechanism,
     path: str,
-    low: float,
-    high: float,
+    low: float | str,
+    high: float | str,
     *,
     count: int = 50,
     last: int | None = None,
     **options: Unpack[SpectrumOptions],
 ) -> Waterfall:
     """Compute spectra of ``series`` over the number at ``path``, as ``driver.crank.speed``, from ``low`` to
-    ``high`` (SI) in ``count`` runs.
+    ``high`` in ``count`` runs.
+
+    >>> waterfall(mechanism, "driver.crank.speed", "500 rpm", "3000 rpm").plot()  # doctest: +SKIP
 
     Each makes ``turns`` (12), of which the ``last``, four unless given, are transformed under a ``window``
     ("hann"): orders up to the ``highest`` (50) are resolved to 1/last of a turn. What is faster than half the
@@ -264,9 +265,13 @@ def waterfall(
     Raises ModelError for what cannot be computed, HeldError where another process writes the file.
     """
     run = SpectrumRun("waterfall", **options)
+    values = values_between("waterfall", mechanism, path, (low, high), count)
     last, text = min(LAST, run.turns) if last is None else last, dump(mechanism)
     run.check(mechanism, last)
-    probed = [loads(text, set=[(path, value)]) for value in np.linspace(low, high, PROBED_VALUES).tolist()]
+    probed = [
+        loads(text, set=[(path, value)])
+        for value in np.linspace(values[0], values[-1], PROBED_VALUES).tolist()
+    ]
     periods = [turn_of(model) or 0.0 for model in probed]
     step = run.step
     if all(periods):  # a value at rest is reported below
@@ -275,7 +280,6 @@ def waterfall(
             work_of(run, mechanism, count, last, sum(periods) / len(periods) / step),
             placed(mechanism, step, run.turns, run.outputs),
         )
-    values = tuple(map(float, np.linspace(low, high, count)))
     models = [loads(text, set=[(path, value)]) for value in values]
     if still := [value for value, model in zip(values, models, strict=True) if turn_of(model) is None]:
         what = "no crank turns here, so there are no orders"

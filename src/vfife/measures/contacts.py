@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..files import DataTable
 from ..laws import Pair
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import atan2, sincos
@@ -376,7 +378,7 @@ class Impact:
 
 
 @dataclass(frozen=True)
-class Impacts:
+class Impacts(DataTable):
     """All of them in the order of time, and how many the outputs tell apart: ``alone`` of ``count``.
     ``before`` (J): lost before any began.
     """
@@ -393,6 +395,23 @@ class Impacts:
     def alone(self) -> int:
         """Those that have an entry of their own."""
         return sum(one.count == 1 for one in self.entries)
+
+    def __repr__(self) -> str:
+        return f"<{self.count} impacts, {self.alone} of them apart; see .hardest(most), .to_dataframe()>"
+
+    def table(self) -> Iterator[Sequence[object]]:
+        """Yield a row for each entry, with the units of its columns."""
+        yield [
+            "joint",
+            "since [s]",
+            "time [s]",
+            "crank [deg]",
+            "count",
+            "speed [m/s]",
+            "energy [J]",
+            "depth [m]",
+        ]
+        yield from (dataclasses.astuple(one) for one in self.entries)
 
     def hardest(self, most: int) -> tuple[Impact, ...]:
         """The entries that lost most energy, the hardest first."""

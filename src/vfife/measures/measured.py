@@ -4,12 +4,37 @@ them by name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 from ..errors import suggestion
+from ..files import DataTable
 
 NOT_ESTIMATED = "not estimated"  # in the place of a range where the error of a number is unknown
+
+
+# Units of measures, by the ends of their names.
+UNITS = {
+    "acceleration.max": "m/s^2", "angular_acceleration.lip": "%", "angular_acceleration.max": "rad/s^2", "approach_speed.max": "m/s",
+    "compression.max": "Pa", "contact_half_width.max": "m", "contact_pressure.max": "Pa", "deep_landings": "1", "deflection.max": "m",
+    "efficiency": "1", "force.lip": "%", "force.max": "N", "friction_energy.total": "J", "grazing": "1", "impact_energy.total": "J",
+    "impacts": "1", "landing_depth.max": "m", "moment.max": "N m", "penetration.max": "m", "position.high": "m", "position.low": "m",
+    "power.mean": "W", "pressure_velocity.max": "W/m^2", "pressure_velocity.mean": "W/m^2", "bearing_pressure.max": "Pa",
+    "shaking_force.max": "N", "shaking_moment.max": "N m", "share.continuous_contact": "1", "share.free_flight": "1", "share.impact": "1",
+    "sliding_distance.total": "m", "sliding_velocity.max": "m/s", "stress.place": "m", "tension.max": "Pa", "torque.max": "N m",
+    "torque.mean": "N m", "torque.ripple": "1", "velocity.max": "m/s", "bearing_wear.total": "m^3", "journal_wear.total": "m^3",
+    "bearing_wear_depth.max": "m", "journal_wear_depth.max": "m",
+}  # fmt: skip
+MOST_SHOWN = 4  # measures in a line
+
+
+def unit_of(measure: str) -> str:
+    """The unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of several
+    places of a joint.
+    """
+    ending = measure.partition(".")[2]
+    return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
 
 
 class Measured(float):
@@ -21,7 +46,8 @@ class Measured(float):
     is told of (:class:`~vfife.measures.turns.Turns`). ``estimated`` is False where the error of the value is
     unknown: ``low`` and ``high`` are the value then and mean nothing. It is True where both are given, unless
     it is said otherwise. ``unique`` is False of a reaction of redundant joints, which rigid bodies leave
-    open: its value is that of the distribution of least norm, one of infinitely many.
+    open: its value is that of the distribution of least norm, one of infinitely many. ``unit`` is its SI
+    unit, "1" for shares and counts, "" where it stands by itself.
     """
 
     low: float
@@ -30,6 +56,7 @@ class Measured(float):
     lowest: float
     highest: float
     estimated: bool
+    unit = ""
 
     def __new__(
         cls,
@@ -58,7 +85,10 @@ class Measured(float):
         return self.value, self.low, self.high, self.unique, self.lowest, self.highest, self.estimated
 
     def __repr__(self) -> str:
-        return f"{self} ({f'{self.low!r} to {self.high!r}' if self.estimated else NOT_ESTIMATED})"
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        return (
+            f"{self:.6g}{unit} ({f'{self.low:.6g} to {self.high:.6g}' if self.estimated else NOT_ESTIMATED})"
+        )
 
     def __str__(self) -> str:
         return float.__repr__(self)
@@ -86,7 +116,7 @@ class MissingMeasure(KeyError):
         return str(self.args[0])
 
 
-class Measures(dict[str, Measured]):
+class Measures(dict[str, Measured], DataTable):
     """Measures by name, ``<joint or body>.<quantity>.<statistic>``: ``C.force.max``, ``C.force.lip``; counts
     have none, ``C.impacts``.
     """
@@ -94,7 +124,19 @@ class Measures(dict[str, Measured]):
     part = ""  # of the run that they are of, but for counts, which are those of all of it
 
     def __repr__(self) -> str:
-        return f"<{len(self)} measures, {self.part or 'of a run'}: {dict(self)}>"
+        some = ", ".join(f"{name} = {one!r}" for name, one in islice(self.items(), MOST_SHOWN))
+        more = ", ..." if len(self) > MOST_SHOWN else ""
+        return f"<{len(self)} measures, {self.part or 'of a run'}: {some}{more}; see .to_dataframe()>"
+
+    def __setitem__(self, name: str, one: Measured) -> None:
+        one.unit = unit_of(name)
+        super().__setitem__(name, one)
+
+    def table(self) -> Iterator[Sequence[object]]:
+        """Yield a row for each measure: name, value, unit, its range by errors and that of its turns."""
+        yield ["measure", "value", "unit", "low", "high", "lowest", "highest", "estimated"]
+        for name, one in self.items():
+            yield [name, one.value, one.unit, one.low, one.high, one.lowest, one.highest, one.estimated]
 
     def __missing__(self, name: str) -> Measured:
         raise MissingMeasure(

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from ..errors import Fault, ModelError, shown, suggestion
 from ..laws.law import Material
 from ..numerics.scalar import distance, whole_power
 from ..schema import (
@@ -40,6 +41,24 @@ STRAINS = (
     ),
     "reference",
 )
+
+
+class Pin(str):
+    """A pin of a body or a point of the ground: the text ``body.pin`` or ``ground.point``, wherever the name
+    of a pin is expected.
+    """
+
+    __slots__ = ()
+
+    @property
+    def body(self) -> str:
+        """Name of its body, or ``ground``."""
+        return self.partition(".")[0]
+
+    @property
+    def name(self) -> str:
+        """Name within its body."""
+        return self.partition(".")[2]
 
 
 @dataclass(frozen=True)
@@ -123,6 +142,18 @@ class Body:
     def model(self) -> str:
         """Which model of the body is used."""
         raise NotImplementedError
+
+    def pin(self, name: str = "center") -> Pin:
+        """Return one of its pins, for joints, springs and loads: ``plate.pin("eye")``. Raises ModelError
+        where it has none of this name.
+        """
+        if name not in self.points:
+            remedy = suggestion(str(name), self.points, "name one that is there, or add it")
+            raise ModelError(
+                [Fault(("body", self.name, "pins"), f"{self.name} has no pin {shown(name)}", remedy=remedy)],
+                f"{self.name}.pin()",
+            )
+        return Pin(f"{self.name}.{name}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -227,6 +258,16 @@ class Link(Body):
         factory=dict,
         only=("rigid",),
     )
+
+    @property
+    def start(self) -> Pin:
+        """The pin where it starts."""
+        return self.pin("start")
+
+    @property
+    def end(self) -> Pin:
+        """The pin where it ends."""
+        return self.pin("end")
 
     @property
     def points(self) -> dict[str, Point]:

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from inspect import Parameter as Argument
 from typing import TYPE_CHECKING, Any, cast
@@ -39,7 +40,7 @@ from ..schema import (
     required,
     value_of,
 )
-from .bodies import Body, Frame, Link, PointMass, RigidBody
+from .bodies import Body, Frame, Link, Pin, PointMass, RigidBody
 from .drivers import Driver
 from .joints import Gear, Joint
 from .kind import Kind
@@ -132,27 +133,22 @@ class Builder:
         arguments = self.arguments
         leading = [one.name for one in arguments if one.kind is Argument.POSITIONAL_OR_KEYWORD]
 
-        def add(mechanism: Mechanism, *places: Any, **given: Any) -> Any:
-            found = dict(zip(leading, places, strict=False)) | given
-            name = found.get("name") or called(found)
-            path: Path = (self.section, name if isinstance(name, str) else "?")
-            faults = strange(path, self, leading, places, given)
+        def add(mechanism: Mechanism, *places: Any, **values: Any) -> Any:
+            given = dict(zip(leading, places, strict=False)) | values
+            path = (self.section, str(given.get("name") or called(given)))
+            faults = strange(path, self, leading, places, values)
             lacking = [
-                one.name for one in arguments if one.default is Argument.empty and one.name not in found
+                one.name for one in arguments if one.default is Argument.empty and one.name not in given
             ]
             faults += [
                 Fault((*path, one), "this keyword is missing", remedy=f"add {one}=...") for one in lacking
             ]
-            item, others = read(
-                path, self.kind, {key: value for key, value in found.items() if key in self.fields}
+            return admit(
+                mechanism,
+                self.kind,
+                {key: value for key, value in given.items() if key in self.fields},
+                faults=faults,
             )
-            others += alone(mechanism, self.section, name, item, others)
-            if faults or others:
-                raise (ArgumentError if faults else ModelError)(
-                    [*faults, *others], str(mechanism.name) or "mechanism"
-                )
-            items(mechanism, self.section)[str(name)] = item
-            return item
 
         add.__name__, add.__qualname__, add.__doc__ = self.name, f"Mechanism.{self.name}", self.help
         signature = inspect.Signature(
@@ -188,7 +184,14 @@ def annotation_of(held: Value) -> str:
         return f"{held.noun.__name__} | {'Table' if isinstance(held, Inner) else 'str'}"
     if isinstance(held, Chosen):
         return f"{held.base.__name__} | str | Table"
-    return "int" if isinstance(held, Whole) else "bool" if isinstance(held, Switch) else "str"
+    named = {"body": "str | Body", "joint": "str | Joint"}
+    return (
+        "int"
+        if isinstance(held, Whole)
+        else "bool"
+        if isinstance(held, Switch)
+        else named.get(getattr(held, "refers", ""), "str")
+    )
 
 
 class Builders:
@@ -198,9 +201,9 @@ class Builders:
         name: str
         points: dict[str, tuple[float, float]]
 
-    def point(self, name: str, x: Any, y: Any) -> None:
-        """Adds a point of the ground (m). Raises ModelError where its place is none, or there is one of this
-        name.
+    def point(self, name: str, x: Any, y: Any) -> Pin:
+        """Add a point of the ground (m) and return it. Raises ModelError where its place is none, or there is
+        one of this name.
         """
         reading, at = ScriptReading(), ("ground", str(name))
         found = PLACE.read((x, y), at, reading)
@@ -215,24 +218,57 @@ class Builders:
         if reading.faults:
             raise ModelError(reading.faults, str(self.name) or "mechanism")
         self.points[name] = found
+        return Pin(f"ground.{name}")
+
+    def clearance(self, *places: Any, **values: Any) -> Any:
+        """Add a revolute joint with clearance by the old name of ``clearance_joint``."""
+        warnings.warn(
+            "Mechanism.clearance() is called clearance_joint() now", DeprecationWarning, stacklevel=2
+        )
+        return getattr(self, "clearance_joint")(*places, **values)  # noqa: B009 - the method is set below
 
     def add(self, item: Any, name: str | None = None) -> Any:
-        """Adds a body, joint, gear, spring, driver or load, with the checks of its builder; a driver is
-        called after what it drives.
+        """Add a body, joint, gear, spring, driver or load, with the checks of its builder; a driver is called
+        after what it drives.
 
         Returns the item. Raises ModelError with all its faults, and TypeError for what no mechanism has.
         """
-        mechanism, section = cast("Mechanism", self), section_of(type(item))
-        name = name or getattr(item, "name", None) or called(vars(item))
-        reading = ScriptReading()
-        reading.fields(
-            (section, str(name)), item, bool(getattr(item, "along", False)) and section == "driver"
+        return admit(cast("Mechanism", self), type(item), vars(item), name)
+
+
+def admit(
+    mechanism: Mechanism, kind: Any, given: Mapping[str, Any], name: Any = None, faults: Sequence[Fault] = ()
+) -> Any:
+    """Read the values of a kind, check it among what the mechanism has, and add it. Raises ModelError with
+    all ``faults`` known before, and these.
+
+    Pins of bodies that come later are looked for in a whole mechanism.
+    """
+    from .validation.single import faults_of
+
+    section, name = section_of(kind), name or given.get("name") or called(given)
+    path: Path = (section, name if isinstance(name, str) else "?")
+    item, refused = read(path, kind, given)
+    if name is not None and not isinstance(name, str):
+        refused.append(Fault(path, "this is no name", shown(name), "a text", "put it in quotes"))
+    elif name in items(mechanism, section):
+        refused.append(
+            Fault(
+                (*path, ""),
+                f"there is a {section} called {shown(name)} already",
+                "",
+                "",
+                "choose another name",
+            )
         )
-        faults = reading.faults + alone(mechanism, section, name, item, reading.faults)
-        if faults:
-            raise ModelError(faults, str(self.name) or "mechanism")
-        items(mechanism, section)[str(name)] = item
-        return item
+    elif name is not None:
+        refused += faults_of(mechanism, section, name, item, [fault.path for fault in refused])
+    if faults or refused:
+        raise (ArgumentError if faults else ModelError)(
+            [*faults, *refused], str(mechanism.name) or "mechanism"
+        )
+    items(mechanism, section)[str(name)] = item
+    return item
 
 
 def section_of(kind: type) -> str:
@@ -248,7 +284,7 @@ def section_of(kind: type) -> str:
 def called(found: Mapping[str, Any]) -> Any:
     """The name of what has none of its own."""
     target = next((found[one] for one in TARGETS if found.get(one)), None)
-    return target.replace(".", " ") if isinstance(target, str) else target
+    return target.replace(".", " ") if isinstance(target, str) else getattr(target, "name", target)
 
 
 def strange(
@@ -315,31 +351,6 @@ def users_of(kind: Any, fields: Mapping[str, Field], key: str, given: Mapping[st
     ):
         return ()
     return tuple(only)
-
-
-def alone(mechanism: Mechanism, section: str, name: Any, item: Any, known: list[Fault]) -> list[Fault]:
-    """What is wrong with a name, and with an object among those there; pins of bodies that come later are
-    looked for in a whole mechanism.
-    """
-    from .validation.single import faults_of
-
-    if not isinstance(name, str):
-        return (
-            []
-            if name is None
-            else [Fault((section, "?"), "this is no name", shown(name), "a text", "put it in quotes")]
-        )
-    if name in items(mechanism, section):
-        return [
-            Fault(
-                (section, name, ""),
-                f"there is a {section} called {shown(name)} already",
-                "",
-                "",
-                "choose another name",
-            )
-        ]
-    return faults_of(mechanism, section, name, item, [fault.path for fault in known])
 
 
 def items(mechanism: Mechanism, section: str) -> dict[str, Any]:

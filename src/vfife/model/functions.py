@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator
 
 from .drivers import Driver
-from .geometry.polynomials import Polynomials, clamped, constant, moved, raised, spline
+from .geometry.polynomials import Polynomials, moved, raised
 from .joints import Gear
 from .mechanism import Mechanism
 
@@ -28,18 +28,6 @@ def motion_function(driver: Driver, offset: float = 0.0, clock: float = 0.0) -> 
 def timed(function: Polynomials, clock: float) -> Polynomials:
     """A function of the clock over the time of a run that begins at ``clock`` (s)."""
     return moved(function, -clock) if clock else function
-
-
-def torque_function(driver: Driver) -> Polynomials:
-    """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever the driver has; else
-    constant.
-    """
-    return driver.effort()
-
-
-def largest_speed(driver: Driver) -> float:
-    """Largest speed (rad/s or m/s) that a driver asks for."""
-    return driver.largest_speed
 
 
 def turning_speed(driver: Driver) -> float:
@@ -70,11 +58,6 @@ def crank_of(mechanism: Mechanism, named: str = "") -> str:
             "a load goes by the angle of a crank, and no driver turns a body; name the body, with crank"
         )
     return named or fastest
-
-
-__all__ = [
-    "Polynomials", "clamped", "constant", "crank_of", "largest_speed", "motion_function", "spline", "torque_function", "turn_of", "turning_speed",
-]  # fmt: skip
 
 
 Place = tuple[str, str]

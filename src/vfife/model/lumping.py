@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 import operator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,14 @@ _KEPT, _WEIGHED = "_mesh", "_weighed"
 THIN = 1e-6  # inertia of a body that has none of its own, over its mass times the square of its reach
 ROUNDING = 1e-14  # of the same: what is left of none where masses are summed up
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
+
+
+class MassProperties(NamedTuple):
+    """Mass (kg), centre of mass (m, body's frame) and inertia about it (kg m^2) of a body."""
+
+    mass: float
+    center: Point
+    inertia: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,9 +225,8 @@ def section_of(link: Link) -> Section:
     return link.section
 
 
-def rigid_properties(body: Body) -> tuple[float, Point, float]:
-    """Mass (kg), centre of mass (m, body's frame) and inertia about it (kg m^2), as the body is calculated if
-    it were rigid.
+def rigid_properties(body: Body) -> MassProperties:
+    """Return the mass properties of a body as if it were rigid.
 
     One mass on a rigid arm has no inertia of its own: what turns the body is on its arm. It counts with
     ``THIN`` m r^2, r the farthest point. ValueError where there is no mass, or no inertia and no arm. A body
@@ -230,7 +237,7 @@ def rigid_properties(body: Body) -> tuple[float, Point, float]:
     kept = vars(body).get(_WEIGHED)
     if kept is None or len(kept[0]) != len(made_of) or not all(map(operator.is_, kept[0], made_of)):
         kept = vars(body)[_WEIGHED] = made_of, _weighed(body)
-    found: tuple[float, Point, float] = kept[1]
+    found: MassProperties = kept[1]
     return found
 
 
@@ -243,7 +250,7 @@ def _made_of(body: Body) -> tuple[Any, ...]:
     return ()
 
 
-def _weighed(body: Body) -> tuple[float, Point, float]:
+def _weighed(body: Body) -> MassProperties:
     """Mass, centre and inertia, not asked for before."""
     mass, center, inertia = _own_properties(body)
     attached = body.masses if isinstance(body, RigidBody | Link) and not is_elastic(body) else {}
@@ -258,24 +265,24 @@ def _weighed(body: Body) -> tuple[float, Point, float]:
             " a distance"
         )
     if isinstance(body, PointMass) or is_elastic(body):
-        return mass, center, inertia
+        return MassProperties(mass, center, inertia)
     reach = max(float(hypot(x - center[0], y - center[1])) for x, y in body.points.values())
     if inertia > ROUNDING * mass * (reach * reach):
-        return mass, center, inertia
+        return MassProperties(mass, center, inertia)
     if not reach > 0.0:
         raise ValueError(
             f"body {body.name!r} has neither inertia nor a pin away from its mass: give it an inertia, or"
             " make it a particle"
         )
-    return mass, center, THIN * mass * (reach * reach)
+    return MassProperties(mass, center, THIN * mass * (reach * reach))
 
 
-def _own_properties(body: Body) -> tuple[float, Point, float]:
+def _own_properties(body: Body) -> MassProperties:
     """Those without attached point masses."""
     if isinstance(body, PointMass):
-        return body.mass, (0.0, 0.0), body.inertia
+        return MassProperties(body.mass, (0.0, 0.0), body.inertia)
     if isinstance(body, RigidBody):
-        return body.mass, body.center, body.inertia
+        return MassProperties(body.mass, body.center, body.inertia)
     if is_elastic(body):
         parts = mesh(body)
         turning = (
@@ -293,7 +300,7 @@ def _own_properties(body: Body) -> tuple[float, Point, float]:
     return _together(at, masses, np.array([inertia, body.start_inertia, body.end_inertia]))
 
 
-def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
+def _rigid_polyline(link: Link) -> MassProperties:
     """A bent rigid link: each piece a uniform rod of its share of the mass."""
     corners = np.array(link.corners)
     length = _sizes(np.diff(corners, axis=0))
@@ -306,15 +313,17 @@ def _rigid_polyline(link: Link) -> tuple[float, Point, float]:
     )
 
 
-def _together(at: Array, mass: Array, inertia: Array) -> tuple[float, Point, float]:
+def _together(at: Array, mass: Array, inertia: Array) -> MassProperties:
     """Mass, centre and inertia of masses at places [n, 2]."""
     total = float(mass.sum())
     if not total > 0.0:
-        return 0.0, (float(at[0, 0]), float(at[0, 1])), float(inertia.sum())
+        return MassProperties(0.0, (float(at[0, 0]), float(at[0, 1])), float(inertia.sum()))
     center = (mass[:, None] * at).sum(axis=0) / total
     away = at - center
     apart = (away * away).sum(axis=1)
-    return total, (float(center[0]), float(center[1])), float(inertia.sum() + (mass * apart).sum())
+    return MassProperties(
+        total, (float(center[0]), float(center[1])), float(inertia.sum() + (mass * apart).sum())
+    )
 
 
 def rigidified(body: Body) -> Body:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from ..schema import (
     PLACE,
@@ -21,7 +21,6 @@ from ..schema import (
     described,
     quantity,
 )
-from .above import upper
 from .bodies import Body
 from .builders import Builders
 from .drivers import Driver
@@ -165,14 +164,14 @@ class Settings:
 
 
 @with_units()
-@dataclass
+@dataclass(repr=False)
 class Mechanism(Builders):
     """Bodies, joints, drivers and loads by name; all numbers in SI units.
 
     >>> m = Mechanism("pendulum", gravity=(0.0, -9.81))
-    >>> m.point("pivot", 0.0, 0.0)
-    >>> _ = m.link("rod", length=1.0, mass=1.0)
-    >>> _ = m.revolute("A", "ground.pivot", "rod.start")
+    >>> pivot = m.point("pivot", 0.0, 0.0)
+    >>> rod = m.link("rod", length=1.0, mass=1.0)
+    >>> joint = m.revolute("A", pivot, rod.start)  # or "ground.pivot", "rod.start"
     """
 
     name: str = described(Text(), "name of the model", "mechanism")
@@ -200,6 +199,17 @@ class Mechanism(Builders):
     settings: Settings = described(Inner(Settings), "defaults of a run", factory=Settings, key="run")
     source: str | None = field(default=None, compare=False)
 
+    def __repr__(self) -> str:
+        parts: dict[str, dict[str, Any]] = {
+            "bodies": self.bodies,
+            "joints": self.joints,
+            "drivers": self.drivers,
+            "loads": self.loads,
+            "springs": self.springs,
+        }
+        counts = ", ".join(f"{len(items)} {name}" for name, items in parts.items() if items)
+        return f"<Mechanism {self.name!r}: {counts or 'empty'}; see .check(), .plot(), .live()>"
+
     @property
     def clearances(self) -> dict[str, ClearanceRevolute]:
         """The revolute joints with clearance; :attr:`contacts` are all joints with play."""
@@ -210,44 +220,13 @@ class Mechanism(Builders):
         """All joints with play: revolutes and sliders with clearance, external contacts."""
         return {name: joint for name, joint in self.joints.items() if isinstance(joint, Contact)}
 
-    def to_toml(self) -> str:
-        """The text of a model file that holds it, in SI units. Raises ValueError or TypeError where no model
-        file can.
-        """
-        return str(upper("modelfile", "dump", self))
+    if TYPE_CHECKING:  # attached by vfife.methods
 
-    def check(self) -> Checked:
-        """Examines the whole of it, closes it at its start, and follows its ideal motion through what drivers
-        ask for; nothing is run.
-
-        Raises ModelError with every fault, AssemblyError where no position satisfies its joints, or it jams.
-        What is left is in the answer: degrees of freedom, the step, what to be careful with; printed, it is a
-        few sentences.
-        """
-        found: Checked = upper("studies.methods.examined", "checked", self)
-        return found
-
-    def plot(self) -> Figure:
-        """A figure of it at its start, with the names of its bodies and joints. Raises as :meth:`check` does."""
-        figure: Figure = upper("plots", "at_start", self)
-        return figure
-
-    def live(self, slide: Iterable[str] | None = None) -> Live:
-        """A page in which it runs: as the last line of a notebook's cell it runs there, and in pages that the
-        notebook is exported to.
-
-        ``slide``: numbers that become sliders, with their ranges, as in ["joint.C.clearance=0.01..0.5mm"];
-        None for every clearance, the speed of drivers, friction and restitution, whose positions take some
-        seconds to assemble; () for none. ``save(path)`` of what comes back writes the page. Raises as
-        :meth:`check` does, VfifeError for what has no motion to run, and ValueError for a slide that cannot
-        be used.
-        """
-        found: Live = upper("live.page.page", "live", self, slide)
-        return found
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: its drawing, and tables of its parts."""
-        return str(upper("plots.notebook", "mechanism_html", self))
+        def to_toml(self) -> str: ...
+        def check(self) -> Checked: ...
+        def plot(self) -> Figure: ...
+        def live(self, slide: Iterable[str] | None = None) -> Live: ...
+        def _repr_html_(self) -> str: ...
 
     @property
     def clock(self) -> float:

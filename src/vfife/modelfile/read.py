@@ -114,7 +114,7 @@ def whole(mechanism: Mechanism, reading: Written) -> list[Fault]:
     """Faults that no table shows alone, with values as they are written."""
     raw, given = reading.raw, reading.given
     told = [fault.path for fault in reading.faults]
-    checks = Checks(mechanism, told, lambda path: place(path, given), lambda path: written(raw, path))
+    checks = Checks(mechanism, told, given, lambda path: written(raw, path))
     for name in table(raw, "material"):
         check_name(checks, ("material", name))
     return across(checks)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from importlib import import_module
 from pathlib import Path
 from string import Template
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from .. import __version__
 from .document import Bullets, Caution, Document, Element, Facts, Figure, Paragraph, Part, Section, Table
@@ -37,6 +38,32 @@ def fragment(document: Document) -> str:
     """A document in a notebook."""
     title = f"<h4>{escape(document.title)}</h4>" if document.title else ""
     return f'<div class="vfife">{IN_NOTEBOOK}{title}{elements(document.parts)}</div>'
+
+
+class NotebookDocument:
+    """An answer that a notebook shows as its document: title, tables, cautions.
+
+    ``former_names``: attributes by the names that they had in version 0.2, which warn.
+    """
+
+    former_names: ClassVar[Mapping[str, str]] = {}
+    name: str
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.name!r}; see .plot(), .to_dataframe()>"
+
+    def _repr_html_(self) -> str:
+        return notebook(self)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            present = type(self).former_names.get(name)
+            if present is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            text = f"{type(self).__name__}.{name} is {present} now; the old name goes with the next version"
+            warnings.warn(text, DeprecationWarning, stacklevel=2)
+            return getattr(self, present)
 
 
 def notebook(answer: Any) -> str:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
-from ..files import write_named
-from ..model.above import NotebookDocument
+from ..files import DataTable, named_rows
 from .view import View
 
 
 @dataclass
-class Comparison(NotebookDocument):
+class Comparison(DataTable):
     """What the runs came to. ``rows`` holds one flat map a run, ``results`` the runs themselves, both in the
     order of the laws.
 
@@ -32,7 +31,8 @@ class Comparison(NotebookDocument):
 
     def __repr__(self) -> str:
         return (
-            f"<Comparison of {len(self.rows)} runs of {self.mechanism!r}; see .rows, .results, .write_csv()>"
+            f"<Comparison of {len(self.rows)} runs of {self.mechanism!r}; see .rows, .results,"
+            " .to_dataframe()>"
         )
 
     def flat(self) -> list[dict[str, Any]]:
@@ -50,7 +50,6 @@ class Comparison(NotebookDocument):
             for name, numbers in row["joints"].items()
         ]
 
-    def write_csv(self, path: str | Path) -> None:
-        """Writes :meth:`flat` as a table of commas."""
-        flat = self.flat()
-        write_named(path, list(dict.fromkeys(key for row in flat for key in row)), flat)
+    def table(self) -> Iterator[Sequence[Any]]:
+        """Yield :meth:`flat` as heads and rows."""
+        return named_rows(self.flat())

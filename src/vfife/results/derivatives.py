@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
-from ..files import write_named
-from ..model.above import NotebookDocument
+from ..files import DataTable
 
 # "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known.
 # "unknown": neither is.
@@ -60,7 +58,7 @@ class Effect(NamedTuple):
 
 
 @dataclass
-class Sensitivity(NotebookDocument):
+class Sensitivity(DataTable):
     """Derivatives of ``measures`` (SI) by numbers of a model.
 
     ``refused`` are numbers without derivatives, and why; ``doubtful`` measures that the run's companions do
@@ -79,7 +77,7 @@ class Sensitivity(NotebookDocument):
 
     def __repr__(self) -> str:
         what = f"{len(self.measures)} measures of {self.mechanism!r} to {len(self.derivatives)} numbers"
-        return f"<Sensitivity of {what}; see .effects(measure), .derivative(measure, path), .write_csv()>"
+        return f"<Sensitivity of {what}; see .effects(measure), .derivative(measure, path), .to_dataframe()>"
 
     def derivative(self, measure: str, path: str) -> float:
         """Derivative of a measure by a number, in their SI units. Raises KeyError where there is none."""
@@ -186,8 +184,8 @@ class Sensitivity(NotebookDocument):
             "change_to": most,
         }  # fmt: skip
 
-    def write_csv(self, path: str | Path) -> None:
-        """Write :meth:`rows` as a table of commas."""
+    def table(self) -> Iterator[Sequence[Any]]:
+        """Yield :meth:`rows` as heads and rows."""
         former = [
             "measure",
             "value",
@@ -199,4 +197,5 @@ class Sensitivity(NotebookDocument):
             "to",
             "meaningless",
         ]
-        write_named(path, [*former, "kind", "change", "change_from", "change_to"], self.rows())
+        yield [*former, "kind", "change", "change_from", "change_to"]
+        yield from (list(row.values()) for row in self.rows())

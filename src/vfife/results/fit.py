@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from ..errors import RunFileError
 from ..files import write_rows, write_text
-from ..model.above import NotebookDocument, upper
 from ..numerics.scalar import log
 from ..store.schemas import FIT, Schema
 from ..store.store import Store, warn_of_damage
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
@@ -102,7 +102,7 @@ class Laid:
 
 
 @dataclass
-class Fit(NotebookDocument):
+class Fit:
     """``values`` and their ``correlation``; the ``offset`` (s or rad) of the first sample with its standard
     error; ``curves``.
 
@@ -138,8 +138,8 @@ class Fit(NotebookDocument):
             for one in self.values
         )
         return (
-            f"<Fit of {self.mechanism!r} to {self.data!r}: {found}; see .values, .undetermined, .plot(),"
-            " .write_csv()>"
+            f"<Fit of {self.mechanism!r} to {self.data!r}: {found}; see .to_dataframe(), .undetermined,"
+            " .plot()>"
         )
 
     def __getitem__(self, name: str) -> Value:
@@ -226,6 +226,14 @@ class Fit(NotebookDocument):
             "evaluations": self.evaluations, "failed": self.failed, "seconds": self.seconds, "notes": self.notes,
         }  # fmt: skip
 
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return the parameters for pandas, by name: value, unit, standard error, confidence, bounds, and
+        whether the data determine each.
+        """
+        import pandas
+
+        return pandas.DataFrame([dict(vars_of(one)) for one in self.values]).set_index("name")
+
     def write_csv(self, path: str | Path) -> None:
         """The curves: place (of a spectrum frequency or order), and of each measured and model's values.
         Raises OSError.
@@ -254,10 +262,10 @@ class Fit(NotebookDocument):
         """What :meth:`json` has. Raises OSError."""
         write_text(Path(path), json.dumps(self.json(), indent=1, default=float) + "\n")
 
-    def plot(self) -> Figure:
-        """Measured curves with the model's, what is left of each, and how the parameters hang together."""
-        figure: Figure = upper("plots.sensitivity", "fit_figure", self)
-        return figure
+    if TYPE_CHECKING:  # attached by vfife.methods
+
+        def plot(self) -> Figure: ...
+        def _repr_html_(self) -> str: ...
 
 
 def vars_of(one: Value) -> Mapping[str, Any]:

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
-from ..model.above import NotebookDocument, upper
+from ..measures.measured import UNITS as UNITS
+from ..measures.measured import unit_of as unit_of
 from ..solvers.status import Status
 from ..store.member_errors import NOT_ESTIMATED, MemberError, member_errors
 from ..store.store import warn_of_damage
@@ -27,28 +28,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-# Units of measures, by the ends of their names.
-UNITS = {
-    "acceleration.max": "m/s^2", "angular_acceleration.lip": "%", "angular_acceleration.max": "rad/s^2", "approach_speed.max": "m/s",
-    "compression.max": "Pa", "contact_half_width.max": "m", "contact_pressure.max": "Pa", "deep_landings": "1", "deflection.max": "m",
-    "efficiency": "1", "force.lip": "%", "force.max": "N", "friction_energy.total": "J", "grazing": "1", "impact_energy.total": "J",
-    "impacts": "1", "landing_depth.max": "m", "moment.max": "N m", "penetration.max": "m", "position.high": "m", "position.low": "m",
-    "power.mean": "W", "pressure_velocity.max": "W/m^2", "pressure_velocity.mean": "W/m^2", "bearing_pressure.max": "Pa",
-    "shaking_force.max": "N", "shaking_moment.max": "N m", "share.continuous_contact": "1", "share.free_flight": "1", "share.impact": "1",
-    "sliding_distance.total": "m", "sliding_velocity.max": "m/s", "stress.place": "m", "tension.max": "Pa", "torque.max": "N m",
-    "torque.mean": "N m", "torque.ripple": "1", "velocity.max": "m/s", "bearing_wear.total": "m^3", "journal_wear.total": "m^3",
-    "bearing_wear_depth.max": "m", "journal_wear_depth.max": "m",
-}  # fmt: skip
 OUTCOME = ("status", "turns", "settled", "step", "reason")
 SAMPLE, MEMBER = "sample", "member"  # dimensions of what lies on no grid
-
-
-def unit_of(measure: str) -> str:
-    """The unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of several
-    places of a joint.
-    """
-    ending = measure.partition(".")[2]
-    return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
 
 
 @dataclass(frozen=True)
@@ -67,7 +48,7 @@ class Varied:
         return self.kind in ("values", "range")
 
 
-class Study(NotebookDocument):
+class Study:
     """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads
     xarray.
 
@@ -350,14 +331,10 @@ class Study(NotebookDocument):
             found.append(row)
         return found
 
-    def plot(self, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]:
-        """Figures by name: ``maps``, ``curves``, ``parallel``, ``fronts``; those of ``names`` and
-        ``measures`` where some are named.
+    if TYPE_CHECKING:  # attached by vfife.methods
 
-        Raises VfifeError for a name that nothing has.
-        """
-        found: dict[str, Figure] = upper("plots.study", "figures", self, names, measures)
-        return found
+        def plot(self, *names: str, measures: Sequence[str] = ()) -> dict[str, Figure]: ...
+        def _repr_html_(self) -> str: ...
 
     def export(self, path: str | Path) -> None:
         """Writes a row a member as CSV or Parquet, the dataset as NetCDF, as the file's ending says. Raises

@@ -231,12 +231,16 @@ class Choice(Value):
 
 @dataclass(frozen=True)
 class Text(Value):
-    """Any text; in a reference a ``pin`` ("body.pin" or "ground.point"), a ``body`` or a ``joint``."""
+    """Any text; in a reference a ``pin`` ("body.pin" or "ground.point"), a ``body`` or a ``joint``, or
+    Python's object with this name.
+    """
 
     refers: str = ""
 
     def take(self, value: Any, written: bool) -> str:
         """The text."""
+        if self.refers and written and not isinstance(value, str):
+            value = getattr(value, "name", value)
         if not isinstance(value, str):
             raise Fault("", f"this is {kind_of(value)}", shown(value), "a text", "put it in quotes")
         return value

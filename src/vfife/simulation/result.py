@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import RunFileError, StorageError
 from ..files import replacement
-from ..model.above import upper
 from ..results.view import View
 from ..solvers.record import Estimate, Record, Rows, lasting_rows
 from ..store.connections import unwritten
@@ -208,23 +207,10 @@ class Result(View):
 
         animate(self, Path(path), frames, rate, turns)
 
-    def live(self, slide: Iterable[str] | None = ()) -> Live:
-        """A page in which its mechanism runs with its step, or of its equilibria: for the last line of a
-        cell, and where that is exported to.
+    if TYPE_CHECKING:  # attached by vfife.methods
 
-        ``slide`` as of :meth:`Mechanism.live <vfife.model.mechanism.Mechanism.live>`, none by default. Raises
-        VfifeError for what has no motion.
-        """
-        found: Live = upper("live.page.page", "live_result", self, slide)
-        return found
-
-    def report(self, path: str | Path, running: bool = True) -> None:
-        """Writes a page that prints well: inputs, what was found, cautions, how far it can be trusted,
-        figures, and the mechanism ``running``.
-
-        What is there gives way when the page is whole. Raises OSError where it cannot be written.
-        """
-        upper("live.page.reports", "report", self, path, running)
+        def live(self, slide: Iterable[str] | None = ()) -> Live: ...
+        def report(self, path: str | Path, running: bool = True) -> None: ...
 
 
 def _read(record: Record, path: Path) -> Rows:

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, Unpack
 
 from ..assembly.assembled import Assembly
 from ..assembly.possible import Outlook, outlook
@@ -22,6 +22,7 @@ from ..measures.ranges import estimate, finer, own_ranges, window
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..modelfile import dump
+from ..options import Run, Watch, with_options
 from ..results.restart import extended, on_clock, refuse_ended
 from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.companions import companion_count, step_counts
@@ -96,44 +97,52 @@ class Prepared:
         )
 
 
-def simulate(
-    mechanism: Mechanism,
-    *,
-    turns: float | None = None,
-    duration: float | str | None = None,
-    step: float | str | None = None,
-    outputs: int | None = None,
-    loop: Loop = "auto",
-    reference: bool | Result = True,
-    force_step: bool = False,
-    companions: int | str | None = None,
-    settle: float | str | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    file: RunFile | None = None,
-    start: StartFrom | None = None,
-    confirm: bool = False,
-) -> Result:
-    """Simulates a mechanism.
+class SimulationOptions(Run, Watch, total=False):
+    """Keywords of :func:`simulate`."""
 
-    ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto"; both as numbers or as texts with a
-    unit, "1 us". ``outputs`` per turn (per run without a crank); ``loop`` "auto", "data-driven", "generated"
-    or "interpreted", which give the same bits; ``reference``: also run the ideal mechanism to compare with,
-    or its result. ``companions``: how often a run with contact is repeated with other step sizes, 0 to 7,
-    from which ranges of measures estimate their errors; "auto" is three. ``settle`` (1): the run ends as soon
-    as its turns repeat within that share of their largest values, and after ``turns`` at the latest. An
-    automatic step is halved, twice at the most, until run and companions agree within the tolerance of the
-    settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask for a
-    static analysis is brought to equilibrium instead (:func:`~vfife.solvers.statics.equilibrium`), which
-    takes neither ``turns``, ``duration`` nor ``step``. ``file``: a run file that takes the outputs while they
-    come, which are not kept in memory then. ``start``: a former run (or its folder) to go on from, or states
-    of bodies by name (:func:`~vfife.results.restart.start_from`). ``confirm``: run even what takes more than
-    an hour, or half of the memory or of the disk. Raises ModelError with all faults of the arguments, or of
-    the mechanism, AssemblyError for one that cannot be assembled and StepError for too large a step.
+    outputs: int | None  # per turn, or per run without a crank
+    start: StartFrom | None  # a former run or its folder, or states of bodies by name
+    reference: bool | Result  # also run the ideal mechanism to compare with, or take its result
+    file: RunFile | None  # takes the outputs while they come, which are not kept in memory then
+
+
+@with_options(SimulationOptions, loop="auto", force_step=False, confirm=False, reference=True)
+def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Result:
+    """Simulate a mechanism.
+
+    >>> result = simulate(mechanism, turns=10, step="1 us")  # doctest: +SKIP
+
+    What to run: ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto", numbers or texts with a
+    unit; ``settle`` (1) ends the run as soon as its turns repeat within that share of their largest values,
+    and after ``turns`` at the latest. ``start``: a former run (or its folder) to go on from, or states of
+    bodies by name (:func:`~vfife.results.restart.start_from`). ``reference``: also run the ideal mechanism to
+    compare with, or its result. ``companions``: how often a run with contact is repeated with other step
+    sizes, 0 to 7, from which ranges of measures estimate their errors; "auto" is three. An automatic step is
+    halved, twice at the most, until run and companions agree within the tolerance of the settings, and where
+    first contacts land deeper than a joint allows. A mechanism whose settings ask for a static analysis is
+    brought to equilibrium (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``,
+    ``duration`` nor ``step``.
+
+    What to save: ``outputs`` per turn (per run without a crank); a run ``file`` that takes them while they
+    come.
+
+    What to compute with: ``loop`` "auto", "data-driven", "generated" or "interpreted", which give the same
+    bits; ``force_step`` takes a step beyond the stable one; ``progress`` is called with a
+    :class:`~vfife.solvers.status.Progress`; ``confirm`` runs even what takes more than an hour, or half of
+    the memory or of the disk.
+
+    Raises ModelError with all faults of the arguments, or of the mechanism, AssemblyError for one that cannot
+    be assembled and StepError for too large a step.
     """
     given = Arguments("simulate")
     given.mechanism(mechanism)
-    asked = given.run(turns=turns, duration=duration, step=step, outputs=outputs, loop=loop, force_step=force_step, companions=companions,
-                      settle=settle)  # fmt: skip
+    reference, start, file, progress = (
+        options["reference"],
+        options["start"],
+        options["file"],
+        options["progress"],
+    )
+    arguments = given.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
     given.kind("reference", reference, (bool, Result), "True, False or a Result")
     given.kind(
         "start",
@@ -143,10 +152,10 @@ def simulate(
     )
     given.kind("file", file, (RunFile, type(None)), "a RunFile")
     given.callable("progress", progress)
-    given.kind("confirm", confirm, (bool,), "True or False")
+    given.kind("confirm", options["confirm"], (bool,), "True or False")
     given.check()
-    with job_of("simulate", None if file is None else file.path, confirm, progress) as job:
-        return carry_out(prepare(mechanism, asked, reference, start, job), progress=job, file=file)
+    with job_of("simulate", None if file is None else file.path, options["confirm"], progress) as job:
+        return carry_out(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
 
 
 def forecast(

@@ -10,13 +10,14 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypeVar
+from typing import Any, TypedDict, TypeVar, Unpack
 
 from ..errors import Fault, ModelError, kind_of, shown
 from ..job.cost import Forecast
 from ..job.job import Interrupted, Job, job_of
 from ..model.mechanism import Mechanism
 from ..modelfile import load
+from ..options import Compute, Save, Watch, with_options
 from ..results.studied import Study
 from ..solvers.status import Status
 from ..store.lock import Lock
@@ -35,23 +36,53 @@ ENDING = ".study"
 Answer = TypeVar("Answer")
 
 
-def study(
-    model: str | Path | Mechanism,
-    vary: Mapping[str, Any] | None = None,
-    measures: str | Iterable[str] | None = None,
-    *,
-    file: str | Path | None = None,
-    force: bool = False,
-    workers: int | None = None,
-    lanes: int | None = None,
-    cluster: str | None = None,
-    device: str | None = None,
-    retry: bool = False,
-    progress: Callable[[int, int], None] | None = None,
-    confirm: bool = False,
-    **more: Any,
-) -> Study:
-    """Runs a mechanism once for every choice of some of its numbers, and gives what was wanted of each run.
+class StudyKeys(TypedDict, total=False):
+    """What to run in every case: keys of a study file."""
+
+    turns: int  # of the crank, at most
+    settle: (
+        float | str | None
+    )  # 1: a case ends when its turns repeat within this share of their largest values
+    last: int  # turns at the end that are measured
+    step: float | str  # s, or "auto"
+    method: str  # "grid", "list", or how samples are taken
+    count: int  # of samples
+    seed: int
+    set: Mapping[str, Any]  # numbers of the model that are replaced in all cases, by path
+    note: str
+    point: Sequence[Mapping[str, Any]]  # further cases, by names of parameters
+    sensitivity: Mapping[str, Any]
+    tolerance: Mapping[str, Any]
+    limit: Mapping[str, Any]  # by measure
+
+
+class SearchKeys(StudyKeys, total=False):
+    """What to search for: further tables of a study file."""
+
+    optimise: Mapping[str, Any]  # minimise, maximise, members, seed, batch, refine
+    allocation: Mapping[str, Any]  # measure, share, confidence, count, seed
+    cost: Mapping[str, Any]  # by parameter
+
+
+class StudyOptions(StudyKeys, Save, Compute, Watch, total=False):
+    """Keywords of :func:`study`."""
+
+    lanes: int | None  # cases side by side in a thread
+    retry: bool  # try again the cases that failed before
+
+
+class SearchOptions(SearchKeys, Save, Compute, Watch, total=False):
+    """Keywords of :func:`optimise` and :func:`allocate`."""
+
+
+Model = str | Path | Mechanism
+Vary = Mapping[str, Any] | None
+Names = str | Iterable[str] | None
+
+
+@with_options(StudyOptions, force=False, retry=False, confirm=False)
+def study(model: Model, vary: Vary = None, measures: Names = None, **options: Unpack[StudyOptions]) -> Study:
+    """Run a mechanism once for every choice of some of its numbers, and measure each run.
 
     >>> vary = {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}
     >>> vfife.study(model, vary, ["C.force.max"], turns=10).data  # doctest: +SKIP
@@ -59,7 +90,7 @@ def study(
     ``model``: a mechanism, a model file, or alone the path of a study file. ``vary``: by path a list of
     values, or by any name a table as a study file has it (``path``, ``values``, ``from`` and ``to`` ...).
     ``measures``: names of measures, or max, min, mean, rms, range of a channel, as in "mean(C.force)".
-    ``more`` are the other keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``,
+    Further keywords are keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``,
     ``count``, ``seed``, ``set``; counts and depths of landings, speeds of approach and shares of contact are
     of the whole run, whatever ``last`` is. ``file``: the study file to keep it in; what is in it already is
     not computed again, and where another study is there it gives way to ``force`` alone. ``workers``,
@@ -70,10 +101,18 @@ def study(
     with what has. Raises ModelError with all faults, HeldError where another process writes the file,
     StorageError where it cannot be written, DeviceError for a card that cannot be used.
     """
-    plan = tables_of(model, vary, measures, more, "study()").plan()
-    job = job_of("study", file, confirm, progress, lambda one: progress(one.done, one.steps))  # type: ignore[misc]
-    work = StudyWork(file, plan, Resources(workers, lanes, cluster, device), force)
-    return work.run(job, retry)[0]
+    plan = tables_of(model, vary, measures, keys_of(options), "study()").plan()
+    progress: Any = options["progress"]
+    job = job_of(
+        "study", options["file"], options["confirm"], progress, lambda one: progress(one.done, one.steps)
+    )
+    resources = Resources(options["workers"], options["lanes"], options["cluster"], options["device"])
+    return StudyWork(options["file"], plan, resources, options["force"]).run(job, options["retry"])[0]
+
+
+def keys_of(options: Any) -> dict[str, Any]:
+    """Return the keywords that are keys of a study file."""
+    return {name: options[name] for name in SearchKeys.__annotations__ if options.get(name) is not None}
 
 
 @dataclass(frozen=True)
@@ -154,7 +193,7 @@ def tables_of(model: Any, vary: Any, measures: Any, more: Mapping[str, Any], cal
     return StudyTables(raw, caller, base=base)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Optimum:
     """The answer of an optimisation, in SI units.
 
@@ -169,8 +208,12 @@ class Optimum:
     refined: int = 0
     why: str = ""
 
+    def __repr__(self) -> str:
+        counts = f"{len(self.best)} best of {len(self.members)} cases"
+        return f"<Optimum of {self.study.model!r}: {counts}; see .best, .study>"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Allocation:
     """The answer of an allocation: the cheapest ``fits`` by parameter and their ``cost`` (None where no
     choice keeps the limit), the ``quantile`` of the measure with them, the number of ``failures`` among
@@ -186,22 +229,24 @@ class Allocation:
     rejected: tuple[tuple[Mapping[str, str], float], ...]
     study: Study
 
+    def __repr__(self) -> str:
+        found = f"{self.fits}, cost {self.cost}"
+        return f"<Allocation for {self.study.model!r}: {found}; see .quantile, .rejected, .study>"
 
+
+def search_work(function: str, plan: Plan, options: SearchOptions) -> tuple[Job, StudyWork]:
+    """Return the job of a search, and the work of its cases."""
+    progress: Any = options["progress"]
+    job = job_of(function, options["file"], options["confirm"], progress, lambda one: progress(one.done))
+    resources = Resources(options["workers"], None, options["cluster"], options["device"])
+    return job, StudyWork(options["file"], plan, resources, options["force"])
+
+
+@with_options(SearchOptions, force=False, confirm=False)
 def optimise(
-    model: str | Path | Mechanism,
-    vary: Mapping[str, Any] | None = None,
-    measures: str | Iterable[str] | None = None,
-    *,
-    file: str | Path | None = None,
-    force: bool = False,
-    workers: int | None = None,
-    cluster: str | None = None,
-    device: str | None = None,
-    progress: Callable[[int], None] | None = None,
-    confirm: bool = False,
-    **more: Any,
+    model: Model, vary: Vary = None, measures: Names = None, **options: Unpack[SearchOptions]
 ) -> Optimum:
-    """Looks for the parameters with which measures are least, or largest, within limits: min f(x) with low ≤
+    """Search the parameters with which measures are least, or largest, within limits: min f(x) with low ≤
     g(x) ≤ high; of several f the Pareto front. One f is searched by tree-structured Parzen estimators,
     several by NSGA-II (optuna, extra ``optimise``); from the best of one f on derivatives of the run lead to
     at most ``refine`` members more (SLSQP), where the measures have any.
@@ -225,10 +270,9 @@ def optimise(
     HeldError, StorageError, DeviceError; after Ctrl-C a KeyboardInterrupt whose ``result`` is the study of
     the members that ended, which are kept in ``file``, too.
     """
-    plan, search = read_search(tables_of(model, vary, measures, more, "optimise()"))
+    plan, search = read_search(tables_of(model, vary, measures, keys_of(options), "optimise()"))
     optuna_module()
-    job = job_of("optimise", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
-    work = StudyWork(file, plan, Resources(workers, None, cluster, device), force)
+    job, work = search_work("optimise", plan, options)
     (candidates, last), study = work.search(
         job, search_forecast(plan, search, work.known), lambda engine: run_search(engine, plan, search)
     )
@@ -237,27 +281,17 @@ def optimise(
     )
 
 
+@with_options(SearchOptions, force=False, confirm=False)
 def allocate(
-    model: str | Path | Mechanism,
-    vary: Mapping[str, Any] | None = None,
-    measures: str | Iterable[str] | None = None,
-    *,
-    file: str | Path | None = None,
-    force: bool = False,
-    workers: int | None = None,
-    cluster: str | None = None,
-    device: str | None = None,
-    progress: Callable[[int], None] | None = None,
-    confirm: bool = False,
-    **more: Any,
+    model: Model, vary: Vary = None, measures: Names = None, **options: Unpack[SearchOptions]
 ) -> Allocation:
-    """Looks for the cheapest fits with which a measure keeps its limit in a share of all machines: min Σ cost
+    """Search the cheapest fits with which a measure keeps its limit in a share of all machines: min Σ cost
     with P(y ≤ limit) ≥ share.
 
     >>> vfife.allocate("crank.toml").fits  # doctest: +SKIP
 
     Arguments as of :func:`vfife.optimise`; every parameter has a fit, a tolerance or a distribution, and
-    ``more`` has ``allocation`` (``measure``, ``share``, ``confidence``, ``count``, ``seed``), ``cost`` (by
+    further keywords are ``allocation`` (``measure``, ``share``, ``confidence``, ``count``, ``seed``), ``cost`` (by
     parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}) and ``limit``
     (of the measure, a number in SI units or a text). Choices are tried from the cheapest on with the same
     ``machines`` drawn for all. One is taken when at most k of n are beyond the limit, k the most with P(B ≤
@@ -265,9 +299,8 @@ def allocate(
 
     Raises what :func:`vfife.optimise` raises, but needs no optuna.
     """
-    plan, task = read_allotment(tables_of(model, vary, measures, more, "allocate()"))
-    job = job_of("allocate", file, confirm, progress, lambda one: progress(one.done))  # type: ignore[misc]
-    work = StudyWork(file, plan, Resources(workers, None, cluster, device), force)
+    plan, task = read_allotment(tables_of(model, vary, measures, keys_of(options), "allocate()"))
+    job, work = search_work("allocate", plan, options)
     found, study = work.search(
         job, allotment_forecast(plan, task, work.known), lambda engine: allocate_fits(engine, task)
     )

@@ -6,25 +6,24 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..files import write_rows
+from ..files import DataTable
 from ..laws.materials import coefficient
 from ..measures.wear import PLACES, SIDES, areas, around, rubbed
-from ..model.above import NotebookDocument
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..model.wear import depth_at
 from ..modelfile import loads
 from ..numerics.elementwise import sincos, tan
 from ..numerics.products import times
+from ..report.html import NotebookDocument
 from ..solvers.record import Record
 from ..store.mapfile import WearPoint
 
@@ -65,8 +64,8 @@ class WearSpec:
     steps: int = 0
 
 
-@dataclass(frozen=True)
-class Worn(NotebookDocument):
+@dataclass(frozen=True, repr=False)
+class Worn(NotebookDocument, DataTable):
     """Wear, as far as it is known: after so many ``turns``, shape (points,), the ``depth`` (m) of each
     surface around it at ``angles`` (rad, in the frame of its body), what the model had before included, shape
     (points, surfaces, places).
@@ -155,16 +154,15 @@ class Worn(NotebookDocument):
 
         return wear_over_turns(self)
 
-    def write_csv(self, path: str | Path) -> None:
-        """Writes a row for every point, surface and place: turns, joint, side, angle (rad), depth (m)."""
-        rows: list[list[object]] = [["turns", "joint", "side", "angle", "depth"]]
+    def table(self) -> Iterator[Sequence[object]]:
+        """Yield a row for every point, surface and place: turns, joint, side, angle (rad), depth (m)."""
+        yield ["turns", "joint", "side", "angle", "depth"]
         for turns, depths in zip(self.turns.tolist(), self.depth, strict=True):
             for surface, depth in zip(self.surfaces, depths, strict=True):
-                rows += (
+                yield from (
                     [turns, surface.joint, surface.side, *pair]
                     for pair in zip(ANGLES.tolist(), depth.tolist(), strict=True)
                 )
-        write_rows(path, rows)
 
 
 def surfaces_of(mechanism: Mechanism) -> list[Surface]:

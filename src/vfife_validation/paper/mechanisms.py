@@ -148,7 +148,7 @@ def journal(
     m = Mechanism("journal in a fixed bearing")
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=mass, velocity=(speed, 0.0, 0.0))
-    m.clearance(
+    m.clearance_joint(
         "O", "ground.O", "journal.center", clearance=BEARING_RADIUS - JOURNAL_RADIUS, bearing_radius=BEARING_RADIUS,
         axial_length=axial_length, contact=contact, friction=Frictionless(),
     )  # fmt: skip

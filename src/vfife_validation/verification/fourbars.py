@@ -51,7 +51,7 @@ def four_bar(
         ("D", "ground.D", "follower.start"),
     ):
         if name in clear:
-            m.clearance(
+            m.clearance_joint(
                 name, bearing, journal, clearance=play, bearing_radius=0.01, contact=law, friction=sliding
             )
         else:

@@ -46,7 +46,7 @@ def journal_impact(nudge: Nudge) -> Rows:
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=1.0, velocity=(1.0, 0.0, 0.0))
     law = LankaraniNikravesh(restitution=0.9 * nudge("restitution"), stiffness=K * nudge("stiffness"))
-    m.clearance(
+    m.clearance_joint(
         "J",
         "ground.O",
         "journal.center",

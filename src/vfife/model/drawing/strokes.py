@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 if TYPE_CHECKING:
     import numpy as np
@@ -78,6 +78,16 @@ class Label:
 
 
 Stroke = Curve | Surface | Block | Mark
+
+
+class Extent(NamedTuple):
+    """What a drawing must hold of a joint (m): points in the bearing's frame from its pin, and how far around
+    the two pins; None leaves one out.
+    """
+
+    points: tuple[tuple[float, float], ...] = ()
+    bearing: float | None = 0.0
+    journal: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

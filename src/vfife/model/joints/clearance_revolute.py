@@ -9,11 +9,10 @@ from typing import Any, ClassVar
 from ...errors import Fault
 from ...laws import Material, Pair
 from ...schema import quantity
-from ..drawing.strokes import JointSeen, Mark, Stroke, ring, standing
+from ..drawing.strokes import Extent, JointSeen, Mark, Stroke, ring, standing
 from ..rows import Touching
 from .contact import Contact
 from .ideal_revolute import IdealRevolute
-from .joint import Point
 
 LARGE_BEARING = 0.03  # bearing radius, as a share of the drawing, from which its circle is drawn
 
@@ -29,8 +28,10 @@ class ClearanceRevolute(Contact):
     """
 
     kind: ClassVar[str] = "clearance"
+    builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"clearance_joint": ()}
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "bearing_radius": 0.02}
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
+    extent: ClassVar[tuple[str, str]] = ("bearing_radius", "the bearing's radius")
     refits: ClassVar[bool] = True
     shapes_worn: ClassVar[bool] = True
 
@@ -44,11 +45,6 @@ class ClearanceRevolute(Contact):
             limit = f"above 0 m and below bearing_radius = {self.bearing_radius:g} m"
             remedy = "check the units of both: clearance is bearing radius less journal radius"
             yield Fault(("clearance",), "as large as the bearing: no journal is left", "", limit, remedy)
-
-    @property
-    def landing(self) -> float:
-        """Depth (m) at which a first contact may land."""
-        return self.landing_depth if self.landing_depth is not None else self.clearance / 20.0
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
@@ -70,16 +66,6 @@ class ClearanceRevolute(Contact):
         """The joint without play."""
         return IdealRevolute(name=self.name, bearing=self.bearing, journal=self.journal)
 
-    @property
-    def reach(self) -> float:
-        """Depth (m) that no contact has in a sound run."""
-        return self.bearing_radius
-
-    @property
-    def deepest_start(self) -> tuple[float, str]:
-        """Half the bearing's radius."""
-        return 0.5 * self.bearing_radius, f"half the bearing's radius of {self.bearing_radius:g} m"
-
     def strokes(self, seen: JointSeen) -> list[Stroke]:
         """A ring with a dot, or the two circles where they are large enough to be seen; the ground under it."""
         found = standing(seen)
@@ -96,6 +82,6 @@ class ClearanceRevolute(Contact):
         ]
 
     @property
-    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+    def drawn(self) -> Extent:
         """The bearing around its pin."""
-        return (), self.bearing_radius, 0.0
+        return Extent(bearing=self.bearing_radius)

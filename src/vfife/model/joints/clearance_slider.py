@@ -11,7 +11,7 @@ from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2, hypot, sincos
 from ...schema import Direction, described, quantity
-from ..drawing.strokes import Block, JointSeen, Label, Stroke, beside, facing, rails
+from ..drawing.strokes import Block, Extent, JointSeen, Label, Stroke, beside, facing, rails
 from ..rows import Across, Touching
 from .contact import Contact
 from .joint import Point
@@ -32,6 +32,7 @@ class ClearanceSlider(Contact):
     kind: ClassVar[str] = "clearance-slider"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "length": 0.1, "height": 0.05}
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "length", "height", "corner_radius")
+    extent: ClassVar[tuple[str, str]] = ("height", "the block's height")
 
     clearance: float = quantity("m", "gap on each side of the centred block", above=0.0)
     length: float = quantity("m", "length of the block, along the guide", above=0.0)
@@ -51,11 +52,6 @@ class ClearanceSlider(Contact):
             yield Fault(
                 ("corner_radius",), what, "", limit, "give a smaller radius, and check the units of all three"
             )
-
-    @property
-    def landing(self) -> float:
-        """Depth (m) at which a first contact may land."""
-        return self.landing_depth if self.landing_depth is not None else self.clearance / 20.0
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """A rounded corner on a straight wall."""
@@ -88,16 +84,6 @@ class ClearanceSlider(Contact):
         """What it is, in a word or two."""
         return "clearance slider"
 
-    @property
-    def reach(self) -> float:
-        """Depth (m) that no contact has in a sound run."""
-        return self.height
-
-    @property
-    def deepest_start(self) -> tuple[float, str]:
-        """Half the block's height."""
-        return 0.5 * self.height, f"half the block's height of {self.height:g} m"
-
     def strokes(self, seen: JointSeen) -> list[Stroke]:
         """The walls, and the block as it lies between them."""
         length, height = seen.factor * self.length, seen.factor * self.height
@@ -115,6 +101,6 @@ class ClearanceSlider(Contact):
         return beside(seen, self.direction, seen.factor * (0.5 * self.height + self.clearance))
 
     @property
-    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+    def drawn(self) -> Extent:
         """The block and its walls around the journal's pin."""
-        return (), 0.0, 0.5 * hypot(self.length, self.height) + self.clearance
+        return Extent(journal=0.5 * hypot(self.length, self.height) + self.clearance)

@@ -60,6 +60,10 @@ class Contact(Joint):
     )
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
+    extent: ClassVar[tuple[str, str]] = (
+        "",
+        "",
+    )  # the field of the size (m) that no contact in a sound run is as deep as, and its name
 
     shapes_worn: ClassVar[bool] = False  # whether its surfaces may have a worn profile
 
@@ -94,7 +98,12 @@ class Contact(Joint):
     @property
     def landing(self) -> float:
         """Depth (m) at which a first contact may land."""
-        raise NotImplementedError
+        return self.landing_depth if self.landing_depth is not None else self.usual_landing
+
+    @property
+    def usual_landing(self) -> float:
+        """The same where nothing is given: c/20."""
+        return float(getattr(self, "clearance")) / 20.0  # noqa: B009 - of all but external contacts
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """The two surfaces, with the bodies' materials where the joint names none."""
@@ -109,9 +118,9 @@ class Contact(Joint):
     @property
     def reach(self) -> float:
         """Depth (m) that no contact has in a sound run."""
-        raise NotImplementedError
+        return float(getattr(self, self.extent[0]))
 
     @property
     def deepest_start(self) -> tuple[float, str]:
-        """Depth (m) at the start beyond which no contact law has a meaning, and what it is."""
-        raise NotImplementedError
+        """Depth (m) at the start beyond which no contact law has a meaning, half the extent, and what it is."""
+        return 0.5 * self.reach, f"half {self.extent[1]} of {self.reach:g} m"

@@ -13,7 +13,7 @@ from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import hypot
 from ...schema import PLACE, Many, described, quantity
-from ..drawing.strokes import Curve, JointSeen, Label, Mark, Stroke, left_of, ring
+from ..drawing.strokes import Curve, Extent, JointSeen, Label, Mark, Stroke, left_of, ring
 from ..geometry.path import Path, circle, polyline
 from ..rows import OnPath, Row, Touching
 from .contact import Contact
@@ -27,8 +27,36 @@ POINTS = "points of a slot along a polyline, from the bearing's pin in the frame
 FILLET = "radius of the arcs that round the corners of a polyline"
 
 
+class Slot:
+    """What slots with and without play share: a path from whose begin the journal's pin starts."""
+
+    @property
+    def half_width(self) -> float:
+        """Half the distance of its walls (m); 0 without play."""
+        return 0.0
+
+    @property
+    def path(self) -> Path:
+        """The middle of the slot. Raises Fault where its sizes make none, or leave no wall inside an arc."""
+        return slot_path(self, self.half_width)  # type: ignore[arg-type]
+
+    @property
+    def first_place(self) -> Point:
+        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's (m)."""
+        return self.path.pieces[0].begin
+
+    def label(self, seen: JointSeen) -> Label:
+        """Above the pin."""
+        return Label(seen.journal + (0.0, LABEL * seen.size), fixed=True)
+
+    @property
+    def drawn(self) -> Extent:
+        """The path; its pin may be far from it."""
+        return Extent(tuple(self.path.points()), None, self.half_width)
+
+
 @dataclass(frozen=True, kw_only=True)
-class CurvedSlot(Joint):
+class CurvedSlot(Slot, Joint):
     """The journal's pin does not leave a path that is fixed in the bearing's body, and its body turns freely.
 
     The path is a circle of ``radius`` (m) about ``centre``, or runs through ``points``, whose corners are
@@ -54,16 +82,6 @@ class CurvedSlot(Joint):
         return (OnPath(self.path),)
 
     @property
-    def path(self) -> Path:
-        """The middle of the slot. ValueError where its sizes make none."""
-        return slot_path(self, 0.0)
-
-    @property
-    def first_place(self) -> Point:
-        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's (m)."""
-        return self.path.pieces[0].begin
-
-    @property
     def words(self) -> str:
         """What it is, in a few words."""
         return "pin in a curved slot"
@@ -75,18 +93,9 @@ class CurvedSlot(Joint):
             Mark(seen.journal, "pin", "journal", "pin in a curved slot"),
         ]
 
-    def label(self, seen: JointSeen) -> Label:
-        """Above the pin."""
-        return Label(seen.journal + (0.0, LABEL * seen.size), fixed=True)
-
-    @property
-    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
-        """The path; its pin may be far from it."""
-        return tuple(self.path.points()), None, 0.0
-
 
 @dataclass(frozen=True, kw_only=True)
-class ClearanceCurvedSlot(Contact):
+class ClearanceCurvedSlot(Slot, Contact):
     """A round pin of ``journal_radius`` (m) between the two walls of a curved slot,
     ``2 (journal_radius + clearance)`` apart.
 
@@ -98,6 +107,7 @@ class ClearanceCurvedSlot(Contact):
     kind: ClassVar[str] = "clearance-curved-slot"
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "journal_radius": 0.01, "radius": 0.3}
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "journal_radius", "radius", "fillet")
+    extent: ClassVar[tuple[str, str]] = ("journal_radius", "the pin's radius")
 
     clearance: float = quantity("m", "gap on each side of the centred pin", above=0.0)
     journal_radius: float = quantity("m", "radius of the pin", above=0.0)
@@ -110,22 +120,12 @@ class ClearanceCurvedSlot(Contact):
         """Its sizes make a path, with room for walls on both sides."""
         yield from super().conflicts()
         if None not in (self.journal_radius, self.clearance):
-            yield from no_path(self, self.journal_radius + self.clearance)
+            yield from no_path(self, self.half_width)
 
     @property
-    def path(self) -> Path:
-        """The middle of the slot. ValueError where its sizes make none, or leave no wall inside an arc."""
-        return slot_path(self, self.journal_radius + self.clearance)
-
-    @property
-    def first_place(self) -> Point:
-        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's (m)."""
-        return self.path.pieces[0].begin
-
-    @property
-    def landing(self) -> float:
-        """Depth (m) at which a first contact may land."""
-        return self.landing_depth if self.landing_depth is not None else self.clearance / 20.0
+    def half_width(self) -> float:
+        """Half the distance of its walls (m)."""
+        return self.journal_radius + self.clearance
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """A round pin on a flat wall."""
@@ -137,7 +137,7 @@ class ClearanceCurvedSlot(Contact):
     def touchings(self, turned: float) -> tuple[Touching, ...]:
         """The pin between both walls, of which it can touch one at a time."""
         r = self.journal_radius
-        return (Touching("slot", self.clearance, (r + self.clearance, r), path=self.path),)
+        return (Touching("slot", self.clearance, (self.half_width, r), path=self.path),)
 
     def ideal(self) -> CurvedSlot:
         """The joint without play."""
@@ -149,16 +149,6 @@ class ClearanceCurvedSlot(Contact):
         """What it is, in a few words."""
         return "pin with play in a curved slot"
 
-    @property
-    def reach(self) -> float:
-        """Depth (m) that no contact has in a sound run."""
-        return self.journal_radius
-
-    @property
-    def deepest_start(self) -> tuple[float, str]:
-        """Half the pin's radius."""
-        return 0.5 * self.journal_radius, f"half the pin's radius of {self.journal_radius:g} m"
-
     def strokes(self, seen: JointSeen) -> list[Stroke]:
         """The two walls, and the pin between them."""
         pin = ring(
@@ -168,16 +158,7 @@ class ClearanceCurvedSlot(Contact):
             width=1.6,
             sign="pin with play in a curved slot",
         )
-        return [*walls(seen, self.path, seen.factor * (self.journal_radius + self.clearance)), pin]
-
-    def label(self, seen: JointSeen) -> Label:
-        """Above the pin."""
-        return Label(seen.journal + (0.0, LABEL * seen.size), fixed=True)
-
-    @property
-    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
-        """The path, and the pin."""
-        return tuple(self.path.points()), None, self.journal_radius + self.clearance
+        return [*walls(seen, self.path, seen.factor * self.half_width), pin]
 
 
 def slot_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Path:

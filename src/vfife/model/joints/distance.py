@@ -53,8 +53,3 @@ class Distance(Joint):
     def label(self, seen: JointSeen) -> Label:
         """In the middle of the link."""
         return Label(0.5 * (seen.bearing + seen.journal))
-
-    @property
-    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
-        """Its two pins."""
-        return (), 0.0, 0.0

@@ -11,7 +11,7 @@ from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2
 from ...schema import Direction, described, quantity
-from ..drawing.strokes import Curve, JointSeen, Label, Stroke, Surface, left_of, ring
+from ..drawing.strokes import Curve, Extent, JointSeen, Label, Stroke, Surface, left_of, ring
 from ..rows import Across, Touching
 from .contact import Contact
 from .joint import Point
@@ -31,6 +31,7 @@ class ExternalContact(Contact):
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"external_contact": ()}
     sample: ClassVar[dict[str, Any]] = {"journal_radius": 0.05}
     sizes: ClassVar[tuple[str, ...]] = ("bearing_radius", "journal_radius")
+    extent: ClassVar[tuple[str, str]] = ("journal_radius", "the radius")
 
     journal_radius: float = quantity("m", "radius of the round at the journal", above=0.0)
     bearing_radius: float | None = quantity(
@@ -55,9 +56,9 @@ class ExternalContact(Contact):
             )
 
     @property
-    def landing(self) -> float:
-        """Depth (m) at which a first contact may land."""
-        return self.landing_depth if self.landing_depth is not None else self.journal_radius / 1000.0
+    def usual_landing(self) -> float:
+        """Depth (m) at which a first contact may land where nothing is given."""
+        return self.journal_radius / 1000.0
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
         """A round on a line or beside another round."""
@@ -81,11 +82,6 @@ class ExternalContact(Contact):
     def words(self) -> str:
         """What it is, in a few words."""
         return "contact with a line" if self.bearing_radius is None else "contact of rounds"
-
-    @property
-    def reach(self) -> float:
-        """Depth (m) that no contact has in a sound run."""
-        return self.journal_radius
 
     @property
     def deepest_start(self) -> tuple[float, str]:
@@ -119,6 +115,6 @@ class ExternalContact(Contact):
         return Label(seen.journal)
 
     @property
-    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
+    def drawn(self) -> Extent:
         """The rounds around their pins; of a line, only what the journal comes to."""
-        return (), self.bearing_radius, self.journal_radius
+        return Extent((), self.bearing_radius, self.journal_radius)

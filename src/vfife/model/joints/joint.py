@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from ...errors import Fault
 from ...schema import Text, described
-from ..drawing.strokes import JointSeen, Label, Stroke, under
+from ..drawing.strokes import Extent, JointSeen, Label, Stroke, under
 from ..kind import Kind
 from ..rows import Coincide, Row, place_row
 
@@ -83,8 +83,6 @@ class Joint(Kind):
         return under(seen)
 
     @property
-    def drawn(self) -> tuple[tuple[Point, ...], float | None, float]:
-        """What a drawing must hold (m): points in the bearing's frame from its pin, and how far around the
-        two pins; None leaves one out.
-        """
-        return (), 0.0, 0.0
+    def drawn(self) -> Extent:
+        """What a drawing must hold of it."""
+        return Extent()

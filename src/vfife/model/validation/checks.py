@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
-from ...errors import Fault, Path, place, suggestion
+from ...errors import Fault, Path, suggestion
 from ..joints import Contact
 from ..mechanism import Mechanism
 from ..rows import Coincide, Row
@@ -18,17 +18,17 @@ class Checks:
     """A mechanism, known in part perhaps, the paths at which something was ``told`` already, and the
     ``faults`` found.
 
-    ``where`` gives the place of a path in words, ``written`` the value that stands there.
+    ``given`` are paths of values that stand beside the file; ``written`` returns the value at a path.
     """
 
     def __init__(
         self,
         mechanism: Mechanism,
         told: Iterable[Path] = (),
-        where: Callable[[Path], str] = place,
+        given: Iterable[Path] = (),
         written: Callable[[Path], str] = lambda path: "",
     ) -> None:
-        self.mechanism, self.where, self.written = mechanism, where, written
+        self.mechanism, self.given, self.written = mechanism, given, written
         self.refused = {path[:depth] for path in told for depth in range(2, len(path) + 1)}
         self.faults: list[Fault] = []
         self.suggestions = 0
@@ -49,7 +49,7 @@ class Checks:
     def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
         """One fault more, with the value that stands at the path."""
         value = self.written(path) if path[-1] != "" else ""
-        fault = Fault(self.where(path), what, value, limit, remedy)
+        fault = Fault("", what, value, limit, remedy).at(path, self.given)
         if self.faults[-1:] != [fault]:  # two tables over the same places hear of them once
             self.faults.append(fault)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 from ...errors import Fault, Path
@@ -18,19 +18,6 @@ from .loads import check_alone
 from .settings import check_name
 
 
-class Single(Checks):
-    """Keeps what it finds as refusals, each with its path."""
-
-    def __init__(self, mechanism: Mechanism, told: Iterable[Path], written: Callable[[Path], str]) -> None:
-        super().__init__(mechanism, told, written=written)
-        self.found: list[Fault] = []
-
-    def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
-        """One refusal more."""
-        value = self.written(path) if path[-1] != "" else ""
-        self.found.append(Fault(path, what, value, limit, remedy))
-
-
 def faults_of(
     mechanism: Mechanism, section: str, name: str, noun: Any, told: Iterable[Path] = ()
 ) -> list[Fault]:
@@ -42,7 +29,7 @@ def faults_of(
     one: dict[str, Any] = {field.name: {name: noun}}
     holding = dataclasses.replace(mechanism, **one)
     around = mechanism if section != "body" else dataclasses.replace(holding, drivers={}, joints={})
-    checks = Single(around, told, lambda path: written(holding, path))
+    checks = Checks(around, told, written=lambda path: written(holding, path))
     check_name(checks, path)
     if section == "body":
         if name == "ground":
@@ -72,10 +59,10 @@ def faults_of(
             "bearing and journal are on the same body",
             "name a pin of another body, or of the ground",
         )
-    return checks.found
+    return checks.faults
 
 
-def references(checks: Single, path: Path, noun: Any) -> list[str]:
+def references(checks: Checks, path: Path, noun: Any) -> list[str]:
     """What a noun names; pins of bodies that are there already are looked for, and the form of all names."""
     found = []
     for field in described_fields(type(noun)):

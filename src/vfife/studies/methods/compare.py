@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +28,13 @@ from ...job.job import Job, job_of
 from ...laws import ContactLaw, FrictionLaw, Law
 from ...measures.ranges import finer
 from ...model.mechanism import Mechanism
+from ...options import Run, Watch, with_options
 from ...results.comparison import Comparison
 from ...simulation.result import Result
 from ...simulation.simulate import Prepared, concluded, halved, prepare
 from ...simulation.simulate import carry_out as run_prepared
 from ...simulation.start import reference_of
-from ...solvers.arguments import Arguments, Loop, RunArguments
+from ...solvers.arguments import Arguments, RunArguments
 from ...solvers.record import Record
 from ...solvers.repeating import Settling
 from ...solvers.status import Progress, Status
@@ -190,24 +191,22 @@ PER_JOINT = (
 )
 
 
+class CompareOptions(Run, Watch, total=False):
+    """Keywords of :func:`compare`."""
+
+    joints: Iterable[str] | None  # whose laws are changed; all with clearance unless given
+    outputs: int | None  # per turn
+    folder: str | Path | None  # keeps the runs until all are complete
+
+
+@with_options(CompareOptions, loop="auto", force_step=False, companions=0, confirm=False)
 def compare(
     mechanism: Mechanism,
     contact: Sequence[Choice] = (),
     friction: Sequence[Choice] = (),
-    *,
-    joints: Iterable[str] | None = None,
-    progress: Callable[[str], Callable[[Progress], None] | None] | Job | None = None,
-    turns: float | None = None,
-    duration: float | str | None = None,
-    step: float | str | None = None,
-    outputs: int | None = None,
-    loop: Loop = "auto",
-    force_step: bool = False,
-    companions: int | str = 0,
-    folder: str | Path | None = None,
-    confirm: bool = False,
+    **options: Unpack[CompareOptions],
 ) -> Comparison:
-    """Runs a mechanism under every pair of the given laws, and under its own where a kind is not given.
+    """Run a mechanism under every pair of the given laws, and under its own where a kind is not given.
 
     A law is a name, a class or an instance. Of a name or a class the parameters are those of the law it takes
     the place of, where both have a field of the same name and unit (restitution, coefficient ...), else its
@@ -220,21 +219,14 @@ def compare(
     where it takes more than an hour, or half of the memory. Raises VfifeError with every law that cannot be
     used, before the first run, and StorageError where a run cannot be kept.
     """
-    given = Arguments("compare")
+    given, folder = Arguments("compare"), options["folder"]
+    progress: Any = options["progress"]
     given.mechanism(mechanism)
-    asked = given.run(
-        turns=turns,
-        duration=duration,
-        step=step,
-        outputs=outputs,
-        loop=loop,
-        force_step=force_step,
-        companions=companions,
-    )
+    asked = given.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
     given.callable("progress", progress)
     given.kind("folder", folder, (str, Path, type(None)), "a folder")
     given.check()
-    names = chosen_joints(mechanism, joints)
+    names = chosen_joints(mechanism, options["joints"])
     variants = list(law_variants(mechanism, contact, friction, names))
     reference = (
         reference_of(mechanism, asked.turns, asked.duration)
@@ -246,7 +238,11 @@ def compare(
     lines: list[Callable[[Progress], None] | None] = [None]
     name = progress if callable(progress) and not isinstance(progress, Job) else lambda text: None
     job = job_of(
-        "compare", folder, confirm, progress, lambda one: None if lines[-1] is None else lines[-1](one)
+        "compare",
+        folder,
+        options["confirm"],
+        progress,
+        lambda one: None if lines[-1] is None else lines[-1](one),
     )
     job.begin(forecast([one for one in runs if not parts.path(one).is_file()], len(runs)))
     results: dict[int, Result] = {}

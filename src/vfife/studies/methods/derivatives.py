@@ -5,11 +5,12 @@ finite changes.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from statistics import fmean
 from types import MappingProxyType
+from typing import Unpack
 
 from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
@@ -25,6 +26,7 @@ from ...measures.ranges import over_tries, ranged
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
 from ...modelfile.parameter import numbers
+from ...options import Length, Watch, with_options
 from ...results.derivatives import Derivative, Sensitivity
 from ...results.studied import UNITS, unit_of
 from ...results.view import standing
@@ -34,7 +36,7 @@ from ...solvers.arguments import Arguments
 from ...solvers.companions import SENSITIVE
 from ...solvers.ensemble import step_sizes
 from ...solvers.record import Record
-from ...solvers.status import Progress, Status
+from ...solvers.status import Status
 from ...solvers.tangents import Pairs, comparable, displaced, tangents
 from ...solvers.transient import choose_loop, run
 from ..spec.study_file import measure_names
@@ -63,19 +65,18 @@ DISPLACED = 2  # runs with contact whose derivatives are compared, the run itsel
 Reference = Mapping[str, float] | None  # measures of the ideal mechanism
 
 
+class SensitivityOptions(Length, Watch, total=False):
+    """Keywords of :func:`sensitivity`."""
+
+    runs: int | None  # with displaced steps, whose mean a derivative with contact is
+
+
+@with_options(SensitivityOptions, force_step=False, confirm=False)
 def sensitivity(
     mechanism: Mechanism,
     of: Sequence[str] | None = ("*",),
     to: Sequence[str] = ("*",),
-    *,
-    turns: float | None = None,
-    duration: float | str | None = None,
-    step: float | str | None = None,
-    companions: int | str | None = None,
-    runs: int | None = None,
-    force_step: bool = False,
-    progress: Callable[[Progress], None] | None = None,
-    confirm: bool = False,
+    **options: Unpack[SensitivityOptions],
 ) -> Sensitivity:
     """Differentiate measures ``of`` a run by numbers of its model, ``to``: patterns of names and of paths, as
     ``"*.force.max"`` and ``"joint.C.*"``; of None: of the largest forces, torques and angular accelerations.
@@ -89,24 +90,16 @@ def sensitivity(
     into account. ``confirm``: go on even where it takes more than an hour. Raises ModelError for patterns
     that fit nothing, VfifeError for a run that diverges, KeyboardInterrupt, and what simulate raises.
     """
-    arguments = Arguments("sensitivity")
+    arguments, runs = Arguments("sensitivity"), options["runs"]
     arguments.mechanism(mechanism)
-    run_arguments = arguments.run(
-        turns=turns,
-        duration=duration,
-        step=step,
-        outputs=None,
-        loop="auto",
-        force_step=force_step,
-        companions=companions,
-    )
+    run_arguments = arguments.run(**{name: options.get(name) for name in Length.__annotations__})
     if arguments.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
         limit = f"a whole number from 1 to {MOST_RUNS}"
         arguments.fault("runs", "more than go side by side", runs, limit, "give fewer")
     arguments.check()
     refuse_unfit(mechanism, of or ())
     chosen = matching("to", to, numbers(mechanism))
-    with job_of("sensitivity", None, confirm, progress) as job:
+    with job_of("sensitivity", None, options["confirm"], options["progress"]) as job:
         prepared = prepare(mechanism, run_arguments)
         job.begin(forecast(prepared, mechanism, sum(value != 0.0 for value in chosen.values()), runs))
         result = carry_out(prepared, progress=job)

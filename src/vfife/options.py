@@ -1,0 +1,109 @@
+"""Keywords of the functions that run something, grouped by purpose: what to run, what to save, what to
+compute with.
+
+Every function takes them as plain keywords, ``simulate(m, turns=10, loop="generated")``. A group is a mapping
+with types, for keywords that a script passes several times:
+
+>>> from vfife.options import Run
+>>> long = Run(turns=40, settle="1 %")  # simulate(m, **long), compare(m, ["hertz"], **long)
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
+
+from .errors import ArgumentError, Fault, shown, suggestion
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from .solvers.arguments import Loop
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+class Length(TypedDict, total=False):
+    """How long to run, and how finely. What is left out or None is that of the settings of the mechanism."""
+
+    turns: float | None  # of the crank
+    duration: float | str | None  # s, instead of turns
+    step: float | str | None  # s, or "auto" for the largest that is stable and accurate
+    companions: (
+        int | str | None
+    )  # runs with other step sizes, which estimate the error of a run with contact: 0 to 7, or "auto"
+    force_step: bool  # take a step that is larger than the stable one
+
+
+class Run(Length, total=False):
+    """What to run."""
+
+    settle: float | str | None  # 1: ends as soon as turns repeat within this share of their largest values
+    loop: Loop  # "auto", "data-driven", "generated" or "interpreted", which give the same bits
+
+
+class Watch(TypedDict, total=False):
+    """How to watch a computation, and what it may cost."""
+
+    progress: Callable[..., None] | None  # called with what is done so far
+    confirm: bool  # run even what takes more than an hour, or half of the memory or of the disk
+
+
+class Save(TypedDict, total=False):
+    """What to save."""
+
+    file: str | Path | None  # keeps what is computed; the same call goes on after what it has
+    force: bool  # replace another file that is there
+
+
+class Compute(TypedDict, total=False):
+    """What to compute with."""
+
+    workers: int | None  # threads, or processes of a cluster; as many as there are processors unless said
+    cluster: str | None  # "local" for processes, or the address of a scheduler of dask.distributed
+    device: str | None  # "cuda" for an NVIDIA card
+
+
+def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]:
+    """Give a function whose last parameter is ``**options`` the keywords of a group: the rest are
+    ``defaults``, or None.
+
+    Its signature, which help() and editors show, has them one by one. Any other keyword raises ArgumentError.
+    """
+    names: dict[str, Any] = dict.fromkeys(group.__annotations__) | defaults
+
+    def decorate(function: Function) -> Function:
+        @functools.wraps(function)
+        def call(*values: Any, **given: Any) -> Any:
+            if strange := [name for name in given if name not in known]:
+                faults = [
+                    Fault(
+                        (name,),
+                        "there is no such keyword",
+                        shown(given[name]),
+                        "",
+                        suggestion(name, known, "leave it out"),
+                    )
+                    for name in strange
+                ]
+                raise ArgumentError(faults, f"{function.__name__}()")
+            return function(*values, **{**names, **given})
+
+        own = inspect.signature(function)
+        parameters = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
+        keywords = [
+            inspect.Parameter(
+                name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=default,
+                annotation=group.__annotations__[name].__forward_arg__,
+            )
+            for name, default in names.items()
+        ]
+        known = own.replace(parameters=[*parameters, *keywords]).parameters
+        setattr(call, "__signature__", own.replace(parameters=list(known.values())))  # noqa: B010 - a checker forbids the assignment
+        return call  # type: ignore[return-value]
+
+    return decorate
