@@ -252,7 +252,7 @@ def test_quick_changes_start_no_more_threads(folder, monkeypatch):
     for k in range(150):
         session.change(document.id, lambda one, k=k: one.take(f"# {k}\n{TEXT}"))
     monkeypatch.undo()
-    assert not begun_threads and len(session.pages.next) <= 1
+    assert not begun_threads and len(session.pages.prepared) <= 1
     begun.set()
     session.close()
 

@@ -21,7 +21,7 @@ from vfife.measures.spectral import short_time
 from vfife.plots import chosen, figures, style
 from vfife.plots.catalogue import FIGURES, available, usual
 from vfife.plots.curves import Quantity, accelerations, joint_forces, moments, reach_of
-from vfife.plots.motion import bearing_force, seen_from_bearing, tilt_and_offset
+from vfife.plots.motion import bearing_force, relative_to_bearing, tilt_and_offset
 from vfife.plots.spectra import pieces, spectra_of
 from vfife.plots.turn import Span, output_at, span
 from vfife.simulation.result import Result
@@ -179,7 +179,7 @@ def test_orbits_are_seen_from_the_bearing_and_have_one_scale() -> None:
         "ground": np.zeros(len(result.time))
     }
     for name, ax in zip(result.record.assembly.contacts, figure.axes, strict=True):
-        away = seen_from_bearing(result, name) @ np.array([1.0, 1.0j])
+        away = relative_to_bearing(result, name) @ np.array([1.0, 1.0j])
         told = result.joint(name).eccentricity_x.values + 1.0j * result.joint(name).eccentricity_y.values
         bearing = result.record.assembly.mechanism.joints[name].sides[0][0]
         assert np.allclose(away * np.exp(1.0j * angle[bearing]), told, atol=1e-15)

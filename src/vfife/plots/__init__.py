@@ -37,9 +37,9 @@ def figures(result: View, reference: View | None = None, names: Collection[str] 
     :class:`~vfife.errors.VfifeError` for a name that is no figure's, and for a figure that the result has
     nothing for.
     """
-    wanted = chosen(result, names)
+    chosen_names = chosen(result, names)
     reference = reference if reference is not None else result.reference
-    return {name: figure(result, name, reference) for name in wanted}
+    return {name: figure(result, name, reference) for name in chosen_names}
 
 
 def chosen(result: View, names: Collection[str]) -> list[str]:
@@ -100,17 +100,17 @@ def save_one(result: View, name: str | None, path: Path, other_endings: Collecti
     """
     kind = path.suffix.lower()
     if kind not in PICTURES:
-        known = ", ".join((*PICTURES, *other_endings)) if name is None else ", ".join(PICTURES)
+        endings = ", ".join((*PICTURES, *other_endings)) if name is None else ", ".join(PICTURES)
         raise VfifeError(
             f'{path}: nothing is written as "{path.suffix or path.name}"; endings that say a format are'
-            f" {known}"
+            f" {endings}"
         )
-    wanted = name if name is not None else path.stem
+    figure_name = name if name is not None else path.stem
     try:
-        found = figures(result, names=[wanted])
+        drawn = figures(result, names=[figure_name])
     except VfifeError as error:
         raise VfifeError(f"{path}: {error}") from None
-    saved(found[wanted], path)
+    saved(drawn[figure_name], path)
 
 
 __all__ = [

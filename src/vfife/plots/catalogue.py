@@ -60,8 +60,8 @@ def _several_outputs(result: View) -> bool:
 def _few_turns(result: View) -> str:
     if result.record.static or not joint_forces(result):
         return STATIC if result.record.static else NO_FORCE
-    found = pieces(result)
-    enough = found is not None and len(found.starts) >= FEW
+    parts = pieces(result)
+    enough = parts is not None and len(parts.starts) >= FEW
     return "" if enough else f"it takes {FEW} turns, or {LEAST} outputs of a run without turns"
 
 

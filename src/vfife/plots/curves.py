@@ -74,23 +74,23 @@ class Quantity:
 
 def joint_forces(result: View) -> dict[str, Quantity]:
     """Size of the force of each joint that carries one, in the order of tables."""
-    found = {name: _force(result, name) for name in joint_rows(result.record)}
-    return _above_noise(
-        result, found, max([0.0, *(one.largest(result.record) for one in _all_moments(result).values())])
+    forces = {name: _force(result, name) for name in joint_rows(result.record)}
+    return _significant(
+        result, forces, max([0.0, *(one.largest(result.record) for one in _all_moments(result).values())])
     )
 
 
 def moments(result: View) -> dict[str, Quantity]:
     """Moment of each gear, weld, guide and driver that has one, and torque of each driver."""
-    return _above_noise(result, _all_moments(result), 0.0)
+    return _significant(result, _all_moments(result), 0.0)
 
 
 def _all_moments(result: View) -> dict[str, Quantity]:
     """The same with zero moments."""
-    record, found = result.record, {}
+    record, quantities = result.record, {}
     for name, (block, _) in joint_rows(record).items():
         if block == "joint":
-            found[name] = Quantity(
+            quantities[name] = Quantity(
                 title_of(result, name),
                 "moment",
                 "N m",
@@ -103,10 +103,10 @@ def _all_moments(result: View) -> dict[str, Quantity]:
             torque, most = (
                 _of_body(block, name, "driven") for block in ("driven_torque", "driven_torque_max")
             )
-            found[f"{name} "] = Quantity(
+            quantities[f"{name} "] = Quantity(
                 f"drive of {name}", "torque", "N m", torque, most, f"{name}.torque.max"
             )
-    return found
+    return quantities
 
 
 def accelerations(result: View) -> dict[str, Quantity]:
@@ -116,22 +116,24 @@ def accelerations(result: View) -> dict[str, Quantity]:
     record = result.record
     if record.static:
         return {}
-    bodies, found, gliding = record.assembly.bodies, {}, set()
+    bodies, quantities, gliding = record.assembly.bodies, {}, set()
     for name in sliders(record) if record.keeps("particle_u") else ():
         gliding.add(record.assembly.mechanism.joints[name].sides[1][0])
         along = Quantity(f"{record.assembly.mechanism.joints[name].sides[1][0]} along {name}", "acceleration", "m/s²",
                          lambda one, name=name: slider_motion(one, name)[2], None, f"{name}.acceleration.max")  # type: ignore[misc]  # fmt: skip
-        found[name] = along
+        quantities[name] = along
     for name, body in bodies.items():
         measure = f"{name}.angular_acceleration.max"
         if body.driven is None and name not in gliding and result.measures.get(measure):
             sample, most = (_of_body(block, name, "row") for block in ("body_alpha", "body_alpha_max"))
-            found[f"{name} "] = Quantity(name, "angular acceleration", "rad/s²", sample, most, measure)
+            quantities[f"{name} "] = Quantity(name, "angular acceleration", "rad/s²", sample, most, measure)
     tallest = {
-        unit: max((one.largest(record) for one in found.values() if one.unit == unit), default=0.0)
+        unit: max((one.largest(record) for one in quantities.values() if one.unit == unit), default=0.0)
         for unit in ("m/s²", "rad/s²")
     }
-    return {name: one for name, one in found.items() if one.largest(record) > ROUNDING * tallest[one.unit]}
+    return {
+        name: one for name, one in quantities.items() if one.largest(record) > ROUNDING * tallest[one.unit]
+    }
 
 
 def largest_forces(result: View, most: int) -> dict[str, Quantity]:
@@ -139,10 +141,10 @@ def largest_forces(result: View, most: int) -> dict[str, Quantity]:
     return largest(result, joint_forces(result), most)
 
 
-def largest(result: View, found: dict[str, Quantity], most: int) -> dict[str, Quantity]:
+def largest(result: View, quantities: dict[str, Quantity], most: int) -> dict[str, Quantity]:
     """The ``most`` quantities with the largest values, in the same order."""
-    chosen = sorted(found, key=lambda name: -found[name].largest(result.record))[:most]
-    return {name: one for name, one in found.items() if name in chosen}
+    chosen = sorted(quantities, key=lambda name: -quantities[name].largest(result.record))[:most]
+    return {name: one for name, one in quantities.items() if name in chosen}
 
 
 def title_of(result: View, name: str) -> str:
@@ -162,10 +164,10 @@ def _force(result: View, name: str) -> Quantity:
     return Quantity(title_of(result, name), "force", "N", size, most, f"{name}.force.max")
 
 
-def _above_noise(result: View, found: dict[str, Quantity], largest: float) -> dict[str, Quantity]:
-    sizes = {name: one.largest(result.record) for name, one in found.items()}
+def _significant(result: View, quantities: dict[str, Quantity], largest: float) -> dict[str, Quantity]:
+    sizes = {name: one.largest(result.record) for name, one in quantities.items()}
     noise = NOISE * max([largest, *sizes.values()])
-    return {name: one for name, one in found.items() if sizes[name] > noise}
+    return {name: one for name, one in quantities.items() if sizes[name] > noise}
 
 
 def _column(of: Callable[[Record], Array], name: str) -> Callable[[Record], Array]:
@@ -222,11 +224,11 @@ def acceleration_curves(result: View, reference: View | None = None) -> Figure:
     return curves(result, reference, accelerations(result), "accelerations")
 
 
-def curves(result: View, reference: View | None, found: dict[str, Quantity], title: str) -> Figure:
+def curves(result: View, reference: View | None, quantities: dict[str, Quantity], title: str) -> Figure:
     """A panel for each quantity: samples as a line, a band to the extremes between them, the ideal mechanism,
     the reported peak.
     """
-    chosen = list(largest(result, found, MOST).values())
+    chosen = list(largest(result, quantities, MOST).values())
     panels = Panels.alike(len(chosen), 2, PANEL, ALONE)
     over = span(result)
     for ax, one in zip(panels.axes, chosen, strict=True):

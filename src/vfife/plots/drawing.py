@@ -73,9 +73,9 @@ def strip(result: View) -> Figure:
     low, high = extent(result, outlines)
     width, height = sides(high - low)
     over = span(result)
-    whole = over.cut is not None  # the last output repeats the first
-    moments = np.linspace(over.first, over.last, min(STRIP + whole, over.last - over.first + 1)).astype(int)[
-        : STRIP if whole else None
+    closed = over.cut is not None  # the last output repeats the first
+    moments = np.linspace(over.first, over.last, min(STRIP + closed, over.last - over.first + 1)).astype(int)[
+        : STRIP if closed else None
     ]
     panels = Panels([(SMALLER * width, SMALLER * height)] * len(moments), 4, across=0.3, down=0.4)
     for ax, k in zip(panels.axes, moments, strict=True):
@@ -104,15 +104,15 @@ def sides(span: Array) -> tuple[float, float]:
 
 def legend(sheet: Sheet, outlines: dict[str, Outline]) -> dict[str, Any]:
     """Legend entries of the first bodies."""
-    found: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     for name, one in list(outlines.items())[: MOST_NAMED - (len(outlines) > MOST_NAMED)]:
         dot = {"ls": "", "marker": "o", "ms": 8} if one.path.shape[1] == 1 else {"lw": 4.0}
         parts = [Line2D([], [], color=sheet.colours[name], **dot)]
         parts += [Line2D([], [], color="white", lw=1.4)] if name in sheet.striped else []
-        found[name] = tuple(parts)
+        entries[name] = tuple(parts)
     if len(outlines) > MOST_NAMED:
-        found[f"… and {len(outlines) - MOST_NAMED + 1} more bodies"] = Line2D([], [], color="none")
-    return found
+        entries[f"… and {len(outlines) - MOST_NAMED + 1} more bodies"] = Line2D([], [], color="none")
+    return entries
 
 
 def draw_symbols(sheet: Sheet, outlines: dict[str, Outline]) -> None:
@@ -191,8 +191,8 @@ def _draw_body(sheet: Sheet, name: str, one: Outline) -> None:
 NAME_SIZE, HIGH = 9.0, 12.0  # points: of the font, and of a line
 AWAY = (9.0, 14.0, 20.0, 28.0, 38.0)  # points from a sign to the nearest edge of its name
 LONGEST = 2.2  # inches of a name
-APART = 4.0  # points between places of a line that a name should not cover
-TAKEN, OUTSIDE, COVERED, FAR = (
+SPACING = 4.0  # points between places of a line that a name should not cover
+OVERLAP, OUTSIDE, COVERED, FAR = (
     400.0,
     4000.0,
     3.0,
@@ -231,21 +231,21 @@ def place_names(sheet: Sheet) -> None:
     )
     box = ax.get_window_extent()
     corners = np.array([[box.x0, box.y0], [box.x1, box.y1]]) / points
-    taken: list[Array] = []
+    boxes: list[Array] = []
     look = TEXT_BOX | {"fontsize": NAME_SIZE}
     for (label, names), symbol in zip(places, centres_of_symbols, strict=True):
         text = fitting(ax.figure, ", ".join(names), LONGEST, NAME_SIZE, "bold")  # type: ignore[arg-type]
         half = np.array([0.5 * 72.0 * width_of(ax.figure, text, NAME_SIZE, "bold"), 0.5 * HIGH])  # type: ignore[arg-type]
         room = (corners[0] + half, np.maximum(corners[0] + half, corners[1] - half))
         centres = _candidates(np.clip(symbol, *room) if label.fixed else symbol, half, label.fixed)
-        cost = np.array([_cost(centre, half, covered, taken, corners) for centre in centres])
+        cost = np.array([_cost(centre, half, covered, boxes, corners) for centre in centres])
         gap = np.linalg.norm(np.maximum(np.abs(centres - symbol) - half, 0.0), axis=1)
         from_middle = symbol - corners.mean(axis=0)
         outward = (centres - symbol) @ from_middle / (float(np.linalg.norm(from_middle)) or 1.0) / 60.0
         best = centres[
             int(np.argmin(cost + FAR * gap - outward - (8.0 * label.fixed * (np.arange(len(centres)) == 0))))
         ]
-        taken.append(np.stack([best - half, best + half]))
+        boxes.append(np.stack([best - half, best + half]))
         ax.annotate(
             text,
             tuple(label.at),
@@ -264,17 +264,17 @@ def _candidates(symbol: Array, half: Array, fixed: bool) -> Array:
     return np.concatenate([[symbol], *around] if fixed else around)
 
 
-def _cost(centre: Array, half: Array, covered: Array, taken: list[Array], corners: Array) -> float:
+def _cost(centre: Array, half: Array, covered: Array, boxes: list[Array], corners: Array) -> float:
     low, high = centre - half, centre + half
     cost = COVERED * float(((covered > low - 2.0) & (covered < high + 2.0)).all(axis=1).sum())
     cost += OUTSIDE * float(((low < corners[0]) | (high > corners[1])).any())
-    return cost + TAKEN * sum(bool(((low < other[1]) & (high > other[0])).all()) for other in taken)
+    return cost + OVERLAP * sum(bool(((low < other[1]) & (high > other[0])).all()) for other in boxes)
 
 
 def _points_along(corners: Array) -> Array:
-    """Points along a line, ``APART`` from each other."""
-    found = [corners[:1]]
+    """Points along a line, ``SPACING`` from each other."""
+    points = [corners[:1]]
     for first, second in pairwise(corners):
-        count = min(int(np.linalg.norm(second - first) / APART) + 1, 400)
-        found.append(first + np.linspace(0.0, 1.0, count + 1)[1:, None] * (second - first))
-    return np.concatenate(found)
+        count = min(int(np.linalg.norm(second - first) / SPACING) + 1, 400)
+        points.append(first + np.linspace(0.0, 1.0, count + 1)[1:, None] * (second - first))
+    return np.concatenate(points)

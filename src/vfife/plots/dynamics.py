@@ -39,22 +39,22 @@ NAMES = {"up": "way up", "down": "way down"}
 
 
 @rc_context(STYLE)
-def diagram(found: Bifurcation) -> Figure:
+def diagram(result: Bifurcation) -> Figure:
     """Points of each series, each direction or start with its own marker, and below them the largest Lyapunov
     exponent, positive for chaos.
 
     Rings mark values whose companions with other steps are classified otherwise.
     """
-    rows = len(found.points) + 1
+    rows = len(result.points) + 1
     figure, axes = panels(rows, 1, 9.0, 2.7, sharex=True)
-    values = np.array(found.spec.values)
-    scale, unit_x = readable(values, found.spec.unit)
+    values = np.array(result.spec.values)
+    scale, unit_x = readable(values, result.spec.unit)
     x = scale * values
-    for ax, (name, points) in zip(axes, found.points.items(), strict=False):
+    for ax, (name, points) in zip(axes, result.points.items(), strict=False):
         factor, unit = readable(
-            points, dict(zip(found.spec.series, found.spec.units, strict=False)).get(name, "SI")
+            points, dict(zip(result.spec.series, result.spec.units, strict=False)).get(name, "SI")
         )
-        for k, (way, chain) in enumerate(zip(found.spec.ways, points, strict=True)):
+        for k, (way, chain) in enumerate(zip(result.spec.ways, points, strict=True)):
             marker, area = MARKERS[k % len(MARKERS)]
             across, color, width = (
                 np.repeat(x, chain.shape[1]),
@@ -74,13 +74,13 @@ def diagram(found: Bifurcation) -> Figure:
         ax.set_ylabel(f"{name}\n({unit}), once a turn")
         ax.margins(x=0.01)
     last = axes[-1]
-    for k, chain in enumerate(found.exponents):
+    for k, chain in enumerate(result.exponents):
         color = BODIES[k % len(BODIES)]
         last.fill_between(x, chain[:, 1], chain[:, 2], color=color, alpha=0.25, lw=0.0)
         last.plot(x, chain[:, 0], color=color, lw=1.0, marker=MARKERS[k % len(MARKERS)][0], ms=2.0)
-    differ = [one for one in found.companions if one.kind != found.kinds[one.way][one.number]]
+    differ = [one for one in result.companions if one.kind != result.kinds[one.way][one.number]]
     if differ:
-        at = np.array([(x[one.number], found.exponents[one.way, one.number, 0]) for one in differ])
+        at = np.array([(x[one.number], result.exponents[one.way, one.number, 0]) for one in differ])
         last.scatter(
             at[:, 0],
             at[:, 1],
@@ -94,11 +94,13 @@ def diagram(found: Bifurcation) -> Figure:
         last.legend(loc="lower right")
     last.axhline(0.0, color=GREY, lw=0.8)
     last.set_ylabel("largest exponent\n(1/turn)")
-    last.set_xlabel(f"{found.spec.path} ({unit_x})")
-    if len(found.spec.ways) > 1:
+    last.set_xlabel(f"{result.spec.path} ({unit_x})")
+    if len(result.spec.ways) > 1:
         axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
-    kept = found.spec.turns - found.spec.dropped
-    heading(figure, _title(found, f"{kept} turns at each value after {found.spec.dropped}", found.agreement))
+    turns = result.spec.turns - result.spec.dropped
+    heading(
+        figure, _title(result, f"{turns} turns at each value after {result.spec.dropped}", result.agreement)
+    )
     return figure
 
 
@@ -112,18 +114,18 @@ OTHERS = {
 }
 
 
-def colours(found: Basins) -> list[str]:
+def colours(result: Basins) -> list[str]:
     """A colour for each attractor."""
-    left = iter(PERIODIC * (1 + len(found.attractors) // len(PERIODIC)))
-    return [OTHERS.get(one.kind) or next(left) for one in found.attractors]
+    left = iter(PERIODIC * (1 + len(result.attractors) // len(PERIODIC)))
+    return [OTHERS.get(one.kind) or next(left) for one in result.attractors]
 
 
 @rc_context(STYLE)
-def basins(found: Basins) -> Figure:
+def basins(result: Basins) -> Figure:
     """Attractor of each start, and shares of all starts; white: impossible starts, crosses: companions that
     are classified otherwise.
     """
-    spec = found.spec
+    spec = result.spec
     figure, (ax,) = panels(1, 1, 8.0, 7.0)
     scales = [readable(np.degrees(values) if unit == "rad" else np.array(values), "°" if unit == "rad" else unit) for values, unit in
               ((spec.x, spec.units[0]), (spec.y, spec.units[1]))]  # fmt: skip
@@ -131,16 +133,16 @@ def basins(found: Basins) -> Figure:
         np.array(values) * scale * (180.0 / np.pi if unit == "rad" else 1.0)
         for values, unit, (scale, _) in zip((spec.x, spec.y), spec.units, scales, strict=True)
     )
-    colour = colours(found)
+    colour = colours(result)
     if colour:
-        mesh = np.ma.masked_invalid(found.labels)
+        mesh = np.ma.masked_invalid(result.labels)
         norm = BoundaryNorm(np.arange(len(colour) + 1) - 0.5, len(colour)) if len(colour) > 1 else None
         ax.pcolormesh(x, y, mesh, cmap=ListedColormap(colour), norm=norm, shading="nearest", rasterized=True)
     crosses = []
     differ = [
         one
-        for one in found.companions
-        if one.number in found.verdicts and one.kind != found.verdicts[one.number].kind
+        for one in result.companions
+        if one.number in result.verdicts and one.kind != result.verdicts[one.number].kind
     ]
     if differ:
         columns, rows = np.array([(one.number % len(x), one.number // len(x)) for one in differ]).T
@@ -151,17 +153,17 @@ def basins(found: Basins) -> Figure:
     ax.set_ylabel(f"{spec.paths[1]} ({scales[1][1]})")
     ax.grid(visible=False)
     ax.set_facecolor("white")
-    of_all = max(len(found.verdicts), 1)
-    labels = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in found.attractors]
+    of_all = max(len(result.verdicts), 1)
+    labels = [f"{one.kind}: {100.0 * len(one.members) / of_all:.3g} %" for one in result.attractors]
     shares = [Patch(fc=own, ec=FAINT, label=words) for own, words in zip(colour, labels, strict=True)]
     figure.legend(handles=[*shares, *crosses], loc="outside lower center", ncols=3)
-    starts = f"{len(found.verdicts):,} starts, {spec.turns - spec.dropped} turns after {spec.dropped}"
-    heading(figure, _title(found, starts, found.agreement))
+    starts = f"{len(result.verdicts):,} starts, {spec.turns - spec.dropped} turns after {spec.dropped}"
+    heading(figure, _title(result, starts, result.agreement))
     return figure
 
 
-def _title(found: Any, turns: str, companions: str) -> str:
-    return f"{found.name}: {turns}, {found.spec.steps:,} steps a turn; {found.laws}; {companions}"
+def _title(result: Any, turns: str, companions: str) -> str:
+    return f"{result.name}: {turns}, {result.spec.steps:,} steps a turn; {result.laws}; {companions}"
 
 
 MARK = 9.0  # area of a point
@@ -169,30 +171,32 @@ BOX = {"boxstyle": "square,pad=0.2", "fc": "white", "ec": "none"}
 
 
 @rc_context(STYLE)
-def section(found: PoincareSection) -> Figure:
+def section(result: PoincareSection) -> Figure:
     """Points once a turn, the running mean of the exponent, and below them the contacts of each joint."""
-    rows = 1 + len(found.struck)
+    rows = 1 + len(result.struck)
     figure, axes = panels(2 * rows, 2, 4.7, 3.6)
-    points(axes[0], found)
-    converging(axes[1], found)
-    for k, name in enumerate(found.struck, 1):
-        onsets(axes[2 * k], axes[2 * k + 1], found, name)
+    points(axes[0], result)
+    converging(axes[1], result)
+    for k, name in enumerate(result.struck, 1):
+        onsets(axes[2 * k], axes[2 * k + 1], result, name)
     heading(
         figure,
         _title(
-            found, f"{found.verdict.kind}; {found.done:,} turns after {found.spec.dropped:,}", "no companions"
+            result,
+            f"{result.verdict.kind}; {result.done:,} turns after {result.spec.dropped:,}",
+            "no companions",
         ),
     )
     return figure
 
 
-def points(ax: Axes, found: PoincareSection) -> None:
+def points(ax: Axes, result: PoincareSection) -> None:
     """Draw the section at a phase of the crank: the second series over the first, or a single one over itself
     a turn before.
     """
-    units = dict(zip(found.spec.series, found.spec.units, strict=True))
-    names = list(found.points)[:2]
-    x, y = found.points[names[0]], found.points[names[-1]]
+    units = dict(zip(result.spec.series, result.spec.units, strict=True))
+    names = list(result.points)[:2]
+    x, y = result.points[names[0]], result.points[names[-1]]
     label = names[-1]
     if len(names) == 1:
         x, y, label = x[:-1], y[1:], f"{label} a turn later"
@@ -200,16 +204,16 @@ def points(ax: Axes, found: PoincareSection) -> None:
     ax.scatter(scale_x * x, scale_y * y, s=MARK, c=BLUE, lw=0.0)
     ax.set_xlabel(f"{names[0]} ({unit_x})")
     ax.set_ylabel(f"{label} ({unit_y})")
-    ax.set_title(f"once a turn, at {360.0 * found.spec.phase:g}° of it")
+    ax.set_title(f"once a turn, at {360.0 * result.spec.phase:g}° of it")
     ax.ticklabel_format(useOffset=False)
 
 
-def converging(ax: Axes, found: PoincareSection) -> None:
+def converging(ax: Axes, result: PoincareSection) -> None:
     """Draw the mean growth of a small difference up to each turn, and those of both halves."""
-    exponent = found.exponent
+    exponent = result.exponent
     ax.axhline(0.0, color=GREY, lw=0.8)
     if exponent is not None:
-        turns = found.spec.dropped + 1 + np.arange(len(exponent.running))
+        turns = result.spec.dropped + 1 + np.arange(len(exponent.running))
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
         ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
         text = f"{exponent.value:+.4g}; halves {exponent.low:+.4g}, {exponent.high:+.4g}"
@@ -231,11 +235,11 @@ def converging(ax: Axes, found: PoincareSection) -> None:
     ax.set_ylabel("mean growth (1/turn)")
 
 
-def onsets(left: Axes, right: Axes, found: PoincareSection, name: str) -> None:
+def onsets(left: Axes, right: Axes, result: PoincareSection, name: str) -> None:
     """Onsets of contact of a joint over the crank angle: place on the bearing in the colours of their speed,
     and the speed itself.
     """
-    one = found.struck[name]
+    one = result.struck[name]
     crank = np.degrees(np.mod(one["crank"], 2.0 * np.pi))
     scale, unit = readable(one["speed"], "m/s")
     place = np.degrees(one["place"])

@@ -60,31 +60,31 @@ def stress(result: View) -> Figure:
     tension, compression = (one[over.first : over.last + 1] for one in elastic.fibres(result.record))
     for ax, name in zip(panels.axes, names, strict=True):
         own, at = list(result.record.assembly.bodies[name].elements), places(result, name)
-        above, below = (one[:, own].reshape(len(one), -1) for one in (tension, compression))
-        size = np.nan_to_num(np.maximum(np.abs(above), np.abs(below)))
+        tensile, compressive = (one[:, own].reshape(len(one), -1) for one in (tension, compression))
+        size = np.nan_to_num(np.maximum(np.abs(tensile), np.abs(compressive)))
         k, most = int(size.max(axis=1).argmax()), float(size.max())
         (factor, unit), (long, of) = scale_of(most, "Pa"), length_unit(float(at.max()))
         x = long * at.ravel()
         ax.fill_between(
             x,
-            factor * below.min(axis=0),
-            factor * above.max(axis=0),
+            factor * compressive.min(axis=0),
+            factor * tensile.max(axis=0),
             color=SKY,
             alpha=0.55,
             lw=0.7,
             label="over the part shown",
         )
-        ax.plot(x, factor * above[k], color=BLUE, lw=1.2, label="when it is largest, both fibres")
-        ax.plot(x, factor * below[k], color=BLUE, lw=1.2)
+        ax.plot(x, factor * tensile[k], color=BLUE, lw=1.2, label="when it is largest, both fibres")
+        ax.plot(x, factor * compressive[k], color=BLUE, lw=1.2)
         ax.axhline(0.0, color=GREY, lw=0.7)
-        _largest(ax, x, factor * above[k], factor * below[k], unit)
+        _largest(ax, x, factor * tensile[k], factor * compressive[k], unit)
         ax.set(title=name, xlabel=f"along {name} ({of})", ylabel=f"stress ({unit})", xlim=(0.0, x[-1]))
     return panels.close(f"{result.name}: stress along elastic bodies{shown_turn(result, over)}")
 
 
-def _largest(ax: Axes, x: Array, above: Array, below: Array, unit: str) -> None:
+def _largest(ax: Axes, x: Array, upper: Array, lower: Array, unit: str) -> None:
     """Mark the largest size, and write its value."""
-    values = np.where(np.abs(np.nan_to_num(above)) >= np.abs(np.nan_to_num(below)), above, below)
+    values = np.where(np.abs(np.nan_to_num(upper)) >= np.abs(np.nan_to_num(lower)), upper, lower)
     at = int(np.nanargmax(np.abs(values)))
     mark_peak(ax, x[at], values[at], values[at] > 0.0, "largest")
     corner_text(ax, f"{digits(values[at])} {unit}")

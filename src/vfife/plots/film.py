@@ -359,14 +359,14 @@ class Film:
         """
         height = 0.76 / count
         ax = self.figure.add_axes((0.665, 0.11 + (count - 1 - k) * height + 0.02, 0.315, height - 0.075))
-        found = force_from(self.result, self.reference, joint_forces(self.result)[name], self.first)
-        most = max(float(found.force.max()), 0.0 if found.ideal is None else float(found.ideal[1].max()))
+        curve = force_from(self.result, self.reference, joint_forces(self.result)[name], self.first)
+        most = max(float(curve.force.max()), 0.0 if curve.ideal is None else float(curve.ideal[1].max()))
         factor, unit = scale_of(most, "N")
-        ax.plot(found.x, factor * found.force, color=BLUE, lw=0.8, alpha=0.25, zorder=2)
-        if found.ideal is not None:
+        ax.plot(curve.x, factor * curve.force, color=BLUE, lw=0.8, alpha=0.25, zorder=2)
+        if curve.ideal is not None:
             ax.plot(
-                found.ideal[0],
-                factor * found.ideal[1],
+                curve.ideal[0],
+                factor * curve.ideal[1],
                 color=VERMILION,
                 lw=1.2,
                 zorder=3,
@@ -375,7 +375,7 @@ class Film:
             if k == 0:
                 ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderpad=0.0, fontsize=9)
         ax.set_title(f"joint {name}", fontsize=10)
-        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * most), xlim=_limits(found.x))
+        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * most), xlim=_limits(curve.x))
         if k == count - 1:
             ax.set_xlabel(axis_title(self.result))
         else:
@@ -383,11 +383,11 @@ class Film:
         if (
             self.result.crank is not None
             and not self.result.record.static
-            and 300.0 < abs(found.x[-1] - found.x[0]) <= 361.0
+            and 300.0 < abs(curve.x[-1] - curve.x[0]) <= 361.0
         ):
-            ax.set_xticks(np.arange(60.0 * math.ceil(min(found.x) / 60.0 - 1e-6), max(found.x) + 1e-6, 60.0))
+            ax.set_xticks(np.arange(60.0 * math.ceil(min(curve.x) / 60.0 - 1e-6), max(curve.x) + 1e-6, 60.0))
         ax.set_autoscale_on(False)
-        return ForcePanel(ax, found.x, factor * found.force)
+        return ForcePanel(ax, curve.x, factor * curve.force)
 
 
 def _limits(x: Array) -> tuple[float, float]:
@@ -452,8 +452,8 @@ def force_from(result: View, reference: View | None, one: Quantity, first: int) 
     if result.crank is not None and not result.record.static:
         turns = range(1 + int(abs(x[-1] - x[0]) / 360.0))
         at, values = np.concatenate([at + 360.0 * k for k in turns]), np.tile(values, len(turns))
-    seen = (at >= min(x) - 1e-6) & (at <= max(x) + 1e-6)
-    return ForceCurve(x, force, (at[seen], values[seen]) if seen.sum() > 1 else None)
+    inside = (at >= min(x) - 1e-6) & (at <= max(x) + 1e-6)
+    return ForceCurve(x, force, (at[inside], values[inside]) if inside.sum() > 1 else None)
 
 
 def largest(result: View, one: Quantity) -> Array:

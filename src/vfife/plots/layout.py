@@ -77,9 +77,9 @@ class Panels:
 
     def scale(self, ax: Axes, drawn: Any, label: str) -> Any:
         """Draw a colour bar to the right of a panel."""
-        beside = self.figure.add_axes((0.9, 0.1, 0.05, 0.8), label=f"scale {len(self.bars)}")
-        self.bars.append((self.axes.index(ax), beside))
-        return self.figure.colorbar(drawn, cax=beside, label=label)
+        bar_axes = self.figure.add_axes((0.9, 0.1, 0.05, 0.8), label=f"scale {len(self.bars)}")
+        self.bars.append((self.axes.index(ax), bar_axes))
+        return self.figure.colorbar(drawn, cax=bar_axes, label=label)
 
     def close(self, title: str) -> Figure:
         """Place every panel, and give the sheet its size, title and legend."""
@@ -116,9 +116,9 @@ class Panels:
             x = LEFT + sum(widths[:column]) + self.across * column
             y = top - sum(heights[:row]) - self.down * row - tall
             ax.set_position((x / width, y / height, wide / width, tall / height))
-        for k, beside in self.bars:
+        for k, bar_axes in self.bars:
             place = self.axes[k].get_position()
-            beside.set_position((place.x1 + 0.1 / width, place.y0, 0.14 / width, place.height))
+            bar_axes.set_position((place.x1 + 0.1 / width, place.y0, 0.14 / width, place.height))
         self.figure.suptitle(
             "\n".join(lines_of_title),
             x=0.2 / width,
@@ -149,9 +149,9 @@ class Panels:
     def _shorten(self) -> None:
         """Cuts titles that would run into what stands at the right, or out of their panel."""
         for ax, (width, _) in zip(self.axes, self.sizes, strict=True):
-            beside = width_of(self.figure, ax.get_title(loc="right"), 9.0) + 0.15
+            right = width_of(self.figure, ax.get_title(loc="right"), 9.0) + 0.15
             small = ax._left_title.get_fontsize(), ax._left_title.get_fontweight()  # type: ignore[attr-defined]  # what set_title gave it
-            ax._left_title.set_text(fitting(self.figure, ax.get_title(loc="left"), width - beside, *small))  # type: ignore[attr-defined]
+            ax._left_title.set_text(fitting(self.figure, ax.get_title(loc="left"), width - right, *small))  # type: ignore[attr-defined]
 
     def _entries(self) -> dict[str, Any]:
         if self.entries is not None:

@@ -53,13 +53,13 @@ STILL = 1e-4  # rad: a body that turns by less has no portrait
 
 def points(result: View) -> dict[str, tuple[str, str]]:
     """Body and pin of each moving point by its name; of points with the same path the first."""
-    found = _named_points(result)
-    paths = {name: pin_path(result.record, *at) for name, at in found.items()}
+    candidates = _named_points(result)
+    paths = {name: pin_path(result.record, *at) for name, at in candidates.items()}
     size = float(np.ptp(np.concatenate(list(paths.values()) or [np.zeros((1, 2))]), axis=0).max())
     lengths = {name: float(np.ptp(path, axis=0).max()) for name, path in paths.items()}
     least = max(MOVES * max(lengths.values(), default=0.0), ROUNDING * size)
     chosen: dict[str, tuple[str, str]] = {}
-    for name, at in found.items():
+    for name, at in candidates.items():
         same = any(np.allclose(paths[name], paths[other], rtol=0.0, atol=least) for other in chosen)
         if lengths[name] > least and not same:
             chosen[name] = at
@@ -71,34 +71,34 @@ def _named_points(result: View) -> dict[str, tuple[str, str]]:
     their driver.
     """
     mechanism = result.record.assembly.mechanism
-    found = {
+    points = {
         name: joint.sides[1] if joint.sides[1][0] != "ground" else joint.sides[0]
         for name, joint in mechanism.joints.items()
     }
     for name, body in result.record.assembly.bodies.items():
-        found |= {f"{name}.{pin}": (name, pin) for pin in loose_pins(mechanism, name, bool(body.elements))}
+        points |= {f"{name}.{pin}": (name, pin) for pin in loose_pins(mechanism, name, bool(body.elements))}
         if (
             not body.elements
-            and not any(owner == name for owner, _ in found.values())
+            and not any(owner == name for owner, _ in points.values())
             and CENTER in body.pins
         ):
-            found[name] = (name, CENTER)
+            points[name] = (name, CENTER)
     for name, driver in mechanism.drivers.items():
         owner, _, pin = driver.point.partition(".")
-        if driver.point and (owner, pin) not in found.values():
-            found[name] = (owner, pin)
-    return found
+        if driver.point and (owner, pin) not in points.values():
+            points[name] = (owner, pin)
+    return points
 
 
 def traces(result: View, reference: View | None = None) -> Figure:
     """Paths of points: the last turn as lines, the ideal mechanism thin."""
-    found, over = dict(list(points(result).items())[:MOST_PATHS]), span(result)
+    chosen, over = dict(list(points(result).items())[:MOST_PATHS]), span(result)
     shown = slice(over.first, over.last + 1)
-    paths = {name: pin_path(result.record, *at)[shown] for name, at in found.items()}
+    paths = {name: pin_path(result.record, *at)[shown] for name, at in chosen.items()}
     ideal = (
         {}
         if reference is None
-        else {name: pin_path(reference.record, *at)[reference.last_turn] for name, at in found.items()}
+        else {name: pin_path(reference.record, *at)[reference.last_turn] for name, at in chosen.items()}
     )
     every = np.concatenate([*paths.values(), *ideal.values()])
     low, high = every.min(axis=0), every.max(axis=0)
@@ -138,13 +138,13 @@ def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
     record = result.record
     if record.static or len(record.steps) < 3:
         return {}
-    found: dict[str, tuple[str, str, Array, Array]] = {}
+    portraits: dict[str, tuple[str, str, Array, Array]] = {}
     gliding = set()
     for name in sliders(record):
         position, velocity, _ = slider_motion(record, name)
         glides = record.assembly.mechanism.joints[name].sides[1][0]
         gliding.add(glides)
-        found[f"{glides} along {name}"] = ("m", "m/s", position, velocity)
+        portraits[f"{glides} along {name}"] = ("m", "m/s", position, velocity)
     moved = body_motion(record)
     for k, (name, body) in enumerate(record.assembly.bodies.items()):
         angle = moved["angle"][:, k]
@@ -153,16 +153,16 @@ def portraits(result: View) -> dict[str, tuple[str, str, Array, Array]]:
             if np.ptp(degrees) > TURNING:
                 degrees = np.mod(degrees, 360.0)
                 velocity[1:][np.abs(np.diff(degrees)) > 180.0] = np.nan  # not a line across the portrait
-            found[name] = ("degrees", "rad/s", degrees, velocity)
-    return found
+            portraits[name] = ("degrees", "rad/s", degrees, velocity)
+    return portraits
 
 
 def phase(result: View, reference: View | None = None) -> Figure:
     """Phase portraits: the last turn as a line, earlier outputs as dots, the ideal mechanism dashed."""
-    found, over = dict(list(portraits(result).items())[:MOST_PANELS]), span(result)
+    chosen, over = dict(list(portraits(result).items())[:MOST_PANELS]), span(result)
     ideal = {} if reference is None else portraits(reference)
-    panels = Panels.alike(len(found), 2, (3.9, 2.7), across=1.1, down=0.95)
-    for ax, (name, (first, second, position, velocity)) in zip(panels.axes, found.items(), strict=True):
+    panels = Panels.alike(len(chosen), 2, (3.9, 2.7), across=1.1, down=0.95)
+    for ax, (name, (first, second, position, velocity)) in zip(panels.axes, chosen.items(), strict=True):
         factor, unit = readable(position, first) if first == "m" else (1.0, first)
         power, rate = readable(velocity, second)
         dots_before(ax, factor * position, power * velocity, over.first)
@@ -223,7 +223,7 @@ def journals(result: View) -> list[str]:
     return list(result.record.assembly.mechanism.clearances)
 
 
-def seen_from_bearing(result: View, name: str) -> Array:
+def relative_to_bearing(result: View, name: str) -> Array:
     """Centre of a journal from that of its bearing (m), in the frame of the bearing's body, shape (outputs,
     2).
     """
@@ -246,7 +246,7 @@ def _in_bearing_frame(result: View, name: str, vectors: Array) -> Array:
 
 
 def _reach(result: View, name: str) -> float:
-    away = seen_from_bearing(result, name)
+    away = relative_to_bearing(result, name)
     return 1.08 * max(
         result.record.assembly.mechanism.clearances[name].clearance, float(np.hypot(*away.T).max())
     )
@@ -254,7 +254,7 @@ def _reach(result: View, name: str) -> float:
 
 def _journal(ax: Axes, result: View, name: str, factor: float, first: int) -> None:
     record = result.record
-    x, y = factor * seen_from_bearing(result, name).T
+    x, y = factor * relative_to_bearing(result, name).T
     radius = factor * record.assembly.mechanism.clearances[name].clearance
     ax.plot(*circle(radius), color=INK, lw=0.9, ls=(0, (5, 3)), label="clearance circle", zorder=5)
     dots_before(ax, x, y, first, alpha=0.8)

@@ -53,9 +53,9 @@ def result_html(result: View) -> str:
     from ..report.summary import run_summary
     from . import figures
 
-    found = figures(result, names=[name for name in SHOWN if not FIGURES[name].missing(result)])
+    drawn = figures(result, names=[name for name in SHOWN if not FIGURES[name].missing(result)])
     return fragment(document(run_summary(result))) + "".join(
-        picture(one, name) for name, one in found.items()
+        picture(one, name) for name, one in drawn.items()
     )
 
 
@@ -72,27 +72,27 @@ def pictures(result: View) -> dict[str, str]:
 
 def svg(figure: Figure, words: str) -> bytes:
     """A figure as SVG; ``words`` seed the names of its parts, so that it is reproducible."""
-    made = io.BytesIO()
+    stream = io.BytesIO()
     with rc_context({**STYLE, "svg.hashsalt": words}):
-        figure.savefig(made, format="svg", dpi=FINE, metadata={"Date": None})
-    return made.getvalue()
+        figure.savefig(stream, format="svg", dpi=FINE, metadata={"Date": None})
+    return stream.getvalue()
 
 
 def sharp(figure: Figure, words: str) -> str:
     """A figure as SVG, or as PNG where that is smaller."""
-    made = svg(figure, words)
-    if len(made) > LARGEST:
+    lines = svg(figure, words)
+    if len(lines) > LARGEST:
         return picture(figure, words, FINE)
-    data = base64.b64encode(made).decode("ascii")
+    data = base64.b64encode(lines).decode("ascii")
     return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/svg+xml;base64,{data}">'
 
 
 @rc_context(STYLE)
 def picture(figure: Figure, words: str, dpi: float = 96.0) -> str:
     """A figure as PNG in an element of a page; ``words`` describe it, ``dpi`` are pixels an inch."""
-    made = io.BytesIO()
-    figure.savefig(made, format="png", dpi=dpi)
-    data = base64.b64encode(made.getvalue()).decode("ascii")
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi)
+    data = base64.b64encode(stream.getvalue()).decode("ascii")
     return (
         f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%"'
         f' src="data:image/png;base64,{data}">'

@@ -36,24 +36,24 @@ if TYPE_CHECKING:
     from ..results.fit import Fit, Laid
 
 
-def labels(found: Comparison) -> list[str]:
+def labels(comparison: Comparison) -> list[str]:
     """Names of the runs: only the kind of law that differs."""
-    kinds = [kind for kind in ("contact", "friction") if len({row[kind] for row in found.rows}) > 1] or [
+    kinds = [kind for kind in ("contact", "friction") if len({row[kind] for row in comparison.rows}) > 1] or [
         "contact"
     ]
-    return [" + ".join(row[kind] for kind in kinds) for row in found.rows]
+    return [" + ".join(row[kind] for kind in kinds) for row in comparison.rows]
 
 
 @rc_context(STYLE)
-def forces(found: Comparison) -> Figure:
+def forces(comparison: Comparison) -> Figure:
     """Size of each joint's force over the last turn, a line a run; the largest force in each output interval,
     so that no peak is missed.
     """
-    count = len(found.joints)
+    count = len(comparison.joints)
     figure, axes = panels(count, 2, 5.6 if count > 1 else 8.0, 3.2 if count > 2 else 4.0)
-    for ax, name in zip(axes, found.joints, strict=True):
-        factor, unit = scale_of(max(row["joints"][name]["force.max"] for row in found.rows), "N")
-        for k, (result, label) in enumerate(zip(found.results, labels(found), strict=True)):
+    for ax, name in zip(axes, comparison.joints, strict=True):
+        factor, unit = scale_of(max(row["joints"][name]["force.max"] for row in comparison.rows), "N")
+        for k, (result, label) in enumerate(zip(comparison.results, labels(comparison), strict=True)):
             first = max(int(np.argmax(result.last_turn)) - 1, 0)
             x, _ = one_turn(abscissa(result)[first:], result)
             joint = list(result.record.assembly.mechanism.joints).index(name)
@@ -61,27 +61,29 @@ def forces(found: Comparison) -> Figure:
             ax.plot(x, factor * y, lw=1.0, label=label, **curve_look(k))
         ax.set(title=f"joint {name}", ylabel=f"joint force\n({unit})")
         ax.set_xlabel(
-            "time (ms)" if found.results[0].crank is None else f"angle of {found.results[0].crank} (degrees)"
+            "time (ms)"
+            if comparison.results[0].crank is None
+            else f"angle of {comparison.results[0].crank} (degrees)"
         )
         ax.margins(x=0.0)
     one_legend(figure, axes)
-    turn = "" if found.results[0].crank is None else ", last turn"
-    heading(figure, f"{found.mechanism}: joint force{turn}")
+    turn = "" if comparison.results[0].crank is None else ", last turn"
+    heading(figure, f"{comparison.mechanism}: joint force{turn}")
     return figure
 
 
 @rc_context(STYLE)
-def bars(found: Comparison) -> Figure:
+def bars(comparison: Comparison) -> Figure:
     """Largest force, deepest penetration, impacts and energy lost, a bar a run."""
-    peak = max(row["force"] for row in found.rows)
+    peak = max(row["force"] for row in comparison.rows)
     factor, unit = scale_of(peak, "N")
     measures = (
-        (f"largest force ({unit})", [factor * row["force"] for row in found.rows]),
-        ("deepest penetration (µm)", [1e6 * row["penetration"] for row in found.rows]),
-        ("impacts", [row["impacts"] for row in found.rows]),
-        ("energy lost (J)", [row["energy_lost"] for row in found.rows]),
+        (f"largest force ({unit})", [factor * row["force"] for row in comparison.rows]),
+        ("deepest penetration (µm)", [1e6 * row["penetration"] for row in comparison.rows]),
+        ("impacts", [row["impacts"] for row in comparison.rows]),
+        ("energy lost (J)", [row["energy_lost"] for row in comparison.rows]),
     )
-    count = len(found.rows)
+    count = len(comparison.rows)
     figure, axes = panels(4, 4, 2.9, 1.5 + 0.32 * count, sharey=True)
     places = np.arange(count)
     for ax, (title, values) in zip(axes, measures, strict=True):
@@ -101,18 +103,18 @@ def bars(found: Comparison) -> Figure:
         ax.set_xlim(0.0, 1.3 * max(max(values), 1e-30))
         ax.locator_params(axis="x", nbins=4)
         ax.tick_params(axis="x", labelcolor=GREY, labelsize=8)
-    axes[0].set_yticks(places, labels(found))
+    axes[0].set_yticks(places, labels(comparison))
     axes[0].invert_yaxis()
-    heading(figure, found.mechanism)
+    heading(figure, comparison.mechanism)
     return figure
 
 
-def save_comparison(found: Comparison, folder: Path) -> list[Path]:
+def save_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     """Write both figures into a folder; nothing where no run is complete."""
     return [
-        saved(draw(found), folder / f"{name}.png")
+        saved(draw(comparison), folder / f"{name}.png")
         for name, draw in (("forces", forces), ("bars", bars))
-        if found.rows
+        if comparison.rows
     ]
 
 
@@ -125,22 +127,22 @@ ABSCISSAE = {
 
 
 @rc_context(STYLE)
-def fit_figure(found: Fit) -> Figure:
+def fit_figure(fit: Fit) -> Figure:
     """A row for each curve with its residual; on the right parameters between their bounds with their
     confidence, and correlations.
     """
-    curves = found.curves[:CURVES]
+    curves = fit.curves[:CURVES]
     figure, axes = panels(3 * len(curves), 3, 4.0, 2.7, width_ratios=(1.6, 1.2, 1.2))
     for k, one in enumerate(curves):
         fitted_curve(axes[3 * k], one, k == 0)
         residual(axes[3 * k + 1], one)
-    ranges(axes[2], found)
-    shown = len(curves) > 1 and len(found.values) > 1 and bool(np.isfinite(found.correlation).all())
+    ranges(axes[2], fit)
+    shown = len(curves) > 1 and len(fit.values) > 1 and bool(np.isfinite(fit.correlation).all())
     if shown:
-        correlations(axes[5], found)
+        correlations(axes[5], fit)
     for k in range(1 + shown, len(curves)):
         axes[3 * k + 2].set_visible(False)
-    heading(figure, f"{found.mechanism} fitted to {found.data}: residual {100.0 * found.share:.3g} %")
+    heading(figure, f"{fit.mechanism} fitted to {fit.data}: residual {100.0 * fit.share:.3g} %")
     return figure
 
 
@@ -173,9 +175,9 @@ def residual(ax: Axes, one: Laid) -> None:
     ax.set(title=f"left: {100.0 * one.share:.3g} %", xlabel=label, ylabel="% of the deviation")
 
 
-def ranges(ax: Axes, found: Fit) -> None:
+def ranges(ax: Axes, fit: Fit) -> None:
     """Draw the position of each parameter between its bounds, with its confidence."""
-    for k, one in enumerate(found.values):
+    for k, one in enumerate(fit.values):
         at, ends = one.share(one.value), [one.share(end) for end in (one.low, one.high)]
         if all(map(math.isfinite, ends)):
             ax.plot(
@@ -186,22 +188,22 @@ def ranges(ax: Axes, found: Fit) -> None:
                 solid_capstyle="butt",
             )
         ax.plot([at], [k], "o", color=INK if one.told else VERMILION, ms=5.0)
-    ax.set_yticks(range(len(found.values)), [short(one.name) for one in found.values], fontsize=8)
+    ax.set_yticks(range(len(fit.values)), [short(one.name) for one in fit.values], fontsize=8)
     ax.set(
         xlim=(0.0, 1.0),
-        ylim=(len(found.values) - 0.5, -0.5),
+        ylim=(len(fit.values) - 0.5, -0.5),
         xlabel="from bound to bound",
-        title=f"{100.0 * found.confidence:g} % confidence",
+        title=f"{100.0 * fit.confidence:g} % confidence",
     )
 
 
-def correlations(ax: Axes, found: Fit) -> None:
+def correlations(ax: Axes, fit: Fit) -> None:
     """Draw the correlation of each pair of parameters."""
-    ax.imshow(found.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
-    names = [short(one.name) for one in found.values]
+    ax.imshow(fit.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
+    names = [short(one.name) for one in fit.values]
     ax.set_xticks(range(len(names)), names, rotation=30, ha="right", fontsize=8)
     ax.set_yticks(range(len(names)), names, fontsize=8)
-    for row, line in enumerate(found.correlation):
+    for row, line in enumerate(fit.correlation):
         for column, value in enumerate(line):
             ax.text(
                 column,
@@ -228,7 +230,7 @@ PANELS = 6  # measures in one figure, at the most
 
 
 @rc_context(STYLE)
-def tornado(found: Sensitivity) -> Figure:
+def tornado(sensitivity: Sensitivity) -> Figure:
     """Change of measures in per cent for one per cent of each parameter: hatched bars to the left where they
     fall, thin lines are ranges.
 
@@ -238,13 +240,13 @@ def tornado(found: Sensitivity) -> Figure:
     """
     names = [
         name
-        for name in found.measures
-        if name in found.doubtful or any(np.isfinite(e) and e for _, e in found.ranked(name))
+        for name in sensitivity.measures
+        if name in sensitivity.doubtful or any(np.isfinite(e) and e for _, e in sensitivity.ranked(name))
     ][:PANELS]
     figure, axes = panels(max(1, len(names)), 2, 5.4, 0.9 + 0.24 * BARS)
     for ax, name in zip(axes, names, strict=False):
         ax.set_title(name)
-        if name in found.doubtful:
+        if name in sensitivity.doubtful:
             ax.text(
                 0.5,
                 0.5,
@@ -256,7 +258,7 @@ def tornado(found: Sensitivity) -> Figure:
             )
             ax.set(xticks=[], yticks=[])
             continue
-        effects = [one for one in found.effects(name) if np.isfinite(one.value)][:BARS]
+        effects = [one for one in sensitivity.effects(name) if np.isfinite(one.value)][:BARS]
         places = np.arange(len(effects))
         values = [0.0 if one.kind == "unknown" else one.value for one in effects]
         bars = ax.barh(
@@ -277,5 +279,5 @@ def tornado(found: Sensitivity) -> Figure:
         )
     for ax in axes[len(names) :]:
         ax.set_visible(False)
-    heading(figure, f"{found.mechanism}: what its measures depend on")
+    heading(figure, f"{sensitivity.mechanism}: what its measures depend on")
     return figure

@@ -280,7 +280,7 @@ def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any
     top = float(values.max())
     factor, unit = scale_of(top, unit)
     ax.plot(over, factor * values, color=BLUE, lw=0.9, zorder=3, **look)
-    above = np.flatnonzero(values > top * 10.0**-DECADES)
+    visible = np.flatnonzero(values > top * 10.0**-DECADES)
     if top > 0.0:
         highest = 2.0 * factor * top
         ax.set_yscale("log")
@@ -289,7 +289,7 @@ def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any
         ax.set_yticks([10.0**power for power in powers], labels=[power_of_ten(power) for power in powers])
         ax.minorticks_off()
     ax.set_ylabel(f"amplitude ({unit})")
-    ax.set_xlim(0.0, over[min(int(1.05 * (above[-1] if len(above) else len(over))) + 2, len(over) - 1)])
+    ax.set_xlim(0.0, over[min(int(1.05 * (visible[-1] if len(visible) else len(over))) + 2, len(over) - 1)])
     return factor
 
 
@@ -303,8 +303,8 @@ def logarithms(size: Array, unit: str) -> tuple[Array, str]:
 
 def visible_count(shown: Array) -> int:
     """Number of orders up to the last visible one."""
-    seen, count = np.flatnonzero((shown > shown.max() - DECADES + 0.5).any(axis=0)), int(shown.shape[1])
-    return min(int(seen[-1]) + 2, count) if len(seen) else count
+    visible, count = np.flatnonzero((shown > shown.max() - DECADES + 0.5).any(axis=0)), int(shown.shape[1])
+    return min(int(visible[-1]) + 2, count) if len(visible) else count
 
 
 def coloured(panels: Panels, ax: Axes, x: Array, y: Array, shown: Array, unit: str) -> None:

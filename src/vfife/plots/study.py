@@ -233,8 +233,8 @@ def median(values: Array, keep: list[int]) -> Array:
         return moved
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
-        found: Array = np.nanmedian(moved.reshape(*moved.shape[:2], -1), axis=2)
-    return found
+        middle: Array = np.nanmedian(moved.reshape(*moved.shape[:2], -1), axis=2)
+    return middle
 
 
 END: dict[str, Any] = CENTRE | {
@@ -250,10 +250,10 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     cases.
     """
     columns, names = numbers(study, measures)
-    whole = np.isfinite(columns).all(axis=1)
-    if whole.sum() < 3 or len(names) < 2:
+    complete = np.isfinite(columns).all(axis=1)
+    if complete.sum() < 3 or len(names) < 2:
         return None
-    columns = columns[whole][evenly(int(whole.sum()), MOST_LINES)]
+    columns = columns[complete][evenly(int(complete.sum()), MOST_LINES)]
     low, high = columns.min(axis=0), columns.max(axis=0)
     scaled = np.where(high > low, (columns - low) / np.where(high > low, high - low, 1.0), 0.5)
     figure, (ax,) = panels(1, 1, max(5.5, 1.45 * len(names)), 4.2)
@@ -421,8 +421,8 @@ def figures(
         "fronts": partial(fronts, larger=larger),
     }
     chosen = list(measures) or list(study.measures)
-    found = {name: draw(study, chosen) for name, draw in draws.items() if not names or name in names}
-    return {name: figure for name, figure in found.items() if figure is not None}
+    drawn = {name: draw(study, chosen) for name, draw in draws.items() if not names or name in names}
+    return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 def pictures(study: Study) -> dict[str, str]:
@@ -441,10 +441,10 @@ def save_figures(
     """Write figures into a folder and return the files. Raises VfifeError where there is nothing to draw yet."""
     if ending not in PICTURES:
         raise VfifeError(f"no figure is written as {shown(ending)}; there are {', '.join(PICTURES)}")
-    found = figures(study, names, measures, larger)
-    if not found:
+    drawn = figures(study, names, measures, larger)
+    if not drawn:
         raise VfifeError(
             f"{study.path or 'this study'}: there is nothing to draw: {len(study.done):,} of"
             f" {len(study.members):,} members have ended"
         )
-    return [saved(figure, folder / f"{name}{ending}") for name, figure in found.items()]
+    return [saved(figure, folder / f"{name}{ending}") for name, figure in drawn.items()]

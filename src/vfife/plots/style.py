@@ -124,8 +124,8 @@ def scale_of(size: float, unit: str) -> tuple[float, str]:
 
 def readable(values: Any, unit: str) -> tuple[float, str]:
     """Factor and unit in which the largest of some values reads well."""
-    found = np.abs(np.asarray(values, dtype=float))
-    return scale_of(float(np.max(found, initial=0.0, where=np.isfinite(found))), unit)
+    sizes = np.abs(np.asarray(values, dtype=float))
+    return scale_of(float(np.max(sizes, initial=0.0, where=np.isfinite(sizes))), unit)
 
 
 def digits(value: float) -> str:

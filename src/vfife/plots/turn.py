@@ -68,15 +68,15 @@ class Span:
         over, chosen = abscissa(reference)[reference.last_turn], values[reference.last_turn]
         if reference.crank is None or reference.record.static or np.ptp(over) < FULL:
             over = over - self.origin
-            seen = (over >= min(self.x) - 1e-6) & (over <= max(self.x) + 1e-6)
-            return over[seen], chosen[seen]
+            inside = (over >= min(self.x) - 1e-6) & (over <= max(self.x) + 1e-6)
+            return over[inside], chosen[inside]
         low = min(self.x) if self.cut is None else self.cut
         at = low + np.mod(over - low - 1e-6, 360.0) + 1e-6
         order = np.argsort(at, kind="stable")
         at, chosen = at[order], chosen[order]
         at, chosen = np.concatenate([[at[-1] - 360.0], at]), np.concatenate([chosen[-1:], chosen])
-        seen = at <= (max(self.x) if self.cut is None else low + 360.0) + 1e-6
-        return at[seen], chosen[seen]
+        inside = at <= (max(self.x) if self.cut is None else low + 360.0) + 1e-6
+        return at[inside], chosen[inside]
 
     def overlaid(self, values: Array) -> Array:
         """Values of the turns over which measures are means, shape (turns, outputs of a turn and the one
@@ -110,8 +110,10 @@ def span(result: View) -> Span:
         count = outputs_of_a_turn(result.record.assembly) or 0
         first, last, turns = (motion.last - 1) * count, motion.last * count, (motion.first, motion.last)
     x, origin = one_turn(over[first : last + 1], result)
-    whole = result.crank is not None and not result.record.static and FULL < np.ptp(x) <= 361.0
-    return Span(first, last, x, _quietest(result, first, last, x) if whole else None, title, origin, turns)
+    full_turn = result.crank is not None and not result.record.static and FULL < np.ptp(x) <= 361.0
+    return Span(
+        first, last, x, _quietest(result, first, last, x) if full_turn else None, title, origin, turns
+    )
 
 
 def _quietest(result: View, first: int, last: int, x: Array) -> float:

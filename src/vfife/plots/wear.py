@@ -28,24 +28,24 @@ MOST, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches
 
 
 @rc_context(STYLE)
-def wear_over_turns(found: Worn) -> Figure:
+def wear_over_turns(wear: Worn) -> Figure:
     """A row for each joint: enlarged wear around each surface, and clearance and largest force over turns."""
-    sides = max(sum(one.joint == joint for one in found.surfaces) for joint in found.joints)
+    sides = max(sum(one.joint == joint for one in wear.surfaces) for joint in wear.joints)
     figure = Figure(
-        figsize=(SIDE * (sides + 1.25), HEIGHT * len(found.joints) + 0.4),
+        figsize=(SIDE * (sides + 1.25), HEIGHT * len(wear.joints) + 0.4),
         layout=ConstrainedLayoutEngine(wspace=0.1, h_pad=0.12),
     )
     FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(2 * len(found.joints), sides + 1, width_ratios=[1.0] * sides + [1.15])
-    chosen = shown_points(found)
-    for row, joint in enumerate(found.joints):
-        own = [k for k, one in enumerate(found.surfaces) if one.joint == joint]
+    grid = figure.add_gridspec(2 * len(wear.joints), sides + 1, width_ratios=[1.0] * sides + [1.15])
+    chosen = shown_points(wear)
+    for row, joint in enumerate(wear.joints):
+        own = [k for k, one in enumerate(wear.surfaces) if one.joint == joint]
         for column, place in enumerate(own):
             ax = figure.add_subplot(grid[2 * row : 2 * row + 2, column], projection="polar")
-            lines = [(counted(found.turns[point]), found.depth[point, place]) for point in chosen]
-            around(ax, found.surfaces[place].joint, found.surfaces[place].side, found.angles, lines)
-        over_turns(figure.add_subplot(grid[2 * row, sides]), found, row, "play")
-        over_turns(figure.add_subplot(grid[2 * row + 1, sides]), found, row, "force")
+            lines = [(counted(wear.turns[point]), wear.depth[point, place]) for point in chosen]
+            around(ax, wear.surfaces[place].joint, wear.surfaces[place].side, wear.angles, lines)
+        over_turns(figure.add_subplot(grid[2 * row, sides]), wear, row, "play")
+        over_turns(figure.add_subplot(grid[2 * row + 1, sides]), wear, row, "force")
     figure.legend(
         *figure.axes[0].get_legend_handles_labels(),
         loc="outside lower center",
@@ -53,13 +53,13 @@ def wear_over_turns(found: Worn) -> Figure:
         title="surfaces after turns",
         fontsize=9.0,
     )
-    text = f"{counted(found.turns[-1])} turns of the crank, {found.simulated:,.0f} of them simulated"
-    if found.life_end:
+    text = f"{counted(wear.turns[-1])} turns of the crank, {wear.simulated:,.0f} of them simulated"
+    if wear.life_end:
         text += (
-            f"; life of joint {found.life_end['joint']} ends after {counted(found.life_end['turns'])} by its"
-            f" {found.life_end['by']}"
+            f"; life of joint {wear.life_end['joint']} ends after {counted(wear.life_end['turns'])} by its"
+            f" {wear.life_end['by']}"
         )
-    heading(figure, f"{found.name}: wear after {text}")
+    heading(figure, f"{wear.name}: wear after {text}")
     return laid_out(figure)
 
 
@@ -103,14 +103,14 @@ def wear_of_turn(result: View) -> Figure:
 
 def has_wear(result: View) -> bool:
     """Whether a journal in a bearing has worn in the last turn."""
-    found = result.measures
-    return any(value > 0.0 for name, value in found.items() if name.endswith("_wear_depth.max"))
+    measures = result.measures
+    return any(value > 0.0 for name, value in measures.items() if name.endswith("_wear_depth.max"))
 
 
-def shown_points(found: Worn) -> list[int]:
+def shown_points(wear: Worn) -> list[int]:
     """Indices of the profiles that are drawn, evenly over the turns, always with the last."""
-    wanted = np.linspace(0.0, found.turns[-1], MOST + 1)[1:]
-    return sorted({int(np.abs(found.turns - turns).argmin()) for turns in wanted} | {len(found.turns) - 1})
+    places = np.linspace(0.0, wear.turns[-1], MOST + 1)[1:]
+    return sorted({int(np.abs(wear.turns - turns).argmin()) for turns in places} | {len(wear.turns) - 1})
 
 
 def around(ax: Any, joint: str, side: str, angles: Any, lines: list[tuple[str, Any]]) -> None:
@@ -161,20 +161,20 @@ def closed(depth: Any) -> Any:
     return np.append(depth, depth[0])
 
 
-def over_turns(ax: Any, found: Worn, row: int, quantity: str) -> None:
+def over_turns(ax: Any, wear: Worn, row: int, quantity: str) -> None:
     """Draw clearance or largest force of a joint over turns, with its limit."""
-    values = (found.play if quantity == "play" else found.force)[:, row]
-    limit = found.spec.clearance if quantity == "play" else found.spec.force
+    values = (wear.play if quantity == "play" else wear.force)[:, row]
+    limit = wear.spec.clearance if quantity == "play" else wear.spec.force
     size = max(float(values.max()), limit or 0.0)
     factor, unit = scale_of(size, "m" if quantity == "play" else "N")
-    million = found.turns[-1] >= 1e5
-    turns = found.turns / (1e6 if million else 1.0)
+    million = wear.turns[-1] >= 1e5
+    turns = wear.turns / (1e6 if million else 1.0)
     ax.plot(turns, factor * values, color=BLUE, marker="o", ms=3.0)
     if limit is not None:
         ax.axhline(factor * limit, color=VERMILION, lw=1.0, ls=(0, (5, 1.6)), label="limit")
         ax.legend(loc="best", fontsize=8.0)
-    if found.life_end and found.life_end["joint"] == found.joints[row]:
-        ax.axvline(found.life_end["turns"] / (1e6 if million else 1.0), color=GREY, lw=0.8)
+    if wear.life_end and wear.life_end["joint"] == wear.joints[row]:
+        ax.axvline(wear.life_end["turns"] / (1e6 if million else 1.0), color=GREY, lw=0.8)
     ax.set_ylabel(f"play ({unit}),\ndeepest places" if quantity == "play" else f"largest force\n({unit})")
     ax.set_xlim(left=0.0)
     if quantity == "force":

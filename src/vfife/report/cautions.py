@@ -104,9 +104,9 @@ def static_cautions(result: View) -> Iterator[str]:
 
 def damage(result: View) -> Iterator[str]:
     """A sentence about parts of a run file that cannot be read."""
-    if lost := result.record.lost:
+    if blocks := result.record.lost:
         yield (
-            f"The run file is damaged: {', '.join(lost)} could not be read and count nowhere in what is told"
+            f"The run file is damaged: {', '.join(blocks)} could not be read and count nowhere in what is told"
             " here; run the model again."
         )
 
@@ -154,7 +154,7 @@ def _deep_penetrations(result: View, extremes: dict[str, tuple[float, float]]) -
     """Penetrations beyond the clearance or a tenth of the pin's radius, whichever is less; joints with one
     limit together.
     """
-    mechanism, found = result.record.assembly.mechanism, list[tuple[str, str]]()
+    mechanism, penetrations = result.record.assembly.mechanism, list[tuple[str, str]]()
     for name, (depth, _) in extremes.items():
         joint = mechanism.contacts[name]
         pin, clearance = (
@@ -167,10 +167,10 @@ def _deep_penetrations(result: View, extremes: dict[str, tuple[float, float]]) -
             else f"a tenth of the journal's radius, {1e6 * pin:.4g} µm"
         )
         if depth > min(pin, clearance):
-            found.append((limit, f"{1e6 * depth:.4g} µm in {name}"))
+            penetrations.append((limit, f"{1e6 * depth:.4g} µm in {name}"))
     yield from (
         f"penetrations of {', '.join(depths)} are more than {limit}"
-        for limit, depths in grouped(found).items()
+        for limit, depths in grouped(penetrations).items()
     )
 
 
@@ -178,7 +178,7 @@ def _high_pressures(record: Record) -> Iterator[str]:
     """Hertz' line pressure beyond the hardness of the softer material, over the whole run; joints with one
     material together.
     """
-    mechanism, found = record.assembly.mechanism, list[tuple[str, str]]()
+    mechanism, peaks = record.assembly.mechanism, list[tuple[str, str]]()
     squares = record.block("contact_force_squared_max").max(axis=0) if record.assembly.contacts else ()
     for name, square in largest_by_joint(record, squares).items():
         pair = surfaces(mechanism, mechanism.contacts[name])
@@ -186,10 +186,10 @@ def _high_pressures(record: Record) -> Iterator[str]:
         pressure = float(line_pressure(pair, np.sqrt(square))[0])
         if softest is not None and pressure > softest[1]:
             where = f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
-            found.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", where))
+            peaks.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", where))
     yield from (
         f"line pressures of {', '.join(pressures)} are more than {limit}"
-        for limit, pressures in grouped(found).items()
+        for limit, pressures in grouped(peaks).items()
     )
 
 
@@ -210,5 +210,5 @@ def wide_contacts(result: View) -> list[str]:
 
 def softer(*materials: Material) -> tuple[str, float] | None:
     """The softer of the materials whose hardness is known, with it (Pa)."""
-    known = [(one.name, hard) for one in materials if (hard := hardness_of(one)) is not None]
-    return min(known, key=lambda pair: pair[1], default=None)
+    hardnesses = [(one.name, hard) for one in materials if (hard := hardness_of(one)) is not None]
+    return min(hardnesses, key=lambda pair: pair[1], default=None)

@@ -226,44 +226,44 @@ def freedom(assembly: Assembly) -> dict[str, Any]:
 # --------------------------------------------------------------------------------------------------------------- words
 
 
-def document(found: Mapping[str, Any], long: bool = False) -> Document:
+def document(check: Mapping[str, Any], long: bool = False) -> Document:
     """The mechanism, its step and the cost of a run; with all defaults, limits and rows if ``long``."""
     most = None if long else ROWS
-    texts = (note.strip() for note in (found["note"], *found["notes"]) if note)
+    texts = (note.strip() for note in (check["note"], *check["notes"]) if note)
     parts: list[Part] = [
-        Paragraph(f"  ({found['file']})", lead=found["model"]),
+        Paragraph(f"  ({check['file']})", lead=check["model"]),
         *paragraphs(list(texts), style="caution"),
         Paragraph(""),
     ]
-    parts += [*_bodies(found["bodies"], most), *_joints(found["joints"], most)]
-    if found["couplings"]:
+    parts += [*_bodies(check["bodies"], most), *_joints(check["joints"], most)]
+    if check["couplings"]:
         rows = [
             (one["name"], one["what"], one["first"] + (f" and {one['second']}" if one["second"] else ""))
-            for one in found["couplings"]
+            for one in check["couplings"]
         ]
         parts.append(Table(("name", "what", "acts on"), rows))
-    parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in found.get("laws", {}).items()]
+    parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in check.get("laws", {}).items()]
     parts += paragraphs(
         [
-            *freedom_words(found["degrees_of_freedom"]),
-            *(_statics(found) if found["load_factors"] else _transient(found, long)),
+            *freedom_words(check["degrees_of_freedom"]),
+            *(_statics(check) if check["load_factors"] else _transient(check, long)),
         ]
     )
     if long:
-        parts += _defaults(found["defaults"])
-    elif found["defaults"]:
+        parts += _defaults(check["defaults"])
+    elif check["defaults"]:
         parts.append(
             Paragraph(
-                f"{len(found['defaults'])} values that the file does not give are taken by default; --long"
+                f"{len(check['defaults'])} values that the file does not give are taken by default; --long"
                 " lists them."
             )
         )
-    return Document(parts, data=found)
+    return Document(parts, data=check)
 
 
-def _bodies(found: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Part]:
+def _bodies(bodies: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Part]:
     rows = []
-    for body in found[:most]:
+    for body in bodies[:most]:
         elements = f", {body['elements']} elements" if body["elements"] > 1 else ""
         center = f"({body['center'][0]:.6g}, {body['center'][1]:.6g})"
         numbers = (f"{body['mass']:.6g}", f"{body['inertia']:.6g}")
@@ -271,7 +271,7 @@ def _bodies(found: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Pa
     yield Table(
         ("body", "model", "mass, kg", "inertia, kg m²", "centre of mass, m", "driver"), rows, numbers=(2, 3)
     )
-    yield from _left_out(len(found), most, "bodies")
+    yield from _left_out(len(bodies), most, "bodies")
 
 
 def _left_out(count: int, most: int | None, what: str) -> Iterator[Part]:
@@ -279,10 +279,10 @@ def _left_out(count: int, most: int | None, what: str) -> Iterator[Part]:
         yield Paragraph(f"and {count - most:,} more {what}; --long lists them.\n")
 
 
-def _joints(found: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Part]:
+def _joints(joints: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Part]:
     """Table of joints, then the laws of those with clearance; joints with the same laws share their lines."""
     rows, laws = [], list[tuple[str, str]]()
-    for joint in found:
+    for joint in joints:
         sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
         force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
         rows.append((joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force))
@@ -291,7 +291,7 @@ def _joints(found: Sequence[Mapping[str, Any]], most: int | None) -> Iterator[Pa
         laws += [(_wear_words(side, entry), joint["name"]) for side, entry in joint.get("wear", {}).items()]
     heads = ("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N")
     yield Table(heads, rows[:most], numbers=(4, 5, 6))
-    yield from _left_out(len(found), most, "joints")
+    yield from _left_out(len(joints), most, "joints")
     for text, names in grouped(laws).items():
         yield Paragraph(
             f"{', '.join(names[:most])}{'' if most is None or len(names) <= most else ', ...'}: {text}"
@@ -323,8 +323,8 @@ def _law_words(kind: str, entry: Mapping[str, Any]) -> str:
 def _wear_words(side: str, entry: Mapping[str, Any]) -> str:
     """Coefficient of wear of a surface, and its initial depth."""
     pair = f", {entry['pair']} ({entry['source']}) over its hardness" if "pair" in entry else ""
-    worn = f"; worn already, up to {1e6 * entry['worn']:.4g} µm" if "worn" in entry else ""
-    return f"{side} wears by {entry['coefficient']:.4g} 1/Pa{pair}{worn}"
+    initial = f"; worn already, up to {1e6 * entry['worn']:.4g} µm" if "worn" in entry else ""
+    return f"{side} wears by {entry['coefficient']:.4g} 1/Pa{pair}{initial}"
 
 
 def _points(value: Any) -> str:
@@ -344,34 +344,34 @@ def _redundancy(constraints: str, joints: Sequence[str]) -> str:
     )
 
 
-def freedom_words(found: Mapping[str, Any]) -> list[str]:
+def freedom_words(freedom: Mapping[str, Any]) -> list[str]:
     """Degrees of freedom in sentences."""
-    lines = [_degrees_of_freedom(found["free"], found["after_drives"])]
-    if found["redundant"]:
+    lines = [_degrees_of_freedom(freedom["free"], freedom["after_drives"])]
+    if freedom["redundant"]:
         lines.append(
-            _redundancy(counted(found["redundant"], "redundant constraint"), found["redundant_joints"])
+            _redundancy(counted(freedom["redundant"], "redundant constraint"), freedom["redundant_joints"])
         )
-    if found["shared"]:
-        lines.append(f"Shared by least norm, not unique: {', '.join(found['shared'])}.")
-    if found["singular"]:
+    if freedom["shared"]:
+        lines.append(f"Shared by least norm, not unique: {', '.join(freedom['shared'])}.")
+    if freedom["singular"]:
         lines.append(
             "The start is a singular position (a change point or dead centre), at"
-            f" {', '.join(found['singular'])}: beside it these hold something of their own. The branch that"
+            f" {', '.join(freedom['singular'])}: beside it these hold something of their own. The branch that"
             " the motion takes from here is not determined; start a little aside."
         )
-    if found["blocked"]:
+    if freedom["blocked"]:
         lines.append(
             "A motion that the joints allow leads nowhere: links lie in line, where no force along them holds"
             " anything across."
         )
-    if found["four_bar"]:
-        lines.append(f"Four-bar: {found['four_bar']}.")
+    if freedom["four_bar"]:
+        lines.append(f"Four-bar: {freedom['four_bar']}.")
     return lines
 
 
-def _transient(found: Mapping[str, Any], long: bool) -> list[str]:
+def _transient(check: Mapping[str, Any], long: bool) -> list[str]:
     """The step with its limits, and the cost, in sentences."""
-    step = found["step"]
+    step = check["step"]
     endless = step["stable"] == float("inf")
     how = (
         f"chosen; set by {step['set_by']}"
@@ -381,8 +381,8 @@ def _transient(found: Mapping[str, Any], long: bool) -> list[str]:
         if endless
         else f"as given; the stable one is set by {step['set_by']}"
     )
-    turns = f" = {found['turns']:.6g} turns" if found["turns"] else ""
-    until = f", or less: until turns repeat within {100.0 * found['settle']:.3g} %" if found["settle"] else ""
+    turns = f" = {check['turns']:.6g} turns" if check["turns"] else ""
+    until = f", or less: until turns repeat within {100.0 * check['settle']:.3g} %" if check["settle"] else ""
     limits = sorted(step["limits"].items(), key=lambda item: float(item[1]))
     shown = limits if long or len(limits) <= LIMITS + 1 else limits[:LIMITS]
     rest = [f"  and {len(limits) - len(shown)} larger ones (--long)"] if len(shown) < len(limits) else []
@@ -393,45 +393,45 @@ def _transient(found: Mapping[str, Any], long: bool) -> list[str]:
         *(f"  {value:.4g} s  {name}" for name, value in shown),
         *rest,
         (
-            f"{found['steps']:,} steps make {found['duration']:.6g} s{turns}{until}; an output every"
-            f" {found['steps_between_outputs']:,} steps."
+            f"{check['steps']:,} steps make {check['duration']:.6g} s{turns}{until}; an output every"
+            f" {check['steps_between_outputs']:,} steps."
         ),
-        *_cost(found),
+        *_cost(check),
     ]
 
 
-def _statics(found: Mapping[str, Any]) -> list[str]:
+def _statics(check: Mapping[str, Any]) -> list[str]:
     """Load factors and cost of a static analysis in sentences."""
-    factors = found["load_factors"]
+    factors = check["load_factors"]
     again = (
         ", other numbers of elements with it"
-        if found["repeated"]
+        if check["repeated"]
         else "; errors of the mesh are not estimated"
     )
     time = (
-        f"Time, a rough estimate: {span(found['estimate']['seconds'])}{again}; each equilibrium ends after"
-        f" {found['iterations']:,} iterations."
+        f"Time, a rough estimate: {span(check['estimate']['seconds'])}{again}; each equilibrium ends after"
+        f" {check['iterations']:,} iterations."
     )
     what = f"equilibrium under load factor {factors[0]:g}"
     if len(factors) > 1:
         what = f"equilibria under {len(factors)} load factors from {factors[0]:g} to {factors[-1]:g}"
-    return [f"Static analysis: {what}, by dynamic relaxation.", time, *_confirmation(found["estimate"])]
+    return [f"Static analysis: {what}, by dynamic relaxation.", time, *_confirmation(check["estimate"])]
 
 
-def _cost(found: Mapping[str, Any]) -> list[str]:
+def _cost(check: Mapping[str, Any]) -> list[str]:
     from ..job.cost import BRIEF, MOST_TRIES
 
-    cost = found["estimate"]
+    cost = check["estimate"]
     pace, compiling = (
         f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop",
         span(cost["compile_seconds"]),
     )
     again = (
         f"; {span(MOST_TRIES * cost['seconds'])} if the step has to be halved twice"
-        if found["step"]["searched"]
+        if check["step"]["searched"]
         else ""
     )
-    again += "; half and a quarter of the step with it, for the errors" if found["repeated"] else ""
+    again += "; half and a quarter of the step with it, for the errors" if check["repeated"] else ""
     lines = [
         f"Time, an estimate from a table of costs: {span(cost['seconds'])} ({pace}){again},",
         f"  and some {compiling} to compile that loop if it was never used here.",

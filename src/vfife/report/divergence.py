@@ -83,17 +83,17 @@ def quantity_name(assembly: Assembly, rows: Any) -> str:
     """Name of the first of these state rows in the order of ``ENTITIES``, with its joint or body."""
     from ..kernels.blocks import BLOCKS
 
-    found = []
+    entries = []
     for block in BLOCKS:
         where = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
-        found += [
+        entries += [
             (ENTITIES.index(block.entity), block, where[int(row)])
             for row in rows
             if block.entity in ENTITIES and int(row) in where
         ]
-    if not found:
+    if not entries:
         return "a number of the state"
-    _, block, index = min(found, key=lambda entry: entry[0])
+    _, block, index = min(entries, key=lambda entry: entry[0])
     meaning = re.split(" at (?:step|the start)| since", block.meaning)[0]
     return f"the {meaning} of {owner(assembly, block.entity, index)}"
 
@@ -214,12 +214,12 @@ def end_of_reach(record: Record, until: float) -> str:
     mechanism = assembly.mechanism.ideal()
     try:
         datum = datum_of(mechanism)
-        found = _last(mechanism, until, datum, max(LEAST, 2 * len(record.steps)))
+        last = _last(mechanism, until, datum, max(LEAST, 2 * len(record.steps)))
     except AssemblyError:
         return ""
-    if found is None:
+    if last is None:
         return ""
-    time, joints = found
+    time, joints = last
     where = "; ".join(
         _place(mechanism, name, driver, datum, time) for name, driver in _moving(mechanism).items()
     )

@@ -33,7 +33,7 @@ UNBALANCED = 1e-3  # of all forces
 PEAKS = 8
 
 
-def document(found: Any) -> Document:
+def document(result: Any) -> Document:
     """The answer of any kind of map."""
     documents: dict[str, Any] = {
         "Bifurcation": diagram,
@@ -41,39 +41,39 @@ def document(found: Any) -> Document:
         "PoincareSection": section,
         "Waterfall": waterfall,
     }
-    document: Document = documents[type(found).__name__](found)
+    document: Document = documents[type(result).__name__](result)
     return document
 
 
-def _protocol(found: Any, turns: str) -> str:
+def _protocol(result: Any, turns: str) -> str:
     """How many turns were run and dropped with how many steps, and under which laws."""
-    return f"{turns}, {found.spec.dropped} of them dropped, {found.spec.steps:,} steps a turn; {found.laws}."
+    return f"{turns}, {result.spec.dropped} of them dropped, {result.spec.steps:,} steps a turn; {result.laws}."
 
 
-def diagram(found: Bifurcation) -> Document:
+def diagram(result: Bifurcation) -> Document:
     """Numbers of values with each motion, and ranges of values."""
-    spec = found.spec
+    spec = result.spec
     heads = spec.ways if spec.starts else ("values on the way up", "on the way down")
-    counts = [Counter(kind for kind in kinds if kind) for kinds in found.kinds]
+    counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
     rows = [
         (kind, *(one[kind] for one in counts))
         for kind in sorted({kind for one in counts for kind in one}, key=_period)
     ]
     texts = [
-        _chaos(found),
+        _chaos(result),
         *(
-            f"{DIRECTIONS.get(way, way)}: {spells_words(found.spells(k), spec.unit)}."
+            f"{DIRECTIONS.get(way, way)}: {spells_words(result.spells(k), spec.unit)}."
             for k, way in enumerate(spec.ways)
         ),
-        _protocol(found, f"{spec.turns} turns at each value"),
+        _protocol(result, f"{spec.turns} turns at each value"),
         (
             "A period is told within 0.1 % of the range, chaos where a small difference grows more than"
             " e-fold in each half of the turns."
         ),
-        f"Companions: {found.step_report or 'none.'}",
+        f"Companions: {result.step_report or 'none.'}",
     ]
     return Document(
-        [Table.numeric(("motion", *heads), rows), *paragraphs(texts)], f"{found.name}: {spec.path}"
+        [Table.numeric(("motion", *heads), rows), *paragraphs(texts)], f"{result.name}: {spec.path}"
     )
 
 
@@ -82,11 +82,11 @@ def _period(kind: str) -> tuple[float, str]:
     return (int(kind.removeprefix("period ")), "") if kind.startswith("period ") else (math.inf, kind)
 
 
-def _chaos(found: Bifurcation) -> str:
+def _chaos(result: Bifurcation) -> str:
     """Between which values chaos was found in each direction; other motions may lie between them."""
-    texts, unit = [], found.spec.unit
-    for way, kinds in zip(found.spec.ways, found.kinds, strict=True):
-        values = [value for value, kind in zip(found.spec.values, kinds, strict=True) if kind == CHAOTIC]
+    texts, unit = [], result.spec.unit
+    for way, kinds in zip(result.spec.ways, result.kinds, strict=True):
+        values = [value for value, kind in zip(result.spec.values, kinds, strict=True) if kind == CHAOTIC]
         if values:
             ends = f"{quantity(min(values), unit)} and {quantity(max(values), unit)}"
             direction = DIRECTIONS[way].lower() if way in DIRECTIONS else f"from {way}"
@@ -107,15 +107,15 @@ def spells_words(spells: Sequence[Spell], unit: str) -> str:
     return ", ".join(texts) + (f", and {rest} others between them" if rest else "")
 
 
-def basins(found: Basins) -> Document:
+def basins(result: Basins) -> Document:
     """Number of starts that lead to each motion."""
-    spec, every = found.spec, max(len(found.verdicts), 1)
-    sizes = [(one.kind, len(one.members)) for one in found.attractors]
+    spec, every = result.spec, max(len(result.verdicts), 1)
+    sizes = [(one.kind, len(one.members)) for one in result.attractors]
     if len(sizes) > MOST_ATTRACTORS:
         rest = sizes[MOST_ATTRACTORS:]
         sizes[MOST_ATTRACTORS:] = [(f"{len(rest)} others", sum(count for _, count in rest))]
     rows = [(kind, f"{count:,}", f"{100.0 * count / every:.3g} %") for kind, count in sizes]
-    none = found.done - len(found.verdicts)
+    none = result.done - len(result.verdicts)
     impossible = f" {none:,} of the grid are no start, a journal being outside its bearing." if none else ""
     same = (
         f"of one period, for their points move with {' and '.join(spec.varied)}"
@@ -123,21 +123,21 @@ def basins(found: Basins) -> Document:
         else "whose points are within 1 % of that of all"
     )
     texts = [
-        f"{_protocol(found, f'{spec.turns} turns of each start')}{impossible}",
+        f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
         f"A period is told within 0.1 % of the range; periodic motions are one {same}.",
-        f"Companions: {found.step_report or 'none.'}",
+        f"Companions: {result.step_report or 'none.'}",
     ]
     return Document(
         [Table.numeric(("motion", "starts", "share"), rows), *paragraphs(texts)],
-        f"{found.name}: {spec.paths[0]}, {spec.paths[1]}",
+        f"{result.name}: {spec.paths[0]}, {spec.paths[1]}",
     )
 
 
-def section(found: PoincareSection) -> Document:
+def section(result: PoincareSection) -> Document:
     """The kind of a motion, its evidence, and the contacts that began."""
-    spec, verdict = found.spec, found.verdict
-    texts = [f"{found.name}: {verdict.kind}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
-    for name, impacts in found.struck.items():
+    spec, verdict = result.spec, result.verdict
+    texts = [f"{result.name}: {verdict.kind}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
+    for name, impacts in result.struck.items():
         count = len(impacts["speed"])
         fastest = f", the fastest at {impacts['speed'].max():.4g} m/s" if count else ""
         closed = (
@@ -150,33 +150,33 @@ def section(found: PoincareSection) -> Document:
         )
         texts.append(f"{name}: {counted(count, 'contact')} began{fastest}{closed}.")
     texts.append(
-        f"{found.done:,} turns after {spec.dropped:,} that were dropped, {spec.steps:,} steps a turn;"
-        f" {found.laws}. Without companions."
+        f"{result.done:,} turns after {spec.dropped:,} that were dropped, {spec.steps:,} steps a turn;"
+        f" {result.laws}. Without companions."
     )
     return Document(paragraphs(texts))
 
 
-def waterfall(found: Waterfall) -> Document:
+def waterfall(result: Waterfall) -> Document:
     """The range of the sweep, and the transform of the series."""
-    spec = found.spec
+    spec = result.spec
     low, high = spec.values[0], spec.values[-1]
     speeds = (
         f" ({30.0 / math.pi * low:.4g} to {30.0 / math.pi * high:.4g} rpm)" if spec.unit == "rad/s" else ""
     )
     texts = [
         (
-            f"{found.name}: {', '.join(spec.series)} over {spec.path} from {low:.6g} to {high:.6g}"
+            f"{result.name}: {', '.join(spec.series)} over {spec.path} from {low:.6g} to {high:.6g}"
             f" {spec.unit}{speeds}"
         ),
-        f"{found.done:,} runs. {found.words}.",
+        f"{result.done:,} runs. {result.words}.",
         (
-            f"{found.limits[:1].upper()}{found.limits[1:]}; without companions; each run begins at the"
+            f"{result.limits[:1].upper()}{result.limits[1:]}; without companions; each run begins at the"
             " model's own start."
         ),
     ]
-    if found.diverged:
+    if result.diverged:
         texts.append(
-            f"At {', '.join(f'{value:g}' for value in found.diverged)} {spec.unit} the motion diverged."
+            f"At {', '.join(f'{value:g}' for value in result.diverged)} {spec.unit} the motion diverged."
         )
     return Document(paragraphs(texts))
 
@@ -185,13 +185,13 @@ def waterfall(found: Waterfall) -> Document:
 # vibrations
 
 
-def modes(mechanism: Mechanism, found: Modes) -> Document:
+def modes(mechanism: Mechanism, result: Modes) -> Document:
     """Natural frequencies about the start: of the whole mechanism, and of its elastic links by themselves."""
     data = {
         "model": mechanism.name,
         "note": NOTE,
-        "coordinates": found.count,
-        "unbalanced": found.unbalanced,
+        "coordinates": result.count,
+        "unbalanced": result.unbalanced,
         "modes": [
             {
                 "frequency": one.frequency,
@@ -199,13 +199,13 @@ def modes(mechanism: Mechanism, found: Modes) -> Document:
                 "energy": one.energy,
                 "shape": one.shape.tolist(),
             }
-            for one in found.modes
+            for one in result.modes
         ],
-        "links": {name: list(frequencies) for name, frequencies in found.links.items()},
+        "links": {name: list(frequencies) for name, frequencies in result.links.items()},
     }
-    count = f": {found.count or 'no'} natural vibration{'s' * (found.count != 1)}"
+    count = f": {result.count or 'no'} natural vibration{'s' * (result.count != 1)}"
     parts: list[Part] = [Paragraph(count, lead=mechanism.name), Paragraph(NOTE)]
-    if not found.count:
+    if not result.count:
         parts.append(
             Paragraph(
                 "Drivers and joints leave nothing that could vibrate: rigid links, and a drive that holds"
@@ -214,7 +214,7 @@ def modes(mechanism: Mechanism, found: Modes) -> Document:
         )
         return Document(parts, data=data)
     crank, rows = _turns_per_second(mechanism), []
-    for number, mode in enumerate(found.modes, start=1):
+    for number, mode in enumerate(result.modes, start=1):
         name, share = mode.leading
         order = [f"{mode.frequency / crank:.4g}"] if crank else []
         rows.append(
@@ -227,15 +227,15 @@ def modes(mechanism: Mechanism, found: Modes) -> Document:
         )
     heads = ("", "frequency", *(["turns of the crank"] if crank else []), "moves most")
     parts.append(Table(heads, rows, numbers=range(len(heads) - 1)))
-    for name, frequencies in found.links.items():
+    for name, frequencies in result.links.items():
         parts.append(
             Paragraph(
                 f"{name} alone, pinned at both ends: {', '.join(f'{one:.5g}' for one in frequencies)} Hz"
             )
         )
-    if found.unbalanced > UNBALANCED:
+    if result.unbalanced > UNBALANCED:
         unbalanced = (
-            f"The start is no equilibrium: {100.0 * found.unbalanced:.2g} % of weight and springs set the"
+            f"The start is no equilibrium: {100.0 * result.unbalanced:.2g} % of weight and springs set the"
             " mechanism in motion. These are the vibrations about it as if it stood still."
         )
         parts.append(Paragraph(unbalanced, style="caution"))
@@ -255,13 +255,13 @@ def _frequency(value: float, square: float) -> str:
     return "0 Hz: moves freely" if square == 0.0 else f"{value:.5g} Hz"
 
 
-def spectra(found: Sequence[Any], name: str) -> Document:
+def spectra(spectra: Sequence[Any], name: str) -> Document:
     """The strongest waves of each series of the run ``name``.
 
     ``found`` are spectra; spectrograms, whose waves have the time at which they are strongest; or envelopes
     with their own spectra.
     """
-    first = found[0]
+    first = spectra[0]
     timed = hasattr(first, "times") and not hasattr(first, "spectrum")
     turning = getattr(first, "spectrum", first).turn is not None
     heads = (
@@ -272,7 +272,7 @@ def spectra(found: Sequence[Any], name: str) -> Document:
         *(("at, ms",) if timed else ()),
     )
     rows = []
-    for one in found:
+    for one in spectra:
         of = getattr(one, "spectrum", one)
         sizes = of.amplitudes.max(axis=0) if timed else of.amplitudes
         for n, k in enumerate(strongest(sizes, of.window)):

@@ -94,10 +94,10 @@ def _default(entry: Mapping[str, Any]) -> str:
     return "derived" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _numbers(found: Mapping[str, Any]) -> Iterator[Part]:
+def _numbers(numbers: Mapping[str, Any]) -> Iterator[Part]:
     """A contact law in free impacts, or a friction law in steady sliding."""
-    if "impacts" in found:
-        yield Paragraph(f"Free impact of {found['mass']:g} kg at {found['speed']:g} m/s")
+    if "impacts" in numbers:
+        yield Paragraph(f"Free impact of {numbers['mass']:g} kg at {numbers['speed']:g} m/s")
         heads = (
             "restitution asked for",
             "delivered",
@@ -105,21 +105,21 @@ def _numbers(found: Mapping[str, Any]) -> Iterator[Part]:
             "largest force, N",
             "time in contact, µs",
         )
-        yield Table.numeric(heads, [_impact(one) for one in found["impacts"]], texts=0)
+        yield Table.numeric(heads, [_impact(one) for one in numbers["impacts"]], texts=0)
         return
-    normal = found["normal_force"]
+    normal = numbers["normal_force"]
     yield Paragraph(f"Steady sliding under a normal force of {normal:g} N")
     rows = [
         (f"{one['speed']:g}", f"{one['force']:.5g}", f"{one['force'] / normal:.5f}")
-        for one in found["steady"]
+        for one in numbers["steady"]
     ]
     yield Table.numeric(
         ("sliding velocity, m/s", "resisting force, N", "over the normal force"), rows, texts=0
     )
-    if "breakaway" in found:
+    if "breakaway" in numbers:
         yield Paragraph(
             "Pulled slowly from rest, it reaches 95 % of its largest force after"
-            f" {1e6 * found['breakaway']:.4g} µm."
+            f" {1e6 * numbers['breakaway']:.4g} µm."
         )
 
 
@@ -138,10 +138,10 @@ def materials() -> Document:
     from ..laws.materials import HARDNESS, TABLE
 
     keys = ("youngs_modulus", "poissons_ratio", "density", "meaning", "source")
-    found: list[dict[str, Any]] = []
+    entries: list[dict[str, Any]] = []
     for name, entry in TABLE.items():
         hardness, source = HARDNESS.get(name, (None, None))
-        found.append(
+        entries.append(
             {
                 "name": name,
                 **dict(zip(keys, entry, strict=True)),
@@ -150,10 +150,12 @@ def materials() -> Document:
             }
         )
     sources = list(
-        dict.fromkeys(source for one in found for source in (one["source"], one["hardness_source"]) if source)
+        dict.fromkeys(
+            source for one in entries for source in (one["source"], one["hardness_source"]) if source
+        )
     )
     rows = []
-    for one in found:
+    for one in entries:
         numbers = (
             f"{1e-9 * one['youngs_modulus']:.4g}",
             f"{one['poissons_ratio']:.4g}",
@@ -176,5 +178,5 @@ def materials() -> Document:
     own = "A table [material.NAME] in a model file adds a material, or takes the place of one of these."
     notes = [Paragraph(f"[{number}] {source}") for number, source in enumerate(sources, 1)]
     return Document(
-        [Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(own)], data=found
+        [Table(heads, rows, numbers=(1, 2, 3, 4)), *notes, Paragraph(""), Paragraph(own)], data=entries
     )

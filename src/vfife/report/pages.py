@@ -231,13 +231,9 @@ def study_page(
 
 def _study_words(study: Study) -> str:
     """Numbers of cases and of turns."""
-    wanted = study.asked["wanted"]
-    over = (
-        "the last turn"
-        if wanted["last"] == 1
-        else f"the last {wanted['last']} turns, of which means are told"
-    )
-    turns = f"Each makes {wanted['turns']:,} turns{settling_words(study)}; measures are of {over}."
+    plan = study.asked["wanted"]
+    over = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns, of which means are told"
+    turns = f"Each makes {plan['turns']:,} turns{settling_words(study)}; measures are of {over}."
     return f"{len(study.members):,} members: {counts_words(study)}. {turns}"
 
 
@@ -247,14 +243,14 @@ def _running(
     """The page in which a member runs."""
     first = study.done[0]
     picked = escape(f"{first.number}: {where(study, first)}")
-    said = Element(f'<p class="screen">Member <span id="picked">{picked}</span>; pick another one below.</p>')
+    line = Element(f'<p class="screen">Member <span id="picked">{picked}</span>; pick another one below.</p>')
     steps = (
         "All run here with as many steps a turn as the finest of them, so numbers may differ from the study's"
         " as far as they depend on the step."
     )
     left = len(study.done) - len(places)
     rest = [f"{left:,} members run by themselves only, with vfife live."] if left > 0 else []
-    return [said, _frame(live), *paragraphs([steps, *rest, *(f"{note}." for note in notes)])]
+    return [line, _frame(live), *paragraphs([steps, *rest, *(f"{note}." for note in notes)])]
 
 
 def _members(study: Study, places: Mapping[int, Mapping[str, int]]) -> list[Part]:

@@ -485,25 +485,25 @@ def _file_facts(file: Json) -> Iterator[tuple[str, str]]:
         yield "Measure", f"{name} = {plain_number(summary, name)} ({range_text(summary, name)})"
 
 
-def impacts(found: Impacts, count: int) -> Document:
+def impacts(impacts: Impacts, count: int) -> Document:
     """The ``count`` hardest impacts of a run."""
     data = {
-        "count": found.count,
-        "alone": found.alone,
-        "before": found.before,
-        "impacts": [dataclasses.asdict(one) for one in found.entries],
+        "count": impacts.count,
+        "alone": impacts.alone,
+        "before": impacts.before,
+        "impacts": [dataclasses.asdict(one) for one in impacts.entries],
     }
-    if not found.entries:
+    if not impacts.entries:
         return Document([Paragraph("No contact began in this run.")], data=data)
-    shared, hardest = found.count - found.alone, found.hardest(count)
+    shared, hardest = impacts.count - impacts.alone, impacts.hardest(count)
     merged = f", {shared} of them between the same two outputs as others" if shared else ""
-    shown = f" The hardest {len(hardest)} (--count for more):" if len(hardest) < len(found.entries) else ""
-    lost = sum(one.energy for one in found.entries)
+    shown = f" The hardest {len(hardest)} (--count for more):" if len(hardest) < len(impacts.entries) else ""
+    energy = sum(one.energy for one in impacts.entries)
     text = (
-        f"{found.count} contact{'s' * (found.count != 1)} began{merged}. They lost {lost:.4g} J in"
+        f"{impacts.count} contact{'s' * (impacts.count != 1)} began{merged}. They lost {energy:.4g} J in"
         f" all.{shown}"
     )
-    crank = any(one.crank is not None for one in found.entries)
+    crank = any(one.crank is not None for one in impacts.entries)
     heads = (
         "joint",
         "time, ms",

@@ -26,15 +26,15 @@ NOTES = {
 }
 
 
-def sensitivity(found: Sensitivity, top: int = 8) -> Document:
+def sensitivity(result: Sensitivity, top: int = 8) -> Document:
     """The ``top`` most influential parameters of the model for each measure."""
     rows: list[tuple[str, ...]] = []
     kinds: set[str] = set()
-    for name, value in found.measures.items():
-        if name in found.doubtful:
+    for name, value in result.measures.items():
+        if name in result.doubtful:
             rows.append((name, f"{value:.5g}", "companions part", "?", ""))
             continue
-        effects = [one for one in found.effects(name) if max(abs(one.low), abs(one.high)) > SMALLEST][:top]
+        effects = [one for one in result.effects(name) if max(abs(one.low), abs(one.high)) > SMALLEST][:top]
         kinds |= {one.kind for one in effects}
         rows += [
             ((name, f"{value:.5g}") if k == 0 else ("", "")) + (one.path, *effect_cells(one))
@@ -42,39 +42,39 @@ def sensitivity(found: Sensitivity, top: int = 8) -> Document:
         ]
     table = Table(("measure", "value", "number", "per cent by 1 %", "from, to"), rows, numbers=(1, 3, 4))
     texts = [
-        f"Measures are of the {found.part}, in SI units.",
+        f"Measures are of the {result.part}, in SI units.",
         *(NOTES[kind] for kind in ("change", "unknown") if kind in kinds),
     ]
-    notes = (Caution(text, "note", aside=True) for text in _caveats(found))
-    left_out = {"refused": found.refused, "rounding": sorted(found.rounding)}
-    data = {"model": found.mechanism, "part": found.part, **left_out, "rows": found.rows()}
+    notes = (Caution(text, "note", aside=True) for text in _caveats(result))
+    left_out = {"refused": result.refused, "rounding": sorted(result.rounding)}
+    data = {"model": result.mechanism, "part": result.part, **left_out, "rows": result.rows()}
     return Document(
-        [table, *paragraphs(texts), *notes], f"{found.mechanism}: what its measures depend on", data
+        [table, *paragraphs(texts), *notes], f"{result.mechanism}: what its measures depend on", data
     )
 
 
-def _caveats(found: Sensitivity) -> list[str]:
+def _caveats(result: Sensitivity) -> list[str]:
     """Measures and parameters without a meaningful derivative, and wide ranges."""
     texts = []
-    if found.doubtful:
+    if result.doubtful:
         texts.append(
-            f"companions of the run part in {', '.join(sorted(found.doubtful))}: derivatives of these mean"
+            f"companions of the run part in {', '.join(sorted(result.doubtful))}: derivatives of these mean"
             " nothing."
         )
-    if found.rounding:
+    if result.rounding:
         texts.append(
-            f"left out as rounding beside the largest of their unit: {', '.join(sorted(found.rounding))}."
+            f"left out as rounding beside the largest of their unit: {', '.join(sorted(result.rounding))}."
         )
     wide = {
         name: spread
-        for name in found.measures
-        if name not in found.doubtful and (spread := found.spread(name)) > WIDE
+        for name in result.measures
+        if name not in result.doubtful and (spread := result.spread(name)) > WIDE
     }
     if wide:
         most = max(wide, key=wide.__getitem__)
         what = f"ranges of derivatives are up to {100.0 * wide[most]:.0f} % of the largest wide ({most})"
         texts.append(f"{what}: a smaller --step makes them narrower.")
-    return texts + [f"{path}: {why}" for path, why in found.refused.items() if not why.startswith("zero")]
+    return texts + [f"{path}: {why}" for path, why in result.refused.items() if not why.startswith("zero")]
 
 
 def effect_cells(one: Effect) -> tuple[str, str]:
@@ -89,10 +89,10 @@ def effect_cells(one: Effect) -> tuple[str, str]:
     return f"{one.value:+.3g}{' *' if one.kind == 'change' else ''}", span
 
 
-def comparison(found: Comparison, folder: str = "", files: Sequence[str] = ()) -> Document:
+def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) -> Document:
     """One model under several laws; ``files`` are those in its ``folder``, if it has one."""
     rows = []
-    for one in found.rows:
+    for one in result.rows:
         lips = ["-" if one[key] is None else f"{one[key]:.4g}" for key in ("lip_force", "lip_acceleration")]
         numbers = (
             f"{1e6 * one['penetration']:.4g}",
@@ -113,43 +113,43 @@ def comparison(found: Comparison, folder: str = "", files: Sequence[str] = ()) -
         "lost, J",
         "wall, s",
     )
-    said = (
-        f"Force, LIP and depth are the largest ({_part(found)}), LIP against ideal joints; contact is the"
+    note = (
+        f"Force, LIP and depth are the largest ({_part(result)}), LIP against ideal joints; contact is the"
         " mean share of the time of the run."
     )
     parts: list[Part] = [
         Table(("contact", "friction", *heads), rows, numbers=range(2, 10), names=(0, 1)),
-        Paragraph(said),
+        Paragraph(note),
         *([Paragraph(f"{folder} ({', '.join(files)})", lead="Folder: ")] if folder else []),
     ]
-    title = f"{found.mechanism}: joint{'s' * (len(found.joints) > 1)} {', '.join(found.joints)}"
-    return Document(parts, title, comparison_data(found) | {"folder": folder})
+    title = f"{result.mechanism}: joint{'s' * (len(result.joints) > 1)} {', '.join(result.joints)}"
+    return Document(parts, title, comparison_data(result) | {"folder": folder})
 
 
-def comparison_data(found: Comparison) -> dict[str, Any]:
+def comparison_data(result: Comparison) -> dict[str, Any]:
     """A comparison as it is stored."""
     return {
-        "model": found.mechanism,
-        "joints": list(found.joints),
-        "planned": found.planned,
-        "runs": found.rows,
+        "model": result.mechanism,
+        "joints": list(result.joints),
+        "planned": result.planned,
+        "runs": result.rows,
     }
 
 
-def _part(found: Comparison) -> str:
+def _part(result: Comparison) -> str:
     """The part of the runs over which measures are taken."""
-    parts = list(dict.fromkeys(one["part"] for one in found.rows))
+    parts = list(dict.fromkeys(one["part"] for one in result.rows))
     return (
         parts[0]
         if len(parts) == 1
-        else "; ".join(f"{one['contact']} with {one['friction']}: {one['part']}" for one in found.rows)
+        else "; ".join(f"{one['contact']} with {one['friction']}: {one['part']}" for one in result.rows)
     )
 
 
-def identification(found: Fit) -> Document:
+def identification(fit: Fit) -> Document:
     """Values of parameters, the residuals of each curve, and parameters that the data cannot determine."""
     rows = []
-    for one in found.values:
+    for one in fit.values:
         sure = math.isfinite(one.error)
         limits = f"{quantity(one.low, one.unit)} to {quantity(one.high, one.unit)}" if sure else "-"
         error = quantity(one.error, one.unit) if sure and one.known else "-"
@@ -174,26 +174,26 @@ def identification(found: Fit) -> Document:
             "" if c.factor == 1.0 else f"{c.factor:.4g}",
             f"{c.level:.4g}" if c.level else "",
         )
-        for c in found.curves
+        for c in fit.curves
     ]
-    confidence = f"{100.0 * found.confidence:g} % confidence"
+    confidence = f"{100.0 * fit.confidence:g} % confidence"
     parts: list[Part] = [
         Table(("parameter", "value", "±, 1 σ", confidence, "bounds"), rows, numbers=(1, 2)),
         Table.numeric(("curve", "column", "left", "factor", "level"), curves, texts=2),
-        *paragraphs([_correlations(found)]),
-        *(Caution(f"{text}.", "not told", aside=True) for text in found.undetermined),
-        *paragraphs(found.remarks),
-        *(Caution(f"{text}.", "note", aside=True) for text in found.notes),
+        *paragraphs([_correlations(fit)]),
+        *(Caution(f"{text}.", "not told", aside=True) for text in fit.undetermined),
+        *paragraphs(fit.remarks),
+        *(Caution(f"{text}.", "note", aside=True) for text in fit.notes),
     ]
-    return Document(parts, f"{found.mechanism} fitted to {found.data}", found.json())
+    return Document(parts, f"{fit.mechanism} fitted to {fit.data}", fit.json())
 
 
-def _correlations(found: Fit) -> str:
+def _correlations(fit: Fit) -> str:
     """The strongest correlations between parameters."""
     pairs = [
-        (found.correlation[i, j], a.name, b.name)
-        for i, a in enumerate(found.values)
-        for j, b in enumerate(found.values)
+        (fit.correlation[i, j], a.name, b.name)
+        for i, a in enumerate(fit.values)
+        for j, b in enumerate(fit.values)
         if i < j
     ]
     strong = [

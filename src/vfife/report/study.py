@@ -88,7 +88,7 @@ def _errors(study: Study) -> dict[str, Any] | None:
 
 def extremes(study: Study) -> dict[str, dict[str, Any]]:
     """Least, mean and largest value of each measure, and at which values of the parameters."""
-    names, found = [one.name for one in study.parameters], {}
+    names, entries = [one.name for one in study.parameters], {}
     for name, unit in study.measures.items():
         pairs = [
             (float(value), one)
@@ -106,8 +106,8 @@ def extremes(study: Study) -> dict[str, dict[str, Any]]:
                 end: value,
                 f"{end}_at": None if member is None else dict(zip(names, study.at(member), strict=True)),
             }
-        found[name] = entry
-    return found
+        entries[name] = entry
+    return entries
 
 
 def parameter_table(study: Study, title: str = "") -> Table:
@@ -162,9 +162,9 @@ def document(study: Study, members: bool = False) -> Document:
     text = ", ".join(filter(None, (counted(len(study.members), "member"), counts_words(study)))) + (
         f"; {at_work} is at work" if at_work else ""
     )
-    wanted = study.asked["wanted"]
-    over = "the last turn" if wanted["last"] == 1 else f"the last {wanted['last']} turns (means)"
-    turns = f"{counted(wanted['turns'], 'turn')}{settling_words(study)}; measures are of {over}"
+    plan = study.asked["wanted"]
+    over = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns (means)"
+    turns = f"{counted(plan['turns'], 'turn')}{settling_words(study)}; measures are of {over}"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [parameter_table(study), extreme_table(study), error_table(study)]
     if members:
@@ -188,9 +188,9 @@ def member_table(
     names = [*(one.name for one in study.parameters), *study.measures]
     rows = []
     for row in study.rows()[:most]:
-        more = [last(int(row["member"]))] if last is not None else []
+        cells = [last(int(row["member"]))] if last is not None else []
         rows.append(
-            (row["member"], *(quantity(row[name], units[name]) for name in names), row["status"], *more)
+            (row["member"], *(quantity(row[name], units[name]) for name in names), row["status"], *cells)
         )
     return Table(("member", *names, status, *[""] * (last is not None)), rows, numbers=range(len(names) + 1))
 
@@ -301,10 +301,10 @@ def _spread(one: Spread) -> dict[str, Any]:
     }
 
 
-def indices(study: Study, file: str, found: Sequence[Any]) -> Document:
+def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
     """Sobol' indices or Morris effects of every parameter, the largest first, for each measure."""
     parts: list[Part] = []
-    for one in found:
+    for one in results:
         parts += [_index_table(one), Paragraph(_error_share(study, one), lines="whole")]
         if one.left_out:
             parts.append(
@@ -312,7 +312,7 @@ def indices(study: Study, file: str, found: Sequence[Any]) -> Document:
                     f"{one.left_out:,} groups of the design were left out, for a member of them has no value"
                 )
             )
-    measures = {one.measure: [dataclasses.asdict(row) for row in one.rows] for one in found}
+    measures = {one.measure: [dataclasses.asdict(row) for row in one.rows] for one in results}
     return Document(
         parts, data={"study": study.name, "file": file, "measures": measures, "errors": _errors(study)}
     )
@@ -340,12 +340,12 @@ def _index_table(one: Any) -> Table:
 def _error_share(study: Study, one: Any) -> str:
     """Share of the numerical error of members in the variance of a measure."""
     error = study.errors.get(one.measure)
-    said, values = error_words(error, one.unit), study.values(one.measure)
+    text, values = error_words(error, one.unit), study.values(one.measure)
     variance = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0
     if error is None or variance == 0.0:
-        return said
+        return text
     return (
-        f"{said} Its square is {100.0 * error.rms * error.rms / variance:.2g} % of the variance; margins are"
+        f"{text} Its square is {100.0 * error.rms * error.rms / variance:.2g} % of the variance; margins are"
         " those of sampling alone."
     )
 
@@ -402,9 +402,9 @@ def optimum(
     )
 
 
-def allocation(task: Allotment, found: Allocated, file: str, unit: str) -> Document:
+def allocation(task: Allotment, result: Allocated, file: str, unit: str) -> Document:
     """The cheapest fits with which nearly all machines keep a limit."""
-    table, choice, estimate = task.table, found.choice, found.estimate
+    table, choice, estimate = task.table, result.choice, result.estimate
     data = {
         "file": file,
         "fits": None if choice is None else task.fits(choice),
@@ -414,9 +414,9 @@ def allocation(task: Allotment, found: Allocated, file: str, unit: str) -> Docum
         "share": table.share,
         "confidence": table.confidence,
         "quantile": None if estimate is None else estimate.value,
-        "failures": found.failures,
-        "machines": found.count,
-        "rejected": [{"fits": task.fits(one), "cost": one.cost} for one in found.rejected],
+        "failures": result.failures,
+        "machines": result.count,
+        "rejected": [{"fits": task.fits(one), "cost": one.cost} for one in result.rejected],
     }
     if choice is None or estimate is None:
         return Document([], data=data)
@@ -429,11 +429,11 @@ def allocation(task: Allotment, found: Allocated, file: str, unit: str) -> Docum
             )
     quantile = (
         f"{100.0 * table.share:g} % quantile of {table.measure}: {quantity(estimate.value, unit)}, limit"
-        f" {quantity(task.bound.high, unit)}; {found.failures} of {found.count:,} machines are beyond it"
+        f" {quantity(task.bound.high, unit)}; {result.failures} of {result.count:,} machines are beyond it"
         f" ({100.0 * table.confidence:g} % confidence)"
     )
     cheaper = (
-        f"cost {choice.cost:g}; {len(found.rejected):,} choices as cheap or cheaper do not keep the limit"
+        f"cost {choice.cost:g}; {len(result.rejected):,} choices as cheap or cheaper do not keep the limit"
     )
     return Document(
         [

@@ -36,7 +36,7 @@ def trust_summary(result: View) -> dict[str, Any]:
         "tolerance": record.assembly.mechanism.settings.tolerance,
     }
     parting = entry.pop("parting") or {"time": None, "joint": None}
-    tried = [{"step": step, "apart": apart} for step, apart in record.assembly.choice.tried]
+    tried = [{"step": step, "apart": scatter} for step, scatter in record.assembly.choice.tried]
     return entry | parting | {"tried": tried, "automatic": record.assembly.choice.automatic}
 
 

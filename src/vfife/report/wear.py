@@ -17,59 +17,59 @@ MOST_HARMONICS = 32
 CLEAR = 0.8  # of the wear of the deepest places, the least growth of play that needs no remark
 
 
-def document(found: Worn) -> Document:
+def document(wear: Worn) -> Document:
     """Depth and volume of each surface, and remarks on their uncertainty."""
     rows = []
-    for surface, depth in zip(found.surfaces, found.depth[-1], strict=True):
-        joint = found.joints.index(surface.joint)
-        volume = 1e9 * found.volume(surface.joint, surface.side)[-1]
-        wear = (f"{1e6 * depth.max():.4g} µm", f"{volume:.4g} mm³")
-        state = (f"{1e6 * found.play[-1, joint]:.4g} µm", f"{found.force[-1, joint]:.4g} N")
-        rows.append((f"{surface.joint} {surface.side}", f"{surface.k:.3g}", *wear, *state))
+    for surface, depth in zip(wear.surfaces, wear.depth[-1], strict=True):
+        joint = wear.joints.index(surface.joint)
+        volume = 1e9 * wear.volume(surface.joint, surface.side)[-1]
+        loss = (f"{1e6 * depth.max():.4g} µm", f"{volume:.4g} mm³")
+        state = (f"{1e6 * wear.play[-1, joint]:.4g} µm", f"{wear.force[-1, joint]:.4g} N")
+        rows.append((f"{surface.joint} {surface.side}", f"{surface.k:.3g}", *loss, *state))
     heads = ("surface", "k (1/Pa)", "deepest", "volume", "play", "largest force")
     return Document(
-        [Table.numeric(heads, rows), *paragraphs(list(_remarks(found)))],
-        f"{found.name}: {found.turns[-1]:,.0f} turns",
+        [Table.numeric(heads, rows), *paragraphs(list(_remarks(wear)))],
+        f"{wear.name}: {wear.turns[-1]:,.0f} turns",
     )
 
 
-def _remarks(found: Worn) -> Iterator[str]:
+def _remarks(wear: Worn) -> Iterator[str]:
     """Numbers of turns and steps, errors of the extrapolation, sources of coefficients, and life."""
-    spec, mechanism = found.spec, found.mechanism(0)
-    frictions = ", ".join(f"{name} {mechanism.contacts[name].friction.name}" for name in found.joints)
+    spec, mechanism = wear.spec, wear.mechanism(0)
+    frictions = ", ".join(f"{name} {mechanism.contacts[name].friction.name}" for name in wear.joints)
     yield (
-        f"{found.simulated:,.0f} turns were simulated, {spec.settle} of {spec.settle + spec.block} dropped"
-        f" each time, {spec.steps:,} steps a turn; friction: {frictions}.{_half_step(found)}"
+        f"{wear.simulated:,.0f} turns were simulated, {spec.settle} of {spec.settle + spec.block} dropped"
+        f" each time, {spec.steps:,} steps a turn; friction: {frictions}.{_half_step(wear)}"
     )
     block = "what a block of one turn leaves of a rate open is not known."
     if spec.block > 1:
-        block = f"the turns of a block leave {100.0 * found.spread.max():.2g} % of a rate open."
+        block = f"the turns of a block leave {100.0 * wear.spread.max():.2g} % of a rate open."
     errors = (
-        f"the largest error {1e6 * found.errors.max():.2g} µm, all together {1e6 * found.errors.sum():.2g} µm"
+        f"the largest error {1e6 * wear.errors.max():.2g} µm, all together {1e6 * wear.errors.sum():.2g} µm"
     )
-    yield f"{counted(len(found.turns) - 1, 'jump')}, {errors}; {block}"
-    yield from _coefficients(mechanism, found)
+    yield f"{counted(len(wear.turns) - 1, 'jump')}, {errors}; {block}"
+    yield from _coefficients(mechanism, wear)
     if spec.harmonics == 0:
         yield "Clearances do not follow what is worn, so depths go with the turns."
-    if found.sharp.max() > 1.0:
+    if wear.sharp.max() > 1.0:
         yield (
             "Profiles bend more sharply than the journal, which would rest on the edges of what it wore:"
             " depths are more than there would be."
         )
     if 0 < spec.harmonics < MOST_HARMONICS:
-        yield from _smoothed(found)
-    if found.life_end:
+        yield from _smoothed(wear)
+    if wear.life_end:
         yield (
-            f"Life: {found.life_end['turns']:,.0f} turns, until joint {found.life_end['joint']} reaches the limit"
-            f" of its {found.life_end['by']}."
+            f"Life: {wear.life_end['turns']:,.0f} turns, until joint {wear.life_end['joint']} reaches the limit"
+            f" of its {wear.life_end['by']}."
         )
     elif spec.clearance is not None or spec.force is not None:
-        yield f"Life: more than {found.turns[-1]:,.0f} turns; no limit was reached{_outlook(found)}."
+        yield f"Life: more than {wear.turns[-1]:,.0f} turns; no limit was reached{_outlook(wear)}."
 
 
-def _coefficients(mechanism: Mechanism, found: Worn) -> Iterator[str]:
+def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
     """Source and scatter of each coefficient taken from a named pair of materials."""
-    for one in found.surfaces:
+    for one in wear.surfaces:
         pair = getattr(mechanism.contacts[one.joint].wear, one.side)
         if isinstance(pair, str):
             number, source = PAIRS[pair]
@@ -80,44 +80,44 @@ def _coefficients(mechanism: Mechanism, found: Worn) -> Iterator[str]:
             )
 
 
-def _half_step(found: Worn) -> str:
+def _half_step(wear: Worn) -> str:
     """The change of the last block with half the step."""
-    if not found.step_difference:
+    if not wear.step_difference:
         return " No companion with half the step was run: the wear is not complete."
-    volume, place = (100.0 * share for share in found.step_difference)
+    volume, place = (100.0 * share for share in wear.step_difference)
     return (
         f" With half the step the last block wears {volume:.2g} % of volume more or less, {place:.2g} % of"
         " the deepest place."
     )
 
 
-def _smoothed(found: Worn) -> Iterator[str]:
+def _smoothed(wear: Worn) -> Iterator[str]:
     """Joints whose clearance grows much less than their deepest places, because the harmonics of their
     profiles smooth these.
     """
-    for k, joint in enumerate(found.joints):
-        here = [place for place, one in enumerate(found.surfaces) if one.joint == joint]
-        lost = float((found.depth[-1, here] - found.depth[0, here]).max(axis=1).sum())
-        grown = float(found.play[-1, k] - found.play[0, k])
-        if grown < CLEAR * lost:
+    for k, joint in enumerate(wear.joints):
+        here = [place for place, one in enumerate(wear.surfaces) if one.joint == joint]
+        depth = float((wear.depth[-1, here] - wear.depth[0, here]).max(axis=1).sum())
+        grown = float(wear.play[-1, k] - wear.play[0, k])
+        if grown < CLEAR * depth:
             yield (
                 f"The play of {joint} grew by {1e6 * grown:.4g} µm where its deepest places lost"
-                f" {1e6 * lost:.4g} µm: {found.spec.harmonics} harmonics blur what is narrow; see how far"
-                f" more of them (--harmonics {min(2 * found.spec.harmonics, MOST_HARMONICS)}) change it."
+                f" {1e6 * depth:.4g} µm: {wear.spec.harmonics} harmonics blur what is narrow; see how far"
+                f" more of them (--harmonics {min(2 * wear.spec.harmonics, MOST_HARMONICS)}) change it."
             )
 
 
-def _outlook(found: Worn) -> str:
+def _outlook(wear: Worn) -> str:
     """When the first joint would reach its limit of clearance at the rate of the last jump; empty without a
     limit or growth.
     """
-    limit = found.spec.clearance
-    if limit is None or len(found.turns) < 2:
+    limit = wear.spec.clearance
+    if limit is None or len(wear.turns) < 2:
         return ""
-    rate = (found.play[-1] - found.play[-2]) / (found.turns[-1] - found.turns[-2])
+    rate = (wear.play[-1] - wear.play[-2]) / (wear.turns[-1] - wear.turns[-2])
     left = [
         ((limit - play) / slope, joint)
-        for play, slope, joint in zip(found.play[-1], rate, found.joints, strict=True)
+        for play, slope, joint in zip(wear.play[-1], rate, wear.joints, strict=True)
         if slope > 0.0
     ]
     if not left:
@@ -125,5 +125,5 @@ def _outlook(found: Worn) -> str:
     turns, joint = min(left)
     return (
         f", and as fast as it wears now joint {joint} would come to {1e3 * limit:.4g} mm after some"
-        f" {found.turns[-1] + turns:.2g} turns"
+        f" {wear.turns[-1] + turns:.2g} turns"
     )

@@ -115,17 +115,17 @@ def result_page(result: Result) -> str:
 
 def still(result: Result) -> str:
     """The page of the equilibria of a static analysis. Raises VfifeError where there are none but the start."""
-    return put_together(
+    return page_text(
         static_payload(result) | {"worker": '"use strict";\n' + (BROWSER / "still.js").read_text("utf-8")}
     )
 
 
-def written(found: SliderPatches) -> str:
+def written(patches: SliderPatches) -> str:
     """The page of a mechanism with its sliders."""
-    return put_together(payload(found.base) | found.json() | {"worker": worker(found.base)})
+    return page_text(payload(patches.base) | patches.json() | {"worker": worker(patches.base)})
 
 
-def put_together(data: Json) -> str:
+def page_text(data: Json) -> str:
     """The page with its data, as one text."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     safe = text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
@@ -145,9 +145,9 @@ def step_of(topology: Topology) -> str:
     return javascript.module(topology, left(Layout(topology)))
 
 
-def worker(found: PageModel) -> str:
+def worker(model: PageModel) -> str:
     """What the worker runs: the step of the mechanism, that of its ideal reference, and what drives them."""
-    texts = [step_of(one.topology) for one in (found.own, found.ideal) if one is not None]
+    texts = [step_of(one.topology) for one in (model.own, model.ideal) if one is not None]
     steps = ",\n".join(f"(() => {{\n{text}\nreturn advance;\n}})()" for text in texts)
     return f'"use strict";\nconst steps = [{steps}];\n' + "\n".join(
         (BROWSER / name).read_text("utf-8") for name in WORKER

@@ -42,10 +42,10 @@ class PageModel:
         """What the vector is made of, in this order: states and tables of both, and what only a drawing or
         the ledger asks for.
         """
-        found = {"state": started(self.own), "tables": self.own.tables}
+        parts = {"state": started(self.own), "tables": self.own.tables}
         if self.ideal is not None:
-            found |= {"ideal_state": started(self.ideal), "ideal_tables": self.ideal.tables}
-        return found | {
+            parts |= {"ideal_state": started(self.ideal), "ideal_tables": self.ideal.tables}
+        return parts | {
             "turn": np.array([self.own.choice.turn or 0.0]),
             "plays": plays(self.own),
             "energies": energies(self.own),
@@ -84,13 +84,13 @@ def plays(assembly: Assembly) -> Array:
 
 def energies(assembly: Assembly) -> Array:
     """Common logarithm of the elastic energy (J) of each contact at DEPTHS, shape (contacts * depths,)."""
-    found = np.zeros((len(assembly.contacts), len(DEPTHS)))
+    logarithms = np.zeros((len(assembly.contacts), len(DEPTHS)))
     for index, name in enumerate(assembly.contact_joints):
         energy = elastic_energy(
             assembly.mechanism.contacts[name].contact, DEPTHS, assembly.contact_slots(index)
         )
-        found[index] = np.where(energy > 0.0, np.log10(np.maximum(energy, 10.0**NO_ENERGY)), NO_ENERGY)
-    return found.reshape(-1)
+        logarithms[index] = np.where(energy > 0.0, np.log10(np.maximum(energy, 10.0**NO_ENERGY)), NO_ENERGY)
+    return logarithms.reshape(-1)
 
 
 def model_of(path: Path, settings: list[tuple[str, str]]) -> tuple[Mechanism, float | None]:
@@ -121,7 +121,7 @@ def page_model(
     ideal_step: float | None = None,
     *,
     force: bool = False,
-    known: list[Assembly] | None = None,
+    references: list[Assembly] | None = None,
 ) -> PageModel:
     """Both, with steps (s) or the automatic ones. Raises ModelError and AssemblyError for what cannot be run.
 
@@ -137,12 +137,12 @@ def page_model(
         driver.steady_speed is None for driver in mechanism.drivers.values() if driver.moves
     ):
         return PageModel(own, None)
-    without, known = mechanism.ideal(), [] if known is None else known
-    for one in known:
+    without, references = mechanism.ideal(), [] if references is None else references
+    for one in references:
         if one.mechanism == without and ideal_step in (None, one.choice.step):
             return PageModel(own, one)
-    known.append(assemble(without, ideal_step, beside=mechanism, turns=1.0))
-    return PageModel(own, known[-1])
+    references.append(assemble(without, ideal_step, beside=mechanism, turns=1.0))
+    return PageModel(own, references[-1])
 
 
 def why_not(assembly: Assembly) -> str:

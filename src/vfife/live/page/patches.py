@@ -147,7 +147,7 @@ class Assembler:
             refuse_unfit(mechanism)
             prepared = prepare(mechanism, RunArguments(companions=0))
             step, self.expected = prepared.assembly.choice.step, expected_forces(prepared.reference)
-        self.base = page_model(mechanism, step, force=self.fixed, known=self.ideals)
+        self.base = page_model(mechanism, step, force=self.fixed, references=self.ideals)
         self.cache: dict[tuple[Any, ...], PageModel | str] = {}
 
     def mechanism(self, slides: Slides, positions: Setting) -> Mechanism:
@@ -209,15 +209,15 @@ class Assembler:
             mechanism = self.mechanism(slides, positions)
             turn, ideal = turn_of(mechanism), self.base.ideal
             steps = turned(self.base.own, turn), None if ideal is None else turned(ideal, turn)
-            found = page_model(mechanism, *steps, force=self.fixed, known=self.ideals)
+            model = page_model(mechanism, *steps, force=self.fixed, references=self.ideals)
         except VfifeError as error:
             return str(error).split("\n", 1)[0]
-        return found if self.base.same_kind(found) else OTHER_STEP
+        return model if self.base.same_kind(model) else OTHER_STEP
 
     def at(self, slides: Slides, positions: Setting) -> PageModel | None:
         """The mechanism at a setting with its ideal one; None where the page cannot run it."""
-        found = self.model_or_reason(slides, positions)
-        return None if isinstance(found, str) else found
+        model = self.model_or_reason(slides, positions)
+        return None if isinstance(model, str) else model
 
 
 def moved(slides: Slides, moves: Mapping[int, int]) -> Setting:
@@ -245,22 +245,22 @@ def slider_patches(
     assembler = Assembler(mechanism, step, before_assembly)
     assembler.refine(tuple(slides))
     usable, notes = usable_positions(assembler, slides)
-    found = all_patches(assembler, usable, slider_groups(assembler, usable))
-    if len(found.groups) > 1 and counterexample(found, assembler) is not None:
+    patches = all_patches(assembler, usable, slider_groups(assembler, usable))
+    if len(patches.groups) > 1 and counterexample(patches, assembler) is not None:
         # Patches that combine pair by pair need not combine all at once. Then all sliders are one group,
         # whose combinations are assembled; one
         # group always passes, because its values are those of assembly, so there is nothing more to try.
-        found = all_patches(assembler, found.slides, [tuple(range(len(found.slides)))])
+        patches = all_patches(assembler, patches.slides, [tuple(range(len(patches.slides)))])
     notes += [
-        f"{', '.join(found.slides[s].name for s in one.sliders)}: these move one at a time"
-        for one in found.groups
+        f"{', '.join(patches.slides[s].name for s in one.sliders)}: these move one at a time"
+        for one in patches.groups
         if one.singly
     ]
     texts = all(
-        found.model_file(positions) == dump(one.own.mechanism)
-        for positions, one in random_settings(found, assembler)
+        patches.model_file(positions) == dump(one.own.mechanism)
+        for positions, one in random_settings(patches, assembler)
     )
-    return replace(found, notes=tuple(notes), texts=texts)
+    return replace(patches, notes=tuple(notes), texts=texts)
 
 
 def all_patches(assembler: Assembler, slides: Slides, groups: Sequence[tuple[int, ...]]) -> SliderPatches:
@@ -282,8 +282,8 @@ def usable_positions(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Sli
         positions = [k for k, model in enumerate(models) if not isinstance(model, str)]
         reasons = [model for model in models if isinstance(model, str)]
         if reasons:
-            lost = f"{len(reasons)} of {len(models)} positions cannot be run and are left out"
-            notes.append(f"{slide.name}: {lost}, as the last of them: {reasons[-1]}")
+            note = f"{len(reasons)} of {len(models)} positions cannot be run and are left out"
+            notes.append(f"{slide.name}: {note}, as the last of them: {reasons[-1]}")
         if len(positions) > 1:
             usable.append(with_positions(slide, positions))
     return tuple(usable), notes
@@ -372,7 +372,7 @@ def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides
 
     The positions are evenly spaced, except that the model's own takes the place of the nearest one.
     """
-    found = list(slides)
+    thinned = list(slides)
     for sliders in groups:
         most = (
             int(GROUP_COMBINATIONS ** (1.0 / len(sliders)))
@@ -380,12 +380,12 @@ def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides
             else POSITIONS + 1
         )
         for s in sliders:
-            count = len(found[s].values)
-            if count > most and not (found[s].whole and len(sliders) == 1):
+            count = len(thinned[s].values)
+            if count > most and not (thinned[s].complete and len(sliders) == 1):
                 even = {round(k * (count - 1) / (most - 1)) for k in range(most)}
-                nearest = min(even, key=lambda k, here=found[s].here: (abs(k - here), -k))  # type: ignore[misc]
-                found[s] = with_positions(found[s], sorted({*(even - {nearest}), found[s].here}))
-    return tuple(found)
+                nearest = min(even, key=lambda k, here=thinned[s].here: (abs(k - here), -k))  # type: ignore[misc]
+                thinned[s] = with_positions(thinned[s], sorted({*(even - {nearest}), thinned[s].here}))
+    return tuple(thinned)
 
 
 def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Group:
@@ -394,17 +394,17 @@ def group(assembler: Assembler, slides: Slides, sliders: tuple[int, ...]) -> Gro
     settings = (
         moved(slides, dict(zip(sliders, at, strict=True))) for at in combinations(slides, sliders, singly)
     )
-    found = [assembler.at(slides, positions) or assembler.base for positions in settings]
+    models = [assembler.at(slides, positions) or assembler.base for positions in settings]
     changed = np.zeros(len(base), dtype=bool)
-    for one in found:
+    for one in models:
         changed |= changed_bits(one.vector, base)
     rows = np.flatnonzero(changed)
-    texts = [dump(one.own.mechanism).splitlines() for one in found]
+    texts = [dump(one.own.mechanism).splitlines() for one in models]
     return Group(
         sliders,
         singly,
         rows,
-        np.array([one.vector[rows] for one in found]),
+        np.array([one.vector[rows] for one in models]),
         tuple(changed_lines(lines, text) for text in texts),
     )
 
@@ -413,35 +413,35 @@ def changed_lines(lines: list[str], text: list[str]) -> dict[int, str | None]:
     """Lines of ``lines`` that differ in ``text``, by their numbers; None for a line that it has not, several
     for a line with insertions.
     """
-    found: dict[int, str | None] = {}
+    changes: dict[int, str | None] = {}
     for what, i, j, m, n in SequenceMatcher(None, lines, text, autojunk=False).get_opcodes():
         if what == "insert":
-            found[i - 1] = "\n".join([found.get(i - 1) or lines[i - 1], *text[m:n]])
+            changes[i - 1] = "\n".join([changes.get(i - 1) or lines[i - 1], *text[m:n]])
         elif what != "equal":
-            found |= dict.fromkeys(range(i, j))
-            found[i] = "\n".join(text[m:n]) if n > m else None
-    return found
+            changes |= dict.fromkeys(range(i, j))
+            changes[i] = "\n".join(text[m:n]) if n > m else None
+    return changes
 
 
-def random_settings(found: SliderPatches, assembler: Assembler) -> Iterator[tuple[Setting, PageModel]]:
+def random_settings(patches: SliderPatches, assembler: Assembler) -> Iterator[tuple[Setting, PageModel]]:
     """``CHECKED`` settings of all sliders at once, and what assembly gives for them; the same in every run."""
     draw = random.Random(1)
     for _ in range(CHECKED):
-        positions = [draw.randrange(len(slide.values)) for slide in found.slides]
-        for group in (group for group in found.groups if group.singly):
+        positions = [draw.randrange(len(slide.values)) for slide in patches.slides]
+        for group in (group for group in patches.groups if group.singly):
             for s in set(group.sliders) - {draw.choice(group.sliders)}:
-                positions[s] = found.slides[s].here
-        if (both := assembler.at(found.slides, tuple(positions))) is not None:
+                positions[s] = patches.slides[s].here
+        if (both := assembler.at(patches.slides, tuple(positions))) is not None:
             yield tuple(positions), both
 
 
-def counterexample(found: SliderPatches, assembler: Assembler) -> Setting | None:
+def counterexample(patches: SliderPatches, assembler: Assembler) -> Setting | None:
     """A setting whose patches differ in a bit from assembly; None where no random setting does."""
     return next(
         (
             positions
-            for positions, both in random_settings(found, assembler)
-            if changed_bits(found.vector(positions), both.vector).any()
+            for positions, both in random_settings(patches, assembler)
+            if changed_bits(patches.vector(positions), both.vector).any()
         ),
         None,
     )

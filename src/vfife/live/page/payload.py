@@ -126,15 +126,15 @@ def packed(values: NDArray[Any]) -> str:
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode("ascii")
 
 
-def payload(found: PageModel) -> Json:
+def payload(model: PageModel) -> Json:
     """All that a page knows of a mechanism, but the text of its step and its sliders."""
-    own = found.own
+    own = model.own
     names = [name for name, body in own.bodies.items() if body.driven == 0]
     return {
         "version": __version__, "name": own.mechanism.name, "note": own.mechanism.note, "model": dump(own.mechanism),
         "crank": names[0] if names else None, "outputs": own.choice.outputs, "perTurn": per_turn(own), "step": own.choice.step,
-        "damped": own.topology.damped, "parts": {name: len(values) for name, values in found.parts.items()}, "vector": packed(found.vector),
-        "depths": DEPTHS.tolist(), "own": stepped(own), "ideal": stepped(found.ideal) if found.ideal else None, "bodies": bodies(own),
+        "damped": own.topology.damped, "parts": {name: len(values) for name, values in model.parts.items()}, "vector": packed(model.vector),
+        "depths": DEPTHS.tolist(), "own": stepped(own), "ideal": stepped(model.ideal) if model.ideal else None, "bodies": bodies(own),
         "joints": joints(own), "contacts": contacts(own), "springs": springs(own), "loads": loads(own), "points": points(own),
     }  # fmt: skip
 
@@ -155,8 +155,8 @@ def stepped(assembly: Assembly) -> Json:
     that begin anew.
     """
     layout, topology = assembly.layout, assembly.topology
-    told = [block.name for block in BLOCKS if block.role in ROLES or block.name in (*ALSO, *LEFT)]
-    rows = {name: layout[name].tolist() for name in told if len(layout[name])}
+    names = [block.name for block in BLOCKS if block.role in ROLES or block.name in (*ALSO, *LEFT)]
+    rows = {name: layout[name].tolist() for name in names if len(layout[name])}
     record = _record(assembly)
     most = {name: {"block": block, "at": at} for name, (block, at) in peaks(record).items()}
     own = {
@@ -174,8 +174,8 @@ def stepped(assembly: Assembly) -> Json:
 
 
 def _record(assembly: Assembly) -> Record:
-    kept = recorded_rows(assembly)
-    return Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept)
+    rows = recorded_rows(assembly)
+    return Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[rows][None, :], rows)
 
 
 def bodies(assembly: Assembly) -> list[Json]:
@@ -200,7 +200,7 @@ def _body(assembly: Assembly, body: BodyMap) -> Json:
 
 def joints(assembly: Assembly) -> list[Json]:
     """Joints with their pins and strokes."""
-    size, found = extent(assembly), []
+    size, entries = extent(assembly), []
     for name, joint in assembly.mechanism.joints.items():
         pins = pin_of(assembly, joint.bearing), pin_of(assembly, joint.journal)
         sides = joint.sides[0][0], joint.sides[1][0]
@@ -215,10 +215,10 @@ def joints(assembly: Assembly) -> list[Json]:
             "bodies": sides,
             "turned": sides[0] != "ground",
         }
-        found.append(
+        entries.append(
             {"name": name, "bearing": pins[0], "journal": pins[1], "strokes": drawn, "tilt": tilt, **words}
         )
-    return found
+    return entries
 
 
 def contacts(assembly: Assembly) -> list[Json]:
@@ -235,7 +235,7 @@ def contacts(assembly: Assembly) -> list[Json]:
 
 def springs(assembly: Assembly) -> list[Json]:
     """Springs and gears: their pins and strokes."""
-    size, found = extent(assembly), []
+    size, entries = extent(assembly), []
     pairs: list[tuple[Any, tuple[Pin, Pin], tuple[str, str]]] = [
         (spring, ends_of(assembly, spring), ("ground" if spring.between_pins else spring.first, "ground"))
         for spring in assembly.mechanism.springs.values()
@@ -255,7 +255,7 @@ def springs(assembly: Assembly) -> list[Json]:
             [0 if side == "ground" else assembly.bodies[side].particles[0], float(r)]
             for side, (_, r) in zip(sides, wheels, strict=False)
         ]
-        found.append(
+        entries.append(
             {
                 "name": noun.name,
                 "words": noun.words,
@@ -267,14 +267,14 @@ def springs(assembly: Assembly) -> list[Json]:
                 "strokes": drawn,
             }
         )
-    return found
+    return entries
 
 
 def loads(assembly: Assembly) -> list[Json]:
     """Forces and moments that are given: where they act on a body that can move, and which particle turns
     their direction (the ground: none).
     """
-    found = []
+    entries = []
     for load in assembly.mechanism.loads.values():
         for push in load.pushes(assembly.mechanism.joints):
             if push.body == "ground":
@@ -282,8 +282,8 @@ def loads(assembly: Assembly) -> list[Json]:
             at = pin_of(assembly, f"{push.body}.{push.pin}") if push.pin else centre_of(assembly, push.body)
             turner = push.aligned or (push.body if push.follow else "ground")
             particle = 0 if turner == "ground" else assembly.bodies[turner].particles[0]
-            found.append({"name": load.name, "at": at, "acts": list(push.acts), "turner": particle})
-    return found
+            entries.append({"name": load.name, "at": at, "acts": list(push.acts), "turner": particle})
+    return entries
 
 
 def points(assembly: Assembly) -> list[list[float]]:

@@ -72,8 +72,8 @@ def study_page(study: Study) -> tuple[str, Places, tuple[str, ...]]:
         raise VfifeError("its members do not turn a crank evenly")
     slides: list[Slide] = list(by_parameters(study, done)) or [over_members(study, chosen(study, done))]
     with standing_in(study.asked["own_laws"]):
-        found = slider_patches(base, slides, turn / math.ceil(steps))
-    return written(found), places(study, found), found.notes
+        patches = slider_patches(base, slides, turn / math.ceil(steps))
+    return written(patches), places(study, patches), patches.notes
 
 
 def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
@@ -83,12 +83,12 @@ def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]
     if not live:
         return page, ()
     try:
-        whole = pages.study_page(study, drawn, *study_page(study))
+        full = pages.study_page(study, drawn, *study_page(study))
     except VfifeError as error:
         return page, (f"no member runs in the report: {str(error).rstrip(chr(46))}.",)
-    if len(whole.encode("utf-8")) > LARGEST_REPORT:
+    if len(full.encode("utf-8")) > LARGEST_REPORT:
         return page, ("the page in which a member runs is left out: with it the report would be too large.",)
-    return whole, ()
+    return full, ()
 
 
 def mechanism(study: Study, member: StudyCase) -> Mechanism:
@@ -114,7 +114,7 @@ def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:
             one.unit,
             tuple(axes[one.name]),
             axes[one.name].index(first[one.name]),
-            whole=True,
+            complete=True,
         )
         for one in study.parameters
         if len(axes[one.name]) > 1
@@ -127,15 +127,15 @@ def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
     """
     if len(done) <= MOST_MEMBERS:
         return done
-    wanted = {done[0].number}
+    numbers = {done[0].number}
     for name in study.measures:
         values = [(study.outcomes[one.number]["measures"].get(name, math.nan), one.number) for one in done]
-        known = [pair for pair in values if math.isfinite(pair[0])]
-        wanted |= {min(known)[1], max(known)[1]} if known else set()
+        finite = [pair for pair in values if math.isfinite(pair[0])]
+        numbers |= {min(finite)[1], max(finite)[1]} if finite else set()
     for k in range(MOST_MEMBERS):
-        if len(wanted) < MOST_MEMBERS:
-            wanted.add(done[k * (len(done) - 1) // (MOST_MEMBERS - 1)].number)
-    return [one for one in done if one.number in wanted]
+        if len(numbers) < MOST_MEMBERS:
+            numbers.add(done[k * (len(done) - 1) // (MOST_MEMBERS - 1)].number)
+    return [one for one in done if one.number in numbers]
 
 
 def over_members(study: Study, picked: list[StudyCase]) -> Slide:
@@ -153,10 +153,10 @@ def over_members(study: Study, picked: list[StudyCase]) -> Slide:
     )
 
 
-def places(study: Study, found: SliderPatches) -> Places:
+def places(study: Study, patches: SliderPatches) -> Places:
     """Positions of the page's sliders by members, of those that it can run."""
-    told: Places = {}
-    slides = {one.name: one for one in found.slides}
+    places: Places = {}
+    slides = {one.name: one for one in patches.slides}
     if isinstance(slides.get(MEMBER), Members):
         slide: Any = slides[MEMBER]
         numbers = {tuple(sorted(one.numbers.items())): one.number for one in study.members}
@@ -172,8 +172,8 @@ def places(study: Study, found: SliderPatches) -> Places:
     for one in study.members if not free else ():
         at = dict(zip((two.name for two in study.parameters), study.at(one), strict=True))
         if all(at[name] in slide.values for name, slide in slides.items()):
-            told[one.number] = {name: slide.values.index(float(at[name])) for name, slide in slides.items()}
-    return told
+            places[one.number] = {name: slide.values.index(float(at[name])) for name, slide in slides.items()}
+    return places
 
 
 def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:

@@ -27,7 +27,7 @@ class Slide:
     """A slider: its name, the ``paths`` that it sets, their unit, its values, and ``here``, the position of
     the model's own value.
 
-    A ``whole`` one keeps all its values where it moves by itself.
+    A ``complete`` one keeps all its values where it moves by itself.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Slide:
     unit: str
     values: tuple[float, ...]
     here: int
-    whole: bool = False
+    complete: bool = False
 
     @property
     def labels(self) -> tuple[str, ...]:

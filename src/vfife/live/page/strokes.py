@@ -79,8 +79,8 @@ def strokes_of(
 
     leaving = np.array([1.0, 0.0])  # a clamp is drawn to the left of what it holds
     first, second = np.array(inputs.first), np.array(inputs.second)
-    seen = JointSeen(first, second, inputs.angles, start, ground, 1.0, inputs.size, travel, lambda: leaving)
-    return list(joint.strokes(seen))
+    view = JointSeen(first, second, inputs.angles, start, ground, 1.0, inputs.size, travel, lambda: leaving)
+    return list(joint.strokes(view))
 
 
 def pair_strokes(item: Any, inputs: Inputs) -> list[dict[str, Any]]:
@@ -166,16 +166,16 @@ def _coefficients(inputs: Inputs, point: Array, changed: dict[str, Array]) -> li
     )
     angle = (0.0, *inputs.angles)[frame]
     size, least, largest = by("size", GROWTH * inputs.size), by("least_travel", -STEP), by("largest_travel")
-    apart = second - first
+    separation = second - first
     if (
         frame == GLOBAL
         and (abs(float(by("first")[1])) > 1e-9 or 1e-9 < share < 1.0 - 1e-9)
-        and np.hypot(*apart) > 1e-12
+        and np.hypot(*separation) > 1e-12
     ):
         # A point of a spring follows both pins: its coordinates are along the line between them, as a share
         # of its length, and across it.
-        length = math.hypot(*apart)
-        along = apart / length
+        length = math.hypot(*separation)
+        along = separation / length
         across = np.array([-along[1], along[0]])
         values = [
             float((point - first) @ along) / length,

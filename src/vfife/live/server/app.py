@@ -25,7 +25,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ...errors import VfifeError
-from .documents import LARGEST, Conflict, Draft, Json, text_in, told
+from .documents import LARGEST, Conflict, Draft, Json, fault_list, text_in
 from .session import MOST_BROWSERS, Mailbox, Session
 
 BROWSER = Path(__file__).resolve().parents[1] / "browser" / "served"
@@ -76,7 +76,7 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
     def of(request: Request) -> str:
         return str(request.path_params["which"])
 
-    def taken(request: Request, new: str, version: Any) -> Json:
+    def take_text(request: Request, new: str, version: Any) -> Json:
         return session.change(of(request), lambda document: document.take(new, version))
 
     routes = [
@@ -89,10 +89,10 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
         Route("/model/{which}", doing(lambda request, _: session.shelf[of(request)].json())),
         Route("/model/{which}/page", running),
         Route("/drawing/{name}", shown),
-        Route("/open", doing(lambda _, asked: session.open(asked)), methods=["POST"]),
+        Route("/open", doing(lambda _, body: session.open(body)), methods=["POST"]),
         Route(
             "/model/{which}/text",
-            doing(lambda r, a: taken(r, text_in(a, "text"), a["version"])),
+            doing(lambda r, a: take_text(r, text_in(a, "text"), a["version"])),
             methods=["POST"],
         ),
         Route(
@@ -119,17 +119,17 @@ def file(name: str) -> Response:
     return Response((BROWSER / name).read_bytes(), media_type=KINDS[Path(name).suffix])
 
 
-def name_in(asked: Json) -> str | None:
+def name_in(body: Json) -> str | None:
     """The name under which a model is to be saved, None for the one it has. Raises TypeError for anything but
     a text.
     """
-    return None if asked.get("name") is None else text_in(asked, "name")
+    return None if body.get("name") is None else text_in(body, "name")
 
 
-def changes(asked: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
+def changes(body: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
     """Paths of values and what each becomes, as they were sent. Raises ValueError for what are none."""
-    found = []
-    for one in asked["changes"]:
+    pairs = []
+    for one in body["changes"]:
         path, value = one["path"], one["value"]
         if (
             not isinstance(path, list)
@@ -138,8 +138,8 @@ def changes(asked: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
             or not isinstance(value, str | None)
         ):
             raise ValueError("a change is a path, which is a list of names, and a text or nothing")
-        found.append((tuple(path), value))
-    return found
+        pairs.append((tuple(path), value))
+    return pairs
 
 
 async def done(request: Request, act: Callable[[Request, Json], Any]) -> Response:
@@ -147,18 +147,18 @@ async def done(request: Request, act: Callable[[Request, Json], Any]) -> Respons
     422 for what cannot be.
     """
     try:
-        asked = json.loads(await body(request)) if request.method == "POST" else {}
-        if not isinstance(asked, dict):
+        content = json.loads(await body(request)) if request.method == "POST" else {}
+        if not isinstance(content, dict):
             raise TypeError
     except (ValueError, TypeError, RecursionError):
         return JSONResponse({"faults": [{"where": "", "said": "what was sent is no object of JSON"}]}, 400)
     try:
-        return JSONResponse(await run_in_threadpool(act, request, asked))
+        return JSONResponse(await run_in_threadpool(act, request, content))
     except Conflict as error:
-        return JSONResponse({"faults": told(error)}, 409)
+        return JSONResponse({"faults": fault_list(error)}, 409)
     except Draft as error:
         return JSONResponse(
-            {"faults": told(error), "draft": {"text": error.text, "values": error.values}}, 422
+            {"faults": fault_list(error), "draft": {"text": error.text, "values": error.values}}, 422
         )
     except (KeyError, LookupError):
         return JSONResponse(
@@ -169,17 +169,17 @@ async def done(request: Request, act: Callable[[Request, Json], Any]) -> Respons
             {"faults": [{"where": "", "said": f"it cannot be written: {error.strerror or error}"}]}, 422
         )
     except (VfifeError, ValueError, TypeError) as error:
-        return JSONResponse({"faults": told(error)}, 422)
+        return JSONResponse({"faults": fault_list(error)}, 422)
 
 
 async def body(request: Request) -> bytes:
     """What was sent. Raises ValueError where it is more than any model."""
-    found = b""
+    received = b""
     async for part in request.stream():
-        found += part
-        if len(found) > 2 * LARGEST:
+        received += part
+        if len(received) > 2 * LARGEST:
             raise ValueError
-    return found
+    return received
 
 
 async def page(request: Request, session: Session) -> Response:
@@ -187,10 +187,10 @@ async def page(request: Request, session: Session) -> Response:
     headers = {"content-security-policy": WITHIN}
     try:
         document = session.shelf[request.path_params["which"]]
-        made = await run_in_threadpool(
+        text = await run_in_threadpool(
             session.pages.page, document, request.query_params.get("sliders") == "1"
         )
-        return HTMLResponse(made, headers=headers)
+        return HTMLResponse(text, headers=headers)
     except LookupError:
         return HTMLResponse(FAULT.format("This model is not open here; choose one."), 404, headers)
     except (VfifeError, ValueError, ArithmeticError) as error:
@@ -270,11 +270,11 @@ class Guard:
 
         async def marked(message: Message) -> None:
             if message["type"] == "http.response.start":
-                given = list(message.get("headers", ()))
-                known = {name for name, _ in given}
+                headers = list(message.get("headers", ()))
+                names = {name for name, _ in headers}
                 ours = {**HEADERS, "content-security-policy": POLICY}
-                message["headers"] = given + [
-                    (k.encode(), v.encode()) for k, v in ours.items() if k.encode() not in known
+                message["headers"] = headers + [
+                    (k.encode(), v.encode()) for k, v in ours.items() if k.encode() not in names
                 ]
             await send(message)
 

@@ -19,7 +19,7 @@ from ...modelfile.edited import edited
 from ...modelfile.write import value as toml_text
 
 LARGEST = 2_000_000  # bytes of a model file
-KEPT = 200  # texts that can be had back
+MOST_UNDO = 200  # texts that can be had back
 Json = dict[str, Any]
 
 
@@ -104,7 +104,7 @@ class Document:
         if text == self.text:
             return
         self.mechanism = self.read(text)
-        self.before = [*self.before[-KEPT:], self.text]
+        self.before = [*self.before[-MOST_UNDO:], self.text]
         self._now(text)
 
     def set(self, changes: Sequence[tuple[KeyPath, str | None]], version: int | None = None) -> None:
@@ -146,8 +146,8 @@ class Document:
         if path is None:
             return None
         try:
-            found = path.stat()
-            now = (found.st_mtime_ns, found.st_size)
+            status = path.stat()
+            now = (status.st_mtime_ns, status.st_size)
             return (
                 None
                 if now == stamp
@@ -156,26 +156,26 @@ class Document:
         except (OSError, UnicodeDecodeError):
             return Look(path, stamp, (0, 0), None)
 
-    def follow(self, seen: Look | None) -> str | None:
+    def follow(self, look: Look | None) -> str | None:
         """Take what a look at the file has seen: "model" where the text was taken, "faults" where it is not
         sound, "gone", or None.
 
         A look counts for nothing where the file was saved or looked at meanwhile.
         """
-        if seen is None or (seen.path, seen.before) != (self.path, self.stamp):
+        if look is None or (look.path, look.before) != (self.path, self.stamp):
             return None
-        gone, self.stamp = seen.now == (0, 0) != self.stamp, seen.now
-        if seen.text is None:
-            self.disk = None if gone else self.disk
-            return "gone" if gone else None
-        disk = seen.text
+        missing, self.stamp = look.now == (0, 0) != self.stamp, look.now
+        if look.text is None:
+            self.disk = None if missing else self.disk
+            return "gone" if missing else None
+        disk = look.text
         if disk == self.disk:
             return None
         self.disk = disk
         try:
             self.take(disk)
         except ModelError as error:
-            self.faults = told(error)
+            self.faults = fault_list(error)
             return "faults"
         self.faults = ()
         return "model"
@@ -205,8 +205,8 @@ class Document:
             )
         write_text(target, self.text)
         self.path, self.name, self.disk, self.faults = target, target.name, self.text, ()
-        found = target.stat()
-        self.stamp = (found.st_mtime_ns, found.st_size)
+        status = target.stat()
+        self.stamp = (status.st_mtime_ns, status.st_size)
 
     # ------------------------------------------------------------------------------------------------------------ words
 
@@ -219,15 +219,15 @@ class Document:
         }  # fmt: skip
 
 
-def text_in(asked: Json, key: str) -> str:
+def text_in(body: Json, key: str) -> str:
     """A text that was sent. Raises TypeError for anything else."""
-    value = asked[key]
+    value = body[key]
     if not isinstance(value, str):
         raise TypeError(f"{key} is to be a text, and was sent as {type(value).__name__}")
     return value
 
 
-def told(error: Exception) -> tuple[Json, ...]:
+def fault_list(error: Exception) -> tuple[Json, ...]:
     """The faults of an error, each with its place and its sentence."""
     faults = getattr(error, "faults", ())
     return tuple({"where": one.where, "said": str(one)} for one in faults) or (

@@ -17,7 +17,7 @@ from ..page.sliders import default_slides, parse_slides
 from .documents import Document
 
 Key = tuple[str, int]  # a document and its version
-KEPT = 12  # pages
+CACHED = 12  # pages
 PAUSE = 0.5  # s, for which sliders wait for a page at most
 
 
@@ -26,23 +26,26 @@ class Superseded(BaseException):
 
 
 class Pages:
-    """Makes pages; ``told`` is called with what a browser shall know. Sliders are assembled by a thread that
+    """Makes pages; ``notify`` is called with what a browser shall know. Sliders are assembled by a thread that
     yields to whoever waits for a page.
     """
 
     def __init__(
-        self, told: Callable[[dict[str, Any]], None], slide: Sequence[str] | None = None, sliders: bool = True
+        self,
+        notify: Callable[[dict[str, Any]], None],
+        slide: Sequence[str] | None = None,
+        sliders: bool = True,
     ) -> None:
-        self.told, self.slide, self.sliders = told, slide, sliders
+        self.notify, self.slide, self.sliders = notify, slide, sliders
         self.first: str | None = None  # the document that --slide is for
-        self.made: OrderedDict[tuple[Key, bool], str] = OrderedDict()
-        self.wanted: OrderedDict[str, Document] = OrderedDict()
+        self.cache: OrderedDict[tuple[Key, bool], str] = OrderedDict()
+        self.queue: OrderedDict[str, Document] = OrderedDict()
         self.current: Key | None = None
-        self.newer = (
+        self.superseded = (
             False  # whether something was asked for since the sliders that are being assembled were begun
         )
         self.building, self.changed, self.closed = threading.Lock(), threading.Condition(), False
-        self.next: dict[str, Document] = {}  # documents whose page is made before a browser asks
+        self.prepared: dict[str, Document] = {}  # documents whose page is made before a browser asks
         for work, name in ((self._work, "sliders"), (self._make_ahead, "pages")):
             threading.Thread(target=work, name=name, daemon=True).start()
 
@@ -51,65 +54,65 @@ class Pages:
         VfifeError where it cannot run.
         """
         key = document.id, document.version
-        if full and (key, True) in self.made:
-            return self.made[key, True]
+        if full and (key, True) in self.cache:
+            return self.cache[key, True]
         with self.building:
             key = document.id, document.version  # of what changed while we waited, only the last is made
-            if (key, False) not in self.made:
+            if (key, False) not in self.cache:
                 self._keep(key, False, live_page(document.mechanism, [], document.its_step))
         self._want(document, key)
-        return self.made[key, False]
+        return self.cache[key, False]
 
     def ahead(self, document: Document) -> None:
         """Begin the page of a document that has changed, which browsers are about to ask for; pages begun
         before count no more.
         """
         with self.changed:
-            self.next[document.id] = document
+            self.prepared[document.id] = document
             self.changed.notify_all()
 
     def _make_ahead(self) -> None:
         """Make pages ahead, one after the other, in the only thread that does."""
         while True:
             with self.changed:
-                while not self.next and not self.closed:
+                while not self.prepared and not self.closed:
                     self.changed.wait()
                 if self.closed:
                     return
-                _, document = self.next.popitem()
+                _, document = self.prepared.popitem()
             with suppress(VfifeError, ValueError, ArithmeticError):  # told to who asks for it
                 self.page(document)
 
     def _keep(self, key: Key, full: bool, page: str) -> None:
-        self.made[key, full] = page
-        while len(self.made) > KEPT:
-            self.made.popitem(last=False)
+        self.cache[key, full] = page
+        while len(self.cache) > CACHED:
+            self.cache.popitem(last=False)
 
     # --------------------------------------------------------------------------------------------------------- sliders
 
     def _want(self, document: Document, key: Key) -> None:
         if not self.sliders or document.mechanism.settings.analysis == "static":
-            self.told({"kind": "sliders", "id": key[0], "version": key[1], "said": ""})
+            self.notify({"kind": "sliders", "id": key[0], "version": key[1], "said": ""})
             return
-        if (key, True) in self.made:
-            self.told({"kind": "sliders", "id": key[0], "version": key[1]})
+        if (key, True) in self.cache:
+            self.notify({"kind": "sliders", "id": key[0], "version": key[1]})
             return
         with self.changed:
             if self.current != key:
-                self.wanted[document.id] = document
-                self.wanted.move_to_end(document.id)
-                self.newer = True
+                self.queue[document.id] = document
+                self.queue.move_to_end(document.id)
+                self.superseded = True
             self.changed.notify_all()
 
     def _work(self) -> None:
         while True:
             with self.changed:
-                while not self.wanted and not self.closed:
+                while not self.queue and not self.closed:
                     self.changed.wait()
                 if self.closed:
                     return
-                _, document = self.wanted.popitem()
-                self.newer = False
+                _, document = self.queue.popitem()
+                self.superseded = False
                 mechanism, step = document.mechanism, document.its_step
                 self.current = document.id, document.version
             self._assemble(document, self.current, mechanism, step)
@@ -119,10 +122,10 @@ class Pages:
         def before_assembly() -> None:
             if self.closed or document.version != key[1]:
                 raise Superseded
-            if self.newer:  # what was asked for last goes first; this one begins anew after it
+            if self.superseded:  # what was asked for last goes first; this one begins anew after it
                 with self.changed:
-                    self.wanted.setdefault(document.id, document)
-                    self.wanted.move_to_end(document.id, last=False)
+                    self.queue.setdefault(document.id, document)
+                    self.queue.move_to_end(document.id, last=False)
                 raise Superseded
             if self.building.acquire(timeout=PAUSE):  # whoever waits for a page goes first
                 self.building.release()
@@ -135,17 +138,17 @@ class Pages:
                 else default_slides(mechanism)
             )
             if not slides:
-                self.told({**about, "said": ""})
+                self.notify({**about, "said": ""})
                 return
             page = written(slider_patches(mechanism, slides, step, before_assembly))
             if len(page.encode("utf-8")) > LARGEST:
                 raise VfifeError("with its sliders the page would be too large")
             self._keep(key, True, page)
-            self.told(about)
+            self.notify(about)
         except Superseded:
             return
         except (VfifeError, ValueError) as error:
-            self.told({**about, "said": f"No sliders: {str(error).splitlines()[0]}"})
+            self.notify({**about, "said": f"No sliders: {str(error).splitlines()[0]}"})
 
     def close(self) -> None:
         """Ends the thread, at the next position at the latest."""

@@ -36,18 +36,18 @@ class Serving:
 
 def bound(port: int) -> socket.socket:
     """A socket on a port of this machine alone, 0 for one that is free. Raises ValueError where it is taken."""
-    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        found.bind((HERE, port))
-        found.listen(128)
+        listening.bind((HERE, port))
+        listening.listen(128)
     except (OSError, OverflowError) as error:
-        found.close()
+        listening.close()
         why = getattr(error, "strerror", None) or "there is no such port"
         raise ValueError(
             f"--port {port}: {why}; name another one from 1024 to 65535, or leave it out for one that is free"
         ) from None
-    return found
+    return listening
 
 
 @contextmanager

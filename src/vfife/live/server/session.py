@@ -56,10 +56,10 @@ def text_of(event: dict[str, Any]) -> tuple[Key, str]:
 
 
 class Runs:
-    """Runs of saved models, one at a time each; ``told`` is called at their end."""
+    """Runs of saved models, one at a time each; ``notify`` is called at their end."""
 
-    def __init__(self, told: Callable[[dict[str, Any]], None], folder: Path, options: list[str]) -> None:
-        self.told, self.folder, self.options = told, folder, options
+    def __init__(self, notify: Callable[[dict[str, Any]], None], folder: Path, options: list[str]) -> None:
+        self.notify, self.folder, self.options = notify, folder, options
         self.processes: dict[str, subprocess.Popen[str]] = {}
 
     def begin(self, document: Document) -> None:
@@ -77,8 +77,8 @@ class Runs:
         threading.Thread(target=self._wait, args=(document.id, process), daemon=True).start()
 
     def _wait(self, which: str, process: subprocess.Popen[str]) -> None:
-        said, _ = process.communicate()
-        self.told({"kind": "run", "id": which, "code": process.returncode, "said": said.strip()})
+        output, _ = process.communicate()
+        self.notify({"kind": "run", "id": which, "code": process.returncode, "said": output.strip()})
 
     def stop(self, which: str) -> None:
         """Ends a run as Ctrl-C does: what was computed is kept."""
@@ -133,9 +133,9 @@ class Session:
     def look(self) -> None:
         """Looks once at the files of what is open."""
         for document in list(self.shelf.documents.values()):
-            seen = document.look()  # without the lock: a slow disk must not stop what browsers ask
+            look = document.look()  # without the lock: a slow disk must not stop what browsers ask
             with self.lock:
-                what = document.follow(seen)
+                what = document.follow(look)
             if what == "gone":
                 name = document.path.name if document.path else document.name
                 self.tell(
@@ -150,17 +150,17 @@ class Session:
 
     # ---------------------------------------------------------------------------------------------------------- asking
 
-    def open(self, asked: Json) -> Json:
+    def open(self, body: Json) -> Json:
         """Opens a mechanism of the gallery, a model file of the folder, or a text. Raises LookupError and
         ModelError.
         """
         with self.lock:
-            if "gallery" in asked:
-                document = self.shelf.from_gallery(text_in(asked, "gallery"))
-            elif "file" in asked:
-                document = self.shelf.from_folder(text_in(asked, "file"))
+            if "gallery" in body:
+                document = self.shelf.from_gallery(text_in(body, "gallery"))
+            elif "file" in body:
+                document = self.shelf.from_folder(text_in(body, "file"))
             else:
-                document = self.shelf.from_text(text_in(asked, "name"), text_in(asked, "text"))
+                document = self.shelf.from_text(text_in(body, "name"), text_in(body, "text"))
             return document.json()
 
     def change(self, which: str, change: Callable[[Document], object]) -> Json:
@@ -169,12 +169,12 @@ class Session:
             document = self.shelf[which]
             before = document.version, document.saved, document.faults
             change(document)
-            found = document.json()
+            state = document.json()
             if (document.version, document.saved, document.faults) != before:
-                self.tell({"kind": "model", **found, "by": "browser"})
+                self.tell({"kind": "model", **state, "by": "browser"})
             if document.version != before[0]:
                 self.pages.ahead(document)
-        return found
+        return state
 
     def save(self, which: str, name: str | None) -> Json:
         """Saves a document, under a name where it has no file yet. Raises Conflict, OSError."""

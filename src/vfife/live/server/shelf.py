@@ -64,11 +64,11 @@ class Shelf:
         """Model files that may be opened: those of the folder, links that leave it not among them, and those
         that are open.
         """
-        found = {one.path.name: one.path for one in self.documents.values() if one.path is not None}
+        files = {one.path.name: one.path for one in self.documents.values() if one.path is not None}
         for path in sorted(self.folder.glob("*.toml"))[:MOST]:
-            if path.name not in found and is_model(path, self.folder):
-                found[path.name] = path
-        return found
+            if path.name not in files and is_model(path, self.folder):
+                files[path.name] = path
+        return files
 
     # ------------------------------------------------------------------------------------------------------------ opening
 
@@ -93,13 +93,13 @@ class Shelf:
         for one in self.documents.values():
             if one.path == path:
                 return one
-        found = from_disk(f"file-{next(self._numbers)}", path)
+        document = from_disk(f"file-{next(self._numbers)}", path)
         if settings:
             load(path, set=settings)  # which tells all that is wrong with them
             for where, value in settings:
-                found.set([(resolve(tomllib.loads(found.text), where), value)])
-        self.documents[found.id] = found
-        return found
+                document.set([(resolve(tomllib.loads(document.text), where), value)])
+        self.documents[document.id] = document
+        return document
 
     def from_text(self, name: str, text: str) -> Document:
         """A text that a browser has read. Raises ModelError with every fault."""
@@ -116,23 +116,23 @@ class Shelf:
 
     def place(self, name: str) -> Path:
         """Where a model of this name is written. Raises Conflict for what is no plain name of a model file."""
-        wanted = name if name.endswith(".toml") else f"{name}.toml"
-        if not NAME.fullmatch(wanted) or len(wanted) > 100:
+        file_name = name if name.endswith(".toml") else f"{name}.toml"
+        if not NAME.fullmatch(file_name) or len(file_name) > 100:
             raise Conflict(
                 "a name is letters, digits, spaces, - and _, such as my-linkage.toml; it is written into the"
                 " folder of this session"
             )
-        return self.folder / wanted
+        return self.folder / file_name
 
 
 def from_disk(which: str, path: Path) -> Document:
     """A document of a file. Raises ModelError where it cannot be read or has faults."""
     try:
-        text, found = read_bytes(path).decode("utf-8-sig"), path.stat()
+        text, status = read_bytes(path).decode("utf-8-sig"), path.stat()
     except (OSError, UnicodeDecodeError):
         load(path)  # which says why
         raise
-    return Document(which, path.name, text, path, text, stamp=(found.st_mtime_ns, found.st_size))
+    return Document(which, path.name, text, path, text, stamp=(status.st_mtime_ns, status.st_size))
 
 
 def is_model(path: Path, folder: Path) -> bool:
