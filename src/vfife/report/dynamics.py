@@ -47,7 +47,9 @@ def document(result: Any) -> Document:
 
 def _protocol(result: Any, turns: str) -> str:
     """How many turns were run and dropped with how many steps, and under which laws."""
-    return f"{turns}, {result.spec.dropped} of them dropped, {result.spec.steps:,} steps a turn; {result.laws}."
+    return (
+        f"{turns}, {result.spec.dropped} of them dropped, {result.spec.steps:,} steps a turn; {result.laws}."
+    )
 
 
 def diagram(result: Bifurcation) -> Document:
