@@ -83,17 +83,15 @@ class Pieces(NamedTuple):
 
 def pieces(topology: Topology, width: int, directions: int = 0) -> Pieces:
     """The modules of a step; with ``directions``, of a state that has its derivatives behind it."""
-    steps = steps_of(topology)
-    if directions:
-        steps = derived(steps, Layout(topology), directions)
+    steps = derived(topology, directions)
     often, seldom = often_needed(topology, steps, width, directions), seldom_needed(steps, width)
     return Pieces(_module(width, often), _module(width, [FUNCTIONS, *seldom]), not is_short(steps))
 
 
-def module(topology: Topology, width: int) -> str:
+def module(topology: Topology, width: int, directions: int = 0) -> str:
     """All of a step as one module, to read it."""
-    steps = steps_of(topology)
-    return _module(width, [*often_needed(topology, steps, width), *seldom_needed(steps, width)])
+    steps = derived(topology, directions)
+    return _module(width, [*often_needed(topology, steps, width, directions), *seldom_needed(steps, width)])
 
 
 def often_needed(topology: Topology, steps: Steps, width: int, directions: int = 0) -> list[str]:
@@ -111,8 +109,11 @@ def seldom_needed(steps: Steps, width: int) -> list[str]:
     return [full_step(steps.full, width, bool(steps.functions), is_short(steps)), resize(steps.resize, width)]
 
 
-def derived(steps: Steps, layout: Layout, directions: int) -> Steps:
-    """Steps with their derivatives in so many directions."""
+def derived(topology: Topology, directions: int) -> Steps:
+    """The steps of a topology with their derivatives in so many directions."""
+    steps, layout = steps_of(topology), Layout(topology)
+    if not directions:
+        return steps
     size = of_size(layout.row("step"))
     return steps._replace(
         fast=shared_tangent(steps.fast, layout.rows, directions),
