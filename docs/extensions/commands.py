@@ -65,7 +65,7 @@ def answer(words: list[str]) -> int:
     commands.Signals = (
         contextlib.nullcontext
     )  # the builder ends its processes by signals, which are not for the command
-    signals.ASKED.as_json, signals.ASKED.printed = "--json" in words, False
+    signals.JSON.wanted, signals.JSON.printed = "--json" in words, False
     given, sys.argv, terminal.PIPE_WIDTH = sys.argv, words, WIDTH
     try:
         commands.app(words[1:], prog_name="vfife")

@@ -43,12 +43,12 @@ def told() -> list[dict[str, Any]]:
 
 def pictures(folder: Path) -> None:
     """A picture of each law."""
-    from vfife.cli.registry import laws as lawplot
+    from vfife.cli.commands import laws as lawplot
     from vfife.laws import ContactLaw, FrictionLaw
     from vfife.plots.laws import drawn
 
     folder.mkdir(parents=True, exist_ok=True)
-    lawplot.ASKED = tuple(
+    lawplot.RESTITUTIONS = tuple(
         round(0.1 * k, 1) for k in range(1, 11)
     )  # half as many impacts as the command computes: the curves are smooth
     pair = lawplot.surfaces("0.2 mm", "10 mm", "20 mm", ("steel", "steel"))

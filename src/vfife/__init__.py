@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from .model.mechanism import Mechanism, Settings, StartSettings
     from .model.springs import *  # noqa: F403
     from .model.wear import Wear
-    from .modelfile.files import load, load_model, save_model
+    from .modelfile.read import load, load_model
+    from .modelfile.write import save_model
     from .results.comparison import Comparison
     from .results.fit import load_fit
     from .results.spectra import envelope, spectrogram, spectrum
@@ -74,18 +75,18 @@ _LAZY = {  # public name: the module that has it, or the module itself
     "fit": "identification.fitting",
     "gallery": "",
     "indices": "studies.methods.sensitivity_indices",
-    "load": "modelfile.files",
+    "load": "modelfile.read",
     "load_fit": "results.fit",
     "load_laws": "laws.user",
     "load_map": "dynamics.load_map",
-    "load_model": "modelfile.files",
+    "load_model": "modelfile.read",
     "load_result": "simulation.result",
     "load_study": "results.studied",
     "modes": "measures.modes",
     "optimise": "studies.study",
     "poincare_section": "dynamics.sections",
     "resume": "simulation.simulate",
-    "save_model": "modelfile.files",
+    "save_model": "modelfile.write",
     "sensitivity": "studies.methods.derivatives",
     "simulate": "simulation.simulate",
     "load_wear": "tribology.simulate_wear",

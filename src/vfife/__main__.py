@@ -10,7 +10,7 @@ from .cli import signals
 def main() -> None:
     """The command line. Signals are heard before it is loaded, and until the process has ended."""
     signals.listen()
-    signals.ASKED.as_json = "--json" in sys.argv
+    signals.JSON.wanted = "--json" in sys.argv
     try:
         from .cli.app import app
 

@@ -80,10 +80,11 @@ class StorageError(RunFileError):
 class Fault(VfifeError):
     """One fault: where it is, what is wrong, the value as written, what is allowed, what to do.
 
-    ``where`` is a text, or a path of keys, which is kept as ``path``. A fault is raised where one value is
-    read, and collected in a
-    :class:`ModelError` where all values of a file are.
+    ``where`` is a text, or a path of keys, which is kept as ``path``; ``line``: of the file. A fault is
+    raised where one value is read, and collected in a :class:`ModelError` where all values of a file are.
     """
+
+    line: int | None = None
 
     def __init__(
         self, where: str | Path, what: str, value: str = "", limit: str = "", remedy: str = ""
@@ -140,7 +141,10 @@ class ModelError(VfifeError):
     def __init__(self, faults: Sequence[Fault], file: str = "model") -> None:
         self.faults, self.file = list(faults), file
         count = len(self.faults)
-        lines = [f"{file}, {fault}" for fault in self.faults[:MOST_TOLD]]
+        lines = [
+            f"{file}, {f'line {fault.line}, ' if fault.line else ''}{fault}"
+            for fault in self.faults[:MOST_TOLD]
+        ]
         if count > 1:
             lines = [f"{file} has {count} faults:", *(f"  {k}. {line}" for k, line in enumerate(lines, 1))]
         if count > MOST_TOLD:

@@ -47,7 +47,7 @@ def load(name: str, changes: Mapping[str, Any] | None = None) -> Mechanism:
     ``{"joint.C.clearance": "0.3 mm"}``, where they are not None.
     """
     items = [(where, value) for where, value in (changes or {}).items() if value is not None]
-    return replace(read(path(name), items), source=None)
+    return replace(read(path(name), set=items), source=None)
 
 
 _load = load  # for a function that has a parameter of this name

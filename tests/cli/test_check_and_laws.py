@@ -262,7 +262,7 @@ def test_a_friction_law_by_itself(command: Callable) -> None:
         (["pereira", "--plot", "--clearance", "0.5 um"], "no exponent for a clearance"),
         (["pereira", "--plot", "--set", "restitution=2"], "too large"),
         (["pereira", "--plot", "--set", "restitutoin=0.5"], 'Did you mean "restitution"'),
-        (["pereira", "--plot", "-o", "picture.doc"], ".png, .pdf, .svg"),
+        (["pereira", "--plot", "-o", "picture.doc"], ".png, .svg, .pdf"),
         (["pereira", "--plot", "-o", "none/picture.png"], "there is no folder"),
     ],
 )

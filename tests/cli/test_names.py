@@ -8,7 +8,7 @@ import pytest
 
 import vfife
 from cli.test_hostile import CRANK
-from vfife.cli.registry import laws as lawplot
+from vfife.cli.commands import laws as lawplot
 
 NAMES = {
     "joint.P": "[/]",

@@ -13,7 +13,7 @@ from vfife import modelfile
 from vfife.assembly import assemble as assembling
 from vfife.model import lumping
 from vfife.modelfile import read
-from vfife.simulation.simulate import start
+from vfife.simulation import start
 from vfife.store import provenance
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

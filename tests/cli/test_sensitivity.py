@@ -1,12 +1,17 @@
 """``vfife sensitivity``: table, figure, JSON and CSV; sentences for what it cannot do."""
 
 import json
+import math
 import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+import vfife
+from vfife.job.job import Interrupted
+from vfife.studies.methods import derivatives
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 CRANK = EXAMPLES / "slider_crank.toml"
@@ -39,6 +44,41 @@ def test_a_table_ranks_the_numbers_that_matter(command, tmp_path):
     ]
     assert len(rows) + 1 == len((tmp_path / "all.csv").read_text().splitlines())
     assert {"measure": "pin.force.max", "number": "driver.crank.speed"}.items() <= rows[0].items()
+
+
+@pytest.mark.parametrize(("where", "count"), [("finite_changes", 2), ("record_pairs", 0)])
+def test_what_is_there_is_shown_after_ctrl_c(command, monkeypatch, where, count):
+    """In Python it is the result of the exception."""
+
+    def interrupt(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(derivatives, where, interrupt)
+    done = command(
+        "sensitivity",
+        CRANK,
+        "--of",
+        "pin.force.max",
+        "--turns",
+        1,
+        "--to",
+        "driver.*",
+        "--to",
+        "body.crank.length",
+        "--json",
+    )
+    data = json.loads(done.stdout)
+    assert done.exit_code == 130 and (data["status"], len(data["rows"])) == ("interrupted", count), (
+        done.stderr
+    )
+    assert f"derivatives by {count} numbers are there, none of them checked" in done.stderr
+    with pytest.raises(Interrupted) as interrupted:
+        vfife.sensitivity(
+            vfife.load_model(CRANK), ["pin.force.max"], ["driver.*", "body.crank.length"], turns=1
+        )
+    found = interrupted.value.result
+    assert not found.complete and len(found.derivatives) == count
+    assert all(math.isfinite(found.elasticity("pin.force.max", one.path)) for one in found.derivatives)
 
 
 @pytest.mark.system("displaced runs of a chaotic motion")

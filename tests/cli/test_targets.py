@@ -5,7 +5,7 @@ folder, nor one file twice.
 import pytest
 
 from cli.models import ROOT
-from vfife.cli.options import refuse_inputs
+from vfife.cli.outputs import refuse_inputs
 
 MODEL = """[joint.C.contact]
 law = "table"

@@ -156,7 +156,7 @@ def test_other_faults_are_told_beside_it(tmp_path):
     with pytest.raises(ModelError) as told:
         load(
             model(tmp_path, GAS + 'table = "gone.csv"\n').with_name("model.toml"),
-            [("body.rod.length", "-1 m")],
+            set=[("body.rod.length", "-1 m")],
         )
     assert len(told.value.faults) == 2
 

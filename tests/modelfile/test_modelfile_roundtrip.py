@@ -330,7 +330,11 @@ def test_the_ideal_mechanism_can_be_dumped() -> None:
     """Its rigid links still have the number of elements that they had, which a rigid link has no use for."""
     model = load(
         DEMO,
-        [("body.coupler.model", "elastic"), ("body.coupler.elements", 8), ("body.coupler.release", "none")],
+        set=[
+            ("body.coupler.model", "elastic"),
+            ("body.coupler.elements", 8),
+            ("body.coupler.release", "none"),
+        ],
     )
     again = read(dump(model.ideal()))
     assert not again.clearances

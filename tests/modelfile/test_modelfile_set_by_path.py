@@ -90,7 +90,7 @@ def test_a_value_that_was_set_is_not_looked_for_in_the_file() -> None:
 def test_setting_a_kind_drops_what_it_has_no_use_for() -> None:
     model = load(
         DEMO,
-        [
+        set=[
             ("body.coupler.model", "rigid"),
             ("joint.B.kind", "ideal"),
             ("joint.C.contact.law", "lankarani-nikravesh"),

@@ -2,6 +2,7 @@
 have come or gone since.
 """
 
+import mmap
 import sqlite3
 import tracemalloc
 from pathlib import Path
@@ -11,11 +12,13 @@ import pytest
 
 import vfife
 from support import SQUARE, bits, four_bar, journal_in_bearing
+from vfife import files
 from vfife.assembly.assemble import assemble
-from vfife.errors import RunFileError
+from vfife.errors import ModelError, RunFileError
+from vfife.job import cost
 from vfife.kernels.blocks import BLOCKS
+from vfife.solvers import record as records
 from vfife.solvers.transient import run
-from vfife.store import runfile
 from vfife.store.runfile import RunFile
 
 
@@ -135,13 +138,39 @@ def test_rows_are_those_of_a_run_without_a_file(tmp_path: Path, monkeypatch: pyt
     """In memory, and mapped where they are many: the same bits, also after the file is closed."""
     assembly = assemble(journal_in_bearing(), 1e-6, duration=2e-3, outputs=500)
     rows = run(assembly, loop="data-driven").rows
-    for limit in (runfile.IN_MEMORY, 0):
-        monkeypatch.setattr(runfile, "IN_MEMORY", limit)
+    for limit in (records.IN_MEMORY, 0):
+        monkeypatch.setattr(records, "IN_MEMORY", limit)
         path = tmp_path / f"{limit}.sqlite"
         with RunFile.create(path) as file:
             record = run(assembly, loop="data-driven", file=file)
         assert not isinstance(record.source, np.ndarray)
         assert (bits(record.rows) == bits(rows)).all() and len(record.steps) == len(rows)
+
+
+def test_rows_that_do_not_fit_into_memory_are_mapped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a file, too: the same bits, in a temporary file that is gone with the result."""
+    known = vfife.simulate(journal_in_bearing(), duration=2e-3, outputs=500, companions=0)
+    monkeypatch.setattr(records, "IN_MEMORY", 100_000)
+    found = vfife.simulate(journal_in_bearing(), duration=2e-3, outputs=500, companions=0)
+    base = found.record.rows
+    while isinstance(base, np.ndarray) and base.base is not None:
+        base = base.base
+    assert isinstance(base, mmap.mmap) and (bits(found.record.rows) == bits(known.record.rows)).all()
+    assert found.measures == known.measures
+
+
+def test_a_run_larger_than_half_of_the_memory_is_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cost, "physical_memory", lambda: 1_000_000)
+    with pytest.raises(ModelError, match="of memory"):
+        vfife.simulate(journal_in_bearing(), duration=2e-3, outputs=500, companions=0)
+    monkeypatch.setattr(records, "IN_MEMORY", 100_000)
+    monkeypatch.setattr("vfife.simulation.simulate.IN_MEMORY", 100_000)
+    assert (
+        len(vfife.simulate(journal_in_bearing(), duration=2e-3, outputs=500, companions=0).record.rows) == 501
+    )
+    monkeypatch.setattr(files, "free_bytes", lambda place: 200_000)
+    with pytest.raises(ModelError, match="on a disk that has"):
+        vfife.simulate(journal_in_bearing(), duration=2e-3, outputs=500, companions=0)
 
 
 @pytest.mark.system("measures the memory of a long run")

@@ -10,9 +10,9 @@ import typer
 from typer.core import TyperGroup
 
 from .. import __version__
-from .registry import Named, Plainly, UsageError
+from .registry import CommandTable, FastParsing, UsageError
 from .signals import NOW, Signals
-from .terminal import BAD_INPUT, fail, failed, tell
+from .terminal import BAD_INPUT, fail, print_fault, tell
 
 
 @contextmanager
@@ -33,26 +33,26 @@ def warnings_as_sentences() -> Iterator[None]:
         yield
 
 
-class Group(Plainly, TyperGroup):
+class Group(FastParsing, TyperGroup):
     """The commands; a signal ends each of them with a sentence."""
 
-    def __init__(self, **given: Any) -> None:
-        super().__init__(**given)
-        self.commands = Named()
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = CommandTable()
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Their names, for which none is made."""
+        """Names of the commands, without loading any."""
         return list(self.commands)
 
     def invoke(self, ctx: Any) -> Any:
-        """Runs the command that is named."""
+        """Run the command that is named."""
         with Signals(), warnings_as_sentences():
             try:
                 return super().invoke(ctx)
             except KeyboardInterrupt:
                 fail(f"{NOW.by}. {NOW.saved}", NOW.code, word="interrupted")
             except UsageError as error:
-                failed(str(getattr(error, "message", error)), BAD_INPUT)
+                print_fault(str(getattr(error, "message", error)), BAD_INPUT)
                 raise
 
 
@@ -70,9 +70,9 @@ app = typer.Typer(
 )
 
 
-def show_version(wanted: bool) -> None:
-    """Prints the version and ends."""
-    if wanted:
+def show_version(value: bool) -> None:
+    """Print the version and end."""
+    if value:
         typer.echo(f"vfife {__version__}")
         raise typer.Exit
 

@@ -13,7 +13,8 @@ from .. import files
 from ..job.amounts import span
 from ..job.job import Job
 from ..job.progress import ProgressLine
-from ..store.folder import is_own
+from ..store.schemas import STUDY
+from .options import MemberOptions, StudyRunOptions
 from .signals import NOW
 from .terminal import STORAGE, fail, sentences, tell, writing
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from ..store.lock import Lock
 
 RUNS = Path("runs")
-FIGURES = (".png", ".svg", ".pdf")
 LONG_LOOK = 60.0  # s of a forecast from which on a first look is named
 
 
@@ -113,50 +113,19 @@ class CommandJob(Job):
             self.end()
 
 
-def places(place: Path, kind: str, figure: Path | None, csv: Path | None, own_folder: bool) -> Path:
-    """Where the figure of a file of a ``kind`` goes; ``own_folder``: the folder of the file is made.
-
-    Raises ValueError for a place that cannot be, or that is of another file.
+class StudyCommand(CommandJob):
+    """The job of a command that computes members. Raises ValueError where something else has the name of the
+    study file.
     """
-    if place.is_dir() or place.suffix.lower() in (*FIGURES, ".csv"):
-        raise ValueError(
-            f"-o {place}: a {kind} file is kept here; name a file that ends otherwise, as in"
-            f" {place.stem or 'model'}.{kind}"
-        )
-    own = (
-        place.with_suffix(".png") if kind == "map" else place.with_name(f"{place.stem}-{kind}.png")
-    )  # a model has files of several kinds
-    drawn = figure if figure is not None else own
-    refuse_endings((("--figure", drawn, FIGURES), ("--csv", csv, (".csv",))))
-    if figure is None and drawn.is_file() and not is_own(drawn, None):
-        raise ValueError(
-            f"{drawn}: a picture that vfife did not draw is where one would be drawn; name another place with"
-            " --figure"
-        )
-    for option, path in (("-o", place), ("--figure", drawn), ("--csv", csv)):
-        if (
-            path is not None
-            and not path.absolute().parent.is_dir()
-            and not (own_folder and path.parent == place.parent)
-        ):
-            raise ValueError(f"{option} {path}: there is no folder {path.absolute().parent}; make it first")
-    return drawn
 
-
-def refuse_endings(
-    targets: tuple[tuple[str, Path | None, tuple[str, ...]], ...], in_folder: bool = False
-) -> None:
-    """Raise ValueError for a file (option, path, endings that it may have) of another ending; ``in_folder``:
-    or in a folder that is not there.
-    """
-    for option, path, endings in targets:
-        if path is None or (
-            path.suffix.lower() in endings and not (in_folder and not path.absolute().parent.is_dir())
-        ):
-            continue
-        if in_folder:
+    def __init__(self, options: MemberOptions, yes: bool, what: str = "study") -> None:
+        place = options.file
+        if isinstance(options, StudyRunOptions):
+            place = options.output if options.output is not None else RUNS / f"{place.stem}.study"
+        if place.exists() and not STUDY.owns(place):
             raise ValueError(
-                f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is"
-                " there; name one"
+                f"-o {place}: there is something else of this name, which is no study file; name another one"
             )
-        raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
+        saved = f"Members that ended are kept in {place}; the same command goes on after them."
+        super().__init__(what, place, yes=yes, quiet=options.quiet, saved=saved)
+        self.kept = saved if place.exists() else ""

@@ -1,56 +1,246 @@
-"""Arguments, options and files that several commands share, and what becomes of them."""
+"""Options of commands as classes, the groups of options that several commands share, and how their texts are
+read.
+"""
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable
+from inspect import Parameter, Signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any, dataclass_transform, get_type_hints
 
 import typer
+from typer.models import ArgumentInfo
 
 from ..errors import Fault, LawError
-from ..files import read_bytes
-from ..store.schemas import STUDY
-from .job import RUNS, CommandJob
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
     from ..schema import Value
+    from ..studies.engine.cluster import Resources
 
-ModelArgument = Annotated[Path, typer.Argument(metavar="MODEL.toml", help="Model file.", show_default=False)]
-RunArgument = Annotated[
-    Path, typer.Argument(metavar="RUN", help="Run folder, or the run file in it.", show_default=False)
-]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="PATH=VALUE",
-        help='Set a number of the model by its path, as in joint.C.clearance="0.5 mm".',
-    ),
-]
-LawsOption = Annotated[
-    list[Path] | None,
-    typer.Option(
-        "--laws",
-        metavar="FILE.py",
-        help="Python file with laws of your own, which is run; a model file itself never names code.",
-    ),
-]
-ClusterOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help=(
-            "Run members on a cluster of dask.distributed: the address of its scheduler, or local for"
-            " processes of this machine."
-        ),
-    ),
-]
-JsonOption = Annotated[
-    bool, typer.Option("--json", help="Print one JSON value on standard output, and nothing else.")
-]
+
+LAST = (
+    "yes",
+    "retry",
+    "workers",
+    "cluster",
+    "device",
+    "as_json",
+    "quiet",
+)  # options at the end of every help
+
+
+def option(default: Any, help: str, metavar: str | None = None, *names: str, **settings: Any) -> Any:
+    """A field of :class:`Options` that is an option; ``settings`` as of ``typer.Option``."""
+    return typer.Option(default, *names, metavar=metavar, help=help, **settings)
+
+
+def flag(name: str, help: str, *short: str, default: bool = False) -> Any:
+    """A field of :class:`Options` that is a switch; ``name`` may hold its opposite, as in
+    --figures/--no-figures.
+    """
+    return typer.Option(default, name, *short, help=help)
+
+
+def argument(help: str, metavar: str, default: Any = ..., **settings: Any) -> Any:
+    """A field of :class:`Options` that is told by its place on the command line."""
+    return typer.Argument(default, metavar=metavar, help=help, **{"show_default": False} | settings)
+
+
+@dataclass_transform(kw_only_default=True, field_specifiers=(option, flag, argument))
+class Options:
+    """Arguments and options of a command, a field for each.
+
+    The help lists options of the class before those of its bases, and what all commands share last; arguments
+    by their place stand in the order of the bases.
+    """
+
+    def __init__(self, **values: Any) -> None:
+        vars(self).update(values)
+
+
+def typer_function(function: Callable[[Any], None]) -> Callable[..., None]:
+    """The function of a command as typer reads it: its argument, an :class:`Options`, becomes a parameter for
+    each field.
+    """
+    hints = get_type_hints(function)
+    kind = next(iter(hints.values()))
+    fields = get_type_hints(kind)
+    declared = [list(vars(base).get("__annotations__", ())) for base in kind.__mro__]
+    places = [
+        name
+        for names in reversed(declared)
+        for name in names
+        if isinstance(getattr(kind, name), ArgumentInfo)
+    ]
+    shared = [name for names in declared for name in names]
+    shared.sort(key=lambda name: LAST.index(name) if name in LAST else -1)
+    names = list(dict.fromkeys((*places, *shared)))
+
+    def command(**values: Any) -> None:
+        function(kind(**values))
+
+    command.__name__, command.__doc__ = function.__name__, function.__doc__
+    command.__annotations__ = {name: fields[name] for name in names}
+    parameters = [
+        Parameter(name, Parameter.KEYWORD_ONLY, default=getattr(kind, name), annotation=fields[name])
+        for name in names
+    ]
+    command.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
+    return command
+
+
+# -------------------------------------------------------------------------------------------------------
+# shared options
+
+FIGURE_FILE = "FILE.png|svg|pdf"
+SET = 'Set a number of the model by its path, as in joint.C.clearance="0.5 mm".'
+OWN_LAWS = "Python file with laws of your own, which is run; a model file itself never names code."
+COMPANIONS = "Repeat a run with contact with N other step sizes, 0 to 7, to estimate its error; auto: 3."
+OF_MODEL = "the model's"
+
+
+class LawOptions(Options):
+    """Files with laws of the user's own."""
+
+    laws: list[Path] | None = option(None, OWN_LAWS, "FILE.py")
+
+
+class ModelOptions(LawOptions):
+    """A model file, and changes of its numbers."""
+
+    model: Path = argument("Model file.", "MODEL.toml")
+    set_: list[str] | None = option(None, SET, "PATH=VALUE", "--set")
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Files that are read, over which nothing may be written."""
+        return (self.model, *(self.laws or ()))
+
+    def mechanism(self) -> Mechanism:
+        """The mechanism of the model file with what ``--set`` says, the laws of ``--laws`` being known."""
+        return read_model(self.model, self.set_, self.laws)
+
+
+class LengthOptions(Options):
+    """Length and step of a run, in place of those of the model."""
+
+    step: str | None = option(
+        None, 'Time step, such as 1e-6 or "1 us", or auto.', "SECONDS", show_default=OF_MODEL
+    )
+    turns: float | None = option(None, "Length in turns of the crank.", "N", show_default=OF_MODEL)
+    duration: str | None = option(None, "Length in time, instead of turns.", "SECONDS")
+    companions: str | None = option(None, COMPANIONS, "N", show_default=OF_MODEL)
+    force_step: bool = flag("--force-step", "Take a step that is larger than the stable one.")
+
+
+class OutputsOptions(Options):
+    """Outputs of a run, in place of those of the model."""
+
+    outputs: int | None = option(
+        None, "Outputs per turn; per run without a crank.", "N", min=1, show_default=OF_MODEL
+    )
+
+
+class RunOptions(Options):
+    """A run that was made."""
+
+    run: Path = argument("Run folder, or the run file in it.", "RUN")
+
+
+class JsonOptions(Options):
+    """Whether one JSON value is printed."""
+
+    as_json: bool = flag("--json", "Print one JSON value on standard output, and nothing else.")
+
+
+class QuietOptions(Options):
+    """How much is printed."""
+
+    quiet: bool = flag("--quiet", "No progress line and no summary; warnings and errors are printed.", "-q")
+
+
+class JobOptions(QuietOptions):
+    """Confirmation of long work."""
+
+    yes: bool = flag("--yes", "Run whatever it takes: hours, or half the memory or the disk.")
+
+
+class FileOptions(Options):
+    """Files that an answer is written into."""
+
+    figure: Path | None = option(None, "The picture.", FIGURE_FILE)
+    csv: Path | None = option(None, "Write it as a table.", "FILE.csv")
+
+
+# ------------------------------------------------------------------------------------------ options of studies
+
+ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
+CLUSTER = (
+    "Run members on a cluster of dask.distributed: the address of its scheduler, or local for processes of"
+    " this machine."
+)
+
+
+class StudyFileOptions(Options):
+    """A study file that was written."""
+
+    file: Path = argument("What a study was kept in.", "FILE.study")
+
+
+class ConfirmOptions(Options):
+    """Confirmation of long work."""
+
+    yes: bool = flag("--yes", "Run whatever it takes: hours, or half the disk.")
+
+
+class RetryOptions(Options):
+    """Whether members that failed are tried again."""
+
+    retry: bool = flag("--retry", "Try members again that failed before.")
+
+
+class ResourceOptions(Options):
+    """What members run on."""
+
+    workers: int | None = option(
+        None, "Threads, or processes of a local cluster.", "N", min=1, show_default="one a core"
+    )
+    cluster: str | None = option(None, CLUSTER, "ADDRESS")
+    device: str | None = option(None, ON_CARD, "cuda", show_default="the processor")
+
+    def resources(self) -> Resources:
+        """The resources of these options. Raises ValueError, DeviceError."""
+        from ..studies.engine.cluster import Resources
+
+        return Resources(self.workers, None, self.cluster, self.device)
+
+
+class MemberOptions(ResourceOptions, JsonOptions):
+    """What every command takes that computes members."""
+
+    file: Path
+    laws: list[Path] | None
+    quiet: bool = flag("--quiet", "No progress line and no tables; warnings and errors are printed.", "-q")
+
+    def take_laws(self) -> None:
+        """Run the files of ``--laws``."""
+        take_laws(self.laws)
+
+
+class StudyRunOptions(MemberOptions, LawOptions):
+    """What every command takes that computes members from a study file in TOML."""
+
+    file: Path = argument("Study file in TOML.", "STUDY.toml")
+    output: Path | None = option(
+        None, "Where to keep it.", "FILE.study", "-o", "--output", show_default="runs/STUDY.study"
+    )
+    force: bool = flag("--force", "Replace the study that is in the file.")
+    yes: bool = flag("--yes", "Run whatever it takes: hours, or half the disk.")
+
+
+# -------------------------------------------------------------------------------------------------------------- reading
 
 
 def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
@@ -67,16 +257,16 @@ def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:
 
 
 def take_laws(files: Iterable[Path] | None) -> list[str]:
-    """Runs the files of ``--laws``; names of the laws that they define."""
-    found: list[str] = []
+    """Run the files of ``--laws``; names of the laws that they define."""
+    names: list[str] = []
     for file in dict.fromkeys(files or ()):
         from ..laws.user import load_laws
 
         try:
-            found += [law.name for law in load_laws(file)]
+            names += [law.name for law in load_laws(file)]
         except LawError as error:
             raise ValueError(f"--laws {error}") from None
-    return found
+    return names
 
 
 def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | None = None) -> Mechanism:
@@ -87,135 +277,34 @@ def read_model(path: Path, texts: Iterable[str] | None, laws: Iterable[Path] | N
     return load(path, set=overrides(texts))
 
 
-def option(name: str, held: Value, text: Any) -> Any:
-    """The value of an option by a field, a bare number being in SI units. Raises ValueError where the field
-    does not take it.
+def value_of_option(name: str, field: Value, text: Any) -> Any:
+    """The value of an option by a field, a bare number in SI units. Raises ValueError where the field does
+    not allow it.
     """
-
     try:
-        return held.take(text, written=True)
+        return field.take(text, written=True)
     except Fault as fault:
         raise ValueError(str(Fault(f"{name} {text}", fault.what, "", fault.limit, fault.remedy))) from None
 
 
-def positive(name: str, text: str, unit: str) -> float:
-    """A quantity above zero given as an option."""
+def positive(name: str, text: str | None, unit: str) -> Any:
+    """A quantity above zero of an option; None stays None."""
     from ..schema import Measure
 
-    found: float = option(name, Measure(unit, above=0.0), text)
-    return found
+    return None if text is None else value_of_option(name, Measure(unit, above=0.0), text)
 
 
-def with_options(mechanism: Mechanism, **options: Any) -> Mechanism:
-    """The mechanism with the settings of a run that were given as options, so that its model file tells what
-    was run; None: not given.
+def with_options(mechanism: Mechanism, options: LengthOptions, **others: Any) -> Mechanism:
+    """The mechanism with the settings of a run that options give, so that its model file is that of the run;
+    None: not given.
     """
     from ..solvers.arguments import SHARED, RunArguments
 
-    given = {name: text for name, text in options.items() if text is not None}
-    if {"turns", "duration"} <= given.keys():
+    texts = {name: getattr(options, name) for name in ("step", "turns", "duration", "companions")} | others
+    texts = {name: text for name, text in texts.items() if text is not None}
+    if {"turns", "duration"} <= texts.keys():
         raise ValueError("--turns and --duration exclude each other; give one of them")
-    if str(given.get("companions", "")).isdecimal():
-        given["companions"] = int(given["companions"])
-    return RunArguments(
-        **{name: option(f"--{name}", SHARED[name], text) for name, text in given.items()}
-    ).in_settings(mechanism)
-
-
-MOST = 8_000_000  # bytes of a model that are looked through
-
-
-def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[Path | None]) -> None:
-    """Raises ValueError with all targets (option and file) that would be written over an input, over each
-    other, or that are folders.
-
-    Inputs are the files that are named and the CSV files that models among them name.
-    """
-    read = [path for one in inputs if one is not None for path in (one, *tables_of(one))]
-    said: list[str] = []
-    seen: list[tuple[str, Path]] = []
-    for option, path in targets:
-        if path is None:
-            continue
-        if path.is_dir():
-            said.append(f"{option} {path}: this is a folder; name a file")
-        elif any(same(path, one) for one in read):
-            said.append(f"{option} {path}: this file is read, and would be written over; name another file")
-        elif (other := next((word for word, one in seen if same(path, one)), None)) is not None:
-            said.append(f"{option} {path}: {other} is written there too; name another file")
-        seen.append((option, path))
-    if said:
-        raise ValueError("; ".join(said))
-
-
-def same(one: Path, other: Path) -> bool:
-    """Whether two names are of one file, by links too."""
-    try:
-        return one.samefile(other)
-    except (OSError, ValueError):
-        return one.absolute() == other.absolute()
-
-
-def tables_of(model: Path) -> list[Path]:
-    """The CSV files that a model names, as far as it can be read."""
-    try:
-        if model.suffix.lower() != ".toml" or model.stat().st_size > MOST:
-            return []
-        raw = tomllib.loads(read_bytes(model).decode("utf-8"))
-        return [model.parent / text for text in texts(raw) if text.lower().endswith(".csv")]
-    except (OSError, ValueError, RecursionError):  # told when the model is read
-        return []
-
-
-def texts(value: Any) -> Iterator[str]:
-    """All texts in a table of TOML."""
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict | list):
-        for one in value.values() if isinstance(value, dict) else value:
-            yield from texts(one)
-
-
-StudyArgument = Annotated[
-    Path, typer.Argument(metavar="STUDY.toml", help="Study file in TOML.", show_default=False)
-]
-FileArgument = Annotated[
-    Path, typer.Argument(metavar="FILE.study", help="What a study was kept in.", show_default=False)
-]
-Target = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="FILE.study", help="Where to keep it.", show_default="runs/STUDY.study"
-    ),
-]
-Force = Annotated[bool, typer.Option("--force", help="Replace the study that is in the file.")]
-Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
-Workers = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N", min=1, help="Threads, or processes of a local cluster.", show_default="one a core"
-    ),
-]
-ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
-Device = Annotated[str | None, typer.Option(metavar="cuda", help=ON_CARD, show_default="the processor")]
-Retry = Annotated[bool, typer.Option("--retry", help="Try members again that failed before.")]
-Quiet = Annotated[
-    bool, typer.Option("--quiet", "-q", help="No progress line and no tables; warnings and errors are told.")
-]
-
-
-class StudyCommand(CommandJob):
-    """The job of a command that computes members. Raises ValueError where something else has the name of the
-    study file.
-    """
-
-    def __init__(self, file: Path, target: Path | None, yes: bool, quiet: bool, what: str = "study") -> None:
-
-        place = target if target is not None else RUNS / f"{file.stem}.study"
-        if place.exists() and not STUDY.owns(place):
-            raise ValueError(
-                f"-o {place}: there is something else of this name, which is no study file; name another one"
-            )
-        super().__init__(what, place, yes=yes, quiet=quiet)
-        self.saved = f"Members that ended are kept in {place}; the same command goes on after them."
-        self.kept = self.saved if place.exists() else ""
+    if str(texts.get("companions", "")).isdecimal():
+        texts["companions"] = int(texts["companions"])
+    values = {name: value_of_option(f"--{name}", SHARED[name], text) for name, text in texts.items()}
+    return RunArguments(**values).in_settings(mechanism)

@@ -1,22 +1,23 @@
-"""The commands by name, each loaded and made when it is asked for; arguments that need no checking are taken
-as they are typed.
+"""The commands by name, each loaded when it is called; arguments that need no check are taken as they are
+typed.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, MutableMapping
+from collections.abc import Callable, Iterable, Iterator, MutableMapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import typer
 from typer import BadParameter
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperGroup
 from typer.main import get_group
 
-from .signals import ASKED
-from .terminal import BAD_INPUT, failed
+from .options import typer_function
+from .signals import JSON
+from .terminal import BAD_INPUT, print_fault
 
 NUMBERS = {
     int: re.compile(r"[+-]?[0-9]{1,15}"),
@@ -25,40 +26,58 @@ NUMBERS = {
 UsageError: type[Exception] = BadParameter.__bases__[0]  # newer versions of typer have a click of their own
 
 
-class Plainly:
-    """A command, or a group of them, whose plain arguments are taken as they are."""
+class FastParsing:
+    """A command, or a group of them, that takes plain arguments as they are typed."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Reads the arguments."""
-        ASKED.as_json, ASKED.printed = "--json" in args, False
-        take_plainly(self.get_params(ctx))  # type: ignore[attr-defined]
+        """Read the arguments."""
+        JSON.wanted, JSON.printed = "--json" in args, False
+        defer_readers(self.get_params(ctx))  # type: ignore[attr-defined]
         try:
             return super().parse_args(ctx, args)  # type: ignore[misc, no-any-return]
         except UsageError as error:
-            failed(str(getattr(error, "message", error)), BAD_INPUT)
+            print_fault(str(getattr(error, "message", error)), BAD_INPUT)
             raise
 
 
-class Command(Plainly, TyperCommand):
+class Command(FastParsing, TyperCommand):
     """A command."""
 
 
-def take_plainly(parameters: Iterable[Any]) -> None:
-    """Puts a :class:`Plain` reader before that of each parameter; older versions of typer have none and need
-    none.
+class DefaultGroup(FastParsing, TyperGroup):
+    """A group of commands, of which the ``default`` may be left out: it is that of a word that is no command,
+    but may be a file.
+    """
+
+    default: str
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the command before a file; a word that is no file's name is a command that there is not."""
+        word = args[0] if args else "--help"
+        is_file = word.startswith("-") or Path(word).suffix or Path(word).exists()
+        if word not in self.commands and word != "--help" and is_file:
+            args = [self.default, *args]
+        return super().parse_args(ctx, args)
+
+
+def defer_readers(parameters: Iterable[Any]) -> None:
+    """Put a :class:`DeferredReader` before the reader of each parameter; older versions of typer have none
+    and need none.
     """
     for parameter in parameters:
-        if not isinstance(getattr(parameter, "get_runtime_param", Plain), Plain | type):
-            parameter.get_runtime_param = Plain(parameter)
+        if not isinstance(getattr(parameter, "get_runtime_param", DeferredReader), DeferredReader | type):
+            parameter.get_runtime_param = DeferredReader(parameter)
 
 
-class Plain:
-    """Stands for the reader of one parameter, and makes it where it is needed."""
+class DeferredReader:
+    """Reads plain values of one parameter, and makes typer's own reader, which takes time to load, only for
+    others.
+    """
 
     def __init__(self, parameter: Any) -> None:
-        self.parameter, self.checking = parameter, parameter.get_runtime_param
+        self.parameter, self.reader = parameter, parameter.get_runtime_param
 
-    def __call__(self) -> Plain:
+    def __call__(self) -> DeferredReader:
         return self
 
     def coerce(self, value: Any, param: Any, ctx: Any) -> Any:
@@ -76,19 +95,19 @@ class Plain:
             kind in NUMBERS
             and isinstance(value, str)
             and NUMBERS[kind].fullmatch(value)
-            and self.within(kind(value))
+            and self.allows(kind(value))
         ):
             return kind(value)
-        return self.checking().coerce(value, param=param, ctx=ctx)
+        return self.reader().coerce(value, param=param, ctx=ctx)
 
-    def within(self, number: float) -> bool:
-        """Whether a number is between the limits that the parameter says."""
-        given = getattr(self.parameter.type_descriptor, "parameter_info", None)
-        least, most = getattr(given, "min", None), getattr(given, "max", None)
+    def allows(self, number: float) -> bool:
+        """Whether a number is between the limits of the parameter."""
+        limits = getattr(self.parameter.type_descriptor, "parameter_info", None)
+        least, most = getattr(limits, "min", None), getattr(limits, "max", None)
         return (least is None or least <= number) and (most is None or number <= most)
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self.checking(), name)
+        return getattr(self.reader(), name)
 
 
 # Name, in the order of the help: the file of this folder that it is in, and what it is called there.
@@ -122,40 +141,45 @@ COMMANDS = {
 }
 
 
-class Named(MutableMapping[str, Any]):
-    """The commands as typer keeps them, each made when it is first looked up; their names are known without."""
+class CommandTable(MutableMapping[str, Any]):
+    """The commands by name, each made when it is first looked up; their names are known without."""
 
     def __init__(self) -> None:
-        self.made: dict[str, Any] = dict.fromkeys(COMMANDS)
+        self.commands: dict[str, Any] = dict.fromkeys(COMMANDS)
 
     def __getitem__(self, name: str) -> Any:
-        if self.made[name] is None:
-            self.made[name] = made(name)
-        return self.made[name]
+        if self.commands[name] is None:
+            self.commands[name] = load_command(name)
+        return self.commands[name]
 
     def __setitem__(self, name: str, command: Any) -> None:
-        self.made[name] = command
+        self.commands[name] = command
 
     def __delitem__(self, name: str) -> None:
-        del self.made[name]
+        del self.commands[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self.made
+        return name in self.commands
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.made)
+        return iter(self.commands)
 
     def __len__(self) -> int:
-        return len(self.made)
+        return len(self.commands)
 
 
-def made(name: str) -> Any:
+def load_command(name: str) -> Any:
     """One command, or group of commands, as typer makes it from its function."""
-    file, called = COMMANDS[name]
-    found = getattr(import_module(f".commands.{file}", __package__), called)
-    alone = typer.Typer()
-    if isinstance(found, typer.Typer):
-        alone.add_typer(found, name=name)
+    file, attribute = COMMANDS[name]
+    command = getattr(import_module(f".commands.{file}", __package__), attribute)
+    app = typer.Typer()
+    if isinstance(command, typer.Typer):
+        app.add_typer(command, name=name)
     else:
-        alone.command(name, cls=Command)(found)
-    return get_group(alone).commands[name]
+        add_command(app, command, name)
+    return get_group(app).commands[name]
+
+
+def add_command(group: typer.Typer, function: Callable[[Any], None], name: str | None = None) -> None:
+    """Add the function of a command, whose argument is its :class:`~vfife.cli.options.Options`, to a group."""
+    group.command(name, cls=Command)(typer_function(function))

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from types import FrameType, TracebackType
 
 
-class Asked:
-    """Whether one object on standard output is asked for (``--json``), and whether it is printed."""
+class JsonOutput:
+    """Whether the command was called with ``--json``, and whether its object is printed."""
 
     def __init__(self) -> None:
-        self.as_json, self.printed = False, False
+        self.wanted, self.printed = False, False
 
 
-ASKED = Asked()
+JSON = JsonOutput()
 
 
 CODES = {
@@ -159,7 +159,7 @@ def end_at_once() -> NoReturn:
             files.remove_unfinished()
         sentence = f"{NOW.by}. {NOW.saved}"
         os.write(2, f"interrupted: {sentence}\n".encode(errors="replace"))
-        if ASKED.as_json and not ASKED.printed:
+        if JSON.wanted and not JSON.printed:
             os.write(
                 1,
                 f'{{\n  "status": "interrupted",\n  "faults": [\n    {{\n      "what": {quoted(sentence)}\n  '

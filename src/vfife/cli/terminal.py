@@ -19,7 +19,7 @@ import typer
 from ..errors import StorageError
 from ..files import free_bytes
 from ..job.amounts import amount_of_bytes, counted, span
-from .signals import ASKED
+from .signals import JSON, NOW
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -94,18 +94,24 @@ def fail(sentence: str, code: int = BAD_INPUT, faults: Sequence[Fault] = (), wor
     faults.
     """
     tell(word, sentence, "bold red" if word == "error" else "bold yellow")
-    failed(sentence, code, faults)
+    print_fault(sentence, code, faults)
     raise typer.Exit(code)
 
 
-def failed(sentence: str, code: int, faults: Sequence[Fault] = ()) -> None:
+def print_fault(sentence: str, code: int, faults: Sequence[Fault] = ()) -> None:
     """The object that ``--json`` prints where there is no result."""
-    if ASKED.as_json and not ASKED.printed:
-        told = [
-            {name: getattr(one, name) for name in ("where", "what", "value", "limit", "remedy")}
+    if JSON.wanted and not JSON.printed:
+        entries = [
+            {name: getattr(one, name) for name in ("where", "line", "what", "value", "limit", "remedy")}
             for one in faults
         ]
-        print_json({"status": STATUS.get(code, "error"), "faults": told or [{"what": sentence}]})
+        print_json({"status": STATUS.get(code, "error"), "faults": entries or [{"what": sentence}]})
+
+
+def end_interrupted(sentence: str) -> NoReturn:
+    """End with the code of the signal, and a sentence that follows the words for the signal."""
+    tell("interrupted", f"{NOW.by}{sentence}")
+    raise typer.Exit(NOW.code)
 
 
 @contextmanager
@@ -168,7 +174,7 @@ def of_the_system(name: str, error: OSError) -> str:
 
 def print_json(value: Any) -> None:
     """One object on standard output."""
-    ASKED.printed = True
+    JSON.printed = True
     typer.echo(json_text(value))
 
 

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ..errors import Fault, Path, shown
+from ..errors import Fault, ModelError, Path, shown
 from ..laws import MATERIALS, Law
 from ..model.drivers import Driver
 from ..model.mechanism import Mechanism
@@ -29,9 +30,10 @@ from ..schema import (
     key_of,
     value_of,
 )
-from .paths import field_at, parsed, resolve
-from .read import of_tables
+from .paths import default_at, field_at, parsed, resolve
+from .read import of_tables, text_of
 from .tables import Raw
+from .text import line_at, lines_of
 from .write import tables_of, unused
 
 STEEL = "steel"  # the material of what names none
@@ -88,6 +90,24 @@ class Parameter:
         )
 
     @property
+    def default(self) -> Any:
+        """The value (SI) where the model file leaves it out; None where it must not, or where a number of the
+        list or law decides.
+        """
+        tables = tables_of(self.mechanism) if self.mechanism is not None else self.tables
+        return default_at(tables, self.keys)
+
+    @property
+    def line(self) -> int | None:
+        """Line of the value in the model file from which the mechanism was read, or of its table; None for a
+        mechanism of no file.
+        """
+        source = None if self.mechanism is None else self.mechanism.source
+        if source is None or not os.path.isfile(source):
+            return None
+        return line_at(lines_of(text_of(source)), self.keys)
+
+    @property
     def quantity(self) -> Measure | None:
         """The field of a single number with a unit; None of whole numbers, words, lists and tables."""
         return self.field if isinstance(self.field, Measure) and not self.field.series else None
@@ -113,6 +133,22 @@ class Parameter:
             return of_tables(copy.deepcopy(self.tables), [(self.path, value)])
         changed: Mechanism = replaced(self.mechanism, self.steps, self.read(value))
         return dataclasses.replace(changed, source=None)
+
+    def set_many(self, values: Iterable[Any]) -> list[Mechanism]:
+        """The mechanism with each of many values, in their order; all they have alike is shared. Raises
+        ModelError with all that cannot be so.
+        """
+        mechanisms, faults = list[Mechanism](), list[Fault]()
+        for value in values:
+            try:
+                mechanisms.append(self.set(value))
+            except Fault as fault:
+                faults.append(fault.at(self.keys, value=shown(value)))
+            except ModelError as error:
+                faults += error.faults
+        if faults:
+            raise ModelError(faults, "set_many()")
+        return mechanisms
 
 
 def with_values(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:

@@ -12,37 +12,22 @@ from typing import Any
 
 from ..errors import Fault, Path, shown, suggestion
 from ..laws import MATERIALS
-from ..model.mechanism import Mechanism
 from ..model.reading import DEFAULTS, LAWS
-from ..schema import Choice, Chosen, Each, Inner, Many, Measure, Names, Value, value_of
+from ..schema import Chosen, Each, Inner, Names, Value
 from .tables import (
     FAMILIES,
     NAMED,
-    TARGETS,
     Raw,
+    Slot,
     Table,
     body_table,
     entries,
-    kind_table,
     known_keys,
     law_fields,
+    slots_at,
     table,
     tables,
-    target_of,
 )
-
-# How many keys of a path name a table; the next one is a key in it.
-DEPTHS = {
-    "material": 2,
-    "body": 2,
-    "joint": 2,
-    "gear": 2,
-    "spring": 2,
-    "driver": 2,
-    "load": 2,
-    "run": 1,
-    "start": 1,
-}
 
 
 def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], set[Path]]:
@@ -203,70 +188,24 @@ def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
             holder.pop(key, None)
 
 
+def slot_at(raw: Raw, path: Path) -> Slot | None:
+    """The likeliest of what may stand at a path; None for a path that a model does not have."""
+    return next(iter(slots_at(path, raw)), None)
+
+
 def field_at(raw: Raw, path: Path) -> Value | None:
-    """What may stand at a path, from the fields of the model classes; None for a table and for a path that a
-    model does not have.
-    """
-    section = str(path[0])
-    depth = DEPTHS.get(section, 0)
-    if depth and len(path) <= depth:
-        return None
-    top = Table(Mechanism)
-    if not depth:
-        return _inside(top.value(section), path[1:], raw.get(section)) if section in top.fields else None
-    holder, key = table(raw, *path[:depth]), str(path[depth])
-    kind = next((one for one in _kinds(section, holder) if key in one.fields), None)
-    return None if kind is None else _inside(kind.value(key), path[depth + 1 :], holder.get(key))
+    """The value that may stand at a path; None for a table and for a path that a model does not have."""
+    slot = slot_at(raw, path)
+    return None if slot is None or isinstance(slot.held, Table | Inner | Chosen | Each | Names) else slot.held
 
 
-def _kinds(section: str, holder: Raw) -> tuple[Table, ...]:
-    """Kinds of table by which an entry may be read, the likeliest first."""
-    if section == "body":
-        return (body_table(holder),)
-    if section in FAMILIES:
-        return (kind_table(section, holder),)
-    if section == "driver":
-        target = target_of(holder)
-        own = [one for one in tables("driver") if one.target == target]
-        return tuple(sorted(own, key=lambda one: len(set(holder) - set(one.fields) - set(TARGETS[target]))))
-    return tables(section)
-
-
-def _inside(held: Value, rest: Path, holder: Any) -> Value | None:
-    """The field deeper in a value."""
-    for depth, part in enumerate(rest):
-        found: Value | None = None
-        if isinstance(held, Each) and isinstance(part, int) and part < len(held.parts):
-            found = held.parts[part]
-        elif isinstance(held, Many | Names):
-            found = held.part
-        elif isinstance(held, Measure) and held.series and isinstance(part, int):
-            found = dataclasses.replace(held, series=False)
-        elif isinstance(held, Chosen):
-            found = _of_law(held, str(part), table(holder, *rest[:depth]))
-        elif isinstance(held, Inner):
-            known, shapes = Table(held.noun), getattr(held.noun, "shapes", {})
-            found = (
-                known.value(str(part))
-                if part in known.fields
-                else shapes[part][0]
-                if part in shapes
-                else None
-            )
-        if found is None:
-            return None
-        held = found
-    return None if isinstance(held, Inner | Chosen | Each | Names) else held
-
-
-def _of_law(held: Chosen, key: str, holder: Raw) -> Value | None:
-    """A parameter of the law that is named there, or its name."""
-    registry = LAWS[held.word].known()
-    if key == "law":
-        return Choice(tuple(sorted(registry)))
-    law = registry.get(str(holder.get("law", DEFAULTS[held.word].name)))
+def default_at(raw: Raw, path: Path) -> Any:
+    """The value (SI) at a path where a file leaves it out; None where there is none."""
+    slot = slot_at(raw, path)
+    if path[-1] == "law" and (above := slot_at(raw, path[:-1])) and isinstance(above.held, Chosen):
+        return DEFAULTS[above.held.word].name
     return (
-        next((value_of(one) for one in dataclasses.fields(law) if one.name == key), None)
-        if law is not None
-        else None
+        None
+        if slot is None or slot.field is None or slot.field.default is dataclasses.MISSING
+        else slot.field.default
     )

@@ -4,14 +4,15 @@ once.
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
-from ..errors import Fault, ModelError, Path, place, shown
+from ..errors import Fault, ModelError, Path, kind_of, place, shown
 from ..files import read_bytes
 from ..model.mechanism import Mechanism
 from ..model.validation import Checks, across, check_laws
@@ -20,6 +21,7 @@ from .csvtables import expand
 from .paths import override
 from .reader import Written
 from .tables import Raw, table
+from .text import locate
 
 SQLITE, MARK = (
     b"SQLite format 3\0",
@@ -49,16 +51,34 @@ def kept(data: bytes) -> Fault | None:
 Items = Iterable[tuple[str, Any]]
 
 
-def load(path: str | FilePath, set: Items = ()) -> Mechanism:
-    """The mechanism of a model file.
+def load(path: str | FilePath, overrides: Mapping[str, Any] | None = None, *, set: Items = ()) -> Mechanism:
+    """The mechanism of a model file, with some of its values replaced or added before anything is checked.
+
+    >>> m = load("machine.toml", {"joint.C.clearance": "0.5 mm", "run.turns": 3})  # doctest: +SKIP
+
+    ``overrides``: values by their paths, as ``vfife run --set`` takes them; ``set``: the same as pairs.
+    "joint.coupler-follower" stands for the joint that connects the two bodies. A text is read as TOML if it
+    is that, else as it stands. Where a ``model``, a ``kind`` or a ``law`` is set, keys beside it in the file
+    that the new one has no use for are dropped. Raises ModelError with every fault of the file and of the
+    values.
+    """
+    if not isinstance(path, str | os.PathLike):
+        what = f"this is {kind_of(path)}"
+        raise ModelError([Fault("path", what, shown(path), "the name of a model file", "name one")], "load()")
+    values: Any = {} if overrides is None else overrides
+    if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
+        what, remedy = f"this is {kind_of(values)}", 'give them as in {"joint.C.clearance": "0.5 mm"}'
+        raise ModelError([Fault("overrides", what, shown(values), "values by path", remedy)], "load()")
+    return loads(text_of(path), [*values.items(), *set], file=str(path))
+
+
+def load_model(path: str | FilePath, set: Items = ()) -> Mechanism:
+    """The mechanism of a model file; :func:`load` takes values by their paths as a mapping.
 
     ``set`` holds (path, value) pairs that replace or add values before anything is checked, as in
-    ("joint.C.clearance", "0.5 mm"); "joint.coupler-follower" stands for the joint that connects the two
-    bodies. A text is read as TOML if it is that, else as it stands. Where a ``model``, a ``kind`` or a
-    ``law`` is set, keys beside it in the file that the new one has no use for are dropped. Raises ModelError
-    with every fault of the file.
+    ("joint.C.clearance", "0.5 mm"). Raises ModelError with every fault of the file.
     """
-    return loads(text_of(path), set, file=str(path))
+    return load(path, set=set)
 
 
 def text_of(path: str | FilePath) -> str:
@@ -89,11 +109,13 @@ def raw_of(text: str, known_as: str) -> Raw:
 
 def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
     """The mechanism of a model file's text; ``file`` names it in messages. See :func:`load`."""
-    return of_tables(raw_of(text, file or "model"), set, file)
+    return of_tables(raw_of(text, file or "model"), set, file, text)
 
 
-def of_tables(raw: Raw, set: Items = (), file: str | None = None) -> Mechanism:
-    """The mechanism of a model file's tables, in which the values of ``set`` are put. See :func:`load`."""
+def of_tables(raw: Raw, set: Items = (), file: str | None = None, text: str = "") -> Mechanism:
+    """The mechanism of a model file's tables, in which the values of ``set`` are put; faults have their lines
+    in the ``text``. See :func:`load`.
+    """
     faults, given = override(raw, set)
     broken = expand(raw, file)
     reading = Written(raw, given)
@@ -106,6 +128,7 @@ def of_tables(raw: Raw, set: Items = (), file: str | None = None) -> Mechanism:
         faults += [fault.at(fault.path, given) for fault in broken]
     faults = faults or check_laws(mechanism)
     if faults:
+        locate(faults, text, given)
         raise ModelError(faults, file or "model")
     return replace(mechanism, source=file)
 

@@ -9,7 +9,7 @@ import functools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import Path
 from ..laws import Law, Material
@@ -18,9 +18,23 @@ from ..model.drivers import Driver
 from ..model.joints import Gear, IdealRevolute, Joint
 from ..model.loads import Load, PointForce
 from ..model.mechanism import Mechanism, Settings, StartSettings
-from ..model.reading import LAWS
+from ..model.reading import DEFAULTS, LAWS
 from ..model.springs import ForceElement, Spring
-from ..schema import Chosen, Field, Inner, Many, Value, described_fields, key_of, required, value_of
+from ..schema import (
+    Choice,
+    Chosen,
+    Each,
+    Field,
+    Inner,
+    Many,
+    Measure,
+    Names,
+    Value,
+    described_fields,
+    key_of,
+    required,
+    value_of,
+)
 
 Raw = dict[str, Any]
 
@@ -40,6 +54,18 @@ BODIES: dict[type, str] = {
 TARGETS = {"body": ("body", "against"), "slider": ("slider",), "point": ("point", "direction")}
 
 
+# How many keys of a path name a table; the next one is a key in it.
+DEPTHS = {
+    "material": 2,
+    "body": 2,
+    "joint": 2,
+    "gear": 2,
+    "spring": 2,
+    "driver": 2,
+    "load": 2,
+    "run": 1,
+    "start": 1,
+}
 CSV = "table"  # the key of a CSV file beside the model, whose numbers take its place when it is read
 
 
@@ -219,6 +245,84 @@ def entries(raw: Raw, section: str) -> Iterator[tuple[str, Raw]]:
     return ((name, entry) for name, entry in table(raw, section).items() if isinstance(entry, dict))
 
 
+class Slot(NamedTuple):
+    """What may stand at a path: a table or a value, and its field; a part of a value has none."""
+
+    held: Table | Value
+    field: Field | None = None
+
+
+def slots_at(path: Path, raw: Raw | None = None) -> list[Slot]:
+    """What may stand at a path of a model file, the likeliest first; without its tables ``raw``, whatever
+    kinds and laws they name.
+    """
+    if not path:
+        return [Slot(Table(Mechanism))]
+    section = str(path[0])
+    depth = DEPTHS.get(section, 0)
+    if len(path) < depth:
+        return []
+    holder = table(raw, *path[:depth])
+    kinds = (
+        (Table(Mechanism),) if not depth else tables(section) if raw is None else kinds_of(section, holder)
+    )
+    slots = [Slot(kind) for kind in kinds]
+    for at in range(depth, len(path)):
+        holder = {} if raw is None else table(raw, *path[:at])
+        law = None if raw is None else str(holder.get("law", ""))
+        slots = [inner for slot in slots for inner in slots_in(slot.held, path[at], law)]
+    return slots
+
+
+def slots_in(held: Table | Value, part: str | int, law: str | None) -> Iterator[Slot]:
+    """What may stand at a key or an index of a table or a value; of laws in that of the name ``law``, the
+    default for "", any for None.
+    """
+    if isinstance(held, Inner):
+        shapes = getattr(held.noun, "shapes", {})
+        if part in shapes:
+            yield Slot(shapes[part][0])
+        held = Table(held.noun)
+    if isinstance(held, Table):
+        if part in held.fields:
+            yield Slot(held.value(str(part)), held.fields[str(part)])
+    elif isinstance(held, Each):
+        if isinstance(part, int) and part < len(held.parts):
+            yield Slot(held.parts[part])
+    elif isinstance(held, Many | Names):
+        yield Slot(held.part)
+    elif isinstance(held, Measure) and held.series and isinstance(part, int):
+        yield Slot(dataclasses.replace(held, series=False))
+    elif isinstance(held, Chosen) and part == "law":
+        yield Slot(Choice(tuple(sorted(LAWS[held.word].known()))))
+    elif isinstance(held, Chosen):
+        known = LAWS[held.word].known()
+        laws = (
+            list(known.values())
+            if law is None
+            else [known[name] for name in (law or DEFAULTS[held.word].name,) if name in known]
+        )
+        yield from (
+            Slot(value_of(field), field)
+            for one in laws
+            for field in dataclasses.fields(one)
+            if field.name == part
+        )
+
+
+def kinds_of(section: str, holder: Raw) -> tuple[Table, ...]:
+    """Kinds of table by which an entry may be read, the likeliest first."""
+    if section == "body":
+        return (body_table(holder),)
+    if section in FAMILIES:
+        return (kind_table(section, holder),)
+    if section == "driver":
+        target = target_of(holder)
+        own = [one for one in tables("driver") if one.target == target]
+        return tuple(sorted(own, key=lambda one: len(set(holder) - set(one.fields) - set(TARGETS[target]))))
+    return tables(section)
+
+
 def law_fields(law: type[Law]) -> tuple[str, ...]:
     """Parameters of a law."""
     return tuple(field.name for field in dataclasses.fields(law))
@@ -228,26 +332,10 @@ def known_keys(path: Path) -> tuple[str, ...] | None:
     """Keys that the table at a path can have, of whatever kind it is; None where keys are names that the user
     gives.
     """
-    if not path:
-        return (*Table(Mechanism).keys, "material")
-    depth = 1 if path[0] in ("run", "start") else 2
-    return keys_at(tables(str(path[0])), path[depth:]) if len(path) >= depth else None
-
-
-def keys_at(found: tuple[Table, ...], path: Path) -> tuple[str, ...] | None:
-    """Keys of tables, or of what is in them."""
-    if not found:
-        return None
-    if not path:
-        return tuple(dict.fromkeys(key for one in found for key in one.keys))
-    values = [one.value(str(path[0])) for one in found if path[0] in one.fields]
-    rest = path[1:]
-    while rest and isinstance(rest[0], int):
-        values, rest = [value.part for value in values if isinstance(value, Many)], rest[1:]
-    laws = [value for value in values if isinstance(value, Chosen)]
-    if laws and not rest:
-        return (
-            "law",
-            *dict.fromkeys(name for law in LAWS[laws[0].word].known().values() for name in law_fields(law)),
-        )
-    return keys_at(tuple(Table(value.noun) for value in values if isinstance(value, Inner)), rest)
+    keys = list[str]()
+    for held, _ in slots_at(path):
+        if isinstance(held, Table | Inner):
+            keys += (held if isinstance(held, Table) else Table(held.noun)).keys
+        elif isinstance(held, Chosen):
+            keys += ("law", *(name for law in LAWS[held.word].known().values() for name in law_fields(law)))
+    return tuple(dict.fromkeys((*keys, *(() if path else ("material",))))) or None

@@ -6,8 +6,11 @@ import dataclasses
 import json
 import re
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
+from ..errors import Fault, ModelError
+from ..files import replacement
 from ..laws import Law, Material
 from ..model.bodies import Frame
 from ..model.drivers import Driver
@@ -210,3 +213,24 @@ def key(name: str) -> str:
 def dotted(*names: str) -> str:
     """Header of a table."""
     return ".".join(key(name) for name in names)
+
+
+def save_model(mechanism: Mechanism, path: str | Path) -> None:
+    """Writes a model file that :func:`load_model` reads as an equal mechanism; one that is there gives way
+    when the new one is whole.
+
+    Raises ModelError for a mechanism that no model file can hold, and where the file cannot be written.
+    """
+    path = Path(path)
+    try:
+        text = dump(mechanism)
+    except (TypeError, ValueError) as error:
+        raise ModelError([Fault("mechanism", f"no model file can hold it: {error}")], str(path)) from None
+    try:
+        with replacement(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    except OSError as error:
+        remedy = "name a file in a folder that is there and can be written to"
+        raise ModelError(
+            [Fault("file", f"it cannot be written ({error.strerror})", remedy=remedy)], str(path)
+        ) from None

@@ -46,8 +46,9 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
         *(NOTES[kind] for kind in ("change", "unknown") if kind in kinds),
     ]
     notes = (Caution(text, "note", aside=True) for text in _caveats(result))
+    status = {} if result.complete else {"status": "interrupted"}
     left_out = {"refused": result.refused, "rounding": sorted(result.rounding)}
-    data = {"model": result.mechanism, "part": result.part, **left_out, "rows": result.rows()}
+    data = {"model": result.mechanism, "part": result.part, **status, **left_out, "rows": result.rows()}
     return Document(
         [table, *paragraphs(texts), *notes], f"{result.mechanism}: what its measures depend on", data
     )
@@ -56,6 +57,10 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
 def _caveats(result: Sensitivity) -> list[str]:
     """Measures and parameters without a meaningful derivative, and wide ranges."""
     texts = []
+    if not result.complete:
+        texts.append(
+            "interrupted: numbers are missing, and no derivative is checked by finite changes or other steps."
+        )
     if result.doubtful:
         texts.append(
             f"companions of the run part in {', '.join(sorted(result.doubtful))}: derivatives of these mean"

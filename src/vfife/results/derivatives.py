@@ -64,7 +64,8 @@ class Sensitivity(DataTable):
     ``refused`` are numbers without derivatives, and why; ``doubtful`` measures that the run's companions do
     not agree on: what they depend on the steps decide, so that their derivatives mean nothing. ``rounding``:
     measures that are left out, being rounding beside the largest of their unit. ``part``: of the run that the
-    measures are of.
+    measures are of. One that is not ``complete`` was interrupted: derivatives are missing, and none is
+    checked by finite changes.
     """
 
     mechanism: str
@@ -74,6 +75,7 @@ class Sensitivity(DataTable):
     doubtful: frozenset[str] = frozenset()
     rounding: frozenset[str] = frozenset()
     part: str = "last turn"
+    complete: bool = True
 
     def __repr__(self) -> str:
         what = f"{len(self.measures)} measures of {self.mechanism!r} to {len(self.derivatives)} numbers"

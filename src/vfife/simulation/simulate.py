@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -26,7 +27,7 @@ from ..options import Run, Watch, with_options
 from ..results.restart import extended, on_clock, refuse_ended
 from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.companions import companion_count, step_counts
-from ..solvers.record import Checkpoint, Record, recorded_rows
+from ..solvers.record import IN_MEMORY, Checkpoint, Record, recorded_rows
 from ..solvers.refinement import other_meshes, refinable, refine, worth_other_meshes, worth_refining
 from ..solvers.statics import equilibrium
 from ..solvers.status import Progress, Status
@@ -168,16 +169,18 @@ def forecast(
     """Begin the job of a run, which ends here where it takes hours, or half of the memory or of the disk, and
     nobody confirmed that.
 
-    ``reference`` runs beside it; ``refined``: a smooth or static run, which is repeated with smaller steps or
-    other meshes.
+    Outputs that do not fit into memory are kept in a temporary file. ``reference`` runs beside the run;
+    ``refined``: a smooth or static run, which is repeated with smaller steps or other meshes.
     """
     static = assembly.mechanism.settings.analysis == "static"
     less = "ask for less: " + (
         "load_factors, elements or iterations" if static else "turns, duration, outputs"
     )
-    less += ", or give a file for the outputs" if job.place is None else ""
     cost = run_cost(assembly, reference, companions=companions, refined=refined, measured=True)
-    job.begin(cost.forecast(assembly.choice.steps, less))
+    found = cost.forecast(assembly.choice.steps, less)
+    if job.place is None and cost.bytes > IN_MEMORY:  # its rows go into a temporary file
+        job.place, found = Path(tempfile.gettempdir()), dataclasses.replace(found, disk=float(cost.bytes))
+    job.begin(found)
 
 
 def prepare(

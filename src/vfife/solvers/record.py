@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
@@ -10,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
+from ..errors import StorageError
 from ..kernels.arrays import Layout
 from ..kernels.blocks import BLOCKS
 from .status import Status
@@ -18,6 +21,27 @@ if TYPE_CHECKING:
     from .companions import CompanionOutputs, Companions
 
 Rows: TypeAlias = NDArray[np.float64]
+IN_MEMORY = 2**28  # bytes of rows that are kept in memory; more are kept in a mapped file
+
+
+def room_for_rows(outputs: int, width: int) -> Rows:
+    """Room for rows, shape (outputs, width): memory, or where they are many a file without a name, of which
+    the system keeps in memory what is in use. It is gone with the array.
+
+    Raises StorageError where there is no room for it.
+    """
+    size = 8 * outputs * width
+    if size <= IN_MEMORY:
+        return np.empty((outputs, width))
+    folder = tempfile.gettempdir()
+    free = shutil.disk_usage(folder).free
+    if size > free:
+        raise StorageError(
+            f"{folder}: the outputs of this run take {size:,} bytes outside of memory, and {free:,} are free"
+            " there"
+        )
+    with tempfile.TemporaryFile() as file:
+        return np.memmap(file, dtype=float, mode="w+", shape=(outputs, width)).view(np.ndarray)
 
 
 @dataclass(frozen=True)

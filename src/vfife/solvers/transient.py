@@ -19,7 +19,7 @@ from ..laws.stored import refuse_recorded
 from .arguments import Loop
 from .companions import CompanionRecorder, SeparateLanes, Stepper, SynchronisedLanes, step_counts
 from .interrupts import FIRST, QUICK, ChunkSize, Interrupts
-from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows
+from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows, room_for_rows
 from .repeating import Settling
 from .status import Progress, Status
 
@@ -108,7 +108,8 @@ class Stepping:
         self.recorder = CompanionRecorder(assembly, self.kept, counts) if companions else None
         states = self.runner.states
         self.pace = ChunkSize(first=QUICK if loop == "generated" and states.size <= SHORT else FIRST)
-        self.parts: list[Rows] = []
+        self.rows = room_for_rows(assembly.choice.outputs + 1 if file is None else 0, len(self.kept))
+        self.outputs = 0  # rows that are filled
         self.done, self.earlier, self.begun, self.whole = 0, 0.0, False, True
         self.burst: Burst | None = None
         self.kept_at, self.last, self.cost = -1, time.monotonic(), 0.0
@@ -236,7 +237,8 @@ class Stepping:
             self.settling.take(rows[1:] if first == 0 else rows)
         self._look(steps, rows[:sound])
         if self.file is None:
-            self.parts.append(rows[:sound])
+            self.rows[self.outputs : self.outputs + sound] = rows[:sound]
+            self.outputs += sound
         else:
             due = (
                 time.monotonic() - self.last >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.cost)
@@ -313,15 +315,17 @@ class Stepping:
     def record(self, status: Status) -> Record:
         """What the run leaves."""
         final = self.runner.states[:, 0] + 0.0 if status == Status.COMPLETE else None
+        source: Rows | Callable[[], Rows]
         if (
             self.file is not None
         ):  # an interrupt may have come after a chunk was written, and before it was counted
             steps, source = self.file.steps, self.file.later()
-            record = Record(self.assembly, steps, source, self.kept, self.wall, self.loop, status, final)
         else:
-            rows = np.concatenate(self.parts)
-            steps = np.arange(len(rows), dtype=np.int64) * self.assembly.choice.outputs_every
-            record = Record(self.assembly, steps, rows, self.kept, self.wall, self.loop, status, final)
+            steps, source = (
+                np.arange(self.outputs, dtype=np.int64) * self.assembly.choice.outputs_every,
+                self.rows[: self.outputs],
+            )
+        record = Record(self.assembly, steps, source, self.kept, self.wall, self.loop, status, final)
         record.reached, record.burst = max(self.done, int(record.steps[-1])), self.burst
         record.companions = (
             self.recorder.companions(int(record.steps[-1])) if self.recorder is not None else None

@@ -10,9 +10,7 @@ from __future__ import annotations
 
 import json
 import math
-import shutil
 import sqlite3
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -21,8 +19,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import RunFileError, StorageError
-from ..solvers.record import Checkpoint
+from ..errors import RunFileError
+from ..solvers.record import Checkpoint, room_for_rows
 from .connections import writable
 from .packing import packed, seal, unpacked
 from .schemas import RUN, Schema, is_run_file
@@ -35,7 +33,6 @@ Array = NDArray[np.float64]
 Steps = NDArray[np.int64]
 CHECKPOINTS = 2  # the latest ones are kept
 LARGE = 10**8  # bytes of a file whose outputs are read when they are asked for
-IN_MEMORY = 2**28  # bytes of rows that are read into memory; more are mapped
 PART_BYTES = 2**26  # of the reference's rows in one block
 ARRAY = "array."  # of the meta, among the parts of a reference
 KEYS = "*"  # the entry that names all others
@@ -387,7 +384,7 @@ class RunFile(Store):
             if first > at:
                 self._lose(missing(at, first))
             if not only_steps and rows.size == 0:
-                rows = space(total, values.shape[1])
+                rows = room_for_rows(total, values.shape[1])
             if len(own) > total - filled or not (only_steps or values.shape == (len(own), rows.shape[1])):
                 self._lose(missing(first, first + len(own)))
                 continue
@@ -586,23 +583,3 @@ def rows_of(path: Path) -> Array:
         if file.lost:
             raise RunFileError(file.damaged(", ".join(file.lost)))
         return rows
-
-
-def space(outputs: int, width: int) -> Array:
-    """Room for rows: memory, or where they are many a file of no name, of which the system keeps in memory
-    what is looked at.
-
-    Raises StorageError where there is no room for it.
-    """
-    size = 8 * outputs * width
-    if size <= IN_MEMORY:
-        return np.empty((outputs, width))
-    folder = tempfile.gettempdir()
-    free = shutil.disk_usage(folder).free
-    if size > free:
-        raise StorageError(
-            f"{folder}: the outputs of this run take {size:,} bytes when they are read, and {free:,} are free"
-            " there"
-        )
-    with tempfile.TemporaryFile() as file:
-        return np.memmap(file, dtype=float, mode="w+", shape=(outputs, width)).view(np.ndarray)

@@ -6,49 +6,42 @@ import dataclasses
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from ...files import read_bytes
-from ..options import JsonOption, LawsOption, ModelArgument, SetOption, overrides, read_model
+from ..options import JsonOptions, ModelOptions, flag, overrides
 from ..terminal import answer, sentences
 
 if TYPE_CHECKING:
     from ...model.mechanism import Mechanism
     from ...modelfile.tables import Table
 
-LongOption = Annotated[
-    bool,
-    typer.Option(
+
+class CheckOptions(ModelOptions, JsonOptions):
+    """Options of ``vfife check``."""
+
+    long: bool = flag(
         "--long",
-        help="With all that was filled in by default, all limits of the step, and all rows of long tables.",
-    ),
-]
+        "With all that was filled in by default, all limits of the step, and all rows of long tables.",
+    )
 
 
-def check(
-    model: ModelArgument,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    long: LongOption = False,
-    as_json: JsonOption = False,
-) -> None:
+def check(options: CheckOptions) -> None:
     """What would run: bodies, joints, masses, degrees of freedom, step, cost in steps, time and bytes.
 
     Nothing of the run itself is computed; the ideal mechanism is, for the forces that the joints have to
     expect.
     """
-    with sentences(str(model)):
-        found = examine(model, set_, laws)
+    with sentences(str(options.model)):
+        data = examine(options)
     from ...report.check import document
 
-    answer(document(found, long), as_json)
+    answer(document(data, options.long), options.as_json)
 
 
-def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None) -> dict[str, Any]:
+def examine(options: ModelOptions) -> dict[str, Any]:
     """Everything that is known before a run."""
-    mechanism = read_model(model, texts, laws)
+    mechanism = options.mechanism()
     from ...assembly.assemble import assemble
     from ...assembly.possible import outlook
     from ...assembly.timestep import CONTACT_STEPS
@@ -70,7 +63,7 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
     cost = run_cost(assembly, ideal, companions=companions, refined=again)
     return {
         "model": mechanism.name,
-        "file": str(model),
+        "file": str(options.model),
         "note": mechanism.note,
         "bodies": described.bodies(assembly),
         "joints": described.joints(assembly, expected),
@@ -89,9 +82,9 @@ def examine(model: Path, texts: list[str] | None, laws: list[Path] | None = None
         "settle": mechanism.settings.settle,
         "repeated": again,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
-        "defaults": filled_in(model, overrides(texts)),
+        "defaults": filled_in(options.model, overrides(options.set_)),
         "notes": [*assembly.notes, *seen.notes],
-        **({"laws": compared_laws(mechanism)} if laws else {}),
+        **({"laws": compared_laws(mechanism)} if options.laws else {}),
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -14,58 +14,41 @@ from ...solvers.status import Status
 from ...store.folder import numbered, refuse_foreign
 from ...store.lock import Lock
 from ..job import CommandJob
-from ..options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, with_options
-from ..signals import NOW
-from ..terminal import DIVERGED, answer, json_text, sentences, tell, writing
-from .run import Companions, Duration, Figures, Force, ForceStep, Outputs, Quiet, Step, Turns, Yes
+from ..options import (
+    COMPANIONS,
+    OF_MODEL,
+    JobOptions,
+    JsonOptions,
+    LengthOptions,
+    ModelOptions,
+    OutputsOptions,
+    flag,
+    option,
+    with_options,
+)
+from ..terminal import DIVERGED, answer, end_interrupted, json_text, sentences, tell, writing
 
 if TYPE_CHECKING:
     from ...results.comparison import Comparison
-    from ...store.lock import Lock
 
 SUMMARY, TABLE, MODEL = "compare.json", "compare.csv", "model.toml"
-Folder = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", metavar="FOLDER", help="Where to.", show_default="runs/MODEL-compare"),
-]
-Contact = Annotated[
-    str | None,
-    typer.Option(
-        metavar="LAW,LAW", help='Contact laws, or "all"; the model\'s own if left out.', show_default=False
-    ),
-]
-Friction = Annotated[
-    str | None,
-    typer.Option(
-        metavar="LAW,LAW", help='Friction laws, or "all"; the model\'s own if left out.', show_default=False
-    ),
-]
-JointOption = Annotated[
-    list[str] | None,
-    typer.Option("--joint", metavar="NAME", help="Joint whose laws change; all with clearance if left out."),
-]
 
 
-def compare(
-    model: ModelArgument,
-    contact: Contact = None,
-    friction: Friction = None,
-    joint: JointOption = None,
-    folder: Folder = None,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    step: Step = None,
-    turns: Turns = None,
-    duration: Duration = None,
-    outputs: Outputs = None,
-    figures: Figures = True,
-    force_step: ForceStep = False,
-    companions: Companions = "0",
-    force: Force = False,
-    yes: Yes = False,
-    as_json: JsonOption = False,
-    quiet: Quiet = False,
-) -> None:
+class CompareOptions(ModelOptions, LengthOptions, OutputsOptions, JsonOptions, JobOptions):
+    """Options of ``vfife compare``."""
+
+    contact: str | None = option(None, 'Contact laws, or "all"; the model\'s own if left out.', "LAW,LAW")
+    friction: str | None = option(None, 'Friction laws, or "all"; the model\'s own if left out.', "LAW,LAW")
+    joint: list[str] | None = option(None, "Joint whose laws change; all with clearance if left out.", "NAME")
+    folder: Path | None = option(
+        None, "Where to.", "FOLDER", "-o", "--output", show_default="runs/MODEL-compare"
+    )
+    figures: bool = flag("--figures/--no-figures", "Draw the figures as well.", default=True)
+    companions: str | None = option("0", COMPANIONS, "N", show_default=OF_MODEL)
+    force: bool = flag("--force", "Replace the comparison that is in the folder.")
+
+
+def compare(options: CompareOptions) -> None:
     """Run a model under several laws and tell how its numbers differ: a table, figures, CSV and JSON.
 
     Every contact law is paired with every friction law. A law takes over parameters of the one in whose place
@@ -73,65 +56,45 @@ def compare(
     with -o FOLDER goes on after them.
     """
     from ...modelfile import dump
-    from ...report.sensitivity import comparison, comparison_data
-    from ...studies.methods.compare import Parts
-    from ...studies.methods.compare import compare as compared
+    from ...report.sensitivity import comparison
+    from ...studies.methods.compare import compare as run_laws
 
-    with sentences(str(model)):
-        mechanism = with_options(
-            read_model(model, set_, laws),
-            step=step,
-            turns=turns,
-            duration=duration,
-            outputs=outputs,
-            companions=companions,
-        )
-        place = folder_for(folder, model, dump(mechanism), force)
-        job = ComparisonJob(place, dump(mechanism), yes, quiet)
+    model = str(options.model)
+    with sentences(model):
+        mechanism = with_options(options.mechanism(), options, outputs=options.outputs)
+        place = folder_for(options.folder, options.model, dump(mechanism), options.force)
+        job = ComparisonJob(place, dump(mechanism), options)
     try:
-        with job.at_work(str(model), job.saved):
-            kinds, beside = (
-                (named(contact, "contact"), named(friction, "friction")),
-                mechanism.settings.companions,
-            )
-            found = compared(
-                mechanism,
-                *kinds,
-                joints=joint,
-                progress=job,
-                force_step=force_step,
-                companions=beside,
-                folder=place,
-            )
+        with job.at_work(model, job.saved):
+            pairs = law_names(options.contact, "contact"), law_names(options.friction, "friction")
+            settings: dict[str, Any] = {
+                "force_step": options.force_step,
+                "companions": mechanism.settings.companions,
+            }
+            result = run_laws(mechanism, *pairs, joints=options.joint, progress=job, folder=place, **settings)
         with writing(str(place), kept_in(place)):
-            write_text(place / SUMMARY, json_text(comparison_data(found)) + "\n")
-            found.write_csv(place / TABLE)
-            if figures:
-                from ...plots.sensitivity import save_comparison
-
-                save_comparison(found, place)
-            if len(found.rows) == found.planned:
-                Parts(place).remove()
+            write_results(result, place, options.figures)
     finally:
         if job.lock is not None:
             job.lock.release()
-    if as_json or not quiet:
-        answer(comparison(found, str(place), sorted(entry.name for entry in place.iterdir())), as_json)
-    end(found, place)
+    if options.as_json or not options.quiet:
+        answer(
+            comparison(result, str(place), sorted(entry.name for entry in place.iterdir())), options.as_json
+        )
+    end(result, place)
 
 
 class ComparisonJob(CommandJob):
     """The job of a comparison; its folder is made, and locked, when it begins."""
 
-    def __init__(self, place: Path, text: str, yes: bool, quiet: bool) -> None:
-        super().__init__("comparison", place, yes=yes, quiet=quiet, saved=kept_in(place))
-        self.text, self.lock = text, None
+    lock: Lock | None = None
 
-    lock: Lock | None
+    def __init__(self, place: Path, text: str, options: CompareOptions) -> None:
+        super().__init__("comparison", place, yes=options.yes, quiet=options.quiet, saved=kept_in(place))
+        self.text = text
 
     def start(self) -> None:
         """Make the folder, in which nobody else writes from now on."""
-
         self.target.mkdir(parents=True, exist_ok=True)
         self.lock = Lock(self.target)
         self.hold(self.lock)
@@ -140,16 +103,31 @@ class ComparisonJob(CommandJob):
         super().start()
 
 
+def write_results(result: Comparison, place: Path, figures: bool) -> None:
+    """Write summary, table and figures of a comparison; runs are kept until all of them are made."""
+    from ...report.sensitivity import comparison_data
+    from ...studies.methods.compare import Parts
+
+    write_text(place / SUMMARY, json_text(comparison_data(result)) + "\n")
+    result.write_csv(place / TABLE)
+    if figures:
+        from ...plots.sensitivity import save_comparison
+
+        save_comparison(result, place)
+    if len(result.rows) == result.planned:
+        Parts(place).remove()
+
+
 def kept_in(place: Path) -> str:
-    """What is kept of a comparison that was broken off."""
+    """What is kept of a comparison that was interrupted."""
     return (
         f"Runs that are complete are kept in {place}; the same command with -o {shlex.quote(str(place))} goes"
         " on after them."
     )
 
 
-def named(text: str | None, kind: str) -> list[Any]:
-    """Names of laws; all of a kind where "all" is asked for."""
+def law_names(text: str | None, kind: str) -> list[Any]:
+    """Names of laws; all of a kind for "all"."""
     from ...laws import ContactLaw, FrictionLaw
 
     registry = (ContactLaw if kind == "contact" else FrictionLaw).registry
@@ -157,52 +135,48 @@ def named(text: str | None, kind: str) -> list[Any]:
     return sorted(registry) if names == ["all"] else list(dict.fromkeys(names))
 
 
-def folder_for(asked: Path | None, model: Path, text: str, force: bool) -> Path:
+def folder_for(folder: Path | None, model: Path, text: str, force: bool) -> Path:
     """The folder to write into. Raises ValueError for one that holds something else, or a comparison that is
     not to be gone on with.
     """
-    if asked is None:
+    if folder is None:
         return next(path for path in numbered(Path("runs") / f"{model.stem}-compare") if not path.exists())
-    refuse_foreign(asked, SUMMARY, "comparison")
-    if (asked / SUMMARY).is_file() and not force:
-        before = asked / MODEL
-        if unfinished(asked / SUMMARY) and before.is_file() and read_bytes(before).decode("utf-8") != text:
+    refuse_foreign(folder, SUMMARY, "comparison")
+    if (folder / SUMMARY).is_file() and not force:
+        before = folder / MODEL
+        if unfinished(folder / SUMMARY) and before.is_file() and read_bytes(before).decode("utf-8") != text:
             raise ValueError(
-                f"-o {asked}: the comparison that was begun here is that of another model, or of other"
+                f"-o {folder}: the comparison that was begun here is that of another model, or of other"
                 " options; add --force to replace it"
             )
-        if not unfinished(asked / SUMMARY):
+        if not unfinished(folder / SUMMARY):
             raise ValueError(
-                f"-o {asked}: there is a comparison here already; name another folder, or add --force to"
+                f"-o {folder}: there is a comparison here already; name another folder, or add --force to"
                 " replace it"
             )
-    return asked
+    return folder
 
 
 def unfinished(path: Path) -> bool:
-    """Whether a comparison was broken off, as its file says."""
+    """Whether a comparison was interrupted, as its file says."""
     try:
-        said = json.loads(read_bytes(path))
-        return said["planned"] is None or len(said["runs"]) < said["planned"]
+        summary = json.loads(read_bytes(path))
+        return summary["planned"] is None or len(summary["runs"]) < summary["planned"]
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False
 
 
-def end(found: Comparison, place: Path) -> None:
-    """Says which runs did not come to their end, and ends with the exit code of that."""
-    for one in found.rows:
-        if one["status"] != Status.COMPLETE:
-            tell(
-                Status.DIVERGED,
-                f"{one['contact']} with {one['friction']}: the numbers became infinite; take a smaller step"
-                " for it",
-                "bold red",
-            )
-    if len(found.rows) < found.planned:
+def end(result: Comparison, place: Path) -> None:
+    """Name the runs that diverged, and end with the exit code of that."""
+    diverged = [row for row in result.rows if row["status"] != Status.COMPLETE]
+    for row in diverged:
         tell(
-            Status.INTERRUPTED,
-            f"{NOW.by}: {len(found.rows)} of {found.planned} runs are complete. {kept_in(place)}",
+            Status.DIVERGED,
+            f"{row['contact']} with {row['friction']}: the numbers became infinite; take a smaller step"
+            " for it",
+            "bold red",
         )
-        raise typer.Exit(NOW.code)
-    if any(one["status"] != Status.COMPLETE for one in found.rows):
+    if len(result.rows) < result.planned:
+        end_interrupted(f": {len(result.rows)} of {result.planned} runs are complete. {kept_in(place)}")
+    if diverged:
         raise typer.Exit(DIVERGED)

@@ -4,20 +4,30 @@ over penetration.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from ...files import write_text
 from ...store.schemas import FIT
-from ..job import FIGURES, RUNS, CommandJob, refuse_endings
-from ..options import JsonOption, LawsOption, SetOption, overrides, read_model, refuse_inputs, take_laws
+from ..job import RUNS, CommandJob
+from ..options import (
+    FIGURE_FILE,
+    OF_MODEL,
+    SET,
+    JsonOptions,
+    LawOptions,
+    QuietOptions,
+    argument,
+    flag,
+    option,
+    overrides,
+    read_model,
+    take_laws,
+)
+from ..outputs import PICTURES, refuse_endings, refuse_folder, refuse_inputs, write_files
 from ..signals import NOW
-from ..terminal import answer, print_line, sentences, tell, writing
-from .run import Quiet, Step
+from ..terminal import answer, end_interrupted, print_line, sentences, writing
 
 if TYPE_CHECKING:
     from ...results.fit import Fit
@@ -39,117 +49,84 @@ class Derivatives(StrEnum):
     differences = "differences"
 
 
-Files = Annotated[
-    list[Path],
-    typer.Argument(
-        metavar="MODEL.toml DATA.csv",
-        help="Model and measured curves; with --law the curve alone; or a fit file.",
-    ),
-]
-Parameters = Annotated[
-    list[str] | None,
-    typer.Option(
+class FitOptions(LawOptions, JsonOptions, QuietOptions):
+    """Options of ``vfife fit``."""
+
+    files: list[Path] = argument(
+        "Model and measured curves; with --law the curve alone; or a fit file.",
+        "MODEL.toml DATA.csv",
+        show_default=True,
+    )
+    parameter: list[str] | None = option(
+        None,
+        'What is looked for, and between which bounds: joint.C.clearance="0.1..1 mm".',
+        "PATH=A..B",
         "-p",
         "--parameter",
-        metavar="PATH=A..B",
-        help='What is looked for, and between which bounds: joint.C.clearance="0.1..1 mm".',
-    ),
-]
-Columns = Annotated[
-    list[str] | None,
-    typer.Option(
+    )
+    column: list[str] | None = option(
+        None,
+        "Which channel a column is; COLUMN~CHANNEL: only proportional to it.",
+        "COLUMN=CHANNEL",
         "-c",
         "--column",
-        metavar="COLUMN=CHANNEL",
-        help="Which channel a column is; COLUMN~CHANNEL: only proportional to it.",
-    ),
-]
-Weights = Annotated[
-    list[str] | None,
-    typer.Option("--weight", metavar="COLUMN=W", help="Weight of a column's residuals.", show_default="1"),
-]
-OffsetOption = Annotated[
-    str | None,
-    typer.Option(
-        metavar="A..B",
-        help="Where the first sample lies: free (in a turn), a number or two bounds.",
+    )
+    weight: list[str] | None = option(None, "Weight of a column's residuals.", "COLUMN=W", show_default="1")
+    offset: str | None = option(
+        None,
+        "Where the first sample lies: free (in a turn), a number or two bounds.",
+        "A..B",
         show_default="free over time",
-    ),
-]
-Skip = Annotated[
-    float,
-    typer.Option(metavar="TURNS", min=0.0, help="Turns before the data may begin, where the offset is free."),
-]
-Compare = Annotated[
-    Compared, typer.Option(help="The curves, or of motions that do not repeat their envelope or spectrum.")
-]
-Width = Annotated[
-    str | None,
-    typer.Option(metavar="SPAN", help="Window of the envelope.", show_default="a fiftieth of the data"),
-]
-Screened = Annotated[int, typer.Option(metavar="N", min=1, help="Points that are tried first.")]
-Starts = Annotated[int, typer.Option(metavar="N", min=1, help="The best of them, from which searches begin.")]
-Confidence = Annotated[
-    float, typer.Option(metavar="%", min=50.0, max=99.99, help="Of the limits that are told.")
-]
-By = Annotated[
-    Derivatives,
-    typer.Option(help="Carried along the run, or differences of runs; auto: the former where both agree."),
-]
-Law = Annotated[
-    str | None, typer.Option("--law", metavar="NAME", help="Fit this contact law to force over penetration.")
-]
-Figure = Annotated[
-    Path | None,
-    typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw the fit.", show_default=False),
-]
-Table = Annotated[
-    Path | None,
-    typer.Option("--csv", metavar="FILE.csv", help="Write measured and model's curves.", show_default=False),
-]
-Target = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="FILE.fit", help="Where to keep it.", show_default="runs/MODEL.fit"
-    ),
-]
-Model = Annotated[
-    Path | None,
-    typer.Option(
-        "--fitted", metavar="FITTED.toml", help="Write the model with what was found.", show_default=False
-    ),
-]
-Force = Annotated[bool, typer.Option("--force", help="Replace the fit that is in the file.")]
-Yes = Annotated[bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the disk.")]
+    )
+    skip: float = option(3.0, "Turns before the data may begin, where the offset is free.", "TURNS", min=0.0)
+    compare: Compared = option(
+        Compared.curve, "The curves, or of motions that do not repeat their envelope or spectrum."
+    )
+    width: str | None = option(None, "Window of the envelope.", "SPAN", show_default="a fiftieth of the data")
+    step: str | None = option(
+        None, 'Time step, such as 1e-6 or "1 us", or auto.', "SECONDS", show_default=OF_MODEL
+    )
+    screened: int = option(64, "Points that are tried first.", "N", min=1)
+    starts: int = option(4, "The best of them, from which searches begin.", "N", min=1)
+    confidence: float = option(95.0, "Of the limits that are told.", "%", min=50.0, max=99.99)
+    derivatives: Derivatives = option(
+        Derivatives.auto, "Carried along the run, or differences of runs; auto: the former where both agree."
+    )
+    seed: int = option(0, "Of the points that are tried first.", min=0)
+    law: str | None = option(None, "Fit this contact law to force over penetration.", "NAME")
+    set_: list[str] | None = option(None, SET, "PATH=VALUE", "--set")
+    target: Path | None = option(
+        None, "Where to keep it.", "FILE.fit", "-o", "--output", show_default="runs/MODEL.fit"
+    )
+    fitted: Path | None = option(None, "Write the model with what was found.", "FITTED.toml")
+    figure: Path | None = option(None, "Draw the fit.", FIGURE_FILE)
+    csv: Path | None = option(None, "Write measured and model's curves.", "FILE.csv")
+    force: bool = flag("--force", "Replace the fit that is in the file.")
+    yes: bool = flag("--yes", "Run whatever it takes: hours, or half the disk.")
+
+    @property
+    def inputs(self) -> tuple[Path, ...]:
+        """Files that are read, over which nothing may be written."""
+        return (*self.files, *(self.laws or ()))
+
+    def given(self, *names: str) -> str:
+        """Those of the options that were given, as they are written."""
+        spelled = {"set_": "--set", "target": "-o"}
+        return ", ".join(
+            spelled.get(name, f"--{name}") for name in names if getattr(self, name) not in (None, False)
+        )
+
+    def check(self) -> None:
+        """Raise ValueError for a file that cannot be written, before anything is computed."""
+        refuse_endings(self.figure, self.csv, self.fitted, model_option="--fitted")
+        if self.fitted is not None and self.fitted.exists():
+            raise ValueError(f"--fitted {self.fitted}: there is such a file; name another")
+        refuse_inputs(
+            (("--figure", self.figure), ("--csv", self.csv), ("--fitted", self.fitted)), self.inputs
+        )
 
 
-def fit(
-    files: Files,
-    parameter: Parameters = None,
-    column: Columns = None,
-    weight: Weights = None,
-    offset: OffsetOption = None,
-    skip: Skip = 3.0,
-    compare: Compare = Compared.curve,
-    width: Width = None,
-    step: Step = None,
-    screened: Screened = 64,
-    starts: Starts = 4,
-    confidence: Confidence = 95.0,
-    derivatives: By = Derivatives.auto,
-    seed: Annotated[int, typer.Option(min=0, help="Of the points that are tried first.")] = 0,
-    law: Law = None,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    target: Target = None,
-    model: Model = None,
-    figure: Figure = None,
-    csv: Table = None,
-    force: Force = False,
-    yes: Yes = False,
-    as_json: JsonOption = False,
-    quiet: Quiet = False,
-) -> None:
+def fit(options: FitOptions) -> None:
     """Find numbers of a model from measured curves: values with their confidence, how they hang together,
     what the data cannot tell.
 
@@ -158,66 +135,63 @@ def fit(
     A forecast comes first. Every point is kept in a file: after Ctrl-C or a kill the same command goes on,
     and vfife fit FILE.fit shows it.
     """
-    kept = len(files) == 1 and FIT.owns(files[0])
+    files, place = options.files, None
     with sentences(str(files[-1])):
-        check_targets(figure, csv, model)
-        refuse_inputs((("--figure", figure), ("--csv", csv), ("--fitted", model)), (*files, *(laws or ())))
-        if kept:
-            refuse_beside_file(parameter, column, weight, offset, width, step, set_, target, law, force)
-            found: Any = shown(files[0], model)
-        elif law is not None:
-            refuse_beside_law(parameter, column, weight, offset, model, target)
-            found = of_law(files, law, set_, laws, confidence / 100.0, seed)
-    if law is None and not kept:
-        with sentences(str(files[-1])):
-            if len(files) != 2:
-                raise ValueError(few_or_many(files))
-            if width is not None and compare is not Compared.envelope:
-                raise ValueError(
-                    "--width: it is the window of an envelope; add --compare envelope, or leave it out"
-                )
-            place = placed(files[0], target, force, (*files, *(laws or ())))
-            mechanism = read_model(files[0], set_, laws)
-            from ...identification.fitting import planned
-
-            task = planned(
-                mechanism, files[1], parameter or (), columns=column, weights=weights_of(weight), offset=offset, skip=skip,
-                compare=compare.value, width=width, step=step, screened=screened, starts=starts, confidence=confidence / 100.0,
-                derivatives=derivatives.value, seed=seed,
-            )  # fmt: skip
-        job = CommandJob("fit", place, yes=yes, quiet=quiet)
-        with job.at_work(str(place)):
-            job.begin(task.forecast(place, force))
-            found = task.run(place, job, replace=force)
-        save_fitted(model, task.text, found)
-    told(found, None if law is not None or kept else place, figure, csv, as_json, quiet)
-
-
-def told(
-    found: Fit, place: Path | None, figure: Path | None, csv: Path | None, as_json: bool, quiet: bool
-) -> None:
-    """Writes and says what was found; ``place`` is where a fit that was under way is kept."""
-    write(found, figure, csv)
-    if as_json or not quiet:
+        options.check()
+        if len(files) == 1 and FIT.owns(files[0]):
+            result: Any = load(options)
+        elif options.law is not None:
+            result = fit_of_law(options, options.law)
+        else:
+            place = place_of(options)
+            result = search(options, place)
+    write_files(result, options.figure, options.csv)
+    if options.as_json or not options.quiet:
         from ...report.sensitivity import identification
 
-        answer(identification(found), as_json)
-        if place is not None and not as_json:
+        answer(identification(result), options.as_json)
+        if place is not None and not options.as_json:
             print_line(str(place))
-    if found.status == "interrupted" and place is not None:
-        tell("interrupted", f"{NOW.by}. What is told is the best so far, without its confidence. {NOW.saved}")
-        raise typer.Exit(NOW.code)
+    if result.status == "interrupted" and place is not None:
+        end_interrupted(f". What is told is the best so far, without its confidence. {NOW.saved}")
 
 
-def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ...]) -> Path:
-    """Where a fit is kept. Raises ValueError for a place that cannot be, or that is of another file."""
-    place = target if target is not None else RUNS / f"{model.stem}.fit"
+def search(options: FitOptions, place: Path) -> Fit:
+    """Search for the numbers of a model, with a forecast first."""
+    model, data = options.files
+    mechanism = read_model(model, options.set_, options.laws)
+    from ...identification.fitting import planned
+
+    names = ("offset", "skip", "width", "step", "screened", "starts", "seed")
+    task = planned(
+        mechanism, data, options.parameter or (), columns=options.column, weights=weights_of(options.weight),
+        compare=options.compare.value, confidence=options.confidence / 100.0, derivatives=options.derivatives.value,
+        **{name: getattr(options, name) for name in names},
+    )  # fmt: skip
+    job = CommandJob("fit", place, yes=options.yes, quiet=options.quiet)
+    with job.at_work(str(place)):
+        job.begin(task.forecast(place, options.force))
+        result = task.run(place, job, replace=options.force)
+    save_model(options.fitted, task.text, result)
+    return result
+
+
+def place_of(options: FitOptions) -> Path:
+    """Where a fit is kept. Raises ValueError for files that make no fit, for a place that cannot be, or that
+    is of another file.
+    """
+    files, target = options.files, options.target
+    if len(files) != 2:
+        raise ValueError(no_pair(files))
+    if options.width is not None and options.compare is not Compared.envelope:
+        raise ValueError("--width: it is the window of an envelope; add --compare envelope, or leave it out")
+    place = target if target is not None else RUNS / f"{files[0].stem}.fit"
     if place.suffix.lower() == ".toml":
         raise ValueError(
             f"-o {place}: a fit file is kept here; the model with what was found is written by --fitted"
             f" {place}"
         )
-    if place.is_dir() or place.suffix.lower() in (*FIGURES, ".csv"):
+    if place.is_dir() or place.suffix.lower() in (*PICTURES, ".csv"):
         raise ValueError(
             f"-o {place}: a fit file is kept here; name a file that ends otherwise, as in"
             f" {place.stem or 'model'}.fit"
@@ -226,89 +200,61 @@ def placed(model: Path, target: Path | None, force: bool, inputs: tuple[Path, ..
         raise ValueError(
             f"-o {place}: there is something else of this name, which is no fit file; name another one"
         )
-    if target is not None and not place.absolute().parent.is_dir():
-        raise ValueError(f"-o {place}: there is no folder {place.absolute().parent}; make it first")
-    refuse_inputs((("-o", place),), inputs)
+    if target is not None:
+        refuse_folder("-o", place)
+    refuse_inputs((("-o", place),), options.inputs)
     return place
 
 
-def shown(file: Path, model: Path | None) -> Fit:
+def load(options: FitOptions) -> Fit:
     """The fit in a fit file, and the model with what was found. Raises RunFileError."""
     from ...results.fit import FitFile, load_fit
 
-    found = load_fit(file)
-    with FitFile.open(file) as kept:
-        save_fitted(model, kept.spec["model"], found)
-    return found
+    if unused := options.given(
+        "parameter", "column", "weight", "offset", "width", "step", "set_", "target", "law", "force"
+    ):
+        raise ValueError(
+            f"{unused}: a fit file alone is shown as it is; leave it out, or name model and data: vfife fit"
+            " MODEL.toml DATA.csv ..."
+        )
+    result = load_fit(options.files[0])
+    with FitFile.open(options.files[0]) as file:
+        save_model(options.fitted, file.spec["model"], result)
+    return result
 
 
-def save_fitted(place: Path | None, text: str, found: Fit) -> None:
-    """Writes the model with what was found."""
+def save_model(place: Path | None, text: str, result: Fit) -> None:
+    """Write the model with what was found."""
     if place is None:
         return
     with sentences(str(place)), writing(str(place)):
         from ...modelfile import dump, loads
 
-        write_text(place, dump(loads(text, set=found.set)))
+        write_text(place, dump(loads(text, set=result.set)))
 
 
-def of_law(
-    files: list[Path], law: str, set_: list[str] | None, laws: list[Path] | None, confidence: float, seed: int
-) -> Any:
-    """A contact law fitted to a curve."""
+def fit_of_law(options: FitOptions, law: str) -> Any:
+    """A contact law fitted to a curve. Raises ValueError for options that this has no use for."""
     from ...identification.lawfit import fit_law
 
-    if len(files) != 1:
+    if unused := options.given("parameter", "column", "weight", "offset", "fitted", "target"):
+        raise ValueError(
+            f"{unused}: a law is fitted without; leave it out (numbers of a law are fixed by --set"
+            " NAME=VALUE)"
+        )
+    if len(options.files) != 1:
         raise ValueError("with --law name the measured curve alone: vfife fit --law NAME CURVE.csv")
-    take_laws(laws)
-    return fit_law(law, files[0], dict(overrides(set_)), confidence=confidence, seed=seed)
+    take_laws(options.laws)
+    return fit_law(
+        law,
+        options.files[0],
+        dict(overrides(options.set_)),
+        confidence=options.confidence / 100.0,
+        seed=options.seed,
+    )
 
 
-def refuse_beside_law(
-    parameter: list[str] | None,
-    column: list[str] | None,
-    weight: list[str] | None,
-    offset: str | None,
-    model: Path | None,
-    target: Path | None,
-) -> None:
-    """Raises ValueError for options that the fit of a law has no use for."""
-    given = {
-        "--parameter": parameter,
-        "--column": column,
-        "--weight": weight,
-        "--offset": offset,
-        "--fitted": model,
-        "-o": target,
-    }
-    if said := idle(given):
-        raise ValueError(
-            f"{said}: a law is fitted without; leave it out (numbers of a law are fixed by --set NAME=VALUE)"
-        )
-
-
-def refuse_beside_file(
-    parameter: list[str] | None, column: list[str] | None, weight: list[str] | None, offset: str | None, width: str | None, step: str | None,
-    set_: list[str] | None, target: Path | None, law: str | None, force: bool,
-) -> None:  # fmt: skip
-    """Raises ValueError for options that a fit which is only shown has no use for."""
-    given = {
-        "--parameter": parameter, "--column": column, "--weight": weight, "--offset": offset, "--width": width, "--step": step, "--set": set_,
-        "-o": target, "--law": law, "--force": force or None,
-    }  # fmt: skip
-    if said := idle(given):
-        raise ValueError(
-            f"{said}: a fit file alone is shown as it is; leave it out, or name model and data: vfife fit"
-            " MODEL.toml DATA.csv ..."
-        )
-
-
-def idle(given: Mapping[str, object]) -> str:
-    """Names of the options that were given."""
-    return ", ".join(option for option, value in given.items() if value is not None)
-
-
-def few_or_many(files: list[Path]) -> str:
+def no_pair(files: list[Path]) -> str:
     """What is wrong with one file alone that is no fit file, or with more than two."""
     both = "a model and a file of measured curves: vfife fit MODEL.toml DATA.csv -p PATH=A..B"
     if len(files) > 1:
@@ -318,37 +264,15 @@ def few_or_many(files: list[Path]) -> str:
     return f"this is no fit file; name one that vfife fit left, or {both}"
 
 
-def check_targets(figure: Path | None, csv: Path | None, model: Path | None) -> None:
-    """Raises ValueError for a file that cannot be written, before anything is computed."""
-    refuse_endings(
-        (("--figure", figure, FIGURES), ("--csv", csv, (".csv",)), ("--fitted", model, (".toml",))),
-        in_folder=True,
-    )
-    if model is not None and model.exists():
-        raise ValueError(f"--fitted {model}: there is such a file; name another")
-
-
 def weights_of(texts: list[str] | None) -> dict[str, float]:
     """Columns and weights. Raises ValueError."""
-    found = {}
+    weights = {}
     for text in texts or ():
         name, _, value = text.partition("=")
         try:
-            found[name.strip()] = float(value)
+            weights[name.strip()] = float(value)
         except ValueError:
             raise ValueError(
                 f"--weight {text}: this is not COLUMN=NUMBER; write it as in --weight acc=2"
             ) from None
-    return found
-
-
-def write(found: Fit, figure: Path | None, csv: Path | None) -> None:
-    """The files that were asked for."""
-    if csv is not None:
-        with writing(str(csv)):
-            found.write_csv(csv)
-    if figure is not None:
-        with writing(str(figure)):
-            from ...plots.style import saved
-
-            saved(found.plot(), figure)
+    return weights

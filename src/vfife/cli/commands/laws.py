@@ -7,58 +7,47 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from ...errors import suggestion
-from ..options import JsonOption, LawsOption, overrides, positive, take_laws
+from ..options import JsonOptions, LawOptions, argument, flag, option, overrides, positive, take_laws
+from ..outputs import PICTURES, refuse_folder
 from ..terminal import answer, fail, sentences, writing
 
 if TYPE_CHECKING:
     from ...laws import Law, Pair
 
-Size = Annotated[str, typer.Option(metavar="LENGTH", help="Of the pair of surfaces.")]
-MaterialOption = Annotated[
-    str,
-    typer.Option(
-        "--material", metavar="NAME", help='Of both surfaces, or "bearing,journal"; see `vfife materials`.'
-    ),
-]
-Parameter = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set a parameter of the law, as in restitution=0.7."),
-]
-Picture = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", metavar="FILE", help="Where to draw.", show_default="NAME.png"),
-]
+
+class LawsOptions(LawOptions, JsonOptions):
+    """Options of ``vfife laws``."""
+
+    name: str | None = argument("One law only.", "[NAME]", None)
+    long: bool = flag("--long", "All that is known of each law, instead of a line.")
+    plot: bool = flag("--plot", "Draw the law: a free impact, or friction over sliding velocity.")
+    picture: Path | None = option(None, "Where to draw.", "FILE", "-o", "--output", show_default="NAME.png")
+    clearance: str = option("0.2 mm", "Of the pair of surfaces.", "LENGTH")
+    bearing_radius: str = option("10 mm", "Of the pair of surfaces.", "LENGTH")
+    axial_length: str = option("20 mm", "Of the pair of surfaces.", "LENGTH")
+    material: str = option("steel", 'Of both surfaces, or "bearing,journal"; see `vfife materials`.', "NAME")
+    mass: str = option("1 kg", "Of a free impact.", "MASS")
+    speed: str = option("1 m/s", "Of a free impact.", "SPEED")
+    normal_force: str = option("100 N", "Under which friction is shown.", "FORCE")
+    set_: list[str] | None = option(
+        None, "Set a parameter of the law, as in restitution=0.7.", "KEY=VALUE", "--set"
+    )
+
+    def pair(self) -> Pair:
+        """The pair of surfaces. Raises ValueError for what is none."""
+        bearing, _, journal = self.material.partition(",")
+        return surfaces(
+            self.clearance,
+            self.bearing_radius,
+            self.axial_length,
+            (bearing.strip(), journal.strip() or bearing.strip()),
+        )
 
 
-def laws(
-    name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="One law only.", show_default=False)
-    ] = None,
-    long: Annotated[
-        bool, typer.Option("--long", help="All that is known of each law, instead of a line.")
-    ] = False,
-    plot: Annotated[
-        bool, typer.Option("--plot", help="Draw the law: a free impact, or friction over sliding velocity.")
-    ] = False,
-    picture: Picture = None,
-    clearance: Size = "0.2 mm",
-    bearing_radius: Size = "10 mm",
-    axial_length: Size = "20 mm",
-    material: MaterialOption = "steel",
-    mass: Annotated[str, typer.Option(metavar="MASS", help="Of a free impact.")] = "1 kg",
-    speed: Annotated[str, typer.Option(metavar="SPEED", help="Of a free impact.")] = "1 m/s",
-    normal_force: Annotated[
-        str, typer.Option(metavar="FORCE", help="Under which friction is shown.")
-    ] = "100 N",
-    set_: Parameter = None,
-    laws: LawsOption = None,
-    as_json: JsonOption = False,
-) -> None:
+def laws(options: LawsOptions) -> None:
     """Contact and friction laws, a line each; of one that is named source, formula, parameters with units,
     defaults and limits.
 
@@ -66,28 +55,25 @@ def laws(
     delivered), a friction law in steady sliding, with the loops before it slides where it remembers.
     """
     with sentences("laws"):
-        own = take_laws(laws)
-        told = tried(own)
-        found = [
-            {**law, "compared": told[law["name"]]} if law["name"] in told else law
-            for law in chosen(name, own)
+        own = take_laws(options.laws)
+        loops = compared_loops(own)
+        descriptions = [
+            {**law, "compared": loops[law["name"]]} if law["name"] in loops else law
+            for law in chosen(options.name)
         ]
-        if plot:
-            if name is None:
+        if options.plot:
+            if options.name is None:
                 raise ValueError("--plot: name the law to draw, as in vfife laws pereira --plot")
-            pair_of = (clearance, bearing_radius, axial_length, material)
-            sizes = (
-                positive("--mass", mass, "kg"),
-                positive("--speed", speed, "m/s"),
-                positive("--normal-force", normal_force, "N"),
-            )
-            found = [{**law, **by_itself(law, pair_of, sizes, set_, picture)} for law in found]
+            descriptions = [{**law, **draw_law(law, options)} for law in descriptions]
     from ...report.laws import law_details, law_list
 
-    answer((law_list if name is None and not long else law_details)(found), as_json)
+    answer(
+        (law_list if options.name is None and not options.long else law_details)(descriptions),
+        options.as_json,
+    )
 
 
-def tried(own: list[str]) -> dict[str, str]:
+def compared_loops(own: list[str]) -> dict[str, str]:
     """In which loops laws of the user's own were compared with Python, by name. Raises ValueError where one
     cannot be used.
     """
@@ -99,58 +85,55 @@ def tried(own: list[str]) -> dict[str, str]:
     known = [
         base.registry[name] for name in own for base in (ContactLaw, FrictionLaw) if name in base.registry
     ]
-    if told := [fault for law in known for fault in faults(law)]:
-        raise ValueError("\n".join(f"--laws {fault}" for fault in told))
+    if messages := [fault for law in known for fault in faults(law)]:
+        raise ValueError("\n".join(f"--laws {fault}" for fault in messages))
     return comparison([(law(), USUAL) for law in known if not needed(law)])
 
 
-def chosen(name: str | None, own: list[str]) -> list[dict[str, Any]]:
-    """The laws to tell of: those of a name, else all."""
+def chosen(name: str | None) -> list[dict[str, Any]]:
+    """Descriptions of the laws of a name, else of all."""
     from ...report.laws import described
 
-    found = list(described())
+    every = list(described())
     if name is None:
-        return found
-
-    these = [law for law in found if law["name"] == name.lower()]
-    if not these:
+        return every
+    named = [law for law in every if law["name"] == name.lower()]
+    if not named:
         fail(
             f"there is no law {name!r}."
-            f" {suggestion(name.lower(), [law['name'] for law in found], 'name one of them').capitalize()}"
+            f" {suggestion(name.lower(), [law['name'] for law in every], 'name one of them').capitalize()}"
         )
-    return these
+    return named
 
 
-def by_itself(
-    law: dict[str, Any], pair_of: tuple[str, ...], sizes: tuple[float, ...], texts: Any, picture: Path | None
-) -> dict[str, Any]:
+def draw_law(law: dict[str, Any], options: LawsOptions) -> dict[str, Any]:
     """Numbers of a law by itself, and the file with its picture."""
     from ...laws import ContactLaw, FrictionLaw
 
-    clearance, radius, length, material = pair_of
-    bearing, _, journal = material.partition(",")
-    pair = surfaces(clearance, radius, length, (bearing.strip(), journal.strip() or bearing.strip()))
-    base: Any = ContactLaw if law["kind"] == "contact" else FrictionLaw
-    noun: Any = made(base.registry[law["name"]], law["kind"], texts, pair)
-    target = target_of(picture, law["name"])
-    mass, speed, normal = sizes
-    numbers, what = (
-        contact(noun, pair, mass, speed) if law["kind"] == "contact" else friction(noun, pair, normal)
+    contacts = law["kind"] == "contact"
+    mass, speed, normal = (
+        positive(f"--{name.replace('_', '-')}", getattr(options, name), unit)
+        for name, unit in (("mass", "kg"), ("speed", "m/s"), ("normal_force", "N"))
     )
+    pair = options.pair()
+    base: Any = ContactLaw if contacts else FrictionLaw
+    instance: Any = made(base.registry[law["name"]], law["kind"], options.set_, pair)
+    target = target_of(options.picture, law["name"])
+    numbers, curves = contact(instance, pair, mass, speed) if contacts else friction(instance, pair, normal)
     from ...plots.laws import save_law
 
     with writing(str(target), "What was there is as it was."):
-        save_law(law["kind"], target, **what)
+        save_law(law["kind"], target, **curves)
     return {
-        "derived": noun.derived(pair),
-        "units": noun.units(pair),
+        "derived": instance.derived(pair),
+        "units": instance.units(pair),
         "numbers": numbers,
         "picture": str(target),
     }
 
 
 LOOPS = (0.3, 0.5, 0.7, 0.9, 1.0)
-ASKED = tuple(round(0.05 * k, 2) for k in range(1, 21))
+RESTITUTIONS = tuple(round(0.05 * k, 2) for k in range(1, 21))
 SPEEDS = (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0)  # of the table
 
 
@@ -207,7 +190,7 @@ def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, 
 
     has = hasattr(law, "restitution")
     loops, rows = {}, []
-    for value in ASKED if has else (None,):
+    for value in RESTITUTIONS if has else (None,):
         try:
             one = with_restitution(law, value) if value is not None else law
             found = free_impact(one, pair, mass, speed)
@@ -260,19 +243,20 @@ def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[
     return found, {"title": title, "speeds": speeds, "forces": forces, "loops": loops, "normal": normal}
 
 
-def target_of(asked: Path | None, name: str) -> Path:
+def target_of(picture: Path | None, name: str) -> Path:
     """The file to draw into. Raises ValueError where none can be there."""
     plain = re.sub(r"[^\w-]+", "-", name).strip("-") or "law"
-    target = asked if asked is not None else Path(f"{plain}.png")
-    if target.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise ValueError(f"-o {target}: the ending chooses the kind of picture; allowed: .png, .pdf, .svg")
-    if not target.absolute().parent.is_dir():
-        raise ValueError(f"-o {target}: there is no folder {target.absolute().parent}; make it first")
+    target = picture if picture is not None else Path(f"{plain}.png")
+    if target.suffix.lower() not in PICTURES:
+        raise ValueError(
+            f"-o {target}: the ending chooses the kind of picture; allowed: {', '.join(PICTURES)}"
+        )
+    refuse_folder("-o", target)
     return target
 
 
-def materials(as_json: JsonOption = False) -> None:
+def materials(options: JsonOptions) -> None:
     """Materials that a model may name, with their numbers and where these are from."""
     from ...report import laws
 
-    answer(laws.materials(), as_json)
+    answer(laws.materials(), options.as_json)

@@ -2,40 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import NamedTuple
 
 import typer
 
-from ...files import write_text as kept
+from ...files import write_text
 from ...store.schemas import is_run_file
-from ..options import LawsOption, SetOption, overrides, take_laws
+from ..options import SET, LawOptions, argument, flag, option, overrides, take_laws
+from ..outputs import refuse_folder
 from ..signals import NOW, end_at_once
 from ..terminal import amount_of_bytes, fail, sentences, tell, writing
 
-SOURCE = (
-    "Model file, or the folder of a run, whose step it takes; without one the page begins at the gallery."
-)
-Source = Annotated[Path | None, typer.Argument(metavar="MODEL|RUN", help=SOURCE, show_default=False)]
-Out = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="PAGE.html", help="Write a page that needs no server.", show_default=False
-    ),
-]
-SLIDE = (
-    "Make this number a slider, from and to, as in joint.C.clearance=0.01..0.5mm; others than these there are"
-    " none then."
-)
-Slide = Annotated[list[str] | None, typer.Option("--slide", metavar="PATH=LOW..HIGH", help=SLIDE)]
-NoSlide = Annotated[bool, typer.Option("--no-sliders", help="Without any slider.")]
-Port = Annotated[
-    int,
-    typer.Option(
-        "--port", metavar="N", help="Port of this machine to be served on.", show_default="one that is free"
-    ),
-]
-NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Only print the address.")]
 PAGES = (".html", ".htm")
 EXTRA = (
     "it takes the extra live (starlette and uvicorn); pip install 'vfife[live]', or write a page that needs"
@@ -43,10 +22,29 @@ EXTRA = (
 )
 
 
-def live(
-    source: Source = None, out: Out = None, slide: Slide = None, no_sliders: NoSlide = False, port: Port = 0, no_browser: NoBrowser = False,
-    set_: SetOption = None, laws: LawsOption = None,
-) -> None:  # fmt: skip
+class LiveOptions(LawOptions):
+    """Options of ``vfife live``."""
+
+    source: Path | None = argument(
+        "Model file, or the folder of a run, whose step it takes; without one the page begins at the"
+        " gallery.",
+        "MODEL|RUN",
+        None,
+    )
+    out: Path | None = option(None, "Write a page that needs no server.", "PAGE.html", "-o", "--output")
+    slide: list[str] | None = option(
+        None,
+        "Make this number a slider, from and to, as in joint.C.clearance=0.01..0.5mm; others than these there"
+        " are none then.",
+        "PATH=LOW..HIGH",
+    )
+    no_sliders: bool = flag("--no-sliders", "Without any slider.")
+    port: int = option(0, "Port of this machine to be served on.", "N", show_default="one that is free")
+    no_browser: bool = flag("--no-browser", "Only print the address.")
+    set_: list[str] | None = option(None, SET, "PATH=VALUE", "--set")
+
+
+def live(options: LiveOptions) -> None:
     """See a mechanism run in a browser: served with Python behind it, or written as a page that needs no
     server.
 
@@ -55,84 +53,71 @@ def live(
     runs in any browser. Both step with the bits of vfife run --companions 0. Sliders change every clearance,
     the speed of drivers, friction and restitution, unless --slide names others.
     """
-    if out is None:
-        serve(source, slide, no_sliders, port, not no_browser, set_, laws)
-        return
-    if source is None:
-        fail(f"-o {out}: nothing says what runs in it; name a model or a run")
-    write(source, out, slide, no_sliders, set_, laws)
+    if options.out is None:
+        serve(options)
+    elif options.source is None:
+        fail(f"-o {options.out}: nothing says what runs in it; name a model or a run")
+    else:
+        write(options, options.source, options.out)
 
 
-def write(
-    source: Path,
-    out: Path,
-    slide: list[str] | None,
-    no_sliders: bool,
-    set_: list[str] | None,
-    laws: list[Path] | None,
-) -> None:
-    """Writes a page that needs no server."""
+def write(options: LiveOptions, source: Path, out: Path) -> None:
+    """Write a page that needs no server."""
     if out.suffix.lower() not in PAGES:
         fail(f"-o {out}: a page is written, whose name ends in .html; name one")
-    if not out.absolute().parent.is_dir():
-        fail(f"-o {out}: there is no folder {out.absolute().parent}; make it first")
+    with sentences(""):
+        refuse_folder("-o", out)
     with sentences(str(source)):
         from ...live.page.page import LARGEST
 
-        take_laws(laws)
-        text, notes, names = written(source, slide, no_sliders, set_)
-        page = text.encode("utf-8")
-        if len(page) > LARGEST:
-            sizes = f"{amount_of_bytes(len(page))}, more than the {amount_of_bytes(LARGEST)} that a page may"
+        take_laws(options.laws)
+        page = make_page(options, source)
+        size = len(page.text.encode("utf-8"))
+        if size > LARGEST:
+            sizes = f"{amount_of_bytes(size)}, more than the {amount_of_bytes(LARGEST)} that a page may"
             raise ValueError(f"the page takes {sizes}; slide less, or use fewer elements")
-    for note in notes:
+    for note in page.notes:
         tell("note", f"{note}.")
     with writing(str(out)):
-        kept(out, text)
+        write_text(out, page.text)
     typer.echo(
-        f"{out}: {amount_of_bytes(len(page))}, sliders: {', '.join(names) or 'none'}; open it in a browser."
+        f"{out}: {amount_of_bytes(size)}, sliders: {', '.join(page.sliders) or 'none'}; open it in a browser."
     )
 
 
-def written(
-    source: Path, slide: list[str] | None, no_sliders: bool, set_: list[str] | None
-) -> tuple[str, tuple[str, ...], list[str]]:
-    """The page, sentences about it, and the names of its sliders; of a static analysis its equilibria, which
-    have none.
-    """
+class Page(NamedTuple):
+    """The text of a page, sentences about it, and the names of its sliders."""
+
+    text: str
+    notes: tuple[str, ...] = ()
+    sliders: Sequence[str] = ()
+
+
+def make_page(options: LiveOptions, source: Path) -> Page:
+    """The page of a model; of a static analysis its equilibria, which have no sliders."""
     from ...live import default_slides, model_of, parse_slides
     from ...live.page import page
     from ...live.page.patches import slider_patches
 
-    mechanism, step = model_of(source, overrides(set_))
+    mechanism, step = model_of(source, overrides(options.set_))
     if mechanism.settings.analysis == "static":
         from ...simulation.result import Result
 
-        if slide:
+        if options.slide:
             raise ValueError(
                 "--slide: the equilibria of a static analysis are not found in the page, so nothing in it can"
                 " be changed; leave it out"
             )
         ended = source.is_dir() or is_run_file(source)
-        return (page.result_page(Result.load(source)) if ended else page.live_page(mechanism)), (), []
-    found = slider_patches(
-        mechanism,
-        [] if no_sliders else parse_slides(mechanism, slide) if slide else default_slides(mechanism),
-        step,
-    )
-    return page.written(found), found.notes, [one.name for one in found.slides]
+        return Page(page.result_page(Result.load(source)) if ended else page.live_page(mechanism))
+    slides = parse_slides(mechanism, options.slide) if options.slide else default_slides(mechanism)
+    model = slider_patches(mechanism, [] if options.no_sliders else slides, step)
+    return Page(page.written(model), model.notes, [one.name for one in model.slides])
 
 
-def serve(
-    source: Path | None,
-    slide: list[str] | None,
-    no_sliders: bool,
-    port: int,
-    browser: bool,
-    set_: list[str] | None,
-    laws: list[Path] | None,
-) -> None:
-    """Serves the page until Ctrl-C."""
+def serve(options: LiveOptions) -> None:
+    """Serve the page until Ctrl-C."""
+    source, laws, slide = options.source, options.laws, options.slide
     with sentences(str(source) if source else "vfife live"):
         try:
             from ...live.server.serving import served
@@ -143,11 +128,11 @@ def serve(
         from ...live.server.session import Session
 
         take_laws(laws)
-        settings = overrides(set_)
+        settings = overrides(options.set_)
         a_run = source is not None and (source.is_dir() or is_run_file(source))
         folder = Path.cwd() if source is None or a_run else source.absolute().parent
         session = Session(
-            folder, slide, not no_sliders, [f"--laws={Path(one).absolute()}" for one in laws or ()]
+            folder, slide, not options.no_sliders, [f"--laws={Path(one).absolute()}" for one in laws or ()]
         )
         if source is None and (settings or slide):
             raise ValueError("--set and --slide are for a model that is named; name one, or leave them out")
@@ -162,14 +147,14 @@ def serve(
         )
         session.pages.first = None if first is None else first.id
         try:
-            with served(session, port) as serving:
+            with served(session, options.port) as serving:
                 address = serving.address + (f"#{first.id}" if first else "")
                 typer.echo(
                     f"{address}\nServed to browsers on this machine (port {serving.port}) that know this"
                     " address, until Ctrl-C."
                 )
                 NOW.saved = "What was saved is on disk."
-                if browser:
+                if not options.no_browser:
                     show(address)
                 serving.wait()
         except KeyboardInterrupt:

@@ -1,134 +1,114 @@
-"""``vfife map``: what becomes of a motion over a number, from turn to turn, and from start to start."""
+"""``vfife map``: bifurcation diagrams, Poincaré sections and basins."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
-from typer.core import TyperGroup
 
-from ..job import RUNS, CommandJob, places
-from ..options import LawsOption, ModelArgument, SetOption, positive, read_model, refuse_inputs
-from ..registry import Command, Plainly
-from ..signals import NOW
-from ..terminal import answer, print_line, sentences, tell, writing
-from .run import Quiet
+from ..job import RUNS, CommandJob
+from ..options import FIGURE_FILE, ModelOptions, Options, QuietOptions, argument, flag, option, positive
+from ..outputs import figure_beside, refuse_inputs, write_files
+from ..registry import DefaultGroup, add_command
+from ..terminal import answer, end_interrupted, print_line, sentences
 
 if TYPE_CHECKING:
     from ...model.mechanism import Mechanism
 
-SWEEP = "sweep"
 MOST_VALUES, MOST_STARTS, MOST_TURNS, MOST_SECTION = 10_000, 2_000, 1_000_000, 10_000_000
-OVER = "The number, from and to, as in joint.pin.clearance=0.1..1mm."
-Over = Annotated[str, typer.Option("--over", metavar="PATH=LOW..HIGH", help=OVER, show_default=False)]
 GRID = (
     "A number of the start or of the model, from and to; twice, as in start.pin.x=-0.2..0.2mm,"
     " start.crank=0..360deg, joint.pin.clearance=0.1..1mm."
 )
-OverTwo = Annotated[
-    list[str], typer.Option("--over", metavar="PATH=LOW..HIGH", help=GRID, show_default=False)
-]
-Count = Annotated[
-    int, typer.Option("--count", metavar="N", min=2, max=MOST_VALUES, help="Values of it, up and down again.")
-]
-Counts = Annotated[str, typer.Option("--count", metavar="N[xM]", help="Values of each.")]
-Turns = Annotated[
-    int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns at each value.")
-]
-TurnsOfStart = Annotated[
-    int, typer.Option("--turns", metavar="N", min=1, max=MOST_TURNS, help="Turns of each start.")
-]
-TurnsOfAll = Annotated[int, typer.Option("--turns", metavar="N", min=1, max=MOST_SECTION, help="Turns.")]
-FROM = (
+START = (
     'Begin every value anew: "own", or numbers of a start, as in "start.crank=90deg, start.pin.x=0.1mm"; may'
     " be repeated."
 )
-From = Annotated[
-    list[str] | None,
-    typer.Option("--start", metavar="own|PATH=VALUE,...", help=FROM, show_default="the state is carried on"),
-]
-Companions = Annotated[
-    int,
-    typer.Option(
-        "--companions", metavar="N", min=0, help="So many values again with a coarser and a finer step."
-    ),
-]
-StartCompanions = Annotated[
-    int,
-    typer.Option(
-        "--companions", metavar="N", min=0, help="So many starts again with a coarser and a finer step."
-    ),
-]
-Exponents = Annotated[
-    bool, typer.Option("--exponents/--no-exponents", help="Watch a small difference, by which chaos is told.")
-]
-Impacts = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--impacts",
-        metavar="JOINT",
-        help="Look at every contact that begins in it.",
-        show_default="all with play",
-    ),
-]
 DROP = "So many of them are not looked at."
-Drop = Annotated[
-    int | None, typer.Option("--drop", metavar="N", min=0, help=DROP, show_default="two thirds of them")
-]
-Third = Annotated[
-    int | None, typer.Option("--drop", metavar="N", min=0, help=DROP, show_default="a third of them")
-]
 SERIES = "penetration, force_max of a joint with play; else a place or speed"
-Of = Annotated[
-    list[str] | None,
-    typer.Option("--of", metavar="SERIES", help="What is looked at once a turn.", show_default=SERIES),
-]
-Phase = Annotated[
-    float,
-    typer.Option(
-        "--phase", metavar="DEG", min=0.0, max=360.0, help="How far beyond its start the crank is looked at."
-    ),
-]
-STEP = "Time step; a turn has a whole number of them."
 FINEST = "the finest that a run finds at the ends and in the middle"
-Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default=FINEST)]
-Target = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="FILE.map", help="Where to keep it.", show_default="runs/MODEL.map"
-    ),
-]
-Figured = Annotated[
-    Path | None,
-    typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The picture.", show_default="FILE.png"),
-]
-Csv = Annotated[
-    Path | None, typer.Option("--csv", metavar="FILE.csv", help="All points as a table.", show_default=False)
-]
-Kept = Annotated[Path, typer.Argument(metavar="FILE.map", help="What a map was kept in.", show_default=False)]
-Yes = Annotated[bool, typer.Option("--yes", help="Make it whatever it takes: hours, or half the disk.")]
 
 
-class Group(Plainly, TyperGroup):
+class MapFileOptions(Options):
+    """Where a map, its figure and its table are kept."""
+
+    target: Path | None = option(
+        None, "Where to keep it.", "FILE.map", "-o", "--output", show_default="runs/MODEL.map"
+    )
+    figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
+    csv: Path | None = option(None, "All points as a table.", "FILE.csv")
+
+
+class MapJobOptions(QuietOptions):
+    """Confirmation of long work."""
+
+    yes: bool = flag("--yes", "Make it whatever it takes: hours, or half the disk.")
+
+
+class MapOptions(MapFileOptions, ModelOptions, MapJobOptions):
+    """What every command of maps takes."""
+
+    def make(
+        self, kind: str, ending: str, first_look: str, compute: Callable[..., Any], **style: Any
+    ) -> None:
+        """Compute a map of a ``kind`` into a file, draw it and describe it; ends with a sentence and an exit
+        code where that cannot be.
+
+        ``ending``: of its file's name, after that of the model; ``first_look``: options for less; ``style``:
+        arguments of its figure.
+        """
+        place = self.target if self.target is not None else RUNS / f"{self.model.stem}{ending}"
+        with sentences(str(self.model)):
+            figure = figure_beside(place, kind, self.figure, self.csv, self.target is None)
+            refuse_inputs((("-o", place), ("--figure", figure), ("--csv", self.csv)), self.inputs)
+            mechanism = self.mechanism()
+        job = CommandJob(kind, place, yes=self.yes, quiet=self.quiet, first_look=first_look)
+        with job.at_work(str(self.model)):
+            result = compute(mechanism, file=place, progress=job)
+        write_files(result, figure, self.csv, lambda: result.plot(**style))
+        if not self.quiet:
+            describe(result, place, figure, self.csv)
+        if left := unfinished(result):
+            end_interrupted(f": {left} are complete and kept in {place}; the same command goes on.")
+
+
+class OrbitOptions(MapOptions):
+    """What is looked at once a turn."""
+
+    of: list[str] | None = option(None, "What is looked at once a turn.", "SERIES", show_default=SERIES)
+    phase: float = option(0.0, "How far beyond its start the crank is looked at.", "DEG", min=0.0, max=360.0)
+    step: str | None = option(
+        None, "Time step; a turn has a whole number of them.", "TIME", show_default=FINEST
+    )
+    turns: int
+    drop: int | None
+
+    def arguments(self) -> dict[str, Any]:
+        """Arguments that all maps have. Raises ValueError where no turn is left to look at."""
+        turns, drop = self.turns, self.drop
+        if drop is not None and drop >= turns:
+            allowed = f"allowed: 0 to {turns - 1}, fewer of them are dropped then"
+            raise ValueError(f"--drop {drop}: no turn is left to look at of --turns {turns}; {allowed}")
+        step = positive("--step", self.step, "s")
+        return {
+            "turns": turns,
+            "dropped": drop,
+            "series": self.of or (),
+            "phase": self.phase / 360.0,
+            "step": step,
+        }
+
+
+class MapGroup(DefaultGroup):
     """The commands of maps. What is no command is a model, over whose number a map is made."""
 
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Puts the command before a model; a word that is no file's name is a command that there is not."""
-        word = args[0] if args else "--help"
-        if (
-            word not in self.commands
-            and word != "--help"
-            and (word.startswith("-") or Path(word).suffix or Path(word).exists())
-        ):
-            args = [SWEEP, *args]
-        return super().parse_args(ctx, args)
+    default = "sweep"
 
 
 map_ = typer.Typer(
-    cls=Group,
+    cls=MapGroup,
     no_args_is_help=True,
     help=(
         "What becomes of a motion: vfife map MODEL --over PATH=LOW..HIGH sweeps a number up and down, draws a"
@@ -143,26 +123,25 @@ map_ = typer.Typer(
 )
 
 
-@map_.command(SWEEP, cls=Command)
-def sweep(
-    model: ModelArgument,
-    over: Over,
-    count: Count = 60,
-    turns: Turns = 90,
-    drop: Drop = None,
-    of: Of = None,
-    phase: Phase = 0.0,
-    step: Step = None,
-    start: From = None,
-    companions: Companions = 5,
-    target: Target = None,
-    figure: Figured = None,
-    csv: Csv = None,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    yes: Yes = False,
-    quiet: Quiet = False,
-) -> None:
+class SweepOptions(OrbitOptions):
+    """Options of ``vfife map sweep``."""
+
+    over: str = option(
+        ...,
+        "The number, from and to, as in joint.pin.clearance=0.1..1mm.",
+        "PATH=LOW..HIGH",
+        show_default=False,
+    )
+    count: int = option(60, "Values of it, up and down again.", "N", min=2, max=MOST_VALUES)
+    turns: int = option(90, "Turns at each value.", "N", min=1, max=MOST_TURNS)
+    drop: int | None = option(None, DROP, "N", min=0, show_default="two thirds of them")
+    start: list[str] | None = option(
+        None, START, "own|PATH=VALUE,...", show_default="the state is carried on"
+    )
+    companions: int = option(5, "So many values again with a coarser and a finer step.", "N", min=0)
+
+
+def sweep(options: SweepOptions) -> None:
     """Bifurcation diagram: a number swept up and down while the motion goes on, looked at once a turn, with
     the largest Lyapunov exponent.
 
@@ -171,35 +150,28 @@ def sweep(
     be left out.
     """
 
-    def made(mechanism: Mechanism, **job: Any) -> Any:
+    def compute(mechanism: Mechanism, **job: Any) -> Any:
         from ...dynamics.bifurcation import bifurcation
 
-        path, low, high = number_range(mechanism, over)
-        return bifurcation(
-            mechanism, path, low, high, count=count, starts=[start_numbers(mechanism, text) for text in start or ()],
-            companions=companions, **looked_at(turns, drop, of, phase, step), **job,
-        )  # fmt: skip
+        path, low, high = number_range(mechanism, options.over)
+        starts = [start_numbers(mechanism, text) for text in options.start or ()]
+        shared: dict[str, Any] = {"count": options.count, "starts": starts, "companions": options.companions}
+        return bifurcation(mechanism, path, low, high, **shared, **options.arguments(), **job)
 
-    MapCommand(model, ".map", target, figure, csv, set_, laws, yes, quiet, "--count 30 --turns 45").run(made)
+    options.make("map", ".map", "--count 30 --turns 45", compute)
 
 
-@map_.command(cls=Command)
-def section(
-    model: ModelArgument,
-    turns: TurnsOfAll = 300,
-    drop: Third = None,
-    of: Of = None,
-    phase: Phase = 0.0,
-    impacts: Impacts = None,
-    step: Step = None,
-    target: Target = None,
-    figure: Figured = None,
-    csv: Csv = None,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    yes: Yes = False,
-    quiet: Quiet = False,
-) -> None:
+class SectionOptions(OrbitOptions):
+    """Options of ``vfife map section``."""
+
+    turns: int = option(300, "Turns.", "N", min=1, max=MOST_SECTION)
+    drop: int | None = option(None, DROP, "N", min=0, show_default="a third of them")
+    impacts: list[str] | None = option(
+        None, "Look at every contact that begins in it.", "JOINT", show_default="all with play"
+    )
+
+
+def section(options: SectionOptions) -> None:
     """Poincaré section of one motion: once a turn, and at every impact; what it is (period, quasi-periodic,
     chaotic) and what says so.
 
@@ -207,35 +179,29 @@ def section(
     inside the step. After Ctrl-C or a kill the same command goes on.
     """
 
-    def made(mechanism: Mechanism, **job: Any) -> Any:
+    def compute(mechanism: Mechanism, **job: Any) -> Any:
         from ...dynamics.sections import poincare_section
 
-        joints = tuple(mechanism.contacts) if impacts is None else tuple(impacts)
-        return poincare_section(mechanism, joints=joints, **looked_at(turns, drop, of, phase, step), **job)
+        joints = tuple(mechanism.contacts) if options.impacts is None else tuple(options.impacts)
+        return poincare_section(mechanism, joints=joints, **options.arguments(), **job)
 
-    MapCommand(model, "-section.map", target, figure, csv, set_, laws, yes, quiet, "--turns 90").run(made)
+    options.make("map", "-section.map", "--turns 90", compute)
 
 
-@map_.command(cls=Command)
-def basins(
-    model: ModelArgument,
-    over: OverTwo,
-    count: Counts = "16",
-    turns: TurnsOfStart = 60,
-    drop: Drop = None,
-    of: Of = None,
-    phase: Phase = 0.0,
-    exponents: Exponents = True,
-    companions: StartCompanions = 5,
-    step: Step = None,
-    target: Target = None,
-    figure: Figured = None,
-    csv: Csv = None,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    yes: Yes = False,
-    quiet: Quiet = False,
-) -> None:
+class BasinsOptions(OrbitOptions):
+    """Options of ``vfife map basins``."""
+
+    over: list[str] = option(..., GRID, "PATH=LOW..HIGH", show_default=False)
+    count: str = option("16", "Values of each.", "N[xM]")
+    turns: int = option(60, "Turns of each start.", "N", min=1, max=MOST_TURNS)
+    drop: int | None = option(None, DROP, "N", min=0, show_default="two thirds of them")
+    exponents: bool = flag(
+        "--exponents/--no-exponents", "Watch a small difference, by which chaos is told.", default=True
+    )
+    companions: int = option(5, "So many starts again with a coarser and a finer step.", "N", min=0)
+
+
+def basins(options: BasinsOptions) -> None:
     """Basins: a grid of two numbers of the start (crank angle, journal's place and velocity in its bearing)
     or of the model, coloured by motion.
 
@@ -243,83 +209,80 @@ def basins(
     on.
     """
 
-    def made(mechanism: Mechanism, **job: Any) -> Any:
+    def compute(mechanism: Mechanism, **job: Any) -> Any:
         from ...dynamics.basins import basins as basins_of
 
-        if len(over) != 2:
+        if len(options.over) != 2:
             how = "name two numbers, as in --over start.pin.x=-0.2..0.2mm --over start.pin.y=-0.2..0.2mm"
-            raise ValueError(f"--over: this is given {len(over)} times; {how}")
-        x, y = (number_range(mechanism, text, starts=True) for text in over)
-        asked = looked_at(turns, drop, of, phase, step)
-        return basins_of(
-            mechanism, x, y, count=counts(count), exponents=exponents, companions=companions, **asked, **job
-        )
+            raise ValueError(f"--over: this is given {len(options.over)} times; {how}")
+        x, y = (number_range(mechanism, text, starts=True) for text in options.over)
+        shared: dict[str, Any] = {
+            "count": counts(options.count),
+            "exponents": options.exponents,
+            "companions": options.companions,
+        }
+        return basins_of(mechanism, x, y, **shared, **options.arguments(), **job)
 
-    MapCommand(
-        model, "-basins.map", target, figure, csv, set_, laws, yes, quiet, "--count 10 --turns 30"
-    ).run(made)
+    options.make("map", "-basins.map", "--count 10 --turns 30", compute)
 
 
-@map_.command(cls=Command)
-def show(file: Kept, figure: Figured = None, csv: Csv = None) -> None:
+class ShowOptions(Options):
+    """Options of ``vfife map show``."""
+
+    file: Path = argument("What a map was kept in.", "FILE.map")
+    figure: Path | None = option(None, "The picture.", FIGURE_FILE, show_default="FILE.png")
+    csv: Path | None = option(None, "All points as a table.", "FILE.csv")
+
+
+def show(options: ShowOptions) -> None:
     """What a map, a section, basins or a waterfall came to so far, from their file; a figure and a table of
     it.
     """
-    with sentences(str(file)):
+    with sentences(str(options.file)):
         from ...dynamics.load_map import load_map
 
-        refuse_inputs((("--figure", figure), ("--csv", csv)), (file,))
-        found = load_map(file)
-    drawn_and_told(found, file, figure, csv, quiet=False, whole=False)
+        refuse_inputs((("--figure", options.figure), ("--csv", options.csv)), (options.file,))
+        result = load_map(options.file)
+    write_files(result, options.figure, options.csv)
+    describe(result, options.file, options.figure, options.csv)
 
 
-# ------------------------------------------------------------------------------------------------------------------ flow
+for command in (sweep, section, basins, show):
+    add_command(map_, command)
 
 
-@dataclass(frozen=True)
-class MapCommand:
-    """What every command of maps takes; ``ending``: of its file's name, after that of the model; ``kind``: of
-    the file; ``first_look``: options for less.
-    """
+def describe(result: Any, *files: Path | None) -> None:
+    """Print what a map shows, and the files that were written."""
+    from ...report.dynamics import document
 
-    model: Path
-    ending: str
-    target: Path | None
-    figure: Path | None
-    csv: Path | None
-    set_: list[str] | None
-    laws: list[Path] | None
-    yes: bool
-    quiet: bool
-    first_look: str = ""
-    kind: str = "map"
-
-    def run(self, made: Callable[..., Any], plot: Mapping[str, Any] | None = None) -> None:
-        """Makes it, draws it and says what it is; ends with a sentence and an exit code where it cannot be."""
-        place = self.target if self.target is not None else RUNS / f"{self.model.stem}{self.ending}"
-        with sentences(str(self.model)):
-            drawn = places(place, self.kind, self.figure, self.csv, self.target is None)
-            refuse_inputs(
-                (("-o", place), ("--figure", drawn), ("--csv", self.csv)), (self.model, *(self.laws or ()))
-            )
-            mechanism = read_model(self.model, self.set_, self.laws)
-        job = CommandJob(self.kind, place, yes=self.yes, quiet=self.quiet, first_look=self.first_look)
-        with job.at_work(str(self.model)):
-            found = made(mechanism, file=place, progress=job)
-        drawn_and_told(found, place, drawn, self.csv, self.quiet, plot=plot)
+    answer(document(result))
+    print_line(", ".join(str(path) for path in files if path is not None))
 
 
-def looked_at(
-    turns: int, drop: int | None, of: list[str] | None, phase: float, step: str | None
-) -> dict[str, Any]:
-    """Arguments that all maps have. Raises ValueError where no turn is left to look at."""
-    if drop is not None and drop >= turns:
-        raise ValueError(
-            f"--drop {drop}: no turn is left to look at of --turns {turns}; allowed: 0 to {turns - 1}, fewer"
-            " of them are dropped then"
-        )
-    size = None if step is None else positive("--step", step, "s")
-    return {"turns": turns, "dropped": drop, "series": of or (), "phase": phase / 360.0, "step": size}
+def unfinished(result: Any) -> str:
+    """How much of a map is complete, in words; nothing where all of it is."""
+    from ...dynamics.basins import Basins
+    from ...dynamics.sections import PoincareSection
+
+    if isinstance(result, PoincareSection):
+        total, noun = result.spec.turns - result.spec.dropped, "turns"
+    elif isinstance(result, Basins):
+        total, noun = result.spec.count, "starts"
+    else:
+        total, noun = len(result.spec.values), "values"
+    return f"{result.done:,} of {total:,} {noun}" if result.done < total else ""
+
+
+# ------------------------------------------------------------------------------------------------------ texts
+# of options
+
+
+class NumberRange(NamedTuple):
+    """A number of a model by its path, and its range (SI)."""
+
+    path: str
+    low: float
+    high: float
 
 
 def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
@@ -327,7 +290,7 @@ def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
     from ...dynamics.start_states import unit_of_start
     from ...units import number
 
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for item in [] if text.strip() == "own" else text.split(","):
         path, sign, value = (part.strip() for part in item.partition("="))
         if not (sign and path and value):
@@ -336,13 +299,13 @@ def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
                 ' "start.crank=90deg, start.pin.x=0.1mm"'
             )
         try:
-            found[path] = number(value, unit_of_start(mechanism, path))
+            values[path] = number(value, unit_of_start(mechanism, path))
         except ValueError as error:
             raise ValueError(f"--start {item.strip()}: {error}") from None
-    return found
+    return values
 
 
-def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> tuple[str, float, float]:
+def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> NumberRange:
     """A number of the model, or of a start too (``starts``), with its range (SI): PATH=LOW..HIGH. Raises
     ValueError.
     """
@@ -363,7 +326,7 @@ def number_range(mechanism: Mechanism, text: str, starts: bool = False) -> tuple
         raise ValueError(f"--over {text}: {error}") from None
     if not low < high:
         raise ValueError(f"--over {text}: the range is empty; write its lower end first")
-    return path, low, high
+    return NumberRange(path, low, high)
 
 
 def counts(text: str) -> tuple[int, int]:
@@ -375,51 +338,3 @@ def counts(text: str) -> tuple[int, int]:
     if not all(2 <= one <= MOST_STARTS for one in found):
         raise ValueError(f"--count {text}: allowed: 2 to {MOST_STARTS} values of each")
     return found
-
-
-def drawn_and_told(
-    found: Any,
-    place: Path,
-    drawn: Path | None,
-    csv: Path | None,
-    quiet: bool,
-    *,
-    whole: bool = True,
-    plot: Mapping[str, Any] | None = None,
-) -> None:
-    """Draws it, as ``plot`` says, writes its table, and says what it is; where it is not ``whole``, nobody
-    waits for the rest.
-    """
-    if drawn is not None:
-        with writing(str(drawn)):
-            from ...plots.style import saved
-
-            saved(found.plot(**plot or {}), drawn)
-    if csv is not None:
-        with writing(str(csv)):
-            found.write_csv(csv)
-    done, of_all, what = counted(found)
-    if not quiet:
-        from ...report.dynamics import document
-
-        answer(document(found))
-        print_line(", ".join(str(path) for path in (place, drawn, csv) if path is not None))
-    if whole and done < of_all:
-        tell(
-            "interrupted",
-            f"{NOW.by}: {done:,} of {of_all:,} {what} are complete and kept in {place}; the same command"
-            " goes on.",
-        )
-        raise typer.Exit(NOW.code)
-
-
-def counted(found: Any) -> tuple[int, int, str]:
-    """How much of it is done, of how much."""
-    from ...dynamics.basins import Basins
-    from ...dynamics.sections import PoincareSection
-
-    if isinstance(found, PoincareSection):
-        return found.done, found.spec.turns - found.spec.dropped, "turns"
-    if isinstance(found, Basins):
-        return found.done, found.spec.count, "starts"
-    return found.done, len(found.spec.values), "values"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from ...errors import suggestion
 from ...files import GALLERY, write_text
+from ..options import Options, argument, flag, option
 from ..terminal import answer, fail, sentences, writing
 
 if TYPE_CHECKING:
@@ -17,19 +18,19 @@ if TYPE_CHECKING:
 ROOM = Path(__file__).resolve().parents[2]
 FOLDERS = {"model": ROOM / "modelfile" / "templates", "model of the gallery": GALLERY}
 SCHEMA = ROOM / "modelfile" / "model.schema.json"
-NameArgument = Annotated[
-    str | None,
-    typer.Argument(metavar="[NAME]", help="Which one; without it all are listed.", show_default=False),
-]
-OutOption = Annotated[
-    Path | None,
-    typer.Option("-o", "--out", metavar="FILE", help="Write it into this file.", show_default=False),
-]
-ForceOption = Annotated[bool, typer.Option("--force", help="Replace a file that is there.")]
 
 
-def new(name: NameArgument = None, out: OutOption = None, force: ForceOption = False) -> None:
+class NewOptions(Options):
+    """Options of ``vfife new``."""
+
+    name: str | None = argument("Which one; without it all are listed.", "[NAME]", None)
+    out: Path | None = option(None, "Write it into this file.", "FILE", "-o", "--out")
+    force: bool = flag("--force", "Replace a file that is there.")
+
+
+def new(options: NewOptions) -> None:
     """A commented model file to start from, on standard output or into a file."""
+    name, out = options.name, options.out
     if name is None:
         if out is not None:
             fail(f"nothing says what to write into {out}; name one of {', '.join(templates())}")
@@ -40,7 +41,7 @@ def new(name: NameArgument = None, out: OutOption = None, force: ForceOption = F
         typer.echo(text, nl=False)
         return
     with sentences(str(out)), writing(str(out), "What was there is as it was."):
-        if out.exists() and not force:
+        if out.exists() and not options.force:
             raise ValueError("there is such a file already; choose another name, or replace it with --force")
         write_text(out, text)
 
@@ -82,19 +83,23 @@ def listing() -> Document:
     return Document([*tables, Paragraph("Write one with: vfife new NAME -o FILE")])
 
 
-StudyOption = Annotated[bool, typer.Option("--study", help="The schema of study files instead.")]
+class SchemaOptions(Options):
+    """Options of ``vfife schema``."""
+
+    out: Path | None = option(None, "Write it into this file.", "FILE", "-o", "--out")
+    study: bool = flag("--study", "The schema of study files instead.")
 
 
-def schema(out: OutOption = None, study: StudyOption = False) -> None:
+def schema(options: SchemaOptions) -> None:
     """JSON Schema of model files, for completion and checks in an editor: every key with its meaning, unit
     and limits.
     """
-    if study:
+    if options.study:
         from ...studies.spec.study_file import schema_text
     else:
         from ...modelfile.jsonschema import text as schema_text
-    if out is None:
+    if options.out is None:
         typer.echo(schema_text(), nl=False)
         return
-    with writing(str(out), "What was there is as it was."):
-        write_text(out, schema_text())
+    with writing(str(options.out), "What was there is as it was."):
+        write_text(options.out, schema_text())

@@ -5,12 +5,12 @@ from __future__ import annotations
 import difflib
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 
 from ...files import write_text
-from ..options import JsonOption
+from ..options import Options, argument, flag, option
 from ..signals import NOW
 from ..terminal import answer, errors, fail, json_text, print_json, sentences, span, tell, writing
 
@@ -25,50 +25,45 @@ NAMES = (
     "fig8", "fig9", "fig10", "fig12", "fig13", "fig15", "fig16", "fig17", "table3", "fig18", "fig19", "fig20", "table4",
     "claims", "infer", "beyond",
 )  # fmt: skip
-ItemArgument = Annotated[
-    str | None, typer.Argument(metavar="[ITEM]", help=f"One of {', '.join(NAMES)}.", show_default="all")
-]
-Folder = Annotated[
-    Path,
-    typer.Option("-o", "--output", metavar="FOLDER", help="Folder of the page; it may be there already."),
-]
-Budget = Annotated[float, typer.Option(metavar="SECONDS", min=1.0, help="How long `infer` searches.")]
-Seed = Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the search of `infer`.")]
-Stored = Annotated[
-    bool, typer.Option("--stored", help="With `infer`: show the stored search instead of searching.")
-]
 
 
-def paper(
-    item: ItemArgument = None,
-    folder: Folder = Path("paper"),
-    as_json: JsonOption = False,
-    budget: Budget = 600.0,
-    seed: Seed = 1,
-    stored: Stored = False,
-) -> None:
+class PaperOptions(Options):
+    """Options of ``vfife paper``."""
+
+    item: str | None = argument(f"One of {', '.join(NAMES)}.", "[ITEM]", None, show_default="all")
+    folder: Path = option(
+        Path("paper"), "Folder of the page; it may be there already.", "FOLDER", "-o", "--output"
+    )
+    as_json: bool = flag("--json", "Print one JSON value on standard output, and nothing else.")
+    budget: float = option(600.0, "How long `infer` searches.", "SECONDS", min=1.0)
+    seed: int = option(1, "Seed of the search of `infer`.", "N", min=0)
+    stored: bool = flag("--stored", "With `infer`: show the stored search instead of searching.")
+
+
+def paper(options: PaperOptions) -> None:
     """Compute the paper's figures and tables anew, judge its claims, and write a page.
 
     Without ITEM all of them, with the stored search for the lost parameters; `infer` searches anew within its
     budget. The folder holds index.html, figures and paper.json. Ctrl-C keeps the items that are done.
     """
-    names = chosen(item)
+    folder, names = options.folder, chosen(options.item)
     with sentences(f"-o {folder}"), writing(f"-o {folder}", "Nothing was begun."):
         if folder.exists() and not folder.is_dir():
             raise ValueError(f"-o {folder}: this is a file; name a folder")
         folder.mkdir(parents=True, exist_ok=True)
     began = time.monotonic()
-    searching = item is not None and names == ["infer"] and not stored
+    searches = options.item is not None and names == ["infer"] and not options.stored
     NOW.saved = f"Items that are done are kept in {folder}."
     with writing(f"-o {folder}", NOW.saved):
-        done, whole, parameters = work(names, folder, budget if searching else 0.0, seed)
-    if as_json:
-        print_json(payload(done, parameters))
+        work = compute(names, folder, options.budget if searches else 0.0, options.seed)
+    if options.as_json:
+        print_json(payload(work.items, work.parameters))
     else:
-        answer(document(done, folder, time.monotonic() - began))
-    if not whole:
+        answer(document(work.items, folder, time.monotonic() - began))
+    if not work.complete:
+        done = len(work.items)
         kept = (
-            f"{len(done)} of {len(names)} items were done; they are kept in {folder}"
+            f"{done} of {len(names)} items were done; they are kept in {folder}"
             if done
             else "no item was done"
         )
@@ -91,8 +86,16 @@ def chosen(item: str | None) -> list[str]:
     )
 
 
-def work(names: list[str], path: Path, budget: float, seed: int) -> tuple[list[Item], bool, dict[str, Any]]:
+class Work(NamedTuple):
     """The items that were computed, whether all of them were, and the inferred parameters (SI)."""
+
+    items: list[Item]
+    complete: bool
+    parameters: dict[str, Any]
+
+
+def compute(names: list[str], path: Path, budget: float, seed: int) -> Work:
+    """Compute items, and write their page."""
     from vfife_validation.paper.context import Context
     from vfife_validation.paper.items import make
     from vfife_validation.paper.page import Folder as PageFolder
@@ -100,7 +103,7 @@ def work(names: list[str], path: Path, budget: float, seed: int) -> tuple[list[I
 
     from ... import __version__
 
-    place, done, whole = PageFolder(path, f"Written by vfife {__version__}."), list["Item"](), True
+    place, done, complete = PageFolder(path, f"Written by vfife {__version__}."), list["Item"](), True
     with Line(names) as line:
         context = Context(line.tell, line.progress, budget, seed)
         try:
@@ -112,8 +115,8 @@ def work(names: list[str], path: Path, budget: float, seed: int) -> tuple[list[I
             if budget > 0.0:
                 write_text(path / "fitted.json", json_text(context.fit) + "\n")
         except KeyboardInterrupt:
-            whole = False
-    return done, whole, as_numbers(context.parameters)
+            complete = False
+    return Work(done, complete, as_numbers(context.parameters))
 
 
 class Line:

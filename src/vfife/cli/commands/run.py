@@ -1,4 +1,4 @@
-"""``vfife run`` and ``vfife resume``: from a model file to a run folder and a summary; what a signal leaves
+"""``vfife run`` and ``vfife resume``: from a model file to a run folder and a summary; an interrupted run
 goes on to the same bits.
 """
 
@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
@@ -21,13 +21,18 @@ from ...store.folder import MODEL, SUMMARY, kept_run, model_of, placed
 from ...store.schemas import RUN, is_run_file
 from ..job import CommandJob
 from ..options import (
-    JsonOption,
-    LawsOption,
-    ModelArgument,
-    RunArgument,
-    SetOption,
+    OF_MODEL,
+    JobOptions,
+    JsonOptions,
+    LawOptions,
+    LengthOptions,
+    ModelOptions,
+    OutputsOptions,
+    QuietOptions,
+    RunOptions,
+    flag,
+    option,
     positive,
-    read_model,
     take_laws,
     with_options,
 )
@@ -56,6 +61,9 @@ if TYPE_CHECKING:
     from ...store.runfile import RunFile
 
 GATHER = 0.25  # s: what a kill may cost, beside the steps that are being taken
+RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
+SUMMARY_KEYS = ("turns", "part", "measures", "ranges", "not_unique", "not_estimated", "trust")
+NOTHING = "That was before the first step, so there is nothing to keep."
 
 
 class Loops(StrEnum):
@@ -67,88 +75,46 @@ class Loops(StrEnum):
     interpreted = "interpreted"
 
 
-MODELS = "the model's"
-Folder = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", metavar="FOLDER", help="Run folder.", show_default="runs/MODEL"),
-]
-Step = Annotated[
-    str | None,
-    typer.Option(metavar="SECONDS", help='Time step, such as 1e-6 or "1 us", or auto.', show_default=MODELS),
-]
-Turns = Annotated[
-    float | None, typer.Option(metavar="N", help="Length in turns of the crank.", show_default=MODELS)
-]
-UNTIL = (
-    "End as soon as turns repeat within this share of their largest values, as in 1%, after --turns at the"
-    " latest."
-)
-Settle = Annotated[str | None, typer.Option(metavar="SHARE", help=UNTIL, show_default=MODELS)]
-Duration = Annotated[str | None, typer.Option(metavar="SECONDS", help="Length in time, instead of turns.")]
-Outputs = Annotated[
-    int | None,
-    typer.Option(metavar="N", min=1, help="Outputs per turn; per run without a crank.", show_default=MODELS),
-]
-Figures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures as well.")]
-Reference = Annotated[
-    bool, typer.Option("--reference/--no-reference", help="Compare with the ideal mechanism.")
-]
-ForceStep = Annotated[
-    bool, typer.Option("--force-step", help="Take a step that is larger than the stable one.")
-]
-Quiet = Annotated[
-    bool, typer.Option("--quiet", "-q", help="No progress line and no summary; warnings and errors are told.")
-]
-StartFrom = Annotated[
-    Path | None,
-    typer.Option(
-        "--start-from",
-        metavar="RUN",
-        help="A new run from where a former one ended (its folder or file), by its clock.",
-    ),
-]
-BESIDE = "Repeat a run with contact with N other step sizes, 0 to 7, to estimate its error; auto: 3."
-Companions = Annotated[str | None, typer.Option(metavar="N", help=BESIDE, show_default=MODELS)]
-Force = Annotated[bool, typer.Option("--force", help="Replace the run that is in the folder.")]
-Yes = Annotated[
-    bool, typer.Option("--yes", help="Run whatever it takes: hours, or half the memory or the disk.")
-]
-Resume = Annotated[
-    bool, typer.Option("--resume", help="Go on with the run in the folder, if this model was begun there.")
-]
-LoopOption = Annotated[Loops, typer.Option(help="Loop that makes the steps; all give the same bits.")]
+class AnswerOptions(JsonOptions, QuietOptions):
+    """What is printed and drawn of a run."""
+
+    figures: bool = flag("--figures/--no-figures", "Draw the figures as well.")
 
 
-UNTIL_HELP = 'Time at which it ends, such as 0.5 or "500 ms".'
-Until = Annotated[
-    str | None, typer.Option("--until", metavar="SECONDS", help=UNTIL_HELP, show_default="as planned")
-]
-RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
-NOTHING = "That was before the first step, so there is nothing to keep."
+class NewRunOptions(ModelOptions, LengthOptions, OutputsOptions, AnswerOptions, JobOptions):
+    """Options of ``vfife run``."""
+
+    folder: Path | None = option(None, "Run folder.", "FOLDER", "-o", "--output", show_default="runs/MODEL")
+    settle: str | None = option(
+        None, "End as soon as turns repeat within this share of their largest values, as in 1%, after --turns at the latest.", "SHARE",
+        show_default=OF_MODEL,
+    )  # fmt: skip
+    loop: Loops = option(Loops.auto, "Loop that makes the steps; all give the same bits.")
+    reference: bool = flag("--reference/--no-reference", "Compare with the ideal mechanism.", default=True)
+    start_from: Path | None = option(
+        None, "A new run from where a former one ended (its folder or file), by its clock.", "RUN"
+    )
+    force: bool = flag("--force", "Replace the run that is in the folder.")
+    resume: bool = flag("--resume", "Go on with the run in the folder, if this model was begun there.")
 
 
-def run(
-    model: ModelArgument,
-    folder: Folder = None,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    step: Step = None,
-    turns: Turns = None,
-    settle: Settle = None,
-    duration: Duration = None,
-    outputs: Outputs = None,
-    loop: LoopOption = Loops.auto,
-    figures: Figures = False,
-    reference: Reference = True,
-    force_step: ForceStep = False,
-    companions: Companions = None,
-    start: StartFrom = None,
-    force: Force = False,
-    resume: Resume = False,
-    yes: Yes = False,
-    as_json: JsonOption = False,
-    quiet: Quiet = False,
-) -> None:
+class ResumeOptions(RunOptions, LawOptions, AnswerOptions):
+    """Options of ``vfife resume``."""
+
+    until: str | None = option(
+        None, 'Time at which it ends, such as 0.5 or "500 ms".', "SECONDS", show_default="as planned"
+    )
+
+
+class OpenRun(NamedTuple):
+    """An open run file, what is run into it, and the checkpoint from which the run goes on."""
+
+    file: RunFile
+    prepared: Prepared
+    last: Checkpoint | None
+
+
+def run(options: NewRunOptions) -> None:
     """Run a model: a progress line, a summary, and a run folder.
 
     The folder holds the run file, the model as it was run, the summary, and figures where they are asked for;
@@ -156,59 +122,45 @@ def run(
     where the numbers became infinite or no equilibrium was found, 5 where something could not be written,
     130, 143 and 129 after Ctrl-C, SIGTERM and SIGHUP, which keep what was computed.
     """
-
+    model, folder = options.model, options.folder
     with sentences(str(model)):
-        mechanism = with_options(
-            read_model(model, set_, laws),
-            step=step,
-            turns=turns,
-            duration=duration,
-            outputs=outputs,
-            companions=companions,
-            settle=settle,
-        )
-        if resume and (begun := to_go_on(folder, model)) is not None:
-            goes_on(begun, mechanism, figures, as_json, quiet)
+        mechanism = with_options(options.mechanism(), options, outputs=options.outputs, settle=options.settle)
+        begun = folder if folder is not None else Path("runs") / model.stem
+        if options.resume and is_run_file(begun / "run.sqlite"):
+            refuse_other_model(begun, mechanism)
+            go_on(begun, None, options)
             return
-        place = placed(folder, model, replace=force, start=start)
-    for note in place.notes if not quiet else ():
+        place = placed(folder, model, replace=options.force, start=options.start_from)
+    for note in place.notes if not options.quiet else ():
         tell("note", f"{note}.")
     with sentences(str(model)):
         from ...simulation.result import Result
         from ...simulation.simulate import prepare
         from ...solvers.arguments import RunArguments
 
-        former = None if start is None else Result.load(start)
-        job = CommandJob("run", place.target, yes=yes, quiet=quiet, announced=False)
-        prepared = prepare(
-            mechanism, RunArguments(loop=loop.value, force_step=force_step), reference, former, job
-        )
-    carried(lambda: begun_in(place, prepared), place, figures, as_json, quiet)
+        former = None if options.start_from is None else Result.load(options.start_from)
+        job = CommandJob("run", place.target, yes=options.yes, quiet=options.quiet, announced=False)
+        arguments = RunArguments(loop=options.loop.value, force_step=options.force_step)
+        prepared = prepare(mechanism, arguments, options.reference, former, job)
+    run_into(place, lambda: create(place, prepared), options)
 
 
-def resume(
-    run: RunArgument,
-    until: Until = None,
-    laws: LawsOption = None,
-    figures: Figures = False,
-    as_json: JsonOption = False,
-    quiet: Quiet = False,
-) -> None:
+def resume(options: ResumeOptions) -> None:
     """Go on with a run that was interrupted or killed, as if nothing had happened: the same numbers, to the
     bit.
 
     With --until a run ends later than planned, also one that is complete; its step stays what it is. Exit
     codes are those of vfife run.
     """
-    with sentences(str(run)):
-        take_laws(laws)
-        end = None if until is None else positive("--until", until, "s")
+    with sentences(str(options.run)):
+        take_laws(options.laws)
+        until = positive("--until", options.until, "s")
         from ...store.connections import located
 
-        resumed(located(RUN, run).parent, end, figures, as_json, quiet)
+        go_on(located(RUN, options.run).parent, until, options)
 
 
-def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, Checkpoint | None]:
+def create(place: RunFolder, prepared: Prepared) -> OpenRun:
     """A new run file in its place."""
     from ...store.runfile import RunFile
 
@@ -219,18 +171,11 @@ def begun_in(place: RunFolder, prepared: Prepared) -> tuple[RunFile, Prepared, C
     )  # in a folder that this process has just made
     file = RunFile.create(place.run_file, meta, gather=GATHER)
     file.arrive = place.settle
-    return file, prepared, None
+    return OpenRun(file, prepared, None)
 
 
-def to_go_on(folder: Path | None, model: Path) -> Path | None:
-    """The folder of a run to go on with; None where there is none yet."""
-
-    path = folder if folder is not None else Path("runs") / model.stem
-    return path if is_run_file(path / "run.sqlite") else None
-
-
-def goes_on(path: Path, mechanism: Mechanism, figures: bool, as_json: bool, quiet: bool) -> None:
-    """Goes on with the run in a folder, if it is that of the model."""
+def refuse_other_model(path: Path, mechanism: Mechanism) -> None:
+    """Raise ValueError where the run in a folder is not that of the mechanism."""
     from ...modelfile import dump
 
     if model_of(path) != dump(mechanism):
@@ -238,63 +183,55 @@ def goes_on(path: Path, mechanism: Mechanism, figures: bool, as_json: bool, quie
             f"--resume: the run in {path} is that of another model, or of other options; name another folder,"
             " or leave --resume out"
         )
-    resumed(path, None, figures, as_json, quiet)
 
 
-def resumed(path: Path, until: float | None, figures: bool, as_json: bool, quiet: bool) -> None:
-    """Goes on with the run in a folder. Raises HeldError where another process does, ResumeError where there
-    is nothing to go on with.
+def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
+    """Go on with the run in a folder. Raises HeldError where another process does, ResumeError where there is
+    nothing to go on with.
     """
     from ...simulation.simulate import taken_up
     from ...store.runfile import RunFile
 
     place = kept_run(path)
 
-    def opened() -> tuple[RunFile, Prepared, Checkpoint | None]:
+    def reopen() -> OpenRun:
         file = RunFile.write(place.run_file, gather=GATHER)
         try:
             prepared, last = taken_up(file, until)
         except BaseException:
             file.close()
             raise
-        done = 0 if last is None else last.step
-        if not quiet:
-            tell("note", f"goes on after step {done:,} of {prepared.assembly.choice.steps:,}.")
-        return file, prepared, last
+        if not options.quiet:
+            tell(
+                "note",
+                f"goes on after step {0 if last is None else last.step:,} of"
+                f" {prepared.assembly.choice.steps:,}.",
+            )
+        return OpenRun(file, prepared, last)
 
-    def ending(result: Result) -> None:
-        if until is not None:
-            from ...modelfile import dump
-
-            write_text(place.path / MODEL, dump(result.record.assembly.mechanism))
-
-    carried(opened, place, figures, as_json, quiet, ending)
+    run_into(place, reopen, options, lengthened=until is not None)
 
 
 # ------------------------------------------------------------------------------------------------------------------ flow
 
 
-def carried(
-    opened: Callable[[], tuple[RunFile, Prepared, Checkpoint | None]],
-    place: RunFolder,
-    figures: bool,
-    as_json: bool,
-    quiet: bool,
-    ended: Callable[[Result], None] = lambda result: None,
+def run_into(
+    place: RunFolder, open_run: Callable[[], OpenRun], options: AnswerOptions, lengthened: bool = False
 ) -> None:
-    """Runs into a place, and says what came of it; ``ended`` sees the result first."""
+    """Run into a place, and describe the result; the model of a ``lengthened`` run is written anew."""
     try:
-        result = stepped(opened, place, quiet)
-        ended(result)
-        concluded(result, place, figures, as_json, quiet)
+        result = simulate_into(place, open_run, options.quiet)
+        if lengthened:
+            from ...modelfile import dump
+
+            write_text(place.path / MODEL, dump(result.record.assembly.mechanism))
+        conclude(result, place, options)
     finally:
         place.leave()
 
 
-def stepped(
-    opened: Callable[[], tuple[RunFile, Prepared, Checkpoint | None]], place: RunFolder, quiet: bool
-) -> Result:
-    """Runs into a place until the run ends, however it does; ends with a sentence and an exit code where it
+def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool) -> Result:
+    """Run into a place until the run ends, in whatever way; ends with a sentence and an exit code where it
     cannot be finished.
     """
     from ...simulation.simulate import carry_out
@@ -303,9 +240,9 @@ def stepped(
     NOW.last.append(place.leave)
     file: RunFile | None = None
     try:
-        file, prepared, resume = opened()
+        file, prepared, last = open_run()
         with ProgressLine(quiet) as line:
-            result = carry_out(prepared, progress=line, file=file, resume=resume)
+            result = carry_out(prepared, progress=line, file=file, resume=last)
         NOW.saved = kept_in(place)
         if result.record.status == Status.INTERRUPTED:
             file.put({"status": Status.INTERRUPTED})  # a summary of a long run takes its time
@@ -313,24 +250,22 @@ def stepped(
         file.close()
         return result
     except KeyboardInterrupt:
-        closed(file)
+        close(file)
         fail(f"{NOW.by}. {kept_in(place)}", NOW.code, word="interrupted")
     except (StorageError, OSError, MemoryError) as error:
-        closed(file)
-        said = str(error) if str(error) else "there is not enough memory"
-        fail(f"{said} {kept_in(place)}", STORAGE)
+        close(file)
+        fail(f"{str(error) or 'there is not enough memory'} {kept_in(place)}", STORAGE)
     except HeldError as error:
-        closed(file)
+        close(file)
         fail(str(error), BAD_INPUT)
     finally:
-        closed(file)
+        close(file)
         if not place.settled:
             place.leave()
 
 
-def closed(file: RunFile | None) -> None:
-    """Closes a run file, whatever state it is in: what was not committed is gone."""
-
+def close(file: RunFile | None) -> None:
+    """Close a run file in whatever state it is: what was not committed is lost."""
     if file is not None:
         try:
             file.close()
@@ -339,65 +274,54 @@ def closed(file: RunFile | None) -> None:
 
 
 def kept_in(place: RunFolder) -> str:
-    """What is kept of a run that was broken off, in a sentence."""
+    """What is kept of an interrupted run, in a sentence."""
     if not place.settled:
         return NOTHING
-    return (
-        f"What was computed until then is kept in {place.path}; go on with: {command()} resume"
-        f" {shlex.quote(str(place.path))}"
-    )
+    return f"What was computed until then is kept in {place.path}; go on with: {resume_command(place)}"
 
 
-def concluded(result: Result, place: RunFolder, figures: bool, as_json: bool, quiet: bool) -> None:
-    """Summary, figures, the one object or the tables, and the exit code."""
+def resume_command(place: RunFolder) -> str:
+    """The command with which a run goes on."""
+    return f"{command()} resume {shlex.quote(str(place.path))}"
 
-    cached = trouble()
-    notes = [
-        *place.notes,
-        *([cached] if cached else []),
-        *result.summary["run"]["notes"],
-        *result.summary["warnings"],
-    ]
-    if cached and not quiet:
+
+def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
+    """Write the summary and figures, print the object or the tables, and end with the exit code of the run."""
+    cached, record = trouble(), result.record
+    warnings = [*result.summary["run"]["notes"], *result.summary["warnings"]]
+    if cached and not options.quiet:
         tell("note", f"{cached}.")
-    NOW.saved = (
-        f"The run itself is whole, in {place.path}."
-        if result.record.status == Status.COMPLETE
-        else kept_in(place)
-    )
-    with writing(str(place.path), f"The run itself is whole, in {place.path}."):
+    complete = f"The run itself is whole, in {place.path}."
+    NOW.saved = complete if record.status == Status.COMPLETE else kept_in(place)
+    with writing(str(place.path), complete):
         write_text(place.path / SUMMARY, json_text(result.summary) + "\n")
-        if figures and result.record.status != Status.INTERRUPTED:
-            from ...plots import figures as drawn
-            from ...plots import save
+        if options.figures and record.status != Status.INTERRUPTED:
+            from ...plots import figures, save
 
-            save(drawn(result, result.reference), place.path / "figures")
-    word, sentence, code = ending(result, place)
-    if as_json:
-        print_json(payload(result, place, notes) | {"faults": [{"what": sentence}] if sentence else []})
-    elif not quiet:
-        show(result, place, figures)
-    elif result.record.status == Status.COMPLETE:
-        for warning in (*result.summary["run"]["notes"], *result.summary["warnings"]):
+            save(figures(result, result.reference), place.path / "figures")
+    ending = ending_of(result, place)
+    if options.as_json:
+        data = {key: result.summary[key] for key in RESULT_KEYS}
+        data |= {
+            "run": str(place.path),
+            "loop": record.loop,
+            "notes": [*place.notes, *([cached] if cached else []), *warnings],
+        }
+        data |= {key: result.summary[key] for key in SUMMARY_KEYS}
+        print_json(data | {"faults": [{"what": ending.sentence}] if ending.sentence else []})
+    elif not options.quiet:
+        show(result, place, options.figures)
+    elif record.status == Status.COMPLETE:
+        for warning in warnings:
             tell("warning", warning)
     place.leave()
-    if code:
-        tell(word, sentence, "bold yellow" if word == Status.INTERRUPTED else "bold red")
-        raise typer.Exit(code)
-
-
-def payload(result: Result, place: RunFolder, notes: list[str]) -> dict[str, Any]:
-    """What ``--json`` prints."""
-    found = {key: result.summary[key] for key in RESULT_KEYS}
-    told = {
-        key: result.summary[key]
-        for key in ("turns", "part", "measures", "ranges", "not_unique", "not_estimated", "trust")
-    }
-    return {**found, "run": str(place.path), "loop": result.record.loop, "notes": notes, **told}
+    if ending.code:
+        tell(ending.word, ending.sentence, "bold yellow" if ending.word == Status.INTERRUPTED else "bold red")
+        raise typer.Exit(ending.code)
 
 
 def show(result: Result, place: RunFolder, figures: bool) -> None:
-    """The summary, and what to do next."""
+    """Print the summary, and what to do next."""
     from rich.text import Text
 
     from ...report.summary import show as show_summary
@@ -420,14 +344,18 @@ def show(result: Result, place: RunFolder, figures: bool) -> None:
     )
 
 
-def ending(result: Result, place: RunFolder) -> tuple[str, str, int]:
+class Ending(NamedTuple):
     """How a run ended that did not come to its end: in a word, in a sentence, and as an exit code."""
-    record = result.record
-    status, choice, go_on = (
-        record.status,
-        record.assembly.choice,
-        f"{command()} resume {shlex.quote(str(place.path))}",
-    )
+
+    word: str
+    sentence: str
+    code: int
+
+
+def ending_of(result: Result, place: RunFolder) -> Ending:
+    """How a run ended; its code is 0 where it is complete."""
+    record, code = result.record, DIVERGED
+    status, again = record.status, resume_command(place)
     if record.message:
         done = max(len(record.steps) - 1, 0)
         kept = (
@@ -435,21 +363,20 @@ def ending(result: Result, place: RunFolder) -> tuple[str, str, int]:
             if done
             else f"The start is kept in {place.path}"
         )
-        broken = status == Status.INTERRUPTED
-        return (
-            status,
-            f"{record.message} {kept}{f'; go on with: {go_on}' if broken else '.'}",
-            NOW.code if broken else DIVERGED,
-        )
-    if status == Status.INTERRUPTED:
-        made = f"{NOW.by}: {record.reached:,} of {choice.steps:,} steps were made"
-        return status, f"{made}; they are kept in {place.path}, and the run goes on with: {go_on}", NOW.code
-    if status == Status.ENERGY:
+        interrupted = status == Status.INTERRUPTED
+        sentence = f"{record.message} {kept}{f'; go on with: {again}' if interrupted else '.'}"
+        code = NOW.code if interrupted else DIVERGED
+    elif status == Status.INTERRUPTED:
+        made = f"{NOW.by}: {record.reached:,} of {record.assembly.choice.steps:,} steps were made"
+        sentence, code = f"{made}; they are kept in {place.path}, and the run goes on with: {again}", NOW.code
+    elif status == Status.ENERGY:
         from ...report.divergence import energy_cause
 
-        return status, f"{energy_cause(result)} All of it is kept in {place.path}.", ENERGY
-    if status == Status.DIVERGED:
+        sentence, code = f"{energy_cause(result)} All of it is kept in {place.path}.", ENERGY
+    elif status == Status.DIVERGED:
         from ...report.divergence import diverged
 
-        return status, f"{diverged(record)} What was computed before is kept in {place.path}.", DIVERGED
-    return status, "", 0
+        sentence = f"{diverged(record)} What was computed before is kept in {place.path}."
+    else:
+        sentence, code = "", 0
+    return Ending(status, sentence, code)

@@ -3,68 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from ..job import FIGURES, CommandJob, refuse_endings
-from ..options import JsonOption, LawsOption, ModelArgument, SetOption, read_model, refuse_inputs
+from ...job.job import Interrupted
+from ..job import CommandJob
+from ..options import FileOptions, JobOptions, JsonOptions, LengthOptions, ModelOptions, option
+from ..outputs import refuse_endings, refuse_inputs, write_files
 from ..signals import NOTHING
-from ..terminal import answer, sentences, writing
-from .run import Companions, Duration, ForceStep, Quiet, Step, Turns, Yes
+from ..terminal import answer, end_interrupted, sentences
 
-Of = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--of",
-        metavar="MEASURE",
-        help="Measures, * for any signs.",
-        show_default="*.force.max, *.torque.max and *.angular_acceleration.max",
-    ),
-]
-To = Annotated[
-    list[str] | None,
-    typer.Option("--to", metavar="PATH", help="Numbers of the model, * for any signs.", show_default="all"),
-]
-Top = Annotated[int, typer.Option("-n", "--top", metavar="N", min=1, help="So many numbers of each measure.")]
-Runs = Annotated[
-    int | None,
-    typer.Option(
-        "--runs",
-        metavar="N",
-        help="So many runs with displaced steps, 1 to 8, have their mean taken.",
+if TYPE_CHECKING:
+    from ...results.derivatives import Sensitivity
+
+MEASURES = "*.force.max, *.torque.max and *.angular_acceleration.max"
+
+
+class SensitivityOptions(ModelOptions, LengthOptions, FileOptions, JsonOptions, JobOptions):
+    """Options of ``vfife sensitivity``."""
+
+    of: list[str] | None = option(None, "Measures, * for any signs.", "MEASURE", show_default=MEASURES)
+    to: list[str] | None = option(None, "Numbers of the model, * for any signs.", "PATH", show_default="all")
+    top: int = option(8, "So many numbers of each measure.", "N", "-n", "--top", min=1)
+    runs: int | None = option(
+        None,
+        "So many runs with displaced steps, 1 to 8, have their mean taken.",
+        "N",
         show_default="2 with contact",
-    ),
-]
-Figure = Annotated[
-    Path | None,
-    typer.Option("--figure", metavar="FILE.png|svg|pdf", help="Draw them as bars.", show_default=False),
-]
-Table = Annotated[
-    Path | None,
-    typer.Option("--csv", metavar="FILE.csv", help="Write all of them as a table.", show_default=False),
-]
+    )
 
 
-def sensitivity(
-    model: ModelArgument,
-    of: Of = None,
-    to: To = None,
-    top: Top = 8,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    step: Step = None,
-    turns: Turns = None,
-    duration: Duration = None,
-    companions: Companions = None,
-    runs: Runs = None,
-    force_step: ForceStep = False,
-    figure: Figure = None,
-    csv: Table = None,
-    yes: Yes = False,
-    as_json: JsonOption = False,
-    quiet: Quiet = False,
-) -> None:
+def sensitivity(options: SensitivityOptions) -> None:
     """Which number matters? The derivative of every measure by every number of the model, checked by finite
     changes of the number.
 
@@ -74,38 +42,43 @@ def sensitivity(
     finite changes contradict the derivative, the change for 1 % and its range stand in its place; where the
     sign is not known, a question mark.
     """
-    with sentences(str(model)):
-        refuse_endings((("--figure", figure, FIGURES), ("--csv", csv, (".csv",))), in_folder=True)
-        refuse_inputs((("--figure", figure), ("--csv", csv)), (model, *(laws or ())))
-        mechanism = read_model(model, set_, laws)
-        from ...studies.methods.derivatives import sensitivity as sensitive
+    with sentences(str(options.model)):
+        refuse_endings(options.figure, options.csv)
+        refuse_inputs((("--figure", options.figure), ("--csv", options.csv)), options.inputs)
+        mechanism = options.mechanism()
+        from ...studies.methods.derivatives import sensitivity as compute
 
-        length: dict[str, Any] = {"turns": turns, "duration": duration, "step": step}
-        beside: int | str | None = (
-            int(companions) if companions is not None and companions.isdecimal() else companions
+        length = {
+            name: getattr(options, name) for name in ("turns", "duration", "step", "runs", "force_step")
+        }
+        companions = options.companions
+        steps = int(companions) if companions is not None and companions.isdecimal() else companions
+        job = CommandJob("sensitivity", Path(), yes=options.yes, quiet=options.quiet, saved=NOTHING)
+        with job.at_work(str(options.model)):
+            try:
+                result = compute(
+                    mechanism,
+                    options.of or None,
+                    options.to or ("*",),
+                    companions=steps,
+                    progress=job,
+                    **length,
+                )
+            except Interrupted as interrupted:
+                result = interrupted.result
+    write_files(result, options.figure, options.csv, lambda: bars(result))
+    if options.as_json or not options.quiet:
+        from ...report.sensitivity import sensitivity as document
+
+        answer(document(result, options.top), options.as_json)
+    if not result.complete:
+        end_interrupted(
+            f": derivatives by {len(result.derivatives)} numbers are there, none of them checked."
         )
-        job = CommandJob("sensitivity", Path(), yes=yes, quiet=quiet, saved=NOTHING)
-        with job.at_work(str(model)):
-            found = sensitive(
-                mechanism,
-                of or None,
-                to or ("*",),
-                companions=beside,
-                runs=runs,
-                force_step=force_step,
-                progress=job,
-                **length,
-            )
-    if csv is not None:
-        with writing(str(csv)):
-            found.write_csv(csv)
-    if figure is not None:
-        with writing(str(figure)):
-            from ...plots.sensitivity import tornado
-            from ...plots.style import saved
 
-            saved(tornado(found), figure)
-    if as_json or not quiet:
-        from ...report import sensitivity as answers
 
-        answer(answers.sensitivity(found, top), as_json)
+def bars(result: Sensitivity) -> Any:
+    """The figure of the elasticities."""
+    from ...plots.sensitivity import tornado
+
+    return tornado(result)

@@ -5,34 +5,27 @@ exported and added to.
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from contextlib import ExitStack
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING
 
 import typer
-from typer.core import TyperGroup
 
 from ...solvers.status import Status
 from ...store.schemas import STUDY
+from ..job import StudyCommand
 from ..options import (
-    ClusterOption,
-    Device,
-    FileArgument,
-    Force,
-    JsonOption,
-    LawsOption,
-    Quiet,
-    Retry,
-    StudyArgument,
-    StudyCommand,
-    Target,
-    Workers,
-    Yes,
-    take_laws,
+    ConfirmOptions,
+    LawOptions,
+    MemberOptions,
+    RetryOptions,
+    StudyFileOptions,
+    StudyRunOptions,
+    argument,
+    option,
 )
-from ..registry import Command, Plainly
-from ..signals import NOW
-from ..terminal import DIVERGED, answer, command, sentences, tell
+from ..registry import DefaultGroup, add_command
+from ..terminal import DIVERGED, answer, command, end_interrupted, sentences, tell
 from .optimise import allocate
 from .study_info import export, indices, plot, show, tolerance
 
@@ -41,42 +34,15 @@ if TYPE_CHECKING:
     from ...store.lock import Lock
     from ...studies.study import StudyWork
 
-RUN = "run"
-Added = Annotated[
-    list[str] | None,
-    typer.Argument(
-        metavar="NAME=VALUE,VALUE",
-        help='Values to add, as in play="0.3 mm, 0.4 mm"; they are combined with all others.',
-    ),
-]
-Point = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--point",
-        metavar="NAME=VALUE,NAME=VALUE",
-        help="One member, a value for each parameter; may be repeated.",
-    ),
-]
-Count = Annotated[int | None, typer.Option(metavar="N", min=1, help="So many samples in all.")]
 
-
-class Group(Plainly, TyperGroup):
+class StudyGroup(DefaultGroup):
     """The commands of a study. What is no command is a study file, which is run."""
 
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Puts the command before a study file; a word that is no file's name is a command that there is not."""
-        word = args[0] if args else "--help"
-        if (
-            word not in self.commands
-            and word != "--help"
-            and (word.startswith("-") or Path(word).suffix or Path(word).exists())
-        ):
-            args = [RUN, *args]
-        return super().parse_args(ctx, args)
+    default = "run"
 
 
 study = typer.Typer(
-    cls=Group,
+    cls=StudyGroup,
     no_args_is_help=True,
     help=(
         "Run a model once for every choice of some of its numbers: vfife study STUDY.toml. What the members"
@@ -86,20 +52,11 @@ study = typer.Typer(
 )
 
 
-@study.command(RUN, cls=Command)
-def run(
-    file: StudyArgument,
-    output: Target = None,
-    laws: LawsOption = None,
-    force: Force = False,
-    yes: Yes = False,
-    retry: Retry = False,
-    workers: Workers = None,
-    cluster: ClusterOption = None,
-    device: Device = None,
-    as_json: JsonOption = False,
-    quiet: Quiet = False,
-) -> None:
+class RunStudyOptions(StudyRunOptions, RetryOptions):
+    """Options of ``vfife study run``."""
+
+
+def run(options: RunStudyOptions) -> None:
     """Run a study; `run` itself may be left out.
 
     A forecast of time and bytes comes first. Members that the file has already are not computed again, so the
@@ -108,13 +65,13 @@ def run(
     a member failed, 5 where something could not be written, 130, 143 and 129 after Ctrl-C, SIGTERM and
     SIGHUP.
     """
+    file = options.file
     with sentences(str(file)):
-        from ...studies.engine.cluster import Resources
         from ...studies.spec.plan import SEARCH
         from ...studies.spec.study_file import StudyTables
         from ...studies.study import StudyWork
 
-        take_laws(laws)
+        options.take_laws()
         if STUDY.owns(file):
             raise ValueError(
                 f"{file}: this is what a study was kept in; see vfife study show, resume or add, or name its"
@@ -126,108 +83,106 @@ def run(
                 f'the members of method = "{SEARCH}" are asked for by vfife optimise or vfife study allocate;'
                 " give it to one of them"
             )
-        resources = Resources(workers, None, cluster, device)
-        job = StudyCommand(file, output, yes, quiet)
-        work = StudyWork(job.target, plan, resources, force)
-    computed(job, work, as_json, retry)
+        job = StudyCommand(options, options.yes)
+        work = StudyWork(job.target, plan, options.resources(), options.force)
+    compute(options, job, work)
 
 
-@study.command(cls=Command)
-def resume(
-    file: FileArgument,
-    laws: LawsOption = None,
-    retry: Retry = False,
-    workers: Workers = None,
-    cluster: ClusterOption = None,
-    device: Device = None,
-    as_json: JsonOption = False,
-    quiet: Quiet = False,
-) -> None:
+class ResumeOptions(StudyFileOptions, MemberOptions, LawOptions, RetryOptions):
+    """Options of ``vfife study resume``."""
+
+
+def resume(options: ResumeOptions) -> None:
     """Go on with a study that was interrupted or killed, from its file alone. Members that failed are tried
     again with --retry.
     """
-    add(file, None, None, None, laws, True, retry, workers, cluster, device, as_json, quiet)
+    compute_added(options, yes=True)
 
 
-@study.command(cls=Command)
-def add(
-    file: FileArgument,
-    values: Added = None,
-    point: Point = None,
-    count: Count = None,
-    laws: LawsOption = None,
-    yes: Yes = False,
-    retry: Retry = False,
-    workers: Workers = None,
-    cluster: ClusterOption = None,
-    device: Device = None,
-    as_json: JsonOption = False,
-    quiet: Quiet = False,
-) -> None:
+class AddOptions(StudyFileOptions, MemberOptions, LawOptions, RetryOptions, ConfirmOptions):
+    """Options of ``vfife study add``."""
+
+    values: list[str] | None = argument(
+        'Values to add, as in play="0.3 mm, 0.4 mm"; they are combined with all others.',
+        "NAME=VALUE,VALUE",
+        None,
+        show_default=True,
+    )
+    point: list[str] | None = option(
+        None, "One member, a value for each parameter; may be repeated.", "NAME=VALUE,NAME=VALUE", "--point"
+    )
+    count: int | None = option(None, "So many samples in all.", "N", min=1)
+
+
+def add(options: AddOptions) -> None:
     """Add members to a study and compute those alone: values of a parameter, single points, or samples."""
+    compute_added(options, options.yes, options.values or (), options.point or (), options.count)
+
+
+def compute_added(
+    options: ResumeOptions | AddOptions,
+    yes: bool,
+    values: Sequence[str] = (),
+    points: Sequence[str] = (),
+    count: int | None = None,
+) -> None:
+    """Add members to a study, and compute all that it lacks."""
+    file = options.file
     with ExitStack() as held:
         with sentences(str(file)):
-            from ...studies.engine.cluster import Resources
             from ...studies.engine.run_missing import extended_plan, split_values
             from ...studies.study import StudyWork, study_lock
 
-            take_laws(laws)
-            resources = Resources(workers, None, cluster, device)
-            items, points = (
-                [split_values(text, "a value") for text in values or ()],
-                [split_values(text, "--point") for text in point or ()],
-            )
-            lock = (
-                held.enter_context(study_lock(file)) if file.exists() else None
-            )  # two that add at once would lose what one of them asks for
-            plan = extended_plan(
-                file, dict(pair for item in items for pair in item), [dict(one) for one in points], count
-            )
-            work = StudyWork(file, plan, resources)
-        computed(StudyCommand(file, file, yes, quiet), work, as_json, retry, lock)
+            options.take_laws()
+            resources = options.resources()
+            items = dict(pair for text in values for pair in split_values(text, "a value"))
+            members = [dict(split_values(text, "--point")) for text in points]
+            # The file is locked before it is read: of two commands that add at once, one would lose what the
+            # other adds.
+            lock = held.enter_context(study_lock(file)) if file.exists() else None
+            work = StudyWork(file, extended_plan(file, items, members, count), resources)
+        compute(options, StudyCommand(options, yes), work, lock)
 
 
-study.command(cls=Command)(show)
-study.command(cls=Command)(plot)
-study.command(cls=Command)(export)
-study.command(cls=Command)(tolerance)
-study.command(cls=Command)(indices)
-study.command(cls=Command)(allocate)
+for function in (run, resume, add, show, plot, export, tolerance, indices, allocate):
+    add_command(study, function)
 
 
-def computed(
-    job: StudyCommand, work: StudyWork, as_json: bool, retry: bool, lock: Lock | None = None
+def compute(
+    options: RunStudyOptions | ResumeOptions | AddOptions,
+    job: StudyCommand,
+    work: StudyWork,
+    lock: Lock | None = None,
 ) -> None:
-    """Computes what is left; says what was kept, and ends with the exit code of that."""
+    """Compute what a study lacks; describe it, and end with the exit code of that."""
     with job.at_work(str(job.target), job.kept):
-        found, whole = work.run(job, retry, lock)
-    if as_json or not job.quiet:
+        result, complete = work.run(job, options.retry, lock)
+    if options.as_json or not options.quiet:
         from ...report.study import document
 
-        answer(document(found), as_json)
-    if not whole:
+        answer(document(result), options.as_json)
+    if not complete:
         go_on = f"{command()} study resume {shlex.quote(str(job.target))}"
-        tell(
-            Status.INTERRUPTED,
-            f"{NOW.by}: {len(found.outcomes):,} of {len(found.members):,} members have ended; go on with:"
-            f" {go_on}",
+        end_interrupted(
+            f": {len(result.outcomes):,} of {len(result.members):,} members have ended; go on with: {go_on}"
         )
-        raise typer.Exit(NOW.code)
-    ended(found)
+    end(result)
 
 
-def ended(found: Study) -> None:
-    """The exit code of members that failed, which are told."""
-    bad = [reason for one, reason in found.failed if found.outcomes[one.number]["status"] != Status.COMPLETE]
+def end(result: Study) -> None:
+    """End with the exit code of members that failed, and with the reason of the first."""
+    bad = [
+        reason for one, reason in result.failed if result.outcomes[one.number]["status"] != Status.COMPLETE
+    ]
     if bad:
         again = (
-            f"; {command()} study resume --retry {shlex.quote(str(found.path))} tries them again"
-            if found.path
+            f"; {command()} study resume --retry {shlex.quote(str(result.path))} tries them again"
+            if result.path
             else ""
         )
         tell(
             "failed",
-            f"{len(bad):,} of {len(found.members):,} members gave no measures; the first: {bad[0]}{again}",
+            f"{len(bad):,} of {len(result.members):,} members gave no measures; the first: {bad[0]}{again}",
             "bold red",
         )
         raise typer.Exit(DIVERGED)

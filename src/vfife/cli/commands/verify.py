@@ -4,45 +4,46 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from ...report.document import Document, Paragraph, Table
-from ..options import JsonOption
+from ..options import JsonOptions, argument, flag
 from ..signals import NOW
 from ..terminal import answer, errors, fail, tell
 
 if TYPE_CHECKING:
     from vfife_validation.verification import Case, Row
 
-Told = tuple["Case", "list[Row]"]
+CaseRows = tuple["Case", "list[Row]"]
 
 
-def verify(
-    names: Annotated[
-        list[str] | None, typer.Argument(metavar="[CASE]...", help="These cases only.", show_default=False)
-    ] = None,
-    listed: Annotated[bool, typer.Option("--list", help="List the cases and run none.")] = False,
-    as_json: JsonOption = False,
-) -> None:
+class VerifyOptions(JsonOptions):
+    """Options of ``vfife verify``."""
+
+    names: list[str] | None = argument("These cases only.", "[CASE]...", None)
+    listed: bool = flag("--list", "List the cases and run none.")
+
+
+def verify(options: VerifyOptions) -> None:
     """Run the verification suite: our numbers beside published ones, closed forms and independent
     integrations. Exit code 1 if any fails.
     """
     from vfife_validation.verification import CASES
 
-    cases = chosen(CASES, names or [])
-    if listed:
-        show_list(cases, as_json)
+    cases = chosen(CASES, options.names or [])
+    if options.listed:
+        show_list(cases, options.as_json)
         return
-    done: list[Told] = []
+    done: list[CaseRows] = []
     interrupted = False
     try:
-        for told in checked(cases, quiet=as_json):
-            done.append(told)
+        for case in checked(cases, quiet=options.as_json):
+            done.append(case)
     except KeyboardInterrupt:
         interrupted = True
-    conclude(done, len(cases), interrupted, as_json)
+    conclude(done, len(cases), interrupted, options.as_json)
 
 
 def chosen(known: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
@@ -80,7 +81,7 @@ def show_list(cases: Sequence[Case], as_json: bool) -> None:
     answer(Document([Table(("case", "title", "source"), rows)], data=data), as_json)
 
 
-def checked(cases: Sequence[Case], quiet: bool) -> Iterator[Told]:
+def checked(cases: Sequence[Case], quiet: bool) -> Iterator[CaseRows]:
     """Runs the cases; on a terminal a line says which one is under way, and each one is shown when it is
     done.
     """
@@ -124,7 +125,7 @@ def verdict(passed: bool) -> str:
     return "passed" if passed else "FAILED"
 
 
-def conclude(done: Sequence[Told], wanted: int, interrupted: bool, as_json: bool) -> None:
+def conclude(done: Sequence[CaseRows], total: int, interrupted: bool, as_json: bool) -> None:
     """The last line, or the one object; then the exit code."""
     from vfife_validation.verification import entry
 
@@ -137,7 +138,7 @@ def conclude(done: Sequence[Told], wanted: int, interrupted: bool, as_json: bool
     words = Paragraph(said, style="bad" if failed else "good")
     answer(Document([words], data={**whole, "interrupted": True} if interrupted else whole), as_json)
     if interrupted:
-        tell("interrupted", f"Stopped by Ctrl-C after {len(done)} of {wanted} cases.")
+        tell("interrupted", f"Stopped by Ctrl-C after {len(done)} of {total} cases.")
         raise typer.Exit(NOW.code)
     if failed:
         raise typer.Exit(1)

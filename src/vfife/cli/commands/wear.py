@@ -3,175 +3,93 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import Any
 
 from ...store.schemas import WEAR
-from ..job import RUNS, CommandJob, places, refuse_endings
-from ..options import LawsOption, SetOption, positive, read_model, refuse_inputs
-from ..signals import NOW
-from ..terminal import answer, print_line, sentences, tell, writing
-from .map import STEP
-from .run import Quiet, Yes
-
-if TYPE_CHECKING:
-    from ...tribology.wear_state import Worn
+from ..job import RUNS, CommandJob
+from ..options import FIGURE_FILE, JobOptions, ModelOptions, argument, option, positive
+from ..outputs import figure_beside, refuse_endings, refuse_inputs, write_files
+from ..terminal import answer, end_interrupted, print_line, sentences
 
 MOST_BLOCK, MOST_HARMONICS, MOST_TURNS = 100_000, 32, 1e15
-Model = Annotated[
-    Path,
-    typer.Argument(metavar="MODEL.toml", help="Model file, or a wear file to be shown.", show_default=False),
-]
-Turns = Annotated[
-    float,
-    typer.Option("--turns", metavar="N", min=1, help="Turns of the crank, as in 1e7.", show_default="1e6"),
-]
-Block = Annotated[
-    int,
-    typer.Option("--block", metavar="N", min=1, max=MOST_BLOCK, help="Turns that are simulated for a rate."),
-]
-Settle = Annotated[
-    int,
-    typer.Option(
-        "--settle", metavar="N", min=1, max=MOST_BLOCK, help="Turns before them that are not looked at."
-    ),
-]
-Tolerance = Annotated[
-    float,
-    typer.Option(
-        "--tolerance", metavar="SHARE", help="Most error of a jump, as a share of the smallest clearance."
-    ),
-]
-Harmonics = Annotated[
-    int,
-    typer.Option(
-        "--harmonics",
-        metavar="N",
-        min=0,
-        max=MOST_HARMONICS,
-        help="Of the worn profiles that clearances follow; 0: they do not.",
-    ),
-]
-Step = Annotated[str | None, typer.Option("--step", metavar="TIME", help=STEP, show_default="automatic")]
-Play = Annotated[
-    str | None,
-    typer.Option(
-        "--clearance", metavar="LENGTH", help="Play of a joint that ends its life.", show_default=False
-    ),
-]
-Force = Annotated[
-    str | None,
-    typer.Option("--force", metavar="FORCE", help="Force of a joint that ends its life.", show_default=False),
-]
-Target = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", metavar="FILE.wear", help="Where to keep it.", show_default="runs/MODEL.wear"
-    ),
-]
-Figure = Annotated[
-    Path | None,
-    typer.Option("--figure", metavar="FILE.png|svg|pdf", help="The figure.", show_default="FILE-wear.png"),
-]
-Table = Annotated[
-    Path | None, typer.Option("--csv", metavar="FILE.csv", help="All depths as a table.", show_default=False)
-]
-Saved = Annotated[
-    Path | None,
-    typer.Option(
-        "--worn", metavar="WORN.toml", help="The model as it is worn in the end.", show_default=False
-    ),
-]
 
 
-def wear(
-    model: Model,
-    turns: Turns = 1e6,
-    block: Block = 4,
-    settle: Settle = 4,
-    tolerance: Tolerance = 0.01,
-    harmonics: Harmonics = 8,
-    clearance: Play = None,
-    force: Force = None,
-    step: Step = None,
-    target: Target = None,
-    figure: Figure = None,
-    csv: Table = None,
-    saved: Saved = None,
-    set_: SetOption = None,
-    laws: LawsOption = None,
-    yes: Yes = False,
-    quiet: Quiet = False,
-) -> None:
+class WearOptions(ModelOptions, JobOptions):
+    """Options of ``vfife wear``."""
+
+    model: Path = argument("Model file, or a wear file to be shown.", "MODEL.toml")
+    turns: float = option(1e6, "Turns of the crank, as in 1e7.", "N", min=1, show_default="1e6")
+    block: int = option(4, "Turns that are simulated for a rate.", "N", min=1, max=MOST_BLOCK)
+    settle: int = option(4, "Turns before them that are not looked at.", "N", min=1, max=MOST_BLOCK)
+    tolerance: float = option(0.01, "Most error of a jump, as a share of the smallest clearance.", "SHARE")
+    harmonics: int = option(
+        8, "Of the worn profiles that clearances follow; 0: they do not.", "N", min=0, max=MOST_HARMONICS
+    )
+    clearance: str | None = option(None, "Play of a joint that ends its life.", "LENGTH")
+    force: str | None = option(None, "Force of a joint that ends its life.", "FORCE")
+    step: str | None = option(
+        None, "Time step; a turn has a whole number of them.", "TIME", show_default="automatic"
+    )
+    target: Path | None = option(
+        None, "Where to keep it.", "FILE.wear", "-o", "--output", show_default="runs/MODEL.wear"
+    )
+    figure: Path | None = option(None, "The figure.", FIGURE_FILE, show_default="FILE-wear.png")
+    csv: Path | None = option(None, "All depths as a table.", "FILE.csv")
+    worn: Path | None = option(None, "The model as it is worn in the end.", "WORN.toml")
+
+
+def wear(options: WearOptions) -> None:
     """Wear of joints with play over many turns, by Archard's law: blocks of turns that are simulated, and
     jumps with a known error between them.
 
     The joints that wear have a table wear in the model. Clearances follow the worn surfaces. After Ctrl-C or
     a kill the same command goes on.
     """
-    kept = WEAR.owns(model)
-    place = model if kept else target if target is not None else RUNS / f"{model.stem}.wear"
-    job = CommandJob("wear", place, yes=yes, quiet=quiet)
+    model, turns, target = options.model, options.turns, options.target
+    is_wear_file = WEAR.owns(model)
+    place = model if is_wear_file else target if target is not None else RUNS / f"{model.stem}.wear"
     with sentences(str(model)):
         if not turns <= MOST_TURNS:  # not a bound of the option: its help would be widened by all its zeros
             raise ValueError(f"--turns {turns:g}: more than can be counted; allowed: 1 to {MOST_TURNS:g}")
-        drawn = places(place, "wear", figure, csv, target is None and not kept)
-        refuse_endings((("--worn", saved, (".toml",)),), in_folder=True)
-        targets = (
-            ("--figure", drawn),
-            ("--csv", csv),
-            ("--worn", saved),
-            *((("-o", place),) if not kept else ()),
+        figure = figure_beside(
+            place, "wear", options.figure, options.csv, target is None and not is_wear_file
         )
-        refuse_inputs(targets, (model, *(laws or ())))
+        refuse_endings(None, None, options.worn, model_option="--worn")
+        targets = (("--figure", figure), ("--csv", options.csv), ("--worn", options.worn))
+        refuse_inputs((*targets, *((("-o", place),) if not is_wear_file else ())), options.inputs)
         from ...tribology.simulate_wear import load_wear
-        from ...tribology.simulate_wear import wear as worn_over
 
-        if kept:
-            found = load_wear(model)
-        else:
-            mechanism = read_model(model, set_, laws)
-            sizes = [
-                None if text is None else positive(option, text, unit)
-                for option, text, unit in (
-                    ("--clearance", clearance, "m"),
-                    ("--force", force, "N"),
-                    ("--step", step, "s"),
-                )
-            ]
-            with job.at_work(str(model)):
-                job.start()
-                found = worn_over(
-                    mechanism, turns, block=block, settle=settle, tolerance=tolerance, harmonics=harmonics, clearance=sizes[0], force=sizes[1],
-                    step=sizes[2], file=place, progress=job,
-                )  # fmt: skip
-    keep(found, drawn, csv, saved)
-    if not quiet:
+        result = load_wear(model) if is_wear_file else simulate_wear(options, place)
+    write_files(result, figure, options.csv)
+    if options.worn is not None:
+        from ...modelfile.write import save_model
+
+        with sentences(str(options.worn)):
+            save_model(result.mechanism(), options.worn)
+    if not options.quiet:
         from ...report.wear import document
 
-        answer(document(found))
-        print_line(f"{place}, {drawn}")
-    if not found.complete and not kept:
-        tell(
-            "interrupted",
-            f"{NOW.by}: {found.turns[-1]:,.0f} of {turns:,.0f} turns are known and kept in {place}; the same"
-            " command goes on.",
+        answer(document(result))
+        print_line(f"{place}, {figure}")
+    if not result.complete and not is_wear_file:
+        end_interrupted(
+            f": {result.turns[-1]:,.0f} of {turns:,.0f} turns are known and kept in {place}; the same command"
+            " goes on."
         )
-        raise typer.Exit(NOW.code)
 
 
-def keep(found: Worn, drawn: Path, csv: Path | None, saved: Path | None) -> None:
-    """Figure, table and worn model."""
-    with writing(str(drawn)):
-        from ...plots.style import saved as written
+def simulate_wear(options: WearOptions, place: Path) -> Any:
+    """Wear of a model, kept in a file."""
+    from ...tribology.simulate_wear import wear as simulate
 
-        written(found.plot(), drawn)
-    if csv is not None:
-        with writing(str(csv)):
-            found.write_csv(csv)
-    if saved is not None:
-        from ...modelfile.files import save_model
-
-        with sentences(str(saved)):
-            save_model(found.mechanism(), saved)
+    job = CommandJob("wear", place, yes=options.yes, quiet=options.quiet)
+    mechanism = options.mechanism()
+    lengths = {
+        "clearance": positive("--clearance", options.clearance, "m"),
+        "force": positive("--force", options.force, "N"),
+        "step": positive("--step", options.step, "s"),
+    }
+    numbers = {name: getattr(options, name) for name in ("block", "settle", "tolerance", "harmonics")}
+    with job.at_work(str(options.model)):
+        job.start()
+        return simulate(mechanism, options.turns, **numbers, **lengths, file=place, progress=job)

@@ -15,7 +15,7 @@ from ...errors import Path as KeyPath
 from ...files import read_bytes, write_text
 from ...model.mechanism import Mechanism
 from ...modelfile import loads
-from ...modelfile.edited import edited
+from ...modelfile.text import edited
 from ...modelfile.write import value as toml_text
 
 LARGEST = 2_000_000  # bytes of a model file

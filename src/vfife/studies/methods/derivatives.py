@@ -20,7 +20,7 @@ from ...compiler.runtime.native import CONTACT_LANES
 from ...errors import Fault, ModelError, VfifeError, suggestion
 from ...job.amounts import counted
 from ...job.cost import LANES, Forecast, cores, run_cost, timed
-from ...job.job import job_of
+from ...job.job import Interrupted, job_of
 from ...measures.catalogue import INFLUENCE, MOMENT, OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
 from ...measures.ranges import over_tries, ranged
 from ...model.mechanism import Mechanism
@@ -88,7 +88,8 @@ def sensitivity(
     and those that nothing depends on, are left out. Derivatives of a measure on which the companions of the
     run disagree mean nothing, and are marked. Measures relative to the ideal mechanism take its derivatives
     into account. ``confirm``: go on even where it takes more than an hour. Raises ModelError for patterns
-    that fit nothing, VfifeError for a run that diverges, KeyboardInterrupt, and what simulate raises.
+    that fit nothing, VfifeError for a run that diverges, :class:`~vfife.job.job.Interrupted` on Ctrl-C, with
+    the derivatives that are there, unchecked, and what simulate raises.
     """
     arguments, runs = Arguments("sensitivity"), options["runs"]
     arguments.mechanism(mechanism)
@@ -103,6 +104,8 @@ def sensitivity(
         prepared = prepare(mechanism, run_arguments)
         job.begin(forecast(prepared, mechanism, sum(value != 0.0 for value in chosen.values()), runs))
         result = carry_out(prepared, progress=job)
+    if result.record.status == Status.INTERRUPTED:
+        raise Interrupted(Sensitivity(mechanism.name, {}, complete=False))
     refuse_unended(result.record)
     return differentiate(dump(mechanism), result, of, chosen, runs)
 
@@ -133,7 +136,10 @@ def differentiate(
     if runs is not None and record.assembly.contacts:
         count = runs
     task = Differentiation(variants, result, tuple(names), LastTurn(measures), count, relative)
-    derivatives = task.derivatives(directions)
+    try:
+        derivatives, complete = task.derivatives(directions), True
+    except Interrupted as interrupted:
+        derivatives, complete = interrupted.result, False
     sizes = {name: max((size_of_change(one, name) for one in derivatives), default=0.0) for name in names}
     remainders = rounding(values, sizes, floors(record.assembly, values)) & names.keys()
     significant = {name: value for name, value in names.items() if name not in remainders}
@@ -145,6 +151,9 @@ def differentiate(
         for one in derivatives
         if any(matters(answer, name, one.path) for name in one.values if name in significant)
     ]
+    if not complete:
+        answer.complete = False
+        raise Interrupted(answer)
     return answer
 
 
@@ -212,31 +221,41 @@ class Differentiation:
 
     def derivatives(self, directions: list[Direction]) -> list[Derivative]:
         """Return the derivatives by each number: by the tangents of displaced runs and of other step sizes,
-        judged by finite changes at all of these sizes.
+        judged by finite changes at all of these sizes. Raises Interrupted on Ctrl-C, with the derivatives of
+        displaced runs that are there.
         """
+        unchecked: dict[str, Derivative] = {}
+        try:
+            return self.checked_derivatives(directions, unchecked)
+        except KeyboardInterrupt:
+            raise Interrupted(list(unchecked.values())) from None
+
+    def checked_derivatives(
+        self, directions: list[Direction], unchecked: dict[str, Derivative]
+    ) -> list[Derivative]:
+        """Return the derivatives by each number; ``unchecked`` takes those of displaced runs as they come."""
         base, chosen, reference = (
             self.variants.assembly,
             {one.path: one.value for one in directions},
             self.reference,
         )
         references, sizes = self.neighbour_references(directions), step_sizes(base)
-        derivatives: dict[str, Derivative] = {}
         slopes: dict[str, dict[str, list[float]]] = {}  # by path and measure, of all displaced runs and sizes
         for k, size in enumerate(sizes):
             near = [one.with_size(size) for one in directions] if k else directions
             for one, pairs in record_pairs(size.of(base), near, self.measures, 1 if k else self.count):
                 quotients = self.quotients(one, pairs, references.get(one.path, (reference, reference)))
-                if one.path not in derivatives:
+                if one.path not in unchecked:
                     means = {name: fmean(values) for name, values in quotients.items()}
                     ranges = {name: (min(values), max(values)) for name, values in quotients.items()}
-                    derivatives[one.path] = Derivative(one.path, one.value, means, ranges, runs=len(pairs))
+                    unchecked[one.path] = Derivative(one.path, one.value, means, ranges, runs=len(pairs))
                 for name, values in quotients.items():
                     slopes.setdefault(one.path, {}).setdefault(name, []).extend(values)
         ideals = {} if self.ideal is None else ideal_references(self.ideal, chosen, LastTurn(PEAKS))
         changes = finite_changes(self.variants, chosen, sizes, self.measures, reference, ideals)
         largest = {name: changes.largest(name, chosen) for name in self.names}
         return [
-            compared_with_changes(derivatives[path], slopes[path], changes, largest)
+            compared_with_changes(unchecked[path], slopes[path], changes, largest)
             for path in chosen
             if path in slopes
         ]
@@ -332,9 +351,7 @@ def rounding(
 
 
 def refuse_unended(record: Record) -> None:
-    """Raise KeyboardInterrupt for a run that was interrupted, VfifeError for one that did not complete."""
-    if record.status == Status.INTERRUPTED:
-        raise KeyboardInterrupt
+    """Raise VfifeError for a run that did not complete."""
     if record.status != Status.COMPLETE:
         what = f"the run ended as {record.status} after step {record.reached}"
         raise VfifeError(f"{what}, so it has no derivatives; see vfife run")

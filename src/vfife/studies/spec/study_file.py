@@ -162,7 +162,7 @@ def base_model(
     try:
         if base is not None:
             return loads(dump(base), items, file=base.source) if items else base
-        return load(folder / spec.model, items)
+        return load(folder / spec.model, set=items)
     except ModelError as error:
         faults += [one.at(f"{article('model')} {spec.model}, {one.where}") for one in error.faults]
     except (TypeError, ValueError) as error:

@@ -1,0 +1,159 @@
+"""Files that a command writes: where none may be written, and how one is."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..files import read_bytes
+from ..store.folder import is_own
+from .terminal import writing
+
+PICTURES = (".png", ".svg", ".pdf")  # endings of figures, as plots has them; a test compares
+LARGEST_MODEL = 8_000_000  # bytes of a model in which names of CSV files are looked for
+
+
+def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[Path | None]) -> None:
+    """Raise ValueError with all targets (option and file) that are folders or would replace an input or each
+    other.
+
+    Inputs are the files that are named and the CSV files that models among them name.
+    """
+    read = [path for one in inputs if one is not None for path in (one, *tables_of(one))]
+    refusals: list[str] = []
+    seen: list[tuple[str, Path]] = []
+    for option, path in targets:
+        if path is None:
+            continue
+        if path.is_dir():
+            refusals.append(f"{option} {path}: this is a folder; name a file")
+        elif any(same(path, one) for one in read):
+            refusals.append(
+                f"{option} {path}: this file is read, and would be written over; name another file"
+            )
+        elif (other := next((word for word, one in seen if same(path, one)), None)) is not None:
+            refusals.append(f"{option} {path}: {other} is written there too; name another file")
+        seen.append((option, path))
+    if refusals:
+        raise ValueError("; ".join(refusals))
+
+
+def same(one: Path, other: Path) -> bool:
+    """Whether two names are of one file, by links too."""
+    try:
+        return one.samefile(other)
+    except (OSError, ValueError):
+        return one.absolute() == other.absolute()
+
+
+def tables_of(model: Path) -> list[Path]:
+    """The CSV files that a model names, as far as it can be read."""
+    try:
+        if model.suffix.lower() != ".toml" or model.stat().st_size > LARGEST_MODEL:
+            return []
+        raw = tomllib.loads(read_bytes(model).decode("utf-8"))
+        return [model.parent / text for text in texts(raw) if text.lower().endswith(".csv")]
+    except (OSError, ValueError, RecursionError):  # reported when the model is read
+        return []
+
+
+def texts(value: Any) -> Iterator[str]:
+    """All texts in a table of TOML."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict | list):
+        for one in value.values() if isinstance(value, dict) else value:
+            yield from texts(one)
+
+
+def refuse_endings(
+    figure: Path | None, csv: Path | None, model: Path | None = None, *, model_option: str = ""
+) -> None:
+    """Raise ValueError for a figure, a table or a model of another ending, or in a folder that does not
+    exist.
+    """
+    for option, path, endings in (
+        ("--figure", figure, PICTURES),
+        ("--csv", csv, (".csv",)),
+        (model_option, model, (".toml",)),
+    ):
+        if path is not None and not (path.suffix.lower() in endings and path.absolute().parent.is_dir()):
+            raise ValueError(
+                f"{option} {path}: this is no file ending in {' or '.join(endings)}, in a folder that is"
+                " there; name one"
+            )
+
+
+def refuse_ending(target: Path, endings: Sequence[str]) -> None:
+    """Raise ValueError where the ending of a file is none of these."""
+    if target.suffix.lower() not in endings:
+        known = f"{', '.join(endings[:-1])} and {endings[-1]}"
+        raise ValueError(
+            f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv:'
+            f" there are {known}"
+        )
+
+
+def refuse_taken(target: Path, force: bool) -> None:
+    """Raise ValueError where a file cannot be written, or would replace another one without ``force``."""
+    if target.is_dir():
+        raise ValueError(f"this is a folder; name a file, such as out{target.suffix}")
+    if target.exists() and not force:
+        raise ValueError(
+            "there is a file of this name already; name another one, or add --force to replace it"
+        )
+    refuse_folder("", target)
+
+
+def refuse_folder(option: str, target: Path) -> None:
+    """Raise ValueError where there is no folder for a file."""
+    if not (folder := target.absolute().parent).is_dir():
+        raise ValueError(
+            f"{option} {target}: there is no folder {folder}; make it first"
+            if option
+            else f"there is no folder {folder}; make it first"
+        )
+
+
+def figure_beside(place: Path, kind: str, figure: Path | None, csv: Path | None, own_folder: bool) -> Path:
+    """Where the figure of a file of a ``kind`` goes; ``own_folder``: the folder of the file is made.
+
+    Raises ValueError for a place that cannot be, or that is of another file.
+    """
+    if place.is_dir() or place.suffix.lower() in (*PICTURES, ".csv"):
+        raise ValueError(
+            f"-o {place}: a {kind} file is kept here; name a file that ends otherwise, as in"
+            f" {place.stem or 'model'}.{kind}"
+        )
+    own = (
+        place.with_suffix(".png") if kind == "map" else place.with_name(f"{place.stem}-{kind}.png")
+    )  # a model has files of several kinds
+    target = figure if figure is not None else own
+    for option, path, endings in (("--figure", target, PICTURES), ("--csv", csv, (".csv",))):
+        if path is not None and path.suffix.lower() not in endings:
+            raise ValueError(f"{option} {path}: this ends in none of {', '.join(endings)}; name another file")
+    if figure is None and target.is_file() and not is_own(target, None):
+        raise ValueError(
+            f"{target}: a picture that vfife did not draw is where one would be drawn; name another place"
+            " with --figure"
+        )
+    for option, path in (("-o", place), ("--figure", target), ("--csv", csv)):
+        if path is not None and not (own_folder and path.parent == place.parent):
+            refuse_folder(option, path)
+    return target
+
+
+def write_files(
+    result: Any, figure: Path | None, csv: Path | None, draw: Callable[[], Any] | None = None
+) -> None:
+    """Draw a result, and write its table, where there is a place for it."""
+    if figure is not None:
+        with writing(str(figure)):
+            from ..plots.style import saved
+
+            saved((draw or result.plot)(), figure)
+    if csv is not None:
+        with writing(str(csv)):
+            result.write_csv(csv)
