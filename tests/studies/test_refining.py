@@ -28,7 +28,7 @@ from vfife.studies.spec.study_file import StudyTables
 
 XY = (Axis("x", -2.0, 2.0), Axis("y", 0.01, 10.0, logarithmic=True))
 DISK = Search(
-    (*XY, Axis("word", values=("a", "b")), Axis("teeth", 5.0, 9.0, whole=True)),
+    (*XY, Axis("word", values=("a", "b")), Axis("teeth", 5.0, 9.0, integer=True)),
     ("f",),
     (Bound("r", high=1.0),),
     1,

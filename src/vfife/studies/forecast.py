@@ -50,14 +50,14 @@ LESS = "ask for fewer members or turns"
 
 @dataclass(frozen=True)
 class CasesLeft:
-    """The cases of a study that are to be run: ``some`` of them, how many are ``left`` and ``known``, and the
+    """The cases of a study that are to be run: ``some`` of them, how many are ``left`` and ``done``, and the
     ``width``, how many are asked for at once.
     """
 
     plan: Plan
     some: Sequence[Numbers]
     left: int
-    known: int
+    done: int
     width: float = math.inf
 
     def forecast(self) -> Forecast:
@@ -66,7 +66,7 @@ class CasesLeft:
         """
         every = [one for numbers in self.some[::3] if (one := self.assembled(numbers)) is not None]
         if not every or not self.left:
-            return Forecast("member", self.left, known=self.known, less=LESS)
+            return Forecast("member", self.left, known=self.done, less=LESS)
         unfit = {one.choice.turn for one in every if not streams(one) and not one.choice.automatic} - {None}
         lanes = 1 if unfit else stream_lanes(max(len(one.topology.contact_bearing) for one in every))
         seconds = sum(stream(one, self.width, lanes).seconds(self.left) for one in every) / len(every)
@@ -77,7 +77,7 @@ class CasesLeft:
         remarks = [text] if (text := remark_on_last(self.plan.spec)) else []
         remarks += [remark_on_step({turn for turn in unfit if turn}, self.plan.spec)] if unfit else []
         return Forecast(
-            "member", self.left, steps, seconds, disk=disk, known=self.known, threads=cores(), lanes=lanes,
+            "member", self.left, steps, seconds, disk=disk, known=self.done, threads=cores(), lanes=lanes,
             less=LESS, remarks=tuple(remarks),
         )  # fmt: skip
 
@@ -132,8 +132,8 @@ def finished(file: Path | None) -> set[str]:
 
 def study_forecast(plan: Plan, file: Path | None, retry: bool = False) -> Forecast:
     """Forecast the cases of a plan that the file does not have, and the sample of them that is repeated."""
-    numbers, known = plan.numbers(), finished(file)
-    left = [one for one in numbers if hash_of(one) not in known]
+    numbers, hashes = plan.numbers(), finished(file)
+    left = [one for one in numbers if hash_of(one) not in hashes]
     cases = CasesLeft(plan, some_of(left), len(left), len(numbers) - len(left)).forecast()
     if not left:
         what = f"nothing is left to compute: all {len(numbers):,} members are in {file}."
@@ -151,13 +151,15 @@ def search_forecast(plan: Plan, search: Search, file: Path | None) -> Forecast:
         return {one.name: values[one.name] if one.values else one.value(share) for one in search.axes}
 
     some = [case_numbers(plan.parameters, at((k + 0.5) / SOME)) for k in range(SOME)]
-    known = min(len(finished(file)), search.members)
-    cases = CasesLeft(plan, some, search.members - known, known, search.batch)
+    done = min(len(finished(file)), search.members)
+    cases = CasesLeft(plan, some, search.members - done, done, search.batch)
     forecast, refining = cases.forecast(), local_search_seconds(cases, search)
     first, each = CHOOSING[len(search.aims) > 1]
     choosing = search.members * (first + each * search.members)  # those that are known are chosen again
-    more = counted(search.refine, "member")
-    parts = (f"up to {more} more by derivatives, in at most {span(refining)} of that.",) if refining else ()
+    further = counted(search.refine, "member")
+    parts = (
+        (f"up to {further} more by derivatives, in at most {span(refining)} of that.",) if refining else ()
+    )
     return dataclasses.replace(forecast, seconds=forecast.seconds + choosing + refining, parts=parts)
 
 
@@ -186,8 +188,8 @@ def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Foreca
         values = {name: float(clearance.quantile(share)) for name, clearance in clearances.items()}
         numbers.append(case_numbers(plan.parameters, values))
     count = machines + FIRST * (choices - 1)
-    known = min(len(finished(file)), count)
-    cases = CasesLeft(plan, numbers, count - known, known, WIDTH).forecast()
+    done = min(len(finished(file)), count)
+    cases = CasesLeft(plan, numbers, count - done, done, WIDTH).forecast()
     remark = (
         f"{counted(choices, 'choice')} of fits: {machines:,} machines of the one that is taken, and {FIRST}"
         " of each other are reckoned with; fewer where a cheap one is taken, more where some are close to the"
@@ -207,6 +209,6 @@ def remarks_on_kinds(numbers: Sequence[Numbers], base: Mechanism) -> tuple[str, 
         words = (f"{one:g}" if isinstance(one, float) else one for one in values)
         named = ", ".join(f"{path} = {word}" for path, word in zip(paths, words, strict=True))
         listed.append(f"{named}: {count:,}")
-    more = "; ..." if len(kinds) > MOST_KINDS else ""
+    rest = "; ..." if len(kinds) > MOST_KINDS else ""
     what = f"members of {len(kinds)} kinds are run group by group, each with its own compiled step"
-    return (f"{what} ({'; '.join(listed)}{more}).",)
+    return (f"{what} ({'; '.join(listed)}{rest}).",)

@@ -46,12 +46,12 @@ class BatchTask:
     """
 
     model: str
-    wanted: dict[str, Any]
+    spec: dict[str, Any]
     laws: tuple[tuple[str, str], ...]
     step: str
 
     @classmethod
-    def of(cls, base: Mechanism, wanted: CaseSpec) -> BatchTask:
+    def of(cls, base: Mechanism, spec: CaseSpec) -> BatchTask:
         """Return the task of a study."""
         laws = stored_laws(
             [
@@ -62,7 +62,7 @@ class BatchTask:
         )
         return cls(
             dump(base),
-            dataclasses.asdict(wanted),
+            dataclasses.asdict(spec),
             tuple((str(one["file"]), str(one["text"])) for one in laws),
             sources().decode(),
         )
@@ -90,7 +90,7 @@ def run_batch(task: BatchTask, numbers: Sequence[Numbers], lanes: int | None = N
         raise VfifeError(f"{what}; install the same vfife on all workers")
     for file, text in task.laws:
         load(file, text)
-    outcomes = dict(run_members(loads(task.model), numbers, CaseSpec.of(task.wanted), workers=1, lanes=lanes))
+    outcomes = dict(run_members(loads(task.model), numbers, CaseSpec.of(task.spec), workers=1, lanes=lanes))
     return BatchResult(
         [dataclasses.asdict(outcomes[k]) for k in range(len(numbers))], time.monotonic() - start
     )
@@ -136,7 +136,7 @@ class Batches:
     suspects: deque[int] = field(default_factory=deque)
     running: dict[str, Batch] = field(default_factory=dict)
     done: queue.SimpleQueue[str] = field(default_factory=queue.SimpleQueue)  # keys of batches that have ended
-    last_seen: float = field(default_factory=time.monotonic)  # when there was a worker
+    latest_worker: float = field(default_factory=time.monotonic)  # when there was a worker
     case_seconds: float = math.nan
 
     @property
@@ -151,11 +151,11 @@ class Batches:
         try:
             count: int = sum(self.client.nthreads().values())
         except Exception as error:  # of the network, of its time-outs, of a client that was closed by either
-            raise lost_scheduler(self.client, error) from None
+            raise scheduler_error(self.client, error) from None
         now = time.monotonic()
         if count:
-            self.last_seen = now
-        elif now - self.last_seen > PATIENCE:
+            self.latest_worker = now
+        elif now - self.latest_worker > PATIENCE:
             what = f"the cluster has had no worker for {PATIENCE:g} s"
             raise VfifeError(f"{what}; start some, and give the same command to go on")
         return count
@@ -208,7 +208,7 @@ class Batches:
             raise
         except Exception as error:
             if "cancelled" in type(error).__name__.lower() or self.client.status != "running":
-                raise lost_scheduler(self.client, error) from None
+                raise scheduler_error(self.client, error) from None
             raise VfifeError(
                 f"a worker cannot run a batch: {first_line(error)}; it needs the same vfife as this machine"
             ) from error
@@ -235,7 +235,7 @@ class ClusterRunner:
         self,
         base: Mechanism,
         numbers: Sequence[Numbers],
-        wanted: CaseSpec,
+        spec: CaseSpec,
         *,
         workers: int | None = None,
         lanes: int | None = None,
@@ -247,7 +247,7 @@ class ClusterRunner:
         where the scheduler is lost or no worker has come for a minute, and what a worker reports that cannot
         run a batch at all.
         """
-        task, stop = BatchTask.of(base, wanted), stop or threading.Event()
+        task, stop = BatchTask.of(base, spec), stop or threading.Event()
 
         def submit(cases: list[int]) -> Any:
             return self.client.submit(self.work, task, [dict(numbers[k]) for k in cases], lanes, pure=False)
@@ -266,7 +266,7 @@ def first_line(error: BaseException) -> str:
     return (str(error).splitlines() or [type(error).__name__])[0]
 
 
-def lost_scheduler(client: Any, error: BaseException) -> VfifeError:
+def scheduler_error(client: Any, error: BaseException) -> VfifeError:
     """Return the error of a scheduler that no longer answers."""
     where = getattr(getattr(client, "scheduler", None), "address", "the cluster")
     what = f"the scheduler of {where} is lost ({first_line(error)})"

@@ -106,7 +106,7 @@ class Engine:
     lasting: bool = True
 
     @property
-    def wanted(self) -> CaseSpec:
+    def spec(self) -> CaseSpec:
         """What is computed of each case."""
         return CaseSpec.of(self.file.meta[WHAT]["wanted"])
 
@@ -114,20 +114,20 @@ class Engine:
         """Compute the cases without an outcome, with ``retry`` also those that failed; return whether all
         were computed, which they are not after Ctrl-C. Raises StorageError where nothing can be written.
         """
-        wanted, cases, outcomes = self.wanted, self.file.members(), self.file.outcomes()
+        spec, cases, outcomes = self.spec, self.file.members(), self.file.outcomes()
         left = sorted_by_model([one for one in cases if not is_done(one, outcomes.get(one.number), retry)])
         before, new = len(cases) - len(left), set[int]()
-        with suppress(KeyboardInterrupt), closing(self._outcomes(left, wanted)) as results:
+        with suppress(KeyboardInterrupt), closing(self._outcomes(left, spec)) as results:
             for case, outcome in results:
                 self.file.record(case, outcome)
                 new.add(case.number)
                 if self.progress is not None:
                     self.progress(before + len(new), len(cases), outcome)
-        whole = before + len(new) == len(cases)
-        if not whole:
+        complete = before + len(new) == len(cases)
+        if not complete:
             self.file.flush()
-        self.file.finish(Status.COMPLETE.value if whole else Status.INTERRUPTED.value)
-        return whole
+        self.file.finish(Status.COMPLETE.value if complete else Status.INTERRUPTED.value)
+        return complete
 
     def ask(self, numbers: Sequence[Numbers]) -> list[Mapping[str, float] | None]:
         """Return the measures of cases that a search asks for, None of those that failed.
@@ -137,24 +137,24 @@ class Engine:
         StorageError where nothing can be written.
         """
         hashes = [hash_of(one) for one in numbers]
-        missing = [one for one, key in zip(numbers, hashes, strict=True) if key not in self._known]
+        missing = [one for one, key in zip(numbers, hashes, strict=True) if key not in self._measures]
         if missing:
             self.file.add(missing, self.file.meta[WHAT])
             if not self.run():
                 raise KeyboardInterrupt
-            del self._known
-        return [self._known[key] for key in hashes]
+            del self._measures
+        return [self._measures[key] for key in hashes]
 
     @cached_property
-    def _known(self) -> dict[str, Mapping[str, float] | None]:
+    def _measures(self) -> dict[str, Mapping[str, float] | None]:
         """Measures of the cases that have an outcome, by the hash of their numbers."""
-        known: dict[str, Mapping[str, float] | None] = {}
+        measures: dict[str, Mapping[str, float] | None] = {}
         outcomes = self.file.outcomes()
         for one in self.file.members():
             outcome = outcomes.get(one.number)
             if outcome is not None and is_done(one, outcome, retry=False):
-                known[one.hash] = outcome["measures"] if outcome["status"] == Status.COMPLETE else None
-        return known
+                measures[one.hash] = outcome["measures"] if outcome["status"] == Status.COMPLETE else None
+        return measures
 
     def repeat_sample(self) -> bool:
         """Repeat a sample of the cases with another step, by which the numerical error of their measures is
@@ -172,12 +172,12 @@ class Engine:
         if not left:
             return True
         self.file.begin_repeats({"order": 1 if self.base.contacts else 2, "ratio": RATIO})
-        wanted, outputs = dataclasses.replace(self.wanted, step=None), self.base.settings.outputs
+        spec, outputs = dataclasses.replace(self.spec, step=None), self.base.settings.outputs
         try:
             for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):
                 failed = []
                 steps = [{STEP: repeated_step(outcomes[one.number], outputs, ratio)} for one in left]
-                with closing(self._outcomes(left, wanted, steps)) as results:
+                with closing(self._outcomes(left, spec, steps)) as results:
                     for case, outcome in results:
                         if outcome.status == Status.COMPLETE or last:
                             self.file.record_repeat(case, outcome)
@@ -191,7 +191,7 @@ class Engine:
         return True
 
     def _outcomes(
-        self, cases: Sequence[StudyCase], wanted: CaseSpec, further: Sequence[Numbers] = ()
+        self, cases: Sequence[StudyCase], spec: CaseSpec, further: Sequence[Numbers] = ()
     ) -> Generator[tuple[StudyCase, Outcome]]:
         """Run cases, each with its ``further`` numbers, if any; once closed, begin no more of them."""
         if not cases:
@@ -199,10 +199,10 @@ class Engine:
         stop, run = threading.Event(), self.runner or run_members
         numbers = [{**one.numbers, **other} for one, other in zip_longest(cases, further, fillvalue=NOTHING)]
         workers, lanes = self.resources.workers, self.resources.lanes
-        results = run(self.base, numbers, wanted, workers=workers, lanes=lanes, stop=stop)
+        results = run(self.base, numbers, spec, workers=workers, lanes=lanes, stop=stop)
         try:
             for k, outcome in results:
-                yield cases[k], with_reason(outcome, wanted)
+                yield cases[k], with_reason(outcome, spec)
         finally:
             stop.set()
             if isinstance(results, Generator):
@@ -242,9 +242,9 @@ def sorted_by_model(cases: list[StudyCase]) -> list[StudyCase]:
     return sorted(cases, key=model)
 
 
-def with_reason(outcome: Outcome, wanted: CaseSpec) -> Outcome:
+def with_reason(outcome: Outcome, spec: CaseSpec) -> Outcome:
     """Return the outcome, with a reason where a measure is missing."""
-    missing = [name for name in wanted.measures if name not in outcome.values]
+    missing = [name for name in spec.measures if name not in outcome.values]
     if not missing or outcome.reason is not None:
         return outcome
     return dataclasses.replace(outcome, reason=f"it has no measure {', '.join(missing)}")
@@ -295,8 +295,10 @@ def extended_plan(
     study = Study.open(path)
     plan, raw = plan_of(study), copy.deepcopy(study.asked["raw"])
     parameters = {one.name: one for one in plan.parameters}
-    for name, more in values.items():
-        listed = [parsed(one.strip()) for one in more.split(",")] if isinstance(more, str) else list(more)
+    for name, further in values.items():
+        listed = (
+            [parsed(one.strip()) for one in further.split(",")] if isinstance(further, str) else list(further)
+        )
         add_values(raw, parameters[study.parameter(name).name], listed, str(path))
     for point in points:
         numbers = {name: parsed(one) if isinstance(one, str) else one for name, one in point.items()}
@@ -310,13 +312,13 @@ def extended_plan(
     return StudyTables(raw, str(path), base=plan.base, name=study.name).plan()
 
 
-def add_values(raw: dict[str, Any], one: StudyParameter, more: list[Any], path: str) -> None:
+def add_values(raw: dict[str, Any], one: StudyParameter, further: list[Any], path: str) -> None:
     """Add values to a parameter, which lists them from then on. Raises VfifeError for one that is sampled."""
     if one.values is None:
         remedy = "add some with --count, or single members with --point"
         raise VfifeError(f"{path}: samples are taken of {one.name}; {remedy}")
     where, by, listed = ("vary", one.name, "values"), StudyReading(), list[Any](one.values)
-    listed += [value for value in more if read_value(value, one.field, where, by) not in one.values]
+    listed += [value for value in further if read_value(value, one.field, where, by) not in one.values]
     raw["vary"][one.name] = {"path": list(one.paths), "values": listed}
 
 

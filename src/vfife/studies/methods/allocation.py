@@ -274,14 +274,14 @@ def by_cost(joints: Sequence[Sequence[Option]]) -> Iterator[Choice]:
         return math.fsum(options[k].cost for options, k in zip(joints, chosen, strict=True)), chosen
 
     start = (0,) * len(joints)
-    heap, seen = [entry(start)], {start}
+    heap, visited = [entry(start)], {start}
     while heap:
         cost, chosen = heapq.heappop(heap)
         yield Choice(tuple(options[k] for options, k in zip(joints, chosen, strict=True)), cost)
         for joint, k in enumerate(chosen):
             dearer = (*chosen[:joint], k + 1, *chosen[joint + 1 :])
-            if k + 1 < len(joints[joint]) and dearer not in seen:
-                seen.add(dearer)
+            if k + 1 < len(joints[joint]) and dearer not in visited:
+                visited.add(dearer)
                 heapq.heappush(heap, entry(dearer))
 
 

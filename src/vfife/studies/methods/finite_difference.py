@@ -244,9 +244,8 @@ def finite_changes(
     changed = variants.finite(chosen)
     models: list[tuple[Share | None, Assembly]] = [(None, variants.assembly), *changed.items()]
     rows, tasks = measures.rows(variants.assembly), []
-    for size in (
-        sizes
-    ):  # runs with one step stay in phase: contacts begin in all lanes of a register at nearly the same time
+    # Runs with one step stay in phase: contacts begin in all lanes of a register at nearly the same time.
+    for size in sizes:
         for share, assembly in models:
             own = reference if share is None else ideals.get(share, reference)
             tasks.append((size.of(assembly), rows, partial(measures, reference=own)))
@@ -256,7 +255,7 @@ def finite_changes(
 
 
 def compared_with_changes(
-    found: Derivative,
+    derivative: Derivative,
     slopes: Mapping[str, Sequence[float]],
     changes: FiniteChanges,
     sizes: Mapping[str, float],
@@ -271,10 +270,14 @@ def compared_with_changes(
     quotients: dict[str, float] = {}
     spans: dict[str, Span] = {}
     kinds: dict[str, Kind] = {}
-    for name in found.values:
-        wide, close = (changes.central(name, found.path, found.value, share) for share in (WIDE, CLOSE))
-        sides = [changes.quotients(name, found.path, found.value, sign * WIDE) for sign in (1.0, -1.0)]
-        little = INSIGNIFICANT * sizes.get(name, 0.0) / abs(found.value)
+    for name in derivative.values:
+        wide, close = (
+            changes.central(name, derivative.path, derivative.value, share) for share in (WIDE, CLOSE)
+        )
+        sides = [
+            changes.quotients(name, derivative.path, derivative.value, sign * WIDE) for sign in (1.0, -1.0)
+        ]
+        little = INSIGNIFICANT * sizes.get(name, 0.0) / abs(derivative.value)
         ranges[name], holds = agreement(slopes[name], wide, close, little)
         if wide:
             quotients[name], spans[name] = wide[0], hull([widened(side) for side in sides if side])
@@ -284,7 +287,9 @@ def compared_with_changes(
             and all(sure(widened(side)) for side in sides if side)
         )
         kinds[name] = "derivative" if holds and sure(ranges[name]) else "change" if certain else "unknown"
-    return Derivative(found.path, found.value, found.values, ranges, quotients, spans, kinds, found.runs)
+    return Derivative(
+        derivative.path, derivative.value, derivative.values, ranges, quotients, spans, kinds, derivative.runs
+    )
 
 
 def agreement(
@@ -305,11 +310,12 @@ def agreement(
     holds = all(overlap(own, widened(one), margin) for one in (wide, close))
     if not holds:
         return own, False
-    found = hull([own, widened(wide)])
-    narrow = widened(close)
-    found = hull([found, narrow]) if narrow[1] - narrow[0] <= found[1] - found[0] + margin else found
-    reach = min(LEAST_AGREEMENT / INSIGNIFICANT * little, WIDTHS * (found[1] - found[0]))
-    return (found[0] - reach, found[1] + reach), True
+    low, high = hull([own, widened(wide)])
+    near = widened(close)
+    if near[1] - near[0] <= high - low + margin:
+        low, high = hull([(low, high), near])
+    reach = min(LEAST_AGREEMENT / INSIGNIFICANT * little, WIDTHS * (high - low))
+    return (low - reach, high + reach), True
 
 
 def widened(values: Sequence[float]) -> Span:

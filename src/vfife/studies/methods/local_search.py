@@ -317,32 +317,35 @@ def measure_derivatives(plan: Plan, search: Search, parameters: Parameters) -> d
     continuous = {axis.name for axis in search.axes if axis.continuous}
     varied = [one for one in plan.parameters if one.name in continuous]
     paths = [path for one in varied for path in one.paths]
-    found = sensitivity(
+    sensitivities = sensitivity(
         mechanism, list(search.measures), paths, turns=float(plan.spec.turns), step=plan.spec.step
     )
-    if meaningless := sorted(found.doubtful | found.rounding):
+    if meaningless := sorted(sensitivities.doubtful | sensitivities.rounding):
         raise VfifeError(
             f"derivatives of {', '.join(meaningless)} mean nothing: companions part, or it is rounding"
         )
-    for path, why in found.refused.items():
+    for path, why in sensitivities.refused.items():
         raise VfifeError(f"{path} has no derivatives: {why}")
     return {
-        name: {one.name: sum(trusted_derivative(found, name, path) for path in one.paths) for one in varied}
+        name: {
+            one.name: sum(trusted_derivative(sensitivities, name, path) for path in one.paths)
+            for one in varied
+        }
         for name in search.measures
     }
 
 
-def trusted_derivative(found: Sensitivity, name: str, path: str) -> float:
+def trusted_derivative(sensitivities: Sensitivity, name: str, path: str) -> float:
     """Return the derivative of a measure by a number; 0 where the effect is too small to matter. Raises
     Contradiction.
     """
-    if not any(one.path == path for one in found.derivatives):
+    if not any(one.path == path for one in sensitivities.derivatives):
         return 0.0
-    if found.kind(name, path) == "derivative":
-        return found.derivative(name, path)
-    effect = found.effect(name, path)
+    if sensitivities.kind(name, path) == "derivative":
+        return sensitivities.derivative(name, path)
+    effect = sensitivities.effect(name, path)
     largest = max(
-        (abs(other.value) for other in found.effects(name) if math.isfinite(other.value)), default=0.0
+        (abs(other.value) for other in sensitivities.effects(name) if math.isfinite(other.value)), default=0.0
     )
     if max(abs(effect.low), abs(effect.high)) <= INSIGNIFICANT * largest:
         return 0.0

@@ -78,7 +78,7 @@ class Interval:
 
 @dataclass(frozen=True)
 class Axis(Interval):
-    """A parameter of a search: from ``low`` to ``high`` (SI), or one of ``values``; ``whole`` numbers are
+    """A parameter of a search: from ``low`` to ``high`` (SI), or one of ``values``; ``integer`` ones are
     rounded.
     """
 
@@ -87,12 +87,12 @@ class Axis(Interval):
     high: float = math.nan
     logarithmic: bool = False
     values: tuple[float | str, ...] = ()
-    whole: bool = False
+    integer: bool = False
 
     @property
     def continuous(self) -> bool:
         """Whether it takes every value between its bounds."""
-        return not self.values and not self.whole
+        return not self.values and not self.integer
 
 
 @dataclass(frozen=True)
@@ -247,7 +247,7 @@ def read_search(tables: StudyTables) -> tuple[Plan, Search]:
         if one.values is not None:
             axes.append(Axis(one.name, values=one.values))
         elif isinstance(one.distribution, Uniform):
-            axes.append(Axis(one.name, *one.distribution.limits, whole=isinstance(one.field, Whole)))
+            axes.append(Axis(one.name, *one.distribution.limits, integer=isinstance(one.field, Whole)))
         else:
             what = "a search needs a range or values, and this has a distribution"
             by.refuse(("vary", one.name, ""), what, one.words, "from and to, or values", "give these")

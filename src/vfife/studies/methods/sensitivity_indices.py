@@ -61,11 +61,9 @@ def sobol_indices(parameters: Sequence[str], values: Array, seed: int = 0) -> tu
     SALib, where fewer than eight groups are left, and for a measure that is the same in all of them.
     """
     analyze, count = salib().sobol, len(parameters)
-    groups = whole_groups(values, count + 2)
-    found = analyze.analyze(
-        problem(parameters), groups.ravel(), calc_second_order=False, **RESAMPLING, seed=seed
-    )
-    rows = zip(parameters, found["S1"], found["S1_conf"], found["ST"], found["ST_conf"], strict=True)
+    groups, how = complete_groups(values, count + 2), {"calc_second_order": False, **RESAMPLING, "seed": seed}
+    result = analyze.analyze(problem(parameters), groups.ravel(), **how)
+    rows = zip(parameters, *(result[name] for name in ("S1", "S1_conf", "ST", "ST_conf")), strict=True)
     return [Index(name, *map(float, row)) for name, *row in rows], len(values) // (count + 2) - len(groups)
 
 
@@ -76,25 +74,20 @@ def morris_effects(
     the unit cube, and the number of trajectories left out. Raises VfifeError as :func:`sobol_indices` does.
     """
     analyze, count = salib().morris, len(parameters)
-    groups = whole_groups(values, count + 1)
-    whole = np.isfinite(values.reshape(-1, count + 1)).all(axis=1)
-    levels = (places.reshape(-1, count + 1, count)[whole] * LEVELS - 0.5) / (LEVELS - 1)
-    found = analyze.analyze(
-        problem(parameters),
-        levels.reshape(-1, count),
-        groups.ravel(),
-        num_levels=LEVELS,
-        **RESAMPLING,
-        seed=seed,
-    )
+    groups, how = complete_groups(values, count + 1), {"num_levels": LEVELS, **RESAMPLING, "seed": seed}
+    complete = np.isfinite(values.reshape(-1, count + 1)).all(axis=1)
+    levels = (places.reshape(-1, count + 1, count)[complete] * LEVELS - 0.5) / (LEVELS - 1)
+    result = analyze.analyze(problem(parameters), levels.reshape(-1, count), groups.ravel(), **how)
     # SALib's effects are over the whole grid, three of its steps; ours are over the jump of two.
     scale = JUMP / (LEVELS - 1)
-    rows = zip(parameters, found["mu"], found["mu_star"], found["mu_star_conf"], found["sigma"], strict=True)
+    rows = zip(
+        parameters, *(result[name] for name in ("mu", "mu_star", "mu_star_conf", "sigma")), strict=True
+    )
     effects = [Effect(name, *(scale * float(one) for one in row)) for name, *row in rows]
     return effects, len(values) // (count + 1) - len(groups)
 
 
-def whole_groups(values: Array, size: int) -> Array:
+def complete_groups(values: Array, size: int) -> Array:
     """Return the groups of the design whose cases all have a value. Raises VfifeError."""
     groups: Array = values.reshape(-1, size)
     groups = groups[np.isfinite(groups).all(axis=1)]
@@ -160,33 +153,33 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
     than eight whole groups, for a measure that was not wanted or is the same in all members; RunFileError for
     what is no study file.
     """
-    found = study if isinstance(study, Study) else Study.open(study)
-    return sensitivities(found, [measures] if isinstance(measures, str) else measures)
+    opened = study if isinstance(study, Study) else Study.open(study)
+    return sensitivities(opened, [measures] if isinstance(measures, str) else measures)
 
 
-def sensitivities(found: Study, measures: Sequence[str] = ()) -> list[Sensitivity]:
+def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[Sensitivity]:
     """Return the sensitivities of some measures, or all. Raises VfifeError as :func:`indices` does."""
-    method = found.asked["raw"].get("method", "grid")
-    if method not in DESIGNS or any(one.gridded for one in found.parameters):
+    method = study.asked["raw"].get("method", "grid")
+    if method not in DESIGNS or any(one.gridded for one in study.parameters):
         raise VfifeError(
-            f"{found.path or 'this study'}: indices need a design for them; give every parameter a range or a"
+            f"{study.path or 'this study'}: indices need a design for them; give every parameter a range or a"
             ' distribution, no values, and method = "saltelli" for Sobol\' indices (count = 256 or more) or'
             ' "morris" for a first look (count = 20)'
         )
-    plan = plan_of(found)
+    plan = plan_of(study)
     count, seed = int(plan.spec.count or 0), plan.spec.seed
     rows = sample_rows(list(plan.parameters), method, count, seed, StudyReading())
-    at = {found.at(one): found.outcomes[one.number] for one in found.done}
+    at = {study.at(one): study.outcomes[one.number] for one in study.done}
     names, answers = [one.name for one in plan.parameters], []
-    for measure in measures or tuple(found.measures):
-        found.values(measure)  # raises for what was not wanted
+    for measure in measures or tuple(study.measures):
+        study.values(measure)  # raises for what was not wanted
         values = np.array([value_of(at.get(row), measure) for row in rows])
         answer: tuple[Sequence[Index] | Sequence[Effect], int]
         if method == "morris":
             answer = morris_effects(names, places(method, count, len(names), seed), values, seed)
         else:
             answer = sobol_indices(names, values, seed)
-        answers.append(Sensitivity(measure, found.measures[measure], *answer))
+        answers.append(Sensitivity(measure, study.measures[measure], *answer))
     return answers
 
 

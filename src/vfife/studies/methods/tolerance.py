@@ -82,20 +82,20 @@ def tolerance(
     for name, one in (*(("quantiles", one) for one in quantiles), ("confidence", confidence)):
         if not 0.0 < one < 1.0:
             raise ValueError(f"{name} = {one:g}: it is not between 0 and 1; write 99 % as 0.99")
-    found = study if isinstance(study, Study) else Study.open(study)
-    return spreads(found, bounds_of(found, limit), tuple(quantiles), confidence)
+    opened = study if isinstance(study, Study) else Study.open(study)
+    return spreads(opened, bounds_of(opened, limit), tuple(quantiles), confidence)
 
 
-def bounds_of(found: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bound, ...]:
+def bounds_of(study: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bound, ...]:
     """Read limits, or those of the study where there are none. Raises ModelError."""
     by = StudyReading()
-    bounds = read_bounds(dict(limit) if limit else found.asked["raw"].get("limit", {}), found.measures, by)
-    by.check(str(found.path or "this study"))
+    bounds = read_bounds(dict(limit) if limit else study.asked["raw"].get("limit", {}), study.measures, by)
+    by.check(str(study.path or "this study"))
     return bounds
 
 
 def spreads(
-    found: Study,
+    study: Study,
     bounds: Sequence[Bound] = (),
     shares: Sequence[float] = SHARES,
     confidence: float = CONFIDENCE,
@@ -103,16 +103,16 @@ def spreads(
     """Estimate the spread of each measure. Raises VfifeError where the cases are no sample, or fewer than two
     have ended.
     """
-    check_sample(found)
-    outcomes, drawn = machines(found)
+    check_sample(study)
+    outcomes, drawn = machines(study)
     if len(outcomes) < 2:
-        name = found.path or "this study"
+        name = study.path or "this study"
         raise VfifeError(f"{name}: {len(outcomes)} of {drawn} machines have ended, and a spread needs two")
     limits = {one.measure: one for one in bounds}
     rows = []
-    for measure, unit in found.measures.items():
+    for measure, unit in study.measures.items():
         values = np.array([value_of(one, measure) for one in outcomes])
-        finite, bound, error = values[np.isfinite(values)], limits.get(measure), found.errors.get(measure)
+        finite, bound, error = values[np.isfinite(values)], limits.get(measure), study.errors.get(measure)
         failing = None if bound is None else failing_share(values.tolist(), bound, error, confidence)
         margins = {one: error.at_quantile(one) if error else 0.0 for one in shares}
         quantiles = {one: widened(quantile(finite, one, confidence), margins[one]) for one in shares}
@@ -138,27 +138,27 @@ def failing_share(
     return Estimate(middle.value, least.low, most.high)
 
 
-def machines(found: Study) -> tuple[list[Mapping[str, Any]], int]:
+def machines(study: Study) -> tuple[list[Mapping[str, Any]], int]:
     """Return the outcomes of the machines of the sample that have ended, each as often as it was drawn, and
     how many were drawn.
 
     Other cases in the file were not drawn: single points, cases of a search, samples of former tolerances.
     """
-    rows = case_rows(plan_of(found), StudyReading()) or []
-    at = {found.at(one): found.outcomes[one.number] for one in found.done}
+    rows = case_rows(plan_of(study), StudyReading()) or []
+    at = {study.at(one): study.outcomes[one.number] for one in study.done}
     return [at[row] for row in rows if row in at], len(rows)
 
 
-def check_sample(found: Study) -> None:
+def check_sample(study: Study) -> None:
     """Raise VfifeError where cases were chosen, not drawn: then they do not show how frequent a value is."""
-    method = found.asked["raw"].get("method", "grid")
-    chosen = [one.name for one in found.parameters if one.gridded]
+    method = study.asked["raw"].get("method", "grid")
+    chosen = [one.name for one in study.parameters if one.gridded]
     if method not in ("random", "latin", "sobol") or chosen:
         what = f"{', '.join(chosen)} has values" if chosen else f'method = "{method}"'
         remedy = (
             'give every parameter a fit, a tolerance or a distribution, and method = "random" with a count'
         )
-        where = found.path or "this study"
+        where = study.path or "this study"
         raise VfifeError(
             f"{where}: its members are chosen, not drawn ({what}), so no share of machines follows; {remedy}"
         )

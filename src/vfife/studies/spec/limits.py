@@ -118,8 +118,7 @@ def cumulative(n: int, p: float) -> Array:
     import numpy as np
     from scipy.special import bdtr
 
-    found: Array = bdtr(np.arange(n + 1.0), n, p)
-    return found
+    return np.asarray(bdtr(np.arange(n + 1.0), n, p))
 
 
 ENDS = ("low", "high")
@@ -168,21 +167,21 @@ def read_bounds(raw: Any, units: Mapping[str, str], by: Reading) -> tuple[Bound,
             continue
         ends = limit if isinstance(limit, dict) else {"high": limit}
         read = {key: quantity(value, units[measure], (*where, key), by) for key, value in ends.items()}
-        known = {key: value for key, value in read.items() if value is not None}
-        if len(known) < len(read):
+        sound = {key: value for key, value in read.items() if value is not None}
+        if len(sound) < len(read):
             continue
-        if not known.get("low", -math.inf) < known.get("high", math.inf):
+        if not sound.get("low", -math.inf) < sound.get("high", math.inf):
             what, remedy = "no number is within this limit", "exchange or correct them"
             by.refuse(where, what, shown(limit), "low below high", remedy)
         else:
-            bounds.append(Bound(measure, **known))
+            bounds.append(Bound(measure, **sound))
     return tuple(bounds)
 
 
-def flat(raw: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+def flat(raw: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield measures and their limits; of a name without quotes TOML has made tables in tables."""
     for key, value in raw.items():
-        name = f"{above}.{key}" if above else str(key)
+        name = f"{prefix}.{key}" if prefix else str(key)
         if isinstance(value, dict) and value and not set(value) <= set(ENDS):
             yield from flat(value, name)
         else:

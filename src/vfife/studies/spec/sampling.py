@@ -33,8 +33,8 @@ class Distribution:
     """
 
     def quantile(self, u: Any) -> Array:
-        """Values at probabilities between 0 and 1 (both excluded where a limit is infinite), of the shape of
-        ``u``, to ten digits.
+        """Return the values at probabilities ``u`` between 0 and 1 (both excluded where a limit is infinite),
+        of the shape of ``u``, to ten digits.
         """
         return rounded(self._quantile(np.asarray(u, dtype=float)))
 
@@ -54,7 +54,7 @@ class Distribution:
 
 @dataclass(frozen=True)
 class Uniform(Distribution):
-    """Every value between two is as likely as any other."""
+    """A uniform distribution between two values."""
 
     low: float
     high: float
@@ -78,8 +78,7 @@ class Uniform(Distribution):
 
 @dataclass(frozen=True)
 class Truncated(Distribution):
-    """A normal distribution of which only what lies between two limits is used; ``mean`` and ``deviation``
-    are those of the whole one.
+    """A normal distribution that is cut off at two limits; ``centre`` and ``deviation`` are those before the cut.
 
     x = m + s Φ⁻¹(Φ(a) + u (Φ(b) - Φ(a))), a and b the limits less m, over s.
     """
@@ -91,23 +90,20 @@ class Truncated(Distribution):
 
     def __post_init__(self) -> None:
         if not 0.0 < self.deviation < math.inf:
-            raise Fault(
-                "",
+            what, remedy = (
                 "a standard deviation that is not positive",
-                f"{self.deviation:g}",
-                "above 0",
                 "give the number itself if it does not vary",
             )
+            raise Fault("", what, f"{self.deviation:g}", "above 0", remedy)
         ordered(self.low, self.high)
         if self._share < 1e-6:
-            raise Fault(
-                "",
-                "a normal distribution of which next to nothing lies between the limits",
-                f"mean {self.centre:g}, standard deviation {self.deviation:g}, from {self.low:g} to"
-                f" {self.high:g}",
+            what = "a normal distribution of which next to nothing lies between the limits"
+            normal = f"mean {self.centre:g}, standard deviation {self.deviation:g}"
+            value, limit = (
+                f"{normal}, from {self.low:g} to {self.high:g}",
                 "limits that leave a millionth of it",
-                "move the limits or the mean",
             )
+            raise Fault("", what, value, limit, "move the limits or the mean")
 
     @property
     def _ends(self) -> tuple[float, float]:
@@ -168,19 +164,22 @@ class Clearance(Distribution):
 
     @cached_property
     def mean(self) -> float:
-        """The lower limit and the integral of the probability of more."""
+        """The lower limit plus the integral of the probability of a larger clearance."""
         low, high = (2.0 * end for end in self.limits)
         nodes, weights = gauss(200)
-        more = 1.0 - self._below(low + 0.5 * (high - low) * (nodes + 1.0))
-        return 0.5 * (low + 0.5 * (high - low) * float(weights @ more) / (1.0 - self.without))
+        larger = 1.0 - self._below(low + 0.5 * (high - low) * (nodes + 1.0))
+        return 0.5 * (low + 0.5 * (high - low) * float(weights @ larger) / (1.0 - self.without))
 
     def _below(self, d: Array) -> Array:
-        """Probability of a difference of the diameters of at most d (m), one-dimensional."""
+        """Return the probability that the diameters differ by at most d (m), shape (count,)."""
         return self._integrals(d)[0]
 
     def _integrals(self, d: Array) -> tuple[Array, Array]:
-        """Probability and density at differences d. The integrand is smooth between the places at which the
-        hole meets its limits.
+        """Return probability and density at differences d of the diameters (m), shape (count,).
+
+        With s the difference from its middle and y the shaft from its own, the hole is s + y. Between the y at
+        which the hole meets its limits the integrand is smooth, so that Gauss' rule converges; beyond the upper
+        one every hole is small enough, which adds the probability of these shafts.
         """
         from scipy.special import ndtr
 
@@ -205,100 +204,88 @@ class Clearance(Distribution):
         return d, np.maximum.accumulate(self._below(d))
 
     def _quantile(self, u: Array) -> Array:
-        """Newton's method between two points of the table, halving where it would leave them."""
+        """Solve for the differences at probabilities by Newton's method, all at once.
+
+        Each stays between two points of a table, which brackets its root; where a step would leave the
+        bracket, in the flat tails, it is halved instead.
+        """
         d, share = self._table
-        wanted = np.clip(self.without + u.ravel() * (1.0 - self.without), share[0], share[-1])
-        k = np.clip(np.searchsorted(share, wanted), 1, GRID - 1)
-        low, high, at, open_ = d[k - 1], d[k], np.interp(wanted, share, d), np.arange(len(wanted))
+        target = np.clip(self.without + u.ravel() * (1.0 - self.without), share[0], share[-1])
+        k = np.clip(np.searchsorted(share, target), 1, GRID - 1)
+        low, high, root, left = d[k - 1], d[k], np.interp(target, share, d), np.arange(len(target))
         for _ in range(12):
-            here, target = at[open_], wanted[open_]
-            have, slope = self._integrals(here)
-            low[open_] = np.where(have < target, here, low[open_])
-            high[open_] = np.where(have < target, high[open_], here)
+            x, goal = root[left], target[left]
+            value, slope = self._integrals(x)
+            low[left] = np.where(value < goal, x, low[left])
+            high[left] = np.where(value < goal, high[left], x)
             with np.errstate(divide="ignore", invalid="ignore"):
-                new = here - (have - target) / slope
-            inside = (new >= low[open_]) & (
-                new <= high[open_]
-            )  # ends too: a quantile may be a point of the table, or found already
-            at[open_] = np.where(inside, new, 0.5 * (low[open_] + high[open_]))
-            open_ = open_[np.abs(at[open_] - here) > 1e-14 * d[-1]]
-            if not len(open_):
+                step = x - (value - goal) / slope
+            # The ends belong to the bracket: a quantile may be a point of the table.
+            inside = (step >= low[left]) & (step <= high[left])
+            root[left] = np.where(inside, step, 0.5 * (low[left] + high[left]))
+            left = left[np.abs(root[left] - x) > 1e-14 * d[-1]]
+            if not len(left):
                 break
-        return (0.5 * at).reshape(u.shape)
+        return (0.5 * root).reshape(u.shape)
 
 
 def of_fit(text: str, diameter: float, cut: bool = False) -> Clearance:
-    """The radial clearance of a fit such as "H8/f7" at a diameter in m. Raises Fault for a fit of which no
-    pair has play, and for one of which some have none unless ``cut`` says that those are left out.
+    """Return the radial clearance of a fit such as "H8/f7" at a diameter (m).
+
+    Raises Fault for a fit of which no pair has clearance, and for one of which some pairs have none, unless
+    ``cut`` leaves those out.
     """
-    found = Clearance(fit(text, diameter))
-    said = (
-        f'"{text}" at {1e3 * diameter:g} mm, clearance {1e6 * found.fit.least:g} to'
-        f" {1e6 * found.fit.most:g} µm"
-    )
-    if found.fit.most <= 0.0 or found.without > 0.999:
-        raise Fault(
-            "",
-            "an interference fit: no journal has play in its bearing",
-            said,
-            "a fit with clearance",
-            'choose one such as "H8/f7"',
-        )
-    if found.without and not cut:
-        what = f"a transition fit: {100.0 * found.without:.2g} % of the pairs have no play"
-        raise Fault(
-            "",
-            what,
-            said,
-            "a fit with clearance",
-            "choose a shaft from a to h, or say cut = true to leave those pairs out",
-        )
-    return found
+    clearance = Clearance(fit(text, diameter))
+    least, most = 1e6 * clearance.fit.least, 1e6 * clearance.fit.most
+    value = f'"{text}" at {1e3 * diameter:g} mm, clearance {least:g} to {most:g} µm'
+    what = remedy = ""
+    if most <= 0.0 or clearance.without > 0.999:
+        what, remedy = "an interference fit: no journal has play in its bearing", 'choose one such as "H8/f7"'
+    elif clearance.without and not cut:
+        what = f"a transition fit: {100.0 * clearance.without:.2g} % of the pairs have no play"
+        remedy = "choose a shaft from a to h, or say cut = true to leave those pairs out"
+    if what:
+        raise Fault("", what, value, "a fit with clearance", remedy)
+    return clearance
 
 
 def of_tolerance(nominal: float, lower: float, upper: float) -> Truncated:
-    """A length of nominal size between two deviations, all in m: normal around their middle, with its limits
-    at three standard deviations. Raises Fault.
+    """Return the distribution of a nominal size between two deviations (m): normal around their middle, with
+    its limits at three standard deviations. Raises Fault.
     """
     ordered(lower, upper)
-    return Truncated(
-        nominal + 0.5 * (lower + upper), (upper - lower) / (2.0 * SIGMAS), nominal + lower, nominal + upper
-    )
+    centre, deviation = nominal + 0.5 * (lower + upper), (upper - lower) / (2.0 * SIGMAS)
+    return Truncated(centre, deviation, nominal + lower, nominal + upper)
 
 
 def of_zone(name: str, nominal: float) -> Truncated:
-    """A length of nominal size in m in a zone of ISO 286-1, such as "h7" or "js9". Raises Fault."""
-    found = zone(name, nominal)
-    return of_tolerance(nominal, found.low, found.high)
+    """Return the distribution of a nominal size (m) in a zone of ISO 286-1, such as "h7". Raises Fault."""
+    deviations = zone(name, nominal)
+    return of_tolerance(nominal, deviations.low, deviations.high)
 
 
 def ordered(low: float, high: float) -> None:
-    """Raises Fault where limits are not in order."""
+    """Raise Fault where limits are not in order."""
     if not low < high:
-        raise Fault(
-            "",
-            "limits that are not in order",
-            f"from {low:g} to {high:g}",
-            "the lower one first, and two that differ",
-            "correct the limits",
-        )
+        what, limit = "limits that are not in order", "the lower one first, and two that differ"
+        raise Fault("", what, f"from {low:g} to {high:g}", limit, "correct the limits")
 
 
 def phi(z: float) -> float:
-    """The normal distribution function Φ."""
+    """Return the normal distribution function Φ."""
     return 0.5 * math.erfc(-z / math.sqrt(2.0))
 
 
 @cache
 def gauss(count: int) -> tuple[Array, Array]:
-    """Nodes and weights of a Gauss-Legendre rule over -1 to 1, which are read only."""
+    """Return nodes and weights of a Gauss-Legendre rule over -1 to 1, read only."""
     nodes, weights = np.polynomial.legendre.leggauss(count)
     nodes.flags.writeable = weights.flags.writeable = False
     return nodes, weights
 
 
 def rounded(values: Array) -> Array:
-    """Values to ten digits."""
+    """Round values to ten digits."""
     return np.array([float(f"{value:.{DIGITS - 1}e}") for value in values.ravel()]).reshape(values.shape)
 
 
@@ -308,76 +295,61 @@ LEVELS, JUMP = 4, 2  # of Morris's grid
 
 
 def points(parameters: Sequence[Distribution], method: str, count: int, seed: int = 0) -> Array:
-    """Values in SI units, a row for each place of a method. Raises Fault."""
+    """Return values in SI units, shape (rows, parameters), a row for each place of a method. Raises Fault."""
     unit = places(method, count, len(parameters), seed)
-    return (
-        np.stack([one.quantile(unit[:, k]) for k, one in enumerate(parameters)], axis=1)
-        if parameters
-        else unit
-    )
+    columns = [one.quantile(unit[:, k]) for k, one in enumerate(parameters)]
+    return np.stack(columns, axis=1) if parameters else unit
 
 
 def places(method: str, count: int, dimensions: int, seed: int = 0) -> Array:
-    """Places in the unit cube, shape (rows, dimensions), every number above 0 and below 1. Raises Fault.
+    """Return places in the unit cube, shape (rows, dimensions), all numbers above 0 and below 1. Raises Fault.
 
-    "random", "latin" and "sobol" have ``count`` rows. Two designs ask for sensitivities: "saltelli" has count
-    (dimensions + 2) rows, "morris" count (dimensions + 1).
+    "random", "latin" and "sobol" have ``count`` rows; the designs for sensitivities have more: "saltelli" count
+    (dimensions + 2), "morris" count (dimensions + 1).
     """
     if method not in METHODS:
-        raise Fault(
-            "",
-            "an unknown way to choose points",
-            f'"{method}"',
-            ", ".join(METHODS),
-            "write one of these words",
-        )
+        what, remedy = "an unknown way to choose points", "write one of these words"
+        raise Fault("", what, f'"{method}"', ", ".join(METHODS), remedy)
     if not 0 < count <= 2**30:
-        raise Fault(
-            "", "a count of points that cannot be had", str(count), f"1 to {2**30}", "correct the count"
-        )
+        what, remedy = "a count of points that cannot be had", "correct the count"
+        raise Fault("", what, str(count), f"1 to {2**30}", remedy)
     if dimensions > MOST_DIMENSIONS:
-        raise Fault(
-            "",
-            "more parameters than can be sampled",
-            str(dimensions),
-            f"at most {MOST_DIMENSIONS}",
-            "tie some together",
-        )
+        what, limit = "more parameters than can be sampled", f"at most {MOST_DIMENSIONS}"
+        raise Fault("", what, str(dimensions), limit, "tie some together")
     return METHODS[method](count, dimensions, seed) if dimensions else np.empty((count, 0))
 
 
 def random(count: int, dimensions: int, seed: int) -> Array:
-    """Independent places, row after row."""
+    """Return independent places, row after row, so that a place stays when more are drawn."""
     return fractions(np.random.PCG64(seed), count * dimensions).reshape(count, dimensions)
 
 
 def latin(count: int, dimensions: int, seed: int) -> Array:
-    """A Latin hypercube: of ``count`` slices along each axis every one holds one place (McKay, Beckman,
+    """Return a Latin hypercube: of ``count`` slices along each axis every one holds one place (McKay, Beckman,
     Conover 1979).
+
+    The order of random numbers is a random order of the slices, and a second number the place in each.
     """
     drawn = fractions(np.random.PCG64(seed), 2 * count * dimensions).reshape(2, count, dimensions)
-    found: Array = (np.argsort(drawn[0], axis=0, kind="stable") + drawn[1]) / count
-    return found
+    return np.asarray((np.argsort(drawn[0], axis=0, kind="stable") + drawn[1]) / count)
 
 
 def sobol(count: int, dimensions: int, seed: int) -> Array:
-    """Sobol's sequence with the direction numbers of Joe and Kuo, scrambled (Matoušek) by the seed; best
-    taken in powers of two.
+    """Return Sobol's sequence with the direction numbers of Joe and Kuo, scrambled (Matoušek) by the seed; its
+    balance needs a power of two.
     """
     from scipy.stats.qmc import Sobol
 
-    source = np.random.Generator(np.random.PCG64(seed))
-    known = inspect.signature(Sobol.__init__).parameters
-    given: dict[str, Any] = {"rng" if "rng" in known else "seed": source}  # scipy renames it
-    sequence = Sobol(dimensions, scramble=True, bits=53, **given)
+    keyword = "rng" if "rng" in inspect.signature(Sobol.__init__).parameters else "seed"  # scipy renames it
+    source: dict[str, Any] = {keyword: np.random.Generator(np.random.PCG64(seed))}
+    sequence = Sobol(dimensions, scramble=True, bits=53, **source)
     power = max(count - 1, 1).bit_length()
-    found: Array = np.maximum(sequence.random_base2(power)[:count], HALF)
-    return found
+    return np.asarray(np.maximum(sequence.random_base2(power)[:count], HALF))
 
 
 def saltelli(count: int, dimensions: int, seed: int) -> Array:
-    """Saltelli's design (2010) on Sobol's sequence: two independent places A and B, and between them A with
-    one number of B, for each number.
+    """Return Saltelli's design (2010) on Sobol's sequence: groups of two independent places A and B, and
+    between them A with one number of B, for each number.
     """
     both = sobol(count, 2 * dimensions, seed)
     first, second = both[:, :dimensions], both[:, dimensions:]
@@ -389,8 +361,8 @@ def saltelli(count: int, dimensions: int, seed: int) -> Array:
 
 
 def morris(count: int, dimensions: int, seed: int) -> Array:
-    """Trajectories of Morris (1991): from a place on a grid of four levels, 1/8 to 7/8, each number in turn
-    is moved by two of them.
+    """Return trajectories of Morris (1991): from a place on a grid of four levels, 1/8 to 7/8, each number in
+    a random order is moved by two levels, up from the lower ones and down from the upper.
     """
     drawn = fractions(np.random.PCG64(seed), 2 * count * dimensions).reshape(count, 2, dimensions)
     start = np.floor(LEVELS * drawn[:, 0])
@@ -399,22 +371,17 @@ def morris(count: int, dimensions: int, seed: int) -> Array:
     for k in range(count):
         for turn, axis in enumerate(order[k]):
             rows[k, turn + 1 :, axis] += JUMP if start[k, axis] < JUMP else -JUMP
-    found: Array = (rows.reshape(-1, dimensions) + 0.5) / LEVELS
-    return found
+    return np.asarray((rows.reshape(-1, dimensions) + 0.5) / LEVELS)
 
 
 def fractions(source: np.random.PCG64, count: int) -> Array:
-    """Numbers above 0 and below 1 from the whole numbers of a generator, whose stream NumPy keeps from
-    version to version.
+    """Return numbers above 0 and below 1 from the integers of a generator, whose stream NumPy keeps from
+    version to version; Generator.random may change.
     """
-    whole: np.ndarray[Any, np.dtype[np.uint64]] = np.asarray(source.random_raw(count)) >> np.uint64(11)
-    return np.asarray(whole * 0.5**53 + HALF)
+    integers: np.ndarray[Any, np.dtype[np.uint64]] = np.asarray(source.random_raw(count)) >> np.uint64(11)
+    return np.asarray(integers * 0.5**53 + HALF)
 
 
 METHODS: dict[str, Callable[[int, int, int], Array]] = {
-    "latin": latin,
-    "random": random,
-    "sobol": sobol,
-    "saltelli": saltelli,
-    "morris": morris,
+    one.__name__: one for one in (latin, random, sobol, saltelli, morris)
 }

@@ -223,13 +223,13 @@ def measure_names(view: View) -> list[str]:
 def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) -> None:
     """Refuse names that no measure of the model has, and channels that it does not have."""
     try:
-        known, channels = names_of(base)
+        available, channels = names_of(base)
     except VfifeError as error:
         by.refuse(("model",), f"it cannot be assembled: {error}", base.name, "", "see vfife check")
         return
     # A measure may be missing at the start, as one of wear is. It may be one of any part, unless others of
     # its kind are there.
-    endings = {name.partition(".")[2] for name in known}
+    endings = {name.partition(".")[2] for name in available}
     parts = (base.bodies, base.joints, base.drivers, base.springs, base.loads)
     owners = {"ground", "mechanism", *(name for part in parts for name in part)}
     for k, name in enumerate(names or ()):
@@ -237,10 +237,10 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, by: Reading) ->
             if reduction[2] not in channels:
                 remedy = suggestion(reduction[2], channels, "name a channel of the run")
                 by.refuse(("measures", k), "there is no such channel", shown(name), "", remedy)
-        elif name not in known:
+        elif name not in available:
             owner, _, ending = name.partition(".")
             if owner not in owners or ending not in UNITS or ending in endings:
-                remedy = suggestion(name, known, "the names are those of vfife run MODEL.toml --json")
+                remedy = suggestion(name, available, "the names are those of vfife run MODEL.toml --json")
                 by.refuse(("measures", k), "there is no such measure", shown(name), "", remedy)
     if names and len(set(names)) < len(names):
         by.refuse(("measures",), "the same measure twice", "", "each one once", "remove it")
