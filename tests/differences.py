@@ -79,7 +79,7 @@ def compared(mechanism: vfife.Mechanism, to: tuple[str, ...] = ("*",), **length:
         near, wide = (sides(way, width) for width in WIDTHS)
         for name in up.keys() & down.keys() & near.keys() & wide.keys():
             slopes = (
-                (up[name] - down[name]) / way.near.apart,
+                (up[name] - down[name]) / way.near.distance,
                 near[name][0],
                 wide[name][0],
                 2.0 * near[name][1] - wide[name][1],

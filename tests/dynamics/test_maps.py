@@ -138,7 +138,7 @@ def test_values_go_side_by_side_as_each_does_alone(monkeypatch) -> None:
     """Points to the bit, growth to what the order of sums leaves, wherever their clocks are."""
     path, given = "joint.pin.clearance", {**GIVEN, "companions": 1}
     both = bifurcation(loose(), path, 2e-4, 3e-4, **given)
-    monkeypatch.setattr("vfife.solvers.turn_runner.TOGETHER", 1)
+    monkeypatch.setattr("vfife.solvers.turn_runner.VALUES_AT_ONCE", 1)
     alone = bifurcation(loose(), path, 2e-4, 3e-4, **given)
     assert (
         all(np.array_equal(both.points[name], alone.points[name]) for name in both.points)

@@ -71,7 +71,9 @@ def test_tables_of_functions_have_their_derivatives(period: float) -> None:
     up[-14], down[-14] = 1.3, 0.7  # the constant of the first piece, by 0.6
     first = len(table) - 14 - 2
     up[first + 1], down[first + 1] = 2.1, 1.9  # the second begins later by 0.2
-    sides: Any = SimpleNamespace(up=SimpleNamespace(tables=up), down=SimpleNamespace(tables=down), apart=0.5)
+    sides: Any = SimpleNamespace(
+        up=SimpleNamespace(tables=up), down=SimpleNamespace(tables=down), distance=0.5
+    )
     change = changes(assembly, sides)[-14:].reshape(2, 7)
     assert change == pytest.approx(np.array([[1.2, 0, 0, 0, 0, 0, 0], -0.4 * derived[1]]))
 

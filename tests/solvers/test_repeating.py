@@ -187,11 +187,11 @@ def test_a_run_ends_where_it_is_found_to_repeat(cut, values: np.ndarray) -> None
     ends = []
     for piece in (1, 2, 5):
         watch, at = Settling(*cut, 1e-3), 1
-        while at < len(rows) and not watch.ended:
+        while at < len(rows) and not watch.settled:
             some = min(piece, watch.room)
             watch.take(rows[at : at + some])
             at += some
-        ends.append((at - 1) / 5 if watch.ended else None)
+        ends.append((at - 1) / 5 if watch.settled else None)
     assert len(set(ends)) == 1
     comparison = Comparison(*cut)
     turns = [rows[1 + 5 * k : 6 + 5 * k][:, comparison.columns] for k in range(40)]
@@ -215,7 +215,7 @@ def test_a_watch_that_is_taken_up_ends_where_it_would_have(cut, done: int) -> No
         watch = Settling(*cut, 1e-3)
         watch.restore(rows[: taken + 1])
         at = taken + 1
-        while not watch.ended and at < len(rows):
+        while not watch.settled and at < len(rows):
             watch.take(rows[at : at + 1])
             at += 1
         ends.append(at)

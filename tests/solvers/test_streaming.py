@@ -30,7 +30,7 @@ class Plain:
 
     number: int
     kind: str = "one"
-    ended: bool = False
+    finished: bool = False
 
 
 def waiting(source: Iterator[Any], ahead: int = 8) -> Waiting:
@@ -84,9 +84,9 @@ def test_no_more_are_made_than_are_to_wait_and_none_for_one_thread() -> None:
 
 
 def test_members_of_another_kind_wait_and_those_that_have_ended_are_told() -> None:
-    members = waiting(iter([Plain(0, "other"), Plain(1, ended=True), Plain(2), Plain(3, "other")]))
+    members = waiting(iter([Plain(0, "other"), Plain(1, finished=True), Plain(2), Plain(3, "other")]))
     assert number(members.next("one")) == 2  # type: ignore[arg-type]
-    assert members.found.get_nowait().number == 1  # type: ignore[union-attr]
+    assert members.results.get_nowait().number == 1  # type: ignore[union-attr]
     assert members.next("one") is None  # type: ignore[arg-type]
     assert [number(members.next(None)) for _ in range(2)] == [0, 3] and members.next(None) is None
 
@@ -156,9 +156,9 @@ def test_a_lane_keeps_its_outputs_and_ends_where_numbers_leave_all_bounds() -> N
 
     whole = lane()
     for _ in range(2):
-        assert not whole.ended and whole.outputs == 4
+        assert not whole.finished and whole.outputs == 4
         whole.take(sound, -1, assembly.state)
-    assert whole.ended and not whole.doubtful and whole.done == 4
+    assert whole.finished and not whole.doubtful and whole.done == 4
     assert whole.record.rows.shape == (5, len(whole.handed)) and whole.record.steps.tolist() == [
         k * whole.every for k in range(5)
     ]
@@ -168,4 +168,4 @@ def test_a_lane_keeps_its_outputs_and_ends_where_numbers_leave_all_bounds() -> N
         if value is not None:
             rows[1, column] = value
         other.take(rows, broken, assembly.state)
-        assert other.doubtful and other.ended
+        assert other.doubtful and other.finished

@@ -14,7 +14,7 @@ from vfife.assembly.assemble import assemble
 from vfife.solvers import repeating
 from vfife.solvers.companions import oldest_needed
 from vfife.solvers.impact_section import PER_CONTACT, WIDE, ImpactSection, Sectioning
-from vfife.solvers.repeating import Comparison, distance, repeated_since, whole_outputs
+from vfife.solvers.repeating import Comparison, distance, outputs_per_turn, repeated_since
 from vfife.solvers.tangents import Neighbours, weights
 from vfife.solvers.turn_runner import LANES, Orbits, Start, TurnRunner
 
@@ -38,10 +38,10 @@ def test_a_turn_holds_a_whole_number_of_outputs_or_none(
     turn: float | None, step: float, every: int, count: int | None
 ) -> None:
     choice: Any = SimpleNamespace(turn=turn, step=step, outputs_every=every)
-    assert whole_outputs(choice) == count
+    assert outputs_per_turn(choice) == count
     if count:
         choice.turn = turn * (1.0 + 1e-8)
-        assert whole_outputs(choice) is None, "by a hundred-millionth is not"
+        assert outputs_per_turn(choice) is None, "by a hundred-millionth is not"
 
 
 class Plain:

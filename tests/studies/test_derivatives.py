@@ -144,7 +144,9 @@ def test_a_series_has_its_jacobian():
     near = [Variants(text, assembly).neighbours(path, value) for path, value in chosen.items()]
     sides = [[force(record) for record in pair] for (pair,) in tangents(assembly, near)]
     assert 0.5 * (sides[0][0] + sides[0][1]) == pytest.approx(force(run(assembly)), rel=1e-9)
-    found = np.stack([(up - down) / one.apart for (up, down), one in zip(sides, near, strict=True)], axis=1)
+    found = np.stack(
+        [(up - down) / one.distance for (up, down), one in zip(sides, near, strict=True)], axis=1
+    )
     for k, (path, value) in enumerate(chosen.items()):
         up, down = (
             force(run(Variants(text, assembly).with_number(path, value, (1.0 + sign * 1e-5) * value)))
@@ -253,7 +255,7 @@ def test_tables_whose_pieces_begin_later_change_as_their_values_do():
         for time in (0.0005, 0.0019, 0.0021, 0.0037, 0.0046):
             up, down = (polynomial(one.tables, start, time)[0] for one in (near.up, near.down))
             found = polynomial(changed, start, time)[0]
-            assert found == pytest.approx((up - down) / near.apart, rel=1e-6, abs=1e-6)
+            assert found == pytest.approx((up - down) / near.distance, rel=1e-6, abs=1e-6)
             seen += abs(found) > 1.0
     assert seen >= 4
 

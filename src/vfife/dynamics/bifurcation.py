@@ -22,7 +22,7 @@ from ..modelfile.parameter import Parameter
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.tangents import Neighbours
-from ..solvers.turn_runner import Start, Sweep, carried_on, side_by_side
+from ..solvers.turn_runner import Start, Sweep, discontinuity, side_by_side
 from ..store.mapfile import MapFile
 from .maps import (
     MAP_DEFAULTS,
@@ -295,7 +295,7 @@ class SweepRow(NamedTuple):
 def refuse_other_mechanisms(spec: SweepSpec, models: Sequence[Assembly]) -> None:
     """Raises ModelError where the motion of one value cannot go on at the next, or beside it in a lane."""
     for value, one in zip(spec.values, models, strict=True):
-        why = side_by_side(models[0], one) if spec.starts else carried_on(models[0], one)
+        why = side_by_side(models[0], one) if spec.starts else discontinuity(models[0], one)
         if why is not None:
             what = f"at {value:g} the mechanism is another than at {spec.values[0]:g}: {why()}"
             remedy = (
@@ -338,7 +338,7 @@ def from_neighbours(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> I
         )
 
     sweep = Sweep(chains, near, spec.phase, companions)
-    last_leg = sweep.whole(count) - 1
+    last_leg = sweep.complete_legs(count) - 1
     resume = (
         (last_leg, rows.file.state(last_leg).reshape(sweep.states.shape))
         if rows.file is not None and last_leg >= 0
@@ -356,7 +356,7 @@ def from_neighbours(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> I
                 np.stack(points, axis=2).reshape(len(leg.rows), -1),
                 leg.growth,
                 leg.state,
-                leg.beside,
+                leg.check,
             )
 
 
@@ -366,7 +366,7 @@ def from_starts(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Itera
     """
     near, count = end_neighbours(spec, 0), len(models)
     if (
-        carried_on(models[0], near.up) is not None
+        discontinuity(models[0], near.up) is not None
     ):  # pins move with the number: a difference by it would open the joints
         near = neighbours_of(models[0].mechanism, models[0], spec.steps)
 

@@ -32,7 +32,7 @@ from ..simulation.turn_steps import step_count, with_steps
 from ..solvers.arguments import Arguments
 from ..solvers.record import Record
 from ..solvers.tangents import Neighbours, steps_of_turn
-from ..solvers.turn_runner import TurnRunner, carried_on
+from ..solvers.turn_runner import TurnRunner, discontinuity
 from ..store.mapfile import MapFile, locked_file
 
 Array = NDArray[np.float64]
@@ -266,7 +266,7 @@ def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbou
             number = Parameter(mechanism, path)
             up, down = (with_steps(number.set(value * (1.0 + sign * NEAR)), steps) for sign in (1.0, -1.0))
             moves = np.abs(up.state - down.state)[first.layout.of("parameter")].any()
-            if moves and carried_on(first, up) is None and carried_on(first, down) is None:
+            if moves and discontinuity(first, up) is None and discontinuity(first, down) is None:
                 return Neighbours(up, down, 2.0 * NEAR * value)
     what = "none of its numbers can be changed a little, so no motion nearby is known"
     raise ModelError([Fault("model", what)], mechanism.name)

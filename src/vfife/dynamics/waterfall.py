@@ -52,7 +52,7 @@ class SpectrumLane(Lane):
         self.last: deque[Array] = deque(maxlen=spec.last)
 
     @property
-    def ended(self) -> bool:
+    def finished(self) -> bool:
         """Whether it needs no further turn."""
         return self.doubtful or self.done == self.spec.turns * self.per
 

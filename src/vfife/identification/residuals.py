@@ -317,7 +317,7 @@ def tangent_traces(
         records = tangents(here, near)
     except VfifeError as error:
         return error
-    return [extrapolated(curves, pairs[0], one.apart) for pairs, one in zip(records, near, strict=True)]
+    return [extrapolated(curves, pairs[0], one.distance) for pairs, one in zip(records, near, strict=True)]
 
 
 def neighbours(curves: Curves, parameters: Sequence[FitParameter], shares: Array, k: int) -> Neighbours:
@@ -331,7 +331,7 @@ def neighbours(curves: Curves, parameters: Sequence[FitParameter], shares: Array
 
 
 def extrapolated(curves: Curves, pair: tuple[Any, Any], distance: float) -> tuple[Trace, Trace]:
-    """Traces ``SIDE`` to both sides, from those of two records that are ``apart`` in the parameter."""
+    """Traces ``SIDE`` to both sides, from those of two records that are ``distance`` in the parameter."""
     up, down = (curves.trace(one) for one in pair)
     ratio = 2.0 * SIDE / distance
 

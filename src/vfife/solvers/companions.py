@@ -69,8 +69,8 @@ class SynchronisedLanes:
     call.
     """
 
-    def __init__(self, assembly: Assembly, counts: Counts, kept: Integers, room: int) -> None:
-        self.counts, self.kept, self.room, self.done = counts, kept, room, 0
+    def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, room: int) -> None:
+        self.counts, self.kept, self.room, self.done = counts, recorded, room, 0
         self.layout, self.tables, self.parts = (
             assembly.layout,
             assembly.tables,
@@ -81,7 +81,7 @@ class SynchronisedLanes:
             limited_rows(assembly),
             np.array(assembly.layout.of("extreme"), dtype=np.intp),
         )
-        self.columns = places(kept, self.extremes)
+        self.columns = places(recorded, self.extremes)
         self.lanes = 1 << (len(counts) - 1).bit_length()  # a vector holds 1, 2, 4 or 8 numbers
         self.states = initial_states(assembly, counts)
         self.broken = np.zeros(
@@ -96,34 +96,34 @@ class SynchronisedLanes:
         if self.done == 0:
             return self._begin()
         inside = (self.done - 1) % int(self.counts[0])
-        made, until = self.steps_inside(inside), self.steps_inside(inside + count)
+        past, until = self.steps_inside(inside), self.steps_inside(inside + count)
         if anew:
             self.states[self.extremes] = 0.0
         self.done += count * outputs
         if inside == 0 and count == self.counts[0]:
             return self._intervals(outputs)
         output = (self.done - 1 - inside - count) // int(self.counts[0])
-        self._piece(output * self.counts + made, until - made)
+        self._piece(output * self.counts + past, until - past)
         return np.array(self.states[self.kept][None]) + 0.0 if record else np.zeros((1, 0, len(self.counts)))
 
     def steps_inside(self, inside: int) -> Counts:
         """Steps of each lane since the last output, when the run has made ``inside`` of its own: in
         proportion, rounded down.
         """
-        found: Counts = inside * self.counts // self.counts[0]
-        return found
+        steps: Counts = inside * self.counts // self.counts[0]
+        return steps
 
     def _begin(self) -> Array:
         """The first output: the start, as the first step of a run has it."""
         tables = np.repeat(self.tables[None, :], self.lanes, axis=0)
         runner = Runner(
-            self.topology, self._filled(self.states), tables, "generated", self.kept, parts=self.parts
+            self.topology, self._padded(self.states), tables, "generated", self.kept, parts=self.parts
         )
         rows = runner.advance(1, 1)[:, :, : len(self.counts)]
         self.states[:], self.done = runner.states[:, : len(self.counts)], 1
         return rows
 
-    def _filled(self, states: Array) -> Array:
+    def _padded(self, states: Array) -> Array:
         """States of the lanes, with that of the run in the places of the vector that are left over."""
         return states[:, [lane if lane < len(self.counts) else 0 for lane in range(self.lanes)]]
 
@@ -153,11 +153,11 @@ class SynchronisedLanes:
         ]  # a stream clears them when it hands them out; a run does so in its next step
         return rows
 
-    def _piece(self, made: Counts, missing: Counts) -> None:
+    def _piece(self, past: Counts, missing: Counts) -> None:
         """Make the ``missing`` steps of each lane, which has ``made`` so many since its start, without any
         output.
         """
-        stream = self._loaded(made)
+        stream = self._loaded(past)
         end = stream.done + missing
         waiting = set(np.flatnonzero(missing).tolist())
         self._repeat(stream, waiting)
@@ -166,7 +166,7 @@ class SynchronisedLanes:
             self._watch(stream, waiting)
             self._finish(stream, {lane for lane in waiting if stream.done >= end[lane]}, waiting)
 
-    def _loaded(self, made: Counts) -> Stream:
+    def _loaded(self, past: Counts) -> Stream:
         """The stream with the states of all lanes, each after so many steps of its own."""
         stream = self.stream
         if stream is None:
@@ -185,11 +185,11 @@ class SynchronisedLanes:
             )
             stream.T.reshape(self.lanes, -1)[:] = self.tables
             stream.limits.reshape(-1, 2, self.lanes)[:] = self.bounds.T[:, :, None]
-        stream.states[:] = self._filled(self.states)
-        stream.done = 1 + int(made[0])  # counted as the run's own steps are
-        ahead = 1 + made - stream.done  # a lane's step n + shift is its own, counted from its start
+        stream.states[:] = self._padded(self.states)
+        stream.done = 1 + int(past[0])  # counted as the run's own steps are
+        ahead = 1 + past - stream.done  # a lane's step n + shift is its own, counted from its start
         stream.states[self.layout["shift"]] = ahead[
-            [lane if lane < len(made) else 0 for lane in range(self.lanes)]
+            [lane if lane < len(past) else 0 for lane in range(self.lanes)]
         ]
         stream.due[:], stream.broken[:] = NEVER, -1.0
         if self.broken[0] == 0.0:
@@ -224,12 +224,12 @@ class SynchronisedLanes:
 class SeparateLanes:
     """The same for loops that step one lane after the other: a runner for each."""
 
-    def __init__(self, assembly: Assembly, counts: Counts, kept: Integers, loop: str) -> None:
+    def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, loop: str) -> None:
         self.counts, self.done = counts, 0
         self.states, parts = initial_states(assembly, counts), assembly.mechanism.settings.parts
         self.runners = [
             Runner(
-                assembly.topology, self.states[:, lane : lane + 1], assembly.tables[None, :], loop, kept, parts=parts,
+                assembly.topology, self.states[:, lane : lane + 1], assembly.tables[None, :], loop, recorded, parts=parts,
                 watched=watched([assembly], np.array([lane == 0])),
             )
             for lane in range(len(counts))
@@ -243,12 +243,12 @@ class SeparateLanes:
         """
         begins = self.done == 0
         output, inside = divmod(max(self.done - 1, 0), int(self.counts[0]))
-        made, until = (n * self.counts // self.counts[0] for n in (inside, inside + count))
+        past, until = (n * self.counts // self.counts[0] for n in (inside, inside + count))
         rows = []
         for lane, runner in enumerate(self.runners):
             runner.states[:, 0] = self.states[:, lane]
-            runner.done = 0 if begins else 1 + output * int(self.counts[lane]) + int(made[lane])
-            own = 1 if begins else int(until[lane] - made[lane])
+            runner.done = 0 if begins else 1 + output * int(self.counts[lane]) + int(past[lane])
+            own = 1 if begins else int(until[lane] - past[lane])
             rows.append(runner.advance(own, outputs, anew=anew, record=record))
             self.states[:, lane] = runner.states[:, 0]
         self.done += count * outputs
@@ -383,22 +383,22 @@ def step_counts(choice: StepChoice, companions: int) -> Counts:
         -(-every // 2),
         math.ceil(every * choice.step / largest * (1.0 - 1e-12)) if math.isfinite(largest) else 1,
     )
-    found: list[int] = []
+    counts: list[int] = []
     for ratio in np.linspace(LARGEST_RATIO, SMALLEST_RATIO, companions).tolist():
         near = min(max(round(every / ratio), least), every - 1)
         coarser = [
             n
             for n in range(max(least, near - companions), min(every, near + companions + 1))
-            if n not in found
+            if n not in counts
         ]
         if coarser:
-            found.append(min(coarser, key=lambda n: abs(n - every / ratio)))
+            counts.append(min(coarser, key=lambda n: abs(n - every / ratio)))
             continue
         finer = max(every + 1, round(every * ratio))
-        while finer in found:
+        while finer in counts:
             finer += 1
-        found.append(finer)
-    return np.array(sorted(found, reverse=True), dtype=np.int64)
+        counts.append(finer)
+    return np.array(sorted(counts, reverse=True), dtype=np.int64)
 
 
 def measured_rows(assembly: Assembly) -> NDArray[np.uint32]:
@@ -467,14 +467,19 @@ class CompanionRecorder:
         oldest = oldest_needed(self.assembly, int(steps[-1])) if len(steps) else 0
         while len(self.parts) > 1 and len(self.parts[0][0]) and self.parts[0][0][-1] < oldest:
             self.parts.popleft()
-        found = findings(self.parting, self.lost)
+        summary = findings(self.parting, self.lost)
         if self.turn_rows is None:
-            return CompanionOutputs(part, found, oldest)
-        ended = self.turn_rows.take(part[1:] if len(steps) and steps[0] == 0 else part)
-        first = len(self.turn_rows.turns) - ended
-        turns = np.array(self.turn_rows.turns[first:]).reshape(ended, len(self.kept), count)
+            return CompanionOutputs(part, summary, oldest)
+        completed = self.turn_rows.take(part[1:] if len(steps) and steps[0] == 0 else part)
+        first = len(self.turn_rows.turns) - completed
+        turns = np.array(self.turn_rows.turns[first:]).reshape(completed, len(self.kept), count)
         return CompanionOutputs(
-            part, found, oldest, turns, first + 1, self.turn_rows.outputs * self.assembly.choice.outputs_every
+            part,
+            summary,
+            oldest,
+            turns,
+            first + 1,
+            self.turn_rows.outputs * self.assembly.choice.outputs_every,
         )
 
     @property
@@ -511,12 +516,14 @@ class CompanionRecorder:
         steps = np.concatenate([steps for steps, _ in self.parts])
         rows = np.concatenate([rows for _, rows in self.parts])
         window = (steps >= oldest_needed(self.assembly, last)) & (steps <= last)
-        found = Companions(
+        companions = Companions(
             self.counts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost))
         )
         if self.turn_rows is not None:
-            found.turns = self.turn_rows.array(len(self.counts), last // self.assembly.choice.outputs_every)
-        return found
+            companions.turns = self.turn_rows.array(
+                len(self.counts), last // self.assembly.choice.outputs_every
+            )
+        return companions
 
 
 class PartingWatch:
@@ -577,10 +584,10 @@ class PartingWatch:
         )
 
 
-def turn_rows_of(assembly: Assembly, kept: NDArray[np.uint32]) -> TurnRows | None:
+def turn_rows_of(assembly: Assembly, recorded: NDArray[np.uint32]) -> TurnRows | None:
     """Reduces these rows of S to one a turn; None if a turn is no whole number of outputs."""
     outputs, extreme = outputs_of_a_turn(assembly), set(assembly.layout.of("extreme"))
-    return None if outputs is None else TurnRows(outputs, np.array([int(row) in extreme for row in kept]))
+    return None if outputs is None else TurnRows(outputs, np.array([int(row) in extreme for row in recorded]))
 
 
 def oldest_needed(assembly: Assembly, last: int) -> int:

@@ -29,7 +29,7 @@ from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from .arguments import Arguments, Loop
 from .record import Columns, Record
-from .repeating import compared_rows, distance, whole_outputs
+from .repeating import compared_rows, distance, outputs_per_turn
 from .status import Status
 from .streaming import Lane, Processor, stepped
 
@@ -73,9 +73,9 @@ def ensemble(
     one without a driver, DeviceError for a card that cannot be used, and what
     :func:`~vfife.assembly.assemble.assemble` raises. Ctrl-C ends it within a second.
     """
-    given = Arguments("ensemble")
-    mechanisms = given.mechanisms(mechanisms)
-    steps, loop = given.each("step", step, len(mechanisms)), given.loop(loop)
+    arguments = Arguments("ensemble")
+    mechanisms = arguments.mechanisms(mechanisms)
+    steps, loop = arguments.each("step", step, len(mechanisms)), arguments.loop(loop)
     for name, value in {
         "turns": turns,
         "outputs": outputs,
@@ -84,11 +84,11 @@ def ensemble(
         **processor,
     }.items():
         if name != "device":
-            given.count(name, value, optional=name in ("lanes", "workers"))
-    given.quantity("tolerance", tolerance, "1", zero=True)
-    given.device(device := processor.get("device"))
-    given.callable("progress", progress)
-    given.check()
+            arguments.count(name, value, optional=name in ("lanes", "workers"))
+    arguments.quantity("tolerance", tolerance, "1", zero=True)
+    arguments.device(device := processor.get("device"))
+    arguments.callable("progress", progress)
+    arguments.check()
     if device == "cuda":
         card()  # raises what is missing before anything is assembled
     for mechanism in mechanisms:
@@ -118,13 +118,13 @@ def advance(
     progress: Callable[[int, int], None] | None = None, **processor: Unpack[Processor],
 ) -> list[Member]:  # fmt: skip
     """As :func:`ensemble`, for mechanisms that are assembled already."""
-    found: dict[int, Member] = {}
+    members: dict[int, Member] = {}
     every = (MemberLane(k, assembly, tolerance, loop) for k, assembly in enumerate(assemblies))
     for lane in stepped(every, len(assemblies), **processor):
-        found[lane.number] = lane.member()
+        members[lane.number] = lane.member()
         if progress is not None:
-            progress(len(found), len(assemblies))
-    return [found[k] for k in range(len(assemblies))]
+            progress(len(members), len(assemblies))
+    return [members[k] for k in range(len(assemblies))]
 
 
 class MemberLane(Lane):
@@ -143,7 +143,7 @@ class MemberLane(Lane):
         )
 
     @property
-    def ended(self) -> bool:
+    def finished(self) -> bool:
         """Whether it needs no further turn."""
         turns = self.assembly.choice.outputs // self.per
         return self.settled is not None or self.status != Status.COMPLETE or len(self.distances) == turns
@@ -166,10 +166,10 @@ class MemberLane(Lane):
             rows[int(np.argmax(bad)) :] = np.nan
         before, self.rows = self.rows, np.concatenate([self.rows[-1:], rows])
         self.summaries.append(np.where(self.extreme, rows.max(axis=0), rows[-1]))
-        known = len(before) == len(self.rows) and self.status == Status.COMPLETE
-        apart = distance(before[1:, self.repeated], rows[:, self.repeated]) if known else np.inf
-        self.distances.append(apart)
-        if self.tolerance is not None and apart <= self.tolerance:
+        complete = len(before) == len(self.rows) and self.status == Status.COMPLETE
+        change = distance(before[1:, self.repeated], rows[:, self.repeated]) if complete else np.inf
+        self.distances.append(change)
+        if self.tolerance is not None and change <= self.tolerance:
             self.settled = len(self.distances)
 
     def member(self) -> Member:
@@ -227,13 +227,13 @@ class StepSize:
             self.topology if same else dataclasses.replace(assembly.topology, coarse=self.topology.coarse)
         )
         state[assembly.layout.row("step")] = step
-        found = copy(
+        variant = copy(
             assembly
         )  # a batch assembly makes its bodies when they are needed, which ``replace`` would do at once
         changed = dataclasses.replace(choice, step=step, outputs_every=self.every, outputs=self.outputs)
         for name, value in (("state", state), ("choice", changed), ("topology", topology)):
-            object.__setattr__(found, name, value)
-        return found
+            object.__setattr__(variant, name, value)
+        return variant
 
 
 def step_sizes(assembly: Assembly) -> list[StepSize]:
@@ -246,11 +246,11 @@ def step_sizes(assembly: Assembly) -> list[StepSize]:
     coarsest = max(MULTIPLES)
     finest = 1.0 if coarsest * choice.step <= SAFETY * choice.stable * (1.0 + 1e-9) else 1.0 / coarsest
     own = StepSize(choice.outputs_every, choice.outputs, assembly.topology, assembly.topology)
-    found = {own.steps: own}
+    sizes = {own.steps: own}
     for multiple in MULTIPLES:
         one = _step_size(assembly, multiple * finest)
-        found.setdefault(one.steps, one)
-    return list(found.values())
+        sizes.setdefault(one.steps, one)
+    return list(sizes.values())
 
 
 def _step_size(assembly: Assembly, multiple: float) -> StepSize:
@@ -264,8 +264,10 @@ def _step_size(assembly: Assembly, multiple: float) -> StepSize:
     else:
         per = choice.turn / (choice.step * every) if choice.turn else float(outputs)
         turns = outputs / per
-        whole = abs(turns - round(turns)) < 1e-6 and round(turns) > 0
-        outputs = round(turns) * max(1, round(per / multiple)) if whole else max(1, round(outputs / multiple))
+        integer = abs(turns - round(turns)) < 1e-6 and round(turns) > 0
+        outputs = (
+            round(turns) * max(1, round(per / multiple)) if integer else max(1, round(outputs / multiple))
+        )
     step = choice.step * (choice.steps / (every * outputs))
     topology = assembly.topology
     if assembly.ideals:
@@ -279,7 +281,7 @@ def _step_size(assembly: Assembly, multiple: float) -> StepSize:
 
 
 def measures_of(
-    variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]], *, whole: bool = False
+    variants: Sequence[tuple[Assembly, NDArray[np.uint32], Look]], *, merged: bool = False
 ) -> list[Mapping[str, float] | None]:
     """Return the measures of each variant; None for one whose numbers left all bounds.
 
@@ -289,7 +291,7 @@ def measures_of(
     within a second.
     """
     columns: dict[int, Columns] = {}
-    lanes = [VariantLane(k, *one, columns, whole) for k, one in enumerate(variants)]
+    lanes = [VariantLane(k, *one, columns, merged) for k, one in enumerate(variants)]
     for lane in stepped(lanes, len(lanes)) if lanes else ():
         lane.parts.clear()
     return [lane.values for lane in lanes]
@@ -302,7 +304,7 @@ def merged_outputs(assembly: Assembly) -> int:
     choice = assembly.choice
     if not choice.turn:
         return choice.outputs
-    turn = whole_outputs(choice)
+    turn = outputs_per_turn(choice)
     return 1 if turn is None else math.gcd(turn, choice.outputs)
 
 
@@ -318,11 +320,11 @@ class VariantLane(Lane):
         handed: NDArray[np.uint32],
         look: Look,
         columns: dict[int, Columns],
-        whole: bool,
+        merge: bool,
     ) -> None:
         super().__init__(number, assembly, handed)
         self.look, self.columns, self.first = look, columns, 0  # the number of the first output that is kept
-        merged = merged_outputs(assembly) if whole else 1
+        merged = merged_outputs(assembly) if merge else 1
         choice = assembly.choice
         self.every, self.count = merged * choice.outputs_every, choice.outputs // merged
         turn = choice.turn / (choice.step * self.every) if choice.turn else float(self.count)
@@ -334,7 +336,7 @@ class VariantLane(Lane):
         return min(CHUNK, self.count - self.done)
 
     @property
-    def ended(self) -> bool:
+    def finished(self) -> bool:
         """Whether it needs no further step."""
         return self.doubtful or self.done >= self.count
 

@@ -62,15 +62,15 @@ class ImpactSection(NamedTuple):
         """The onsets in so many steps after the first ``done``, from a state, shape (rows,): shape (onsets,
         columns).
         """
-        runner = TurnRunner([self.assembly], kept=self.rows, look=look)
+        runner = TurnRunner([self.assembly], recorded=self.rows, look=look)
         runner.restore(state, done)
-        before, found = state[self.rows][None, :], [np.zeros((0, len(COLUMNS)))]
+        before, parts = state[self.rows][None, :], [np.zeros((0, len(COLUMNS)))]
         while steps > 0:
             some = min(steps, AT_ONCE)
             rows = np.concatenate([before, runner.record(1, some)[:, :, 0]])
-            found += [self._onsets(rows, runner.done - some - 1, k) for k in range(len(self.contacts))]
+            parts += [self._onsets(rows, runner.done - some - 1, k) for k in range(len(self.contacts))]
             before, steps = rows[-1:], steps - some
-        every = np.concatenate(found)
+        every = np.concatenate(parts)
         return every[np.argsort(every[:, 1], kind="stable")]
 
     def _onsets(self, rows: Array, first: int, k: int) -> Array:
@@ -97,8 +97,8 @@ class ImpactSection(NamedTuple):
             s, c = sincos(angle)
             centres.append((x + c * px - s * py, y + s * px + c * py))
         (bx, by), (jx, jy) = centres
-        found: Array = np.mod(atan2(jy - by, jx - bx) - bodies[:, 2], 2.0 * np.pi)
-        return found
+        angles: Array = np.mod(atan2(jy - by, jx - bx) - bodies[:, 2], 2.0 * np.pi)
+        return angles
 
 
 @dataclass(frozen=True)
@@ -189,5 +189,5 @@ class Sectioning:
             return Turns(*nothing, self.motion.states[:, 0].copy())
         self.difference.begin([self.assembly], state[:, None], done)
         rows, growth = self.difference.turns([self.assembly], last - first)
-        found = (rows[:, :, 0], growth[:, 0]) if first >= self.dropped else nothing
-        return Turns(*found, self.difference.states[:, 0].copy())
+        part = (rows[:, :, 0], growth[:, 0]) if first >= self.dropped else nothing
+        return Turns(*part, self.difference.states[:, 0].copy())

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from .companions import Stepper
 
-ASKING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 class Interrupts:
-    """While it is entered, handlers of :data:`ASKING` that are functions are called by :meth:`look` and at
+    """While it is entered, handlers of :data:`SIGNALS` that are functions are called by :meth:`look` and at
     the end instead of anywhere.
 
     A second signal is handled where it comes. In a thread that is not the main one, which hears no signals,
@@ -31,11 +31,11 @@ class Interrupts:
 
     def __init__(self) -> None:
         self.former: dict[int, Callable[[int, FrameType | None], Any]] = {}
-        self.asked: int | None = None
+        self.received: int | None = None
 
     def __enter__(self) -> Interrupts:
         if threading.current_thread() is threading.main_thread():
-            for number in ASKING:
+            for number in SIGNALS:
                 handler = signal.getsignal(number)
                 if callable(handler):
                     self.former[number] = handler
@@ -43,13 +43,13 @@ class Interrupts:
         return self
 
     def _hear(self, number: int, frame: FrameType | None) -> None:
-        if self.asked is not None:
+        if self.received is not None:
             self.former[number](number, frame)
-        self.asked = number
+        self.received = number
 
     def look(self) -> None:
         """Handles a signal that came, if there is one: most handlers raise KeyboardInterrupt."""
-        number, self.asked = self.asked, None
+        number, self.received = self.received, None
         if number is not None:
             self.former[number](number, None)
 

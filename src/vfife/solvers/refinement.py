@@ -48,7 +48,9 @@ PARTS = 8  # of the run, in each of which the differences are compared
 # of the size of the motion: smaller differences between h and h/2 decide nothing, whatever their order
 DECISIVE = 1e-3
 FALLING = 0.5  # a difference that falls by less from one halving to the next falls more slowly than the step
-APART = 0.1  # of the size of the motion: runs at h/2 and h/4 that differ by more do not show the same motion
+DIFFERENT_MOTION = (
+    0.1  # of the size of the motion: runs at h/2 and h/4 that differ by more do not show the same motion
+)
 
 
 @dataclass
@@ -81,12 +83,12 @@ def refine(record: Record, first: int = 0) -> Refined:
     """Repeats a smooth run with half and with a quarter of its step, and keeps the outputs from the step
     ``first`` on.
     """
-    kept = recorded_rows(record.assembly)
+    recorded = recorded_rows(record.assembly)
     finer = [divided(record.assembly, parts) for parts in FINER]
-    runners = [started(one, kept) for one in finer]
+    runners = [started(one, recorded) for one in finer]
     begin = [runner.advance(1, 1)[:, :, 0] for runner in runners]
     windows = [[rows] if first <= 0 else [] for rows in begin]
-    compared, outputs = Differences(record, kept), len(record.steps) - 1
+    compared, outputs = Differences(record, recorded), len(record.steps) - 1
     with Interrupts() as halt:
         paces = [ChunkSize(halt.look) for _ in runners]
         for done in range(0, outputs, CHUNK):
@@ -95,22 +97,22 @@ def refine(record: Record, first: int = 0) -> Refined:
                 pace.advance(runner, one.choice.outputs_every, count)[:, :, 0]
                 for pace, runner, one in zip(paces, runners, finer, strict=True)
             ]  # fmt: skip
-            wanted = np.asarray(record.steps[done + 1 : done + 1 + count]) >= first
+            inside = np.asarray(record.steps[done + 1 : done + 1 + count]) >= first
             for window, rows in zip(windows, both, strict=True):
-                window.append(rows[wanted])
+                window.append(rows[inside])
             compared.take(done, *both)
     half, quarter = (
-        _record(record, one, parts, kept, np.concatenate(window))
+        _record(record, one, parts, recorded, np.concatenate(window))
         for one, parts, window in zip(finer, FINER, windows, strict=True)
     )
     since = (len(record.steps) - len(half.steps)) * PARTS // len(record.steps)
     return Refined(half, quarter, compared.ratio(), compared.converges(since))
 
 
-def _record(record: Record, finer: Assembly, parts: int, kept: NDArray[np.uint32], rows: Array) -> Record:
+def _record(record: Record, finer: Assembly, parts: int, recorded: NDArray[np.uint32], rows: Array) -> Record:
     """The last outputs of a repetition as a record with its own steps."""
     steps = parts * np.asarray(record.steps[len(record.steps) - len(rows) :])
-    return Record(finer, steps, rows, kept, loop="generated", status=record.status)
+    return Record(finer, steps, rows, recorded, loop="generated", status=record.status)
 
 
 def with_step(assembly: Assembly, step: float) -> Assembly:
@@ -127,14 +129,14 @@ def divided(assembly: Assembly, parts: int) -> Assembly:
     return dataclasses.replace(with_step(assembly, choice.step), choice=choice)
 
 
-def started(assembly: Assembly, kept: NDArray[np.uint32]) -> Runner:
+def started(assembly: Assembly, recorded: NDArray[np.uint32]) -> Runner:
     """What steps it."""
     return Runner(
         assembly.topology,
         assembly.state[:, None].copy(),
         assembly.tables[None, :],
         "generated",
-        kept,
+        recorded,
         parts=assembly.mechanism.settings.parts,
     )
 
@@ -144,9 +146,9 @@ class Differences:
     of ``PARTS`` parts of a run.
     """
 
-    def __init__(self, record: Record, kept: NDArray[np.uint32]) -> None:
+    def __init__(self, record: Record, recorded: NDArray[np.uint32]) -> None:
         sampled = np.concatenate([record.assembly.layout.rows_of(name) for name in SAMPLED]).astype(np.uint32)
-        self.columns, self.own = places(kept, sampled), record.rows[:, places(record.kept, sampled)]
+        self.columns, self.own = places(recorded, sampled), record.rows[:, places(record.kept, sampled)]
         self.squares, self.counts = np.zeros((PARTS, 2, len(sampled))), np.zeros(PARTS)
         self.step = record.assembly.choice.step
 
@@ -179,12 +181,12 @@ class Differences:
         noise = np.array(
             [EXACT, EXACT, EXACT, rounding * size / push, rounding * size / push, rounding * turn / spin]
         )
-        found = (
+        squares = (
             self.squares.reshape(PARTS, 2, len(SAMPLED), -1).sum(axis=3)
             / (scale * scale)
             / np.maximum(self.counts, 1.0)[:, None, None]
         )
-        return found[:, 0], found[:, 1], noise
+        return squares[:, 0], squares[:, 1], noise
 
     def ratio(self) -> float | None:
         """Root of the ratio of the squares of both differences, of those kinds of quantities in which
@@ -204,7 +206,7 @@ class Differences:
         for k in range(since, PARTS):
             telling = np.sqrt(fine[k]) > OVER_NOISE * noise
             first, second = (sqrt(float(one[k][telling].sum())) for one in (coarse, fine))
-            if not second <= APART or (first > DECISIVE and second > FALLING * first):
+            if not second <= DIFFERENT_MOTION or (first > DECISIVE and second > FALLING * first):
                 return False
         return True
 
@@ -282,10 +284,14 @@ def other_meshes(record: Record, progress: Callable[[Progress], None] | None = N
     Where an odd number cannot be halved, with four times as many instead, if that is short. Without those
     that were not all found.
     """
-    found: dict[float, Record] = {}
+    records: dict[float, Record] = {}
     for share in (TWICE, HALF):
-        found |= _on_mesh(record, share, progress)
-    return found if HALF in found or TWICE not in found else found | _on_mesh(record, FOUR_TIMES, progress)
+        records |= _on_mesh(record, share, progress)
+    return (
+        records
+        if HALF in records or TWICE not in records
+        else records | _on_mesh(record, FOUR_TIMES, progress)
+    )
 
 
 def _on_mesh(
@@ -306,5 +312,5 @@ def _on_mesh(
         if progress is not None:
             progress(dataclasses.replace(now, text=f"{WORDS[share]} the elements, {now.text}"))
 
-    found = equilibrium(assembly, loop=record.loop, progress=tell)
-    return {share: found} if found.status == Status.COMPLETE else {}
+    equilibria = equilibrium(assembly, loop=record.loop, progress=tell)
+    return {share: equilibria} if equilibria.status == Status.COMPLETE else {}

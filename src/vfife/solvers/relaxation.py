@@ -71,13 +71,13 @@ def _elements(assembly: Assembly, state: Array) -> tuple[Array, Array]:
 
 def _contacts(assembly: Assembly, force: Array) -> list[float]:
     """The tangent (N/m) of each contact law under a force (N) for each."""
-    found = []
+    stiffness = []
     for index, name in enumerate(assembly.contact_joints):
         law = assembly.mechanism.contacts[name].contact
-        found.append(
+        stiffness.append(
             tangent(law, assembly.contact_slots(index), float(force[index]))[1] if force[index] > 0.0 else 0.0
         )
-    return found
+    return stiffness
 
 
 class Floors:
@@ -315,8 +315,8 @@ class Relaxation:
         """Give particles that are too light for their stiffness more mass. True if any was so light that
         iterations were unstable.
         """
-        wanted = demands(self.assembly, self.state, self.force, self.pressed)
-        needed = self.floors(*wanted, LOADED * self.force / self.size)
+        needed_masses = demands(self.assembly, self.state, self.force, self.pressed)
+        needed = self.floors(*needed_masses, LOADED * self.force / self.size)
         unstable, first = False, not self.mass.any()
         for name, need in zip(("mass", "inertia"), needed, strict=True):
             own = getattr(self, name)
@@ -383,7 +383,7 @@ class Relaxation:
             before = self.state.copy()
             rows = self.pace.advance(self.runner, self.between, LOOKS)[:, :, 0]
             self.iterations += LOOKS * self.between
-            seen = rows[:, : 3 * len(self.places)].reshape(LOOKS, 3, -1)
+            looks = rows[:, : 3 * len(self.places)].reshape(LOOKS, 3, -1)
             with np.errstate(invalid="ignore"):
                 self.pressed = np.nan_to_num(
                     np.sqrt(rows[:, 3 * len(self.places) :].max(axis=0)), nan=1e300, posinf=1e300
@@ -398,7 +398,7 @@ class Relaxation:
             self.rest()
             self.between = max(SHORTEST, self.between // 4)
         mass = 1.0 / self.state[self.inverse]
-        place, speed, push = seen[:, 0], seen[:, 1], seen[:, 2]
+        place, speed, push = looks[:, 0], looks[:, 1], looks[:, 2]
         energy = 0.5 * times(speed * speed, mass)
         self.kinetic, self.kinetic_max = float(energy[-1]), max(self.kinetic_max, float(energy.max()))
         moved = np.diff(place, axis=0)
@@ -421,10 +421,10 @@ class Relaxation:
         """Set critical damping for a frequency, by its estimated square (rad/iteration)^2; it changes by a
         factor of four at most.
         """
-        found = math.sqrt(square) if square > 0.0 else 0.5 * self.frequency
+        frequency = math.sqrt(square) if square > 0.0 else 0.5 * self.frequency
         if self.frequency > 0.0:
-            found = min(max(found, 0.25 * self.frequency), 4.0 * self.frequency)
-        self.frequency = min(found, 1.0)
+            frequency = min(max(frequency, 0.25 * self.frequency), 4.0 * self.frequency)
+        self.frequency = min(frequency, 1.0)
         self.state[self.layout["damping"]] = 2.0 * self.frequency
         between = ANGLE / self.frequency if self.frequency > 0.0 else 2.0 * self.between
         self.between = int(min(max(between, SHORTEST, 0.5 * self.between), 2.0 * self.between, self.longest))

@@ -43,8 +43,8 @@ def distance(before: Array, after: Array, least: Array | None = None) -> float:
     """
     size = np.maximum(np.abs(before).max(axis=0), np.abs(after).max(axis=0))
     size = size if least is None else np.maximum(size, least)
-    apart = np.abs(after - before).max(axis=0)
-    return float(np.max(np.divide(apart, size, out=np.zeros_like(apart), where=size > 0.0), initial=0.0))
+    change = np.abs(after - before).max(axis=0)
+    return float(np.max(np.divide(change, size, out=np.zeros_like(change), where=size > 0.0), initial=0.0))
 
 
 def compared_rows(layout: Layout) -> list[int]:
@@ -57,10 +57,12 @@ def outputs_of_a_turn(assembly: Assembly) -> int | None:
     whole number of them.
     """
     moving = [driver for driver in assembly.mechanism.drivers.values() if driver.moves]
-    return None if any(driver.steady_speed is None for driver in moving) else whole_outputs(assembly.choice)
+    return (
+        None if any(driver.steady_speed is None for driver in moving) else outputs_per_turn(assembly.choice)
+    )
 
 
-def whole_outputs(choice: StepChoice) -> int | None:
+def outputs_per_turn(choice: StepChoice) -> int | None:
     """Outputs in a turn; None where there is no turn, or it holds no whole number of them."""
     if choice.turn is None:
         return None
@@ -74,9 +76,9 @@ class Comparison:
     counts for little.
     """
 
-    def __init__(self, assembly: Assembly, kept: NDArray[np.uint32]) -> None:
+    def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32]) -> None:
         self.layout, self.step = assembly.layout, assembly.choice.step
-        place = {int(row): k for k, row in enumerate(kept)}
+        place = {int(row): k for k, row in enumerate(recorded)}
         self.rows = [row for row in compared_rows(self.layout) if row in place]
         self.columns = np.array([place[row] for row in self.rows], dtype=np.intp)
 
@@ -85,13 +87,13 @@ class Comparison:
         """Places among the columns of quantities of one kind."""
         kinds = {"squares": SQUARES, "moments": MOMENTS, "accelerations": ACCELERATIONS}
         kinds |= {name: (name,) for name in ("contact_normal_force", "contact_penetration_max")}
-        wanted = {
+        rows_of_kind = {
             kind: {int(row) for name in names for row in self.layout.rows_of(name)}
             for kind, names in kinds.items()
         }
         return {
             kind: np.array([k for k, row in enumerate(self.rows) if row in rows], dtype=np.intp)
-            for kind, rows in wanted.items()
+            for kind, rows in rows_of_kind.items()
         }
 
     def distance(self, before: Array, after: Array) -> float:
@@ -109,11 +111,11 @@ class Comparison:
             "moments": OVER_NOISE * NOISE * load,
             "accelerations": OVER_NOISE * ROUNDING / (self.step * self.step),
         }
-        found = np.zeros_like(size)
+        least = np.zeros_like(size)
         for kind, places in self.families.items():
             share = LEAST * LEAST if kind == "squares" else LEAST
-            found[places] = max(share * largest[kind], noise.get(kind, 0.0))
-        return found
+            least[places] = max(share * largest[kind], noise.get(kind, 0.0))
+        return least
 
 
 class Settling:
@@ -124,10 +126,10 @@ class Settling:
     the tolerance of the turn p before it.
     """
 
-    def __init__(self, assembly: Assembly, kept: NDArray[np.uint32], tolerance: float) -> None:
+    def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32], tolerance: float) -> None:
         outputs = outputs_of_a_turn(assembly)
         self.tolerance, self.outputs = tolerance, outputs or 0
-        self.comparison = Comparison(assembly, kept)
+        self.comparison = Comparison(assembly, recorded)
         self.turns: deque[Array] = deque(maxlen=LONGEST)
         self.sizes: deque[Array] = deque(maxlen=LONGEST)  # the largest absolute values of each
         self.parts: list[Array] = []
@@ -140,7 +142,7 @@ class Settling:
         return self.outputs - self.inside if self.outputs else 0
 
     @property
-    def ended(self) -> bool:
+    def settled(self) -> bool:
         """Whether turns repeat."""
         return any(streak >= max(period, LEAST_STREAK) for period, streak in enumerate(self.streaks, 1))
 
@@ -155,14 +157,14 @@ class Settling:
         turn = self.parts[0] if len(self.parts) == 1 else np.concatenate(self.parts)
         self.parts, self.inside = [], 0
         size = np.abs(turn).max(axis=0)
-        hopeless = self._apart(turn, size)
+        hopeless = self._differing(turn, size)
         for period, before in enumerate(reversed(self.turns), 1):
             near = not hopeless[-period] and self.comparison.distance(before, turn) <= self.tolerance
             self.streaks[period - 1] = self.streaks[period - 1] + 1 if near else 0
         self.turns.append(turn)
         self.sizes.append(size)
 
-    def _apart(self, turn: Array, size: Array) -> NDArray[np.bool_]:
+    def _differing(self, turn: Array, size: Array) -> NDArray[np.bool_]:
         """Which of the turns before lie further apart than the tolerance already at some outputs, over the
         most that they may be compared with.
         """
@@ -179,8 +181,8 @@ class Settling:
         """All outputs so far, that of step 0 with them: of those the latest turns decide."""
         if not self.outputs:
             return
-        whole = (len(rows) - 1) // self.outputs
-        first = 1 + max(whole - 2 * LONGEST, 0) * self.outputs
+        turns = (len(rows) - 1) // self.outputs
+        first = 1 + max(turns - 2 * LONGEST, 0) * self.outputs
         while first < len(rows):
             self.take(rows[first : first + self.room])
             first += self.outputs

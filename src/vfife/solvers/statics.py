@@ -62,11 +62,13 @@ def equilibrium(
     ``file``, ``resume``, the rest is found as it would have been, to the bit.
     """
     settings = assembly.mechanism.settings
-    kept, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
+    recorded, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
     loading = Loading(assembly)
     force = loading.force([0.0, *settings.load_factors], extent(assembly, assembly.state))
     relaxation = Relaxation(assembly, force, "interpreted" if loop == "interpreted" else "data-driven")
-    record = Record(assembly, np.zeros(0, dtype=np.int64), np.zeros((0, len(kept))), kept, loop="data-driven")
+    record = Record(
+        assembly, np.zeros(0, dtype=np.int64), np.zeros((0, len(recorded))), recorded, loop="data-driven"
+    )
     relaxation.runner.advance(0, 1)  # loads the compiled loop, so that the analysis is not timed with it
     began, rows, old, earlier = time.perf_counter(), list[Array](), 0.0, 0.0
     factors = (0.0, *settings.load_factors)
@@ -89,9 +91,9 @@ def equilibrium(
                     record.status, record.message = fault
                     break
                 stage.tell(everything=True)
-                rows.append(_at_rest(assembly, relaxation, stage)[kept])
+                rows.append(_at_rest(assembly, relaxation, stage)[recorded])
                 if file is not None:
-                    more = {
+                    extra = {
                         "wall": earlier + time.perf_counter() - began,
                         "relaxation": relaxation.checkpoint,
                     }
@@ -99,13 +101,13 @@ def equilibrium(
                         np.array([k], dtype=np.int64),
                         rows[-1][None, :],
                         None,
-                        Checkpoint(k, relaxation.state[lasting], more),
+                        Checkpoint(k, relaxation.state[lasting], extra),
                     )
                 old = factor
     except KeyboardInterrupt:
         record.status, record.message = Status.INTERRUPTED, f"Stopped at load factor {factors[len(rows)]:g}."
     if not rows:  # the start itself, so that there is something to look at
-        rows = [assembly.state[kept]]
+        rows = [assembly.state[recorded]]
     record.source, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall, record.reached = earlier + time.perf_counter() - began, len(rows) - 1
     record.final = relaxation.state.copy() if record.status == Status.COMPLETE else None
@@ -168,7 +170,7 @@ class Stage:
             still = relaxation.still <= settings.kinetic_energy
             earlier = relaxation.balance(pushes[BEFORE_LAST]).ratio
             if max(self.ratio, earlier) <= settings.residual and still:
-                return (Status.DIVERGED, self._apart()) if self._in_line() else None
+                return (Status.DIVERGED, self._joints_open()) if self._in_line() else None
 
     def _advance(self, before: float, after: float, count: int) -> None:
         self.loading.go(self.relaxation, before, after, count)
@@ -209,7 +211,7 @@ class Stage:
     def _runaway(self) -> str:
         assembly = self.loading.assembly
         if not self.relaxation.finite:
-            return self._apart()
+            return self._joints_open()
         free = max(0, assembly.mobility.after_drives - len(constraint_drivers(assembly.mechanism)))
         loose = (
             f"It has {free} free motion{'s' * (free != 1)} that only springs, contacts or elastic bodies"
@@ -232,7 +234,7 @@ class Stage:
             mobility and mobility.blocked and relaxation.largest()[0] > BEYOND_LOADS * relaxation.force
         )
 
-    def _apart(self) -> str:
+    def _joints_open(self) -> str:
         return (
             f"At load factor {self.new:g} joints come apart: links lie in line, or as good as that, where"
             " nothing holds them across but forces beyond all bounds along them. Give them more rise, or let"

@@ -37,11 +37,11 @@ PATIENCE = 0.2  # s between two checks for signals
 AHEAD = 64  # lanes that are made before they are needed, if there are several threads
 
 
-class Ending(Protocol):
+class Simulation(Protocol):
     """A simulation that may have ended, even before it was in a lane."""
 
     @property
-    def ended(self) -> bool:
+    def finished(self) -> bool:
         """Whether it needs no further step."""
 
 
@@ -49,7 +49,7 @@ class Lane:
     """A simulation in a lane of :func:`stepped`: after ``every`` steps it hands out the rows ``handed`` of
     its state.
 
-    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``ended``. It is ``doubtful`` if
+    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``finished``. It is ``doubtful`` if
     numbers left all bounds. ``per`` is the number of outputs of a turn, or of all where there is no turn;
     ``done`` counts outputs after that of step 0.
     """
@@ -83,7 +83,7 @@ class Lane:
         return self.per
 
     @property
-    def ended(self) -> bool:
+    def finished(self) -> bool:
         """Whether it needs no further step."""
         return self.doubtful or self.done >= self.assembly.choice.outputs
 
@@ -111,7 +111,7 @@ class Lane:
 
 
 Kind: TypeAlias = tuple[int, str, int, int, int]
-Found: TypeAlias = "queue.SimpleQueue[Ending | BaseException | None]"
+Results: TypeAlias = "queue.SimpleQueue[Simulation | BaseException | None]"
 
 
 class Kinds:
@@ -159,8 +159,8 @@ class Waiting:
     own guards the making, so that it holds up only threads for which none waits.
     """
 
-    source: Iterator[Lane | Ending]
-    found: Found
+    source: Iterator[Lane | Simulation]
+    results: Results
     share: int  # of all, that one thread takes at first, so that few lanes are shared fairly
     ahead: int = 0
     lock: threading.Lock = field(default_factory=threading.Lock)  # guards the queues
@@ -170,12 +170,12 @@ class Waiting:
 
     def next(self, kind: Kind | None) -> tuple[Kind, Lane] | None:
         """A lane of a kind, or of any; None if there is none left."""
-        if (found := self._first(kind)) is not None:
-            return found
+        if (pair := self._first(kind)) is not None:
+            return pair
         with self.making:
-            while (found := self._first(kind)) is None and self._make():
+            while (pair := self._first(kind)) is None and self._make():
                 pass
-        return found
+        return pair
 
     def prepare(self, count: int) -> None:
         """Make lanes before they are needed, if fewer than ``ahead`` wait and no other thread makes some."""
@@ -188,16 +188,16 @@ class Waiting:
 
     def _first(self, kind: Kind | None) -> tuple[Kind, Lane] | None:
         with self.lock:
-            for found, waiting in self.queues.items():
-                if waiting and kind in (None, found):
-                    return found, waiting.popleft()
+            for own, waiting in self.queues.items():
+                if waiting and kind in (None, own):
+                    return own, waiting.popleft()
         return None
 
     def _make(self) -> bool:
-        """Let one more wait; False if there is none. What has ended already is found at once."""
+        """Let one more wait; False if there is none. What has finished already is a result at once."""
         for lane in self.source:
-            if lane.ended:
-                self.found.put(lane)
+            if lane.finished:
+                self.results.put(lane)
                 continue
             lane = cast(Lane, lane)
             kind = self.kinds.of(lane)
@@ -207,7 +207,7 @@ class Waiting:
         return False
 
 
-Client = TypeVar("Client", bound=Ending)
+Client = TypeVar("Client", bound=Simulation)
 
 
 class Processor(TypedDict, total=False):
@@ -236,16 +236,16 @@ def stepped(
     lanes, workers, device = processor.get("lanes"), processor.get("workers"), processor.get("device")
     if device == "cuda":
         lanes, workers = min(lanes or MEMBERS, count), 1
-    found: Found = queue.SimpleQueue()
-    ended, stop = threading.Event(), stop or threading.Event()
+    results: Results = queue.SimpleQueue()
+    finished, stop = threading.Event(), stop or threading.Event()
     workers = max(1, min(workers or os.cpu_count() or 1, count))
     share = max(1, -(-(alike or count) // workers))
-    waiting = Waiting(iter(members), found, share, AHEAD if workers > 1 else 0)
+    waiting = Waiting(iter(members), results, share, AHEAD if workers > 1 else 0)
     arguments = (
         waiting,
-        found,
+        results,
         lanes,
-        lambda: ended.is_set() or stop.is_set(),
+        lambda: finished.is_set() or stop.is_set(),
         DeviceStream if device == "cuda" else Stream,
     )
     threads = [threading.Thread(target=_work, args=arguments, daemon=True) for _ in range(workers)]
@@ -254,7 +254,7 @@ def stepped(
     try:
         while workers:
             try:
-                one = found.get(timeout=PATIENCE)
+                one = results.get(timeout=PATIENCE)
             except queue.Empty:
                 if tick is not None:
                     tick()
@@ -266,14 +266,14 @@ def stepped(
             else:
                 yield cast(Client, one)
     finally:
-        ended.set()
+        finished.set()
         for thread in threads:
             thread.join()
 
 
 def _work(
     waiting: Waiting,
-    found: Found,
+    results: Results,
     lanes: int | None,
     halted: Callable[[], bool],
     streaming: type[Stream | DeviceStream],
@@ -281,10 +281,10 @@ def _work(
     """One thread: lanes of one kind after the other, until none is left."""
     try:
         while not halted() and (first := waiting.next(None)) is not None:
-            Lanes(*first, waiting, found, lanes, streaming).run(halted)
-        found.put(None)
+            Lanes(*first, waiting, results, lanes, streaming).run(halted)
+        results.put(None)
     except BaseException as error:
-        found.put(error)
+        results.put(error)
 
 
 class Lanes:
@@ -299,13 +299,13 @@ class Lanes:
         shared: Kind,
         first: Lane,
         waiting: Waiting,
-        found: Found,
+        results: Results,
         lanes: int | None,
         streaming: type[Stream | DeviceStream],
     ) -> None:
         _, loop, tables, parts, outputs = shared
         topology = first.assembly.topology
-        self.kind, self.waiting, self.found = shared, waiting, found
+        self.kind, self.waiting, self.results = shared, waiting, results
         usual = stream_lanes(len(topology.contact_bearing))
         lanes = 1 if loop != "generated" else lanes or min(usual, 1 << (waiting.share - 1).bit_length())
         sound, limited = recorded_rows(first.assembly), limited_rows(first.assembly)
@@ -320,8 +320,8 @@ class Lanes:
         self.pace = ChunkSize(first=QUICK)
 
     def _next(self) -> Lane | None:
-        found = self.waiting.next(self.kind)
-        return None if found is None else found[1]
+        pair = self.waiting.next(self.kind)
+        return None if pair is None else pair[1]
 
     def run(self, halted: Callable[[], bool]) -> None:
         """Step until all have ended and no other waits."""
@@ -355,9 +355,9 @@ class Lanes:
         """
         before, began = self.stream.done, time.perf_counter()
         self.stream.advance(min(self.pace.room, self.stream.beat) if self.next else self.pace.room)
-        spent, made = time.perf_counter() - began, self.stream.done - before
-        if made >= QUICK:
-            self.pace.learn(made, spent)
+        spent, steps = time.perf_counter() - began, self.stream.done - before
+        if steps >= QUICK:
+            self.pace.learn(steps, spent)
 
     def _look(self) -> None:
         """Hand outputs to each simulation that has all it waits for, or that broke; make room if it has
@@ -369,12 +369,12 @@ class Lanes:
             if stream.at[lane] < stream.stop[lane] and broken < 0:
                 continue
             member.take(stream.rows(lane), broken, stream.state(lane))
-            if not member.ended:
+            if not member.finished:
                 stream.go_on(lane, member.outputs)
                 continue
             stream.leave(lane)
             del self.members[lane]
             other = member.end()
             if other is None:
-                self.found.put(member)
+                self.results.put(member)
             self.next[lane] = self._next() if other is None else other

@@ -28,13 +28,11 @@ Pairs: TypeAlias = "list[tuple[Record, Record]]"  # of a number, one for each of
 
 @dataclass(frozen=True)
 class Neighbours:
-    """A model whose number is a little larger, ``up``, and a little smaller, ``down``; they are ``apart`` in
-    that number.
-    """
+    """Models whose number is a little larger, ``up``, and a little smaller, ``down``, by a ``distance`` in all."""
 
     up: Assembly
     down: Assembly
-    apart: float
+    distance: float
 
 
 def comparable(assembly: Assembly, one: Neighbours) -> bool:
@@ -85,8 +83,8 @@ def changes(assembly: Assembly, one: Neighbours) -> Array:
     for start in assembly.topology.function_start:
         first, count = _first(T, start), abs(int(T[start]))
         rows = _rows(first, count)
-        later = (one.up.tables[first : first + count] - one.down.tables[first : first + count]) / one.apart
-        T[rows] = (one.up.tables[rows] - one.down.tables[rows]) / one.apart - later[:, None] * _derived(
+        later = (one.up.tables[first : first + count] - one.down.tables[first : first + count]) / one.distance
+        T[rows] = (one.up.tables[rows] - one.down.tables[rows]) / one.distance - later[:, None] * _derived(
             assembly.tables[rows]
         )
     return T
@@ -125,15 +123,15 @@ def tangents(
     shares: Sequence[float] = (0.0,),
     lanes: int | None = None,
     *,
-    kept: NDArray[np.uint32] | None = None,
-    whole: bool = False,
+    recorded: NDArray[np.uint32] | None = None,
+    last_turn: bool = False,
 ) -> list[Pairs]:
     """Records of both models of each neighbourhood, as far as first derivatives tell: the run plus and minus
     its change.
 
     There is a pair for each of ``shares``, first steps (1) by which a run is displaced; that of 0 is the run
     itself. Every neighbourhood has to be
-    :func:`comparable`. The difference of a pair over ``apart`` is the derivative of whatever is taken of a
+    :func:`comparable`. The difference of a pair over ``distance`` is the derivative of whatever is taken of a
     record. Records have the rows ``kept``, by default all states and extremes, of all outputs; with ``whole``
     of the last turn as one output, and of what comes before it as another, which is enough for extremes.
     Passes go side by side on all cores. Ctrl-C is handled within a quarter of a second.
@@ -145,11 +143,11 @@ def tangents(
     # With as few directions as occupy all cores the step is quickest to compile; more directions in a lane
     # are cheaper each.
     directions = next((few for few in DIRECTIONS if few * groups * cores >= len(near)), DIRECTIONS[-1])
-    rows = recorded_rows(assembly) if kept is None else kept
+    rows = recorded_rows(assembly) if recorded is None else recorded
     passes = [near[first : first + groups * directions] for first in range(0, len(near), groups * directions)]
     with Workers(min(cores, len(passes))) as workers:
         one_pass = TangentPass(
-            assembly, np.array(shares), lanes, directions, rows, spans(assembly, whole), workers.look
+            assembly, np.array(shares), lanes, directions, rows, spans(assembly, last_turn), workers.look
         )
         jobs = [workers.submit(one_pass.pairs, some) for some in passes]
         for _ in workers.results(jobs):
@@ -157,10 +155,10 @@ def tangents(
         return [pairs for job in jobs for pairs in job.result()]
 
 
-def spans(assembly: Assembly, whole: bool) -> list[tuple[int, int]]:
+def spans(assembly: Assembly, last_turn: bool) -> list[tuple[int, int]]:
     """Steps between two outputs, and how many such outputs: all of a run, or its last turn as one."""
     choice = assembly.choice
-    if not whole:
+    if not last_turn:
         return [(choice.outputs_every, choice.outputs)]
     turn = choice.steps if choice.turn is None else choice.turn / choice.step
     before = round(choice.steps - turn)
@@ -180,7 +178,7 @@ class TangentPass:
     shares: Array
     lanes: int
     directions: int
-    kept: NDArray[np.uint32]
+    recorded: NDArray[np.uint32]
     parts: list[tuple[int, int]]
     look: Callable[[], None]
 
@@ -200,22 +198,22 @@ class TangentPass:
             for group in range(groups)
         ]
         for (where, way), one in zip(places, near, strict=False):
-            state[way + 1, :, where] = ((one.up.state - one.down.state) / one.apart)[:, None]
+            state[way + 1, :, where] = ((one.up.state - one.down.state) / one.distance)[:, None]
             table[where, way + 2] = changes(assembly, one)
-        handed = np.concatenate([self.kept + np.uint32(k * rows) for k in range(directions + 1)])
+        handed = np.concatenate([self.recorded + np.uint32(k * rows) for k in range(directions + 1)])
         runner = Runner(
             assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", handed,
             parts=assembly.mechanism.settings.parts, shares=np.resize(self.shares, lanes), directions=directions,
         )  # fmt: skip
         pace = ChunkSize(self.look)
-        found = np.concatenate(
+        trace = np.concatenate(
             [runner.advance(1, 1), *[pace.advance(runner, count, outputs) for count, outputs in self.parts]]
         )
         steps = np.concatenate(
             [[0], np.cumsum([count for count, outputs in self.parts for _ in range(outputs)])]
         ).astype(np.int64)
-        values = found.reshape(len(found), directions + 1, len(self.kept), lanes)
-        columns = Columns(assembly.layout, self.kept)
+        values = trace.reshape(len(trace), directions + 1, len(self.recorded), lanes)
+        columns = Columns(assembly.layout, self.recorded)
         return [
             [
                 _pair(one, steps, columns, values[:, 0, :, lane], values[:, way + 1, :, lane])
@@ -230,7 +228,7 @@ def _pair(
 ) -> tuple[Record, Record]:
     """The records of both sides of one run."""
     largest = np.isin(columns.kept, columns.layout.of("extreme"))
-    both = rows + 0.5 * one.apart * slopes, rows - 0.5 * one.apart * slopes
+    both = rows + 0.5 * one.distance * slopes, rows - 0.5 * one.distance * slopes
     for side in both:
         side[:, largest] = np.maximum(side[:, largest], 0.0)  # a size has no sign
     up, down = (
@@ -273,14 +271,14 @@ class LyapunovRunner:
             steps_of_turn(first),
             ChunkSize(look),
         )
-        self.given = np.array(first.layout.of("parameter"), dtype=np.intp)
+        self.parameters = np.array(first.layout.of("parameter"), dtype=np.intp)
         self.weights = np.stack([weights(one) for one in assemblies], axis=1)
         self.seeds, self.changes = (
             np.zeros((self.rows, self.lanes)),
             [changes(*both) for both in zip(assemblies, near, strict=True)],
         )
         for k, one in enumerate(near):
-            self.seeds[self.given, k] = ((one.up.state - one.down.state) / one.apart)[self.given]
+            self.seeds[self.parameters, k] = ((one.up.state - one.down.state) / one.distance)[self.parameters]
         states, tables = np.zeros((2 * self.rows, self.lanes)), np.tile(first.tables, (self.lanes, 3))
         parts = first.mechanism.settings.parts
         self.runner = Runner(
@@ -321,7 +319,7 @@ class LyapunovRunner:
         for turn in range(count):
             rows[turn] = self.pace.advance(self.runner, self.turn, 1)[0]
             if self.fresh:
-                self.fresh, other[self.given] = False, 0.0
+                self.fresh, other[self.parameters] = False, 0.0
                 self._tables(assemblies)
             with np.errstate(over="ignore", invalid="ignore"):
                 own = np.ascontiguousarray(
@@ -337,13 +335,13 @@ def weights(assembly: Assembly) -> Array:
     """What a row counts in the length of a difference, shape (rows,): of velocities the root of kinetic
     energy, of positions so much as they change in a radian of the crank.
     """
-    layout, found = assembly.layout, np.zeros(assembly.layout.rows)
+    layout, result = assembly.layout, np.zeros(assembly.layout.rows)
     rate = 2.0 * np.pi / (assembly.choice.turn or 2.0 * np.pi)
     for inverse, places, speeds in (("mass", "xy", "uv"), ("inertia", ("theta",), "w")):
         values = assembly.state[layout[f"particle_inverse_{inverse}"]]
         root = np.sqrt(np.divide(1.0, values, out=np.zeros_like(values), where=values > 0.0))
         for place in places:
-            found[layout[f"particle_{place}"]] = rate * root
+            result[layout[f"particle_{place}"]] = rate * root
         for speed in speeds:
-            found[layout[f"particle_{speed}"]] = root
-    return found
+            result[layout[f"particle_{speed}"]] = root
+    return result

@@ -166,7 +166,7 @@ class Stepping:
     def to_the_end(self, progress: Callable[[Progress], None] | None) -> Status:
         """Chunk by chunk; each is whole before a signal is heard."""
         choice = self.assembly.choice
-        while not self.ended:
+        while not self.finished:
             before, self.before[:] = self.runner.done, self.runner.states[:, 0]
             self.whole = False
             sound = self._chunk()
@@ -182,9 +182,11 @@ class Stepping:
         return Status.COMPLETE
 
     @property
-    def ended(self) -> bool:
+    def finished(self) -> bool:
         """Whether nothing is left to do: all steps are made, or turns repeat and were asked to."""
-        return self.done >= self.assembly.choice.steps or (self.settling is not None and self.settling.ended)
+        return self.done >= self.assembly.choice.steps or (
+            self.settling is not None and self.settling.settled
+        )
 
     @property
     def wall(self) -> float:
@@ -230,7 +232,7 @@ class Stepping:
             )
         sound = int(np.argmax(broken)) if broken.any() and first > 0 else len(rows)
         steps = first + np.arange(sound, dtype=np.int64) * self.assembly.choice.outputs_every
-        beside = self.recorder.take(steps, every[:sound]) if self.recorder is not None and sound else None
+        companions = self.recorder.take(steps, every[:sound]) if self.recorder is not None and sound else None
         if sound:
             self.done = int(steps[-1])
         if self.settling is not None and sound == len(rows):
@@ -242,11 +244,11 @@ class Stepping:
         else:
             due = (
                 time.monotonic() - self.last >= min(CHECKPOINT_SECONDS, CHECKPOINT_SHARE * self.cost)
-                or self.ended
+                or self.finished
             )
             began = time.monotonic()
             self.file.append(
-                steps, rows[:sound], beside, self._checkpoint() if due and sound == len(rows) else None
+                steps, rows[:sound], companions, self._checkpoint() if due and sound == len(rows) else None
             )
             if due and sound == len(rows):
                 self._kept(began)
@@ -271,10 +273,10 @@ class Stepping:
     # checkpoints
 
     def _checkpoint(self) -> Checkpoint:
-        more = {"wall": self.wall} | (
+        extra = {"wall": self.wall} | (
             {} if self.recorder is None else {"companions": self.recorder.checkpoint}
         )
-        return Checkpoint(self.done, self.runner.states[self.lasting], more)
+        return Checkpoint(self.done, self.runner.states[self.lasting], extra)
 
     def checkpoint(self) -> None:
         """Keeps the present state."""

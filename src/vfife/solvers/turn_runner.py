@@ -25,8 +25,8 @@ from .record import Record, recorded_rows
 from .tangents import ALIGNED, LyapunovRunner, Neighbours, steps_of_turn
 
 Array = NDArray[np.float64]
-Beside: TypeAlias = Callable[[int, Array, int, Callable[[], None]], Any]
-TOGETHER = 2  # values of a sweep whose differences go side by side: twice the lanes take hardly longer
+ValueCheck: TypeAlias = Callable[[int, Array, int, Callable[[], None]], Any]
+VALUES_AT_ONCE = 2  # values of a sweep whose differences go side by side: twice the lanes take hardly longer
 LANES = 4  # starts side by side, on every machine
 
 
@@ -42,7 +42,7 @@ class TurnRunner:
         self,
         assemblies: Sequence[Assembly],
         phase: float = 0.0,
-        kept: NDArray[np.uint32] | None = None,
+        recorded: NDArray[np.uint32] | None = None,
         look: Callable[[], None] | None = None,
     ) -> None:
         self.assemblies, first = assemblies, assemblies[0]
@@ -52,7 +52,7 @@ class TurnRunner:
             np.stack([one.state for one in assemblies], axis=1),
             np.stack([one.tables for one in assemblies]),
         )
-        self.kept = recorded_rows(first) if kept is None else kept
+        self.kept = recorded_rows(first) if recorded is None else recorded
         self.runner = Runner(
             first.topology, states, functions, "generated", self.kept, parts=first.mechanism.settings.parts
         )
@@ -116,18 +116,18 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
     new step, by the text of the step. The clock stays where it is.
     """
     integers, layout, room = tables(assembly.topology)
-    found = np.zeros(room)
-    found[: layout.rows] = state
+    changed = np.zeros(room)
+    changed[: layout.rows] = state
     shift, own = layout.row("shift"), layout.row("step")
-    time, size = (done - 1 + float(found[shift])) * float(found[own]), assembly.choice.step
+    time, size = (done - 1 + float(changed[shift])) * float(changed[own]), assembly.choice.step
     number = round(time / size)
     kernel: Any = change_step
-    kernel(found, integers.tolist(), size, time / size - number, 0.0)
-    given = layout.of("parameter")
-    ahead = found[shift]
-    found[given] = assembly.state[given]
-    found[shift] = ahead
-    return found[: layout.rows], number + 1
+    kernel(changed, integers.tolist(), size, time / size - number, 0.0)
+    parameters = layout.of("parameter")
+    ahead = changed[shift]
+    changed[parameters] = assembly.state[parameters]
+    changed[shift] = ahead
+    return changed[: layout.rows], number + 1
 
 
 # --------------------------------------------------------------------------------------------------------------- sweeps
@@ -137,17 +137,17 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
 class Leg:
     """What the chains leave at one value: ``rows`` recorded once a turn, shape (turns, kept, chains),
     ``growth`` of a small difference in each of them, its logarithm, shape (turns, chains), the ``state`` to
-    go on from, shape (rows, chains), and what was looked at ``beside`` it.
+    go on from, shape (rows, chains), and what was looked at ``check`` it.
     """
 
     number: int
     rows: Array
     growth: Array
     state: Array
-    beside: Any = None
+    check: Any = None
 
 
-class Begun(NamedTuple):
+class StartedValue(NamedTuple):
     """A value whose motion is under way: the states ``first``, and after the turns at which its difference
     begins, ``here``; steps made by then.
     """
@@ -159,10 +159,8 @@ class Begun(NamedTuple):
     done: int
 
 
-Found: TypeAlias = tuple[Array, Array, Any]
-Group: TypeAlias = (
-    "tuple[list[Begun], list[Array], Future[list[Found]]]"  # values, their last states, rows and growth
-)
+Growths: TypeAlias = tuple[Array, Array, Any]
+Group: TypeAlias = "tuple[list[StartedValue], list[Array], Future[list[Growths]]]"  # values, their last states, rows and growth
 
 
 class Sweep:
@@ -171,11 +169,11 @@ class Sweep:
 
     ``phase`` (1) is the part of a turn at which it is looked at. ``near``: neighbours of the first of each
     chain, whose difference is the small one. Derivatives are carried along from ``ALIGNED`` turns before
-    those that are looked at, no sooner, for they cost twice as much as the motion, and at :data:`TOGETHER`
+    those that are looked at, no sooner, for they cost twice as much as the motion, and at :data:`VALUES_AT_ONCE`
     values side by side. The last bits of a difference know of its neighbours in lanes, so these are the same
-    ones always: what is gone on with begins where such values begin (:meth:`whole`).
+    ones always: what is gone on with begins where such values begin (:meth:`complete_legs`).
 
-    ``beside``: called in a thread of its own with the number of a value, the state before it, shape (rows,
+    ``check``: called in a thread of its own with the number of a value, the state before it, shape (rows,
     chains), the steps made by then, and what is to be called now and then.
     """
 
@@ -184,23 +182,25 @@ class Sweep:
         chains: Sequence[Sequence[Assembly]],
         near: Sequence[Neighbours],
         phase: float = 0.0,
-        beside: Beside | None = None,
+        check: ValueCheck | None = None,
     ) -> None:
-        self.chains, first, self.beside = chains, chains[0][0], beside
-        self.given, self.shift = (
+        self.chains, first, self.check = chains, chains[0][0], check
+        self.parameters, self.shift = (
             np.array(first.layout.of("parameter"), dtype=np.intp),
             first.layout.row("shift"),
         )
         self.motion = TurnRunner([chain[0] for chain in chains], phase)
-        self.difference = LyapunovRunner([chain[0] for chain in chains] * TOGETHER, [*near] * TOGETHER)
+        self.difference = LyapunovRunner(
+            [chain[0] for chain in chains] * VALUES_AT_ONCE, [*near] * VALUES_AT_ONCE
+        )
         self.kept, self.states = self.motion.kept, self.motion.states
 
     @staticmethod
-    def whole(known: int) -> int:
+    def complete_legs(count: int) -> int:
         """Of so many legs that are known, those after which it can be gone on with; the others are made
         again.
         """
-        return known - known % TOGETHER
+        return count - count % VALUES_AT_ONCE
 
     def legs(self, turns: int, dropped: int, resume: tuple[int, Array] | None = None) -> Iterator[Leg]:
         """At each value so many ``turns``, the first of them ``dropped``; from the leg after ``resume``, the
@@ -212,9 +212,9 @@ class Sweep:
         with Workers(1) as workers:
             self.motion.pace.look, self.difference.pace.look = workers.halt.look, workers.look
             before = max(0, dropped - ALIGNED)
-            for begun, states, job in one_behind(self._groups(workers, turns, before, resume)):
-                for one, state, (rows, growth, beside) in zip(begun, states, job.result(), strict=True):
-                    yield Leg(one.number, rows[dropped - before :], growth[dropped - before :], state, beside)
+            for values, states, job in one_behind(self._groups(workers, turns, before, resume)):
+                for one, state, (rows, growth, check) in zip(values, states, job.result(), strict=True):
+                    yield Leg(one.number, rows[dropped - before :], growth[dropped - before :], state, check)
 
     def _groups(
         self, workers: Workers, turns: int, before: int, resume: tuple[int, Array] | None
@@ -226,52 +226,57 @@ class Sweep:
             self.motion.begin()
         else:
             self.motion.restore(resume[1], self.motion.begins + first * turns * self.motion.turn)
-        for group in (range(k, min(k + TOGETHER, last)) for k in range(first, last, TOGETHER)):
-            begun, states = list[Begun](), list[Array]()
+        for group in (range(k, min(k + VALUES_AT_ONCE, last)) for k in range(first, last, VALUES_AT_ONCE)):
+            values, states = list[StartedValue](), list[Array]()
             for number in group:
-                begun.append(self._under_way(number, before))
+                values.append(self._under_way(number, before))
                 if number == group[-1]:
-                    job = workers.submit(self._with_derivatives, begun, turns - before, workers.look)
+                    job = workers.submit(self._with_derivatives, values, turns - before, workers.look)
                 self.motion.skip(turns - before)
                 states.append(self.states.copy())
-            yield begun, states, job
+            yield values, states, job
 
-    def _under_way(self, number: int, before: int) -> Begun:
+    def _under_way(self, number: int, before: int) -> StartedValue:
         """Takes a value up, and goes to where its difference begins."""
         first, done = self.states.copy(), self.motion.done
         self._take_up(number)
         self.motion.skip(before)
-        return Begun(number, first, done, self.states.copy(), self.motion.done)
+        return StartedValue(number, first, done, self.states.copy(), self.motion.done)
 
     def _take_up(self, number: int) -> None:
         """The numbers of the next models; their motion stays."""
         functions = self.motion.runner.functions.reshape(len(self.chains), -1)
         for k, chain in enumerate(self.chains):
-            self.states[self.given, k], functions[k] = chain[number].state[self.given], chain[number].tables
+            self.states[self.parameters, k], functions[k] = (
+                chain[number].state[self.parameters],
+                chain[number].tables,
+            )
 
-    def _with_derivatives(self, begun: Sequence[Begun], turns: int, look: Callable[[], None]) -> list[Found]:
+    def _with_derivatives(
+        self, values: Sequence[StartedValue], turns: int, look: Callable[[], None]
+    ) -> list[Growths]:
         """Turns with a difference that is one of the number at first and, after a turn, of the motion alone:
         rows and growth of each value.
 
         Clocks of later values are ahead of the first one's, by whole steps; lanes that are left over repeat
         the last value.
         """
-        lanes, chains = [*begun, *[begun[-1]] * (TOGETHER - len(begun))], len(self.chains)
+        lanes, chains = [*values, *[values[-1]] * (VALUES_AT_ONCE - len(values))], len(self.chains)
         here = [chain[one.number] for one in lanes for chain in self.chains]
         states = [one.here.copy() for one in lanes]
         for one, state in zip(lanes, states, strict=True):
-            state[self.shift] += one.done - begun[0].done
-        self.difference.begin(here, np.concatenate(states, axis=1), begun[0].done)
+            state[self.shift] += one.done - values[0].done
+        self.difference.begin(here, np.concatenate(states, axis=1), values[0].done)
         rows, growth = self.difference.turns(here, turns)
-        found = []
-        for k, one in enumerate(begun):
+        results = []
+        for k, one in enumerate(values):
             span = slice(k * chains, (k + 1) * chains)
-            seen = None if self.beside is None else self.beside(one.number, one.first, one.done_first, look)
-            found.append((rows[:, :, span], growth[:, span], seen))
-        return found
+            check = None if self.check is None else self.check(one.number, one.first, one.done_first, look)
+            results.append((rows[:, :, span], growth[:, span], check))
+        return results
 
 
-def carried_on(first: Assembly, other: Assembly, tolerance: float = 1e-9) -> Callable[[], str] | None:
+def discontinuity(first: Assembly, other: Assembly, tolerance: float = 1e-9) -> Callable[[], str] | None:
     """None where the motion of one model can go on in another: the same bodies at the same places; else what
     says why not.
     """
@@ -342,17 +347,17 @@ class Orbits:
         self.steps, self.turns, self.dropped, self.near = steps, turns, dropped, near
 
     def each(
-        self, starts: Sequence[Start], known: Collection[int] = (), workers: int | None = None
+        self, starts: Sequence[Start], done: Collection[int] = (), workers: int | None = None
     ) -> Iterator[Orbit]:
         """The members that are not ``known``, as they end; ``starts`` are those of all. Ctrl-C ends it within
         a second.
         """
-        blocks = [block for block in self.blocks(starts) if not all(one.number in known for one in block)]
+        blocks = [block for block in self.blocks(starts) if not all(one.number in done for one in block)]
         with Workers(workers) as threads:
-            for found in threads.results(
+            for orbits in threads.results(
                 [threads.submit(self.block, block, threads.look) for block in blocks]
             ):
-                yield from (orbit for orbit in found if orbit.number not in known)
+                yield from (orbit for orbit in orbits if orbit.number not in done)
 
     def blocks(self, starts: Sequence[Start]) -> list[list[Start]]:
         """Members that go side by side: as far before the phase, so many as there are lanes."""
@@ -364,23 +369,25 @@ class Orbits:
     def block(self, starts: Sequence[Start], look: Callable[[], None]) -> list[Orbit]:
         """Some members side by side; lanes that are left over repeat the last."""
         look()
-        made: list[tuple[int, Assembly]] = []
-        found: list[Orbit] = []
+        assemblies: list[tuple[int, Assembly]] = []
+        orbits: list[Orbit] = []
         for one in starts:
             try:
-                made.append((one.number, one.make()))
+                assemblies.append((one.number, one.make()))
             except VfifeError as error:
-                found.append(Orbit(one.number, None, np.zeros((0, 0)), np.zeros(0), str(error)))
-        while made:
-            alike = [(number, one) for number, one in made if side_by_side(made[0][1], one) is None]
-            made = [(number, one) for number, one in made if number not in dict(alike)]
+                orbits.append(Orbit(one.number, None, np.zeros((0, 0)), np.zeros(0), str(error)))
+        while assemblies:
+            alike = [
+                (number, one) for number, one in assemblies if side_by_side(assemblies[0][1], one) is None
+            ]
+            assemblies = [(number, one) for number, one in assemblies if number not in dict(alike)]
             every = [one for _, one in alike]
             runner = TurnRunner(every + every[-1:] * (LANES - len(every)), starts[0].ahead, look=look)
             rows, growth = self.through(runner)
-            found += [
+            orbits += [
                 Orbit(number, one, rows[:, :, k], growth[:, k]) for k, (number, one) in enumerate(alike)
             ]
-        return found
+        return orbits
 
     def through(self, runner: TurnRunner) -> tuple[Array, Array]:
         """Rows and growth of the turns that are looked at."""
@@ -430,10 +437,10 @@ class WearRunner(TurnRunner):
         first = self.done - 1 + self.turn * dropped
         rows = np.concatenate([self.rows(dropped)[-1:], self.rows(counted, self.outputs)])[:, :, 0]
         if self.bounds.unsound(rows).any():
-            told = (
+            text = (
                 f"numbers left all bounds within {self.turns:.0f} turns that were simulated; give a smaller"
                 " step, or check the model"
             )
-            raise VfifeError(f"{self.assembly.mechanism.name}: {told}")
+            raise VfifeError(f"{self.assembly.mechanism.name}: {text}")
         steps = first + self.turn // self.outputs * np.arange(len(rows), dtype=np.int64)
         return Record(self.assembly, steps, rows, self.kept)

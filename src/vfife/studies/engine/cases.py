@@ -82,7 +82,7 @@ class NoLane:
 
     number: int
     reason: str | None = None
-    ended: bool = True
+    finished: bool = True
 
 
 class Cases:
@@ -450,7 +450,7 @@ def single(cases: Cases, numbers: Numbers) -> Outcome:
     settling = None if wanted.settle is None else Settling(record.assembly, record.kept, wanted.settle)
     if settling is not None:
         settling.restore(record.rows)
-    settled = made if settling is not None and settling.ended else None
+    settled = made if settling is not None and settling.settled else None
     return Outcome(values, made, settled, str(Status.COMPLETE), None, choice.step, steps)
 
 

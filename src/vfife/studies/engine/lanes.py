@@ -121,18 +121,18 @@ class Stepped(Lane):
         self.final = state
 
     @property
-    def ended(self) -> bool:
+    def finished(self) -> bool:
         """Whether no turn is left to make."""
         return (
             self.doubtful
             or self.turns == self.plan.wanted.turns
-            or (self.settling is not None and self.settling.ended)
+            or (self.settling is not None and self.settling.settled)
         )
 
     @property
     def settled(self) -> int | None:
         """The turn after which it ended because turns repeat."""
-        return self.turns if self.settling is not None and self.settling.ended else None
+        return self.turns if self.settling is not None and self.settling.settled else None
 
     def end(self) -> Stepped | None:
         """Takes its measures; where first contacts landed too deep for an automatic step, it is made again

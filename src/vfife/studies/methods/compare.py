@@ -78,9 +78,9 @@ class RecordingLane(Lane):
         self.final = state + 0.0
 
     @property
-    def ended(self) -> bool:
+    def finished(self) -> bool:
         """Whether no output is left to make."""
-        return super().ended or (self.settling is not None and self.settling.ended)
+        return super().finished or (self.settling is not None and self.settling.settled)
 
     def end(self) -> RecordingLane | None:
         """Make the result; where an automatic step was too large, return the run with half of it."""

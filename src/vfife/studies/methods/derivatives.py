@@ -283,7 +283,7 @@ class Differentiation:
             up, down = (self.measures(*one) for one in zip(pair, references, strict=True))
             for name in self.names:
                 if name in up and name in down:
-                    quotients.setdefault(name, []).append((up[name] - down[name]) / direction.near.apart)
+                    quotients.setdefault(name, []).append((up[name] - down[name]) / direction.near.distance)
         return quotients
 
 
@@ -298,7 +298,7 @@ def record_pairs(
     kept = measures.rows(assembly) if measures.extremes else None
     yield from zip(
         smooth,
-        tangents(assembly, [one.near for one in smooth], shares, kept=kept, whole=measures.extremes),
+        tangents(assembly, [one.near for one in smooth], shares, recorded=kept, last_turn=measures.extremes),
         strict=True,
     )
     for one in directions:

@@ -44,7 +44,9 @@ class Direction(NamedTuple):
 
     def with_size(self, size: StepSize) -> Direction:
         """Return it with another step size."""
-        return self._replace(near=Neighbours(size.of(self.near.up), size.of(self.near.down), self.near.apart))
+        return self._replace(
+            near=Neighbours(size.of(self.near.up), size.of(self.near.down), self.near.distance)
+        )
 
 
 @dataclass(frozen=True)
@@ -225,7 +227,7 @@ def ideal_references(
     ideals = variants.finite({path: value for path, value in chosen.items() if variants.has(path, value)})
     rows = recorded_rows(variants.assembly)
     return dict(
-        zip(ideals, measures_of([(one, rows, look) for one in ideals.values()], whole=True), strict=True)
+        zip(ideals, measures_of([(one, rows, look) for one in ideals.values()], merged=True), strict=True)
     )
 
 
@@ -249,7 +251,7 @@ def finite_changes(
         for share, assembly in models:
             own = reference if share is None else ideals.get(share, reference)
             tasks.append((size.of(assembly), rows, partial(measures, reference=own)))
-    values = measures_of(tasks, whole=measures.extremes)
+    values = measures_of(tasks, merged=measures.extremes)
     own_values, *changed_values = (values[k :: len(models)] for k in range(len(models)))
     return FiniteChanges(own_values, dict(zip(changed, changed_values, strict=True)))
 
