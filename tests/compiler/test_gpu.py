@@ -11,7 +11,8 @@ import pytest
 from fake_card import FakeDriver, in_this_machine, rows_on_card
 from lane_models import one_clearance, swing
 from support import bits, four_bar, lanes
-from vfife.assembly.assemble import assemble, reassembled
+from vfife.assembly.assemble import assemble
+from vfife.assembly.reassemble import reassembled
 from vfife.compiler.backends.gpu import TILE
 from vfife.compiler.runtime import cuda
 from vfife.compiler.runtime.cuda import Card

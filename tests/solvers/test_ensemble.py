@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from support import SQUARE, bits, four_bar, journal_in_bearing
-from vfife.assembly.assemble import assemble, reassembled
+from vfife.assembly.assemble import assemble
+from vfife.assembly.reassemble import reassembled
 from vfife.compiler.runtime import loops
 from vfife.laws import Ambrosio, LankaraniNikravesh, Pereira
 from vfife.solvers.ensemble import advance, ensemble, placed

@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +17,16 @@ from ..kernels.arrays import Layout, layout_of
 from ..kernels.topology import Topology
 from ..kinematics.drives import standing
 from ..kinematics.initial import Given, Motion, attempt, ideal_motion, seated
-from ..laws import ContactLaw, FrictionLaw, Law, Material
+from ..laws import ContactLaw, FrictionLaw, Law
 from ..laws.check import try_out
 from ..model.geometry.polynomials import Polynomials
-from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
 from ..model.validation.plausibility import contradictions
-from ..numerics.scalar import distance, sincos
-from .assembled import Assembly, StepChoice
+from .assembled import Assembly
 from .checks import redundant, refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck, shared
-from .entities import Numbering, Parts, parts_of, touches_of, turning
-from .fill import TOUCHED, Filler, touch_rows, touch_values
+from .entities import Numbering, Parts, parts_of, turning
+from .fill import Filler
 from .prestress import prestress, wanted
 from .stability import turning_errors
 from .timestep import StepModel, StepRequest, choose_step, coarse, missed
@@ -291,177 +288,3 @@ def tables_of(functions: list[Polynomials]) -> tuple[tuple[int, ...], NDArray[np
         parts.append(table)
         at += len(table)
     return tuple(starts), np.concatenate(parts)
-
-
-def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
-    """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble``
-    gives with the same step, sooner.
-
-    ``joints``: all of the mechanism's clearance joints. Raises VfifeError where something else would change
-    too: the kinds of the laws, or the start, which depends on clearances where journals are seated.
-    """
-    mechanism = assembly.mechanism
-    if (
-        tuple(joints) != assembly.contacts
-        or mechanism.start.journals == "seated"
-        or assembly.topology.contact_knots
-    ):
-        raise VfifeError(
-            "only clearance joints of a mechanism whose journals start centred and whose laws are no tables"
-            " can be reassembled, all of them at once"
-        )
-    state, topology = assembly.state.copy(), assembly.topology
-    for index, (name, joint) in enumerate(joints.items()):
-        kinds = (
-            topology.contact_laws[topology.contact_form[index]],
-            topology.friction_laws[topology.friction_form[index]],
-        )
-        if (
-            kinds != (joint.contact.form(), joint.friction.form())
-            or joint.sides != mechanism.joints[name].sides
-        ):
-            raise VfifeError(
-                f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the"
-                " mechanism anew"
-            )
-        nowhere = (0, (0.0, 0.0))
-        for row, values in touch_rows(
-            mechanism, assembly.layout, touches_of(name, joint, nowhere, nowhere, 0.0)[0], index
-        ):
-            state[row : row + len(values)] = values
-    fitted = dataclasses.replace(mechanism, joints={**mechanism.joints, **joints})
-    return dataclasses.replace(assembly, mechanism=fitted, state=state)
-
-
-NOWHERE = (0, (0.0, 0.0))
-MOST_CHOICES = 4096  # steps that are remembered
-
-
-class Reassembler:
-    """Makes assemblies with other numbers of clearance joints from one that ``assemble`` made with the same
-    ``step``, ``expected`` and ``run``.
-
-    A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the
-    step; nothing else of an assembly whose journals start centred. ``usable``: False where something else is
-    known to follow from them.
-    """
-
-    def __init__(
-        self,
-        assembly: Assembly,
-        step: float | str | None,
-        expected: Mapping[str, float],
-        usable: bool = True,
-        **run: Any,
-    ) -> None:
-        self.assembly, self.expected, self.request = assembly, expected, StepRequest(step, **run)
-        mechanism, layout = assembly.mechanism, assembly.layout
-        self.places = {
-            name: k for k, name in enumerate(assembly.contact_joints) if mechanism.contacts[name].refits
-        }
-        whole = len(self.places) == len(assembly.contacts) and not assembly.topology.contact_knots
-        self.usable = usable and whole and mechanism.start.journals == "centred"
-        self.masses = {
-            name: surfaces(mechanism, mechanism.contacts[name]).effective_mass for name in self.places
-        }
-        self.materials = {
-            name: [
-                mechanism.bodies[body].material if body != "ground" else Material()
-                for body, _ in mechanism.contacts[name].sides
-            ]
-            for name in self.places
-        }
-        self.rows = {name: [layout.row(block, k) for block in TOUCHED] for name, k in self.places.items()}
-        self.apart = {name: self._apart(k) for name, k in self.places.items()}
-        self.row = layout.row("step")
-        self.slots = layout.rows_of("contact_slots")
-        self.choices: dict[bytes, tuple[StepChoice, Topology]] = {
-            assembly.state[self.slots].tobytes(): (assembly.choice, assembly.topology)
-        }
-
-    def _apart(self, index: int) -> float:
-        """Distance of a journal from its bearing at the start (m)."""
-        topology, layout, state = self.assembly.topology, self.assembly.layout, self.assembly.state
-
-        def seen(side: str) -> tuple[float, float]:
-            particle = getattr(topology, f"contact_{side}")[index]
-            x, y = (float(state[layout.row(f"contact_{side}_{axis}", index)]) for axis in "xy")
-            px, py, angle = (
-                float(state[layout.row(f"particle_{axis}", particle)]) for axis in ("x", "y", "theta")
-            )
-            s, c = sincos(angle)
-            return px + c * x - s * y, py + s * x + c * y
-
-        return distance(seen("bearing"), seen("journal"))
-
-    def with_joints(self, joints: Mapping[str, Contact]) -> Assembly | None:
-        """The assembly with some of its joints replaced by others of the same laws; None where it has to be
-        made anew, or cannot be.
-        """
-        old = self.assembly
-        if not self.usable or not joints.keys() <= self.places.keys():
-            return None
-        state = old.state.copy()
-        for name, joint in joints.items():
-            joint, former = cast(Any, joint), cast(Any, old.mechanism.joints[name])
-            alike = (joint.sides, type(joint.contact), type(joint.friction)) == (
-                former.sides,
-                type(former.contact),
-                type(former.friction),
-            )
-            alike = alike and joint.wear == former.wear
-            if (
-                not alike
-                or any(joint.conflicts())
-                or not self.apart[name] - joint.clearance <= joint.deepest_start[0]
-            ):
-                return None
-            pair = joint.pair(*self.materials[name]).between(self.masses[name])
-            for row, values in zip(
-                self.rows[name], touch_values(joint, joint.touchings(0.0)[0], pair), strict=True
-            ):
-                if len(values) == 1:
-                    state[row] = values[0]
-                else:
-                    state[row : row + len(values)] = values
-        slots = state[self.slots]
-        if not np.isfinite(slots).all():
-            return None
-        mechanism = copy(old.mechanism)
-        mechanism.joints = {**old.mechanism.joints, **joints}
-        choice, topology = self.choices.get(slots.tobytes()) or self._stepped(
-            mechanism, state, slots.tobytes()
-        )
-        state[self.row] = choice.step
-        result = copy(old)  # a third of the time of replacing fields, and there may be thousands
-        for field, value in (
-            ("mechanism", mechanism),
-            ("state", state),
-            ("choice", choice),
-            ("topology", topology),
-        ):
-            object.__setattr__(result, field, value)
-        return result
-
-    def _stepped(
-        self, mechanism: Mechanism, state: NDArray[np.float64], key: bytes
-    ) -> tuple[StepChoice, Topology]:
-        """The step, and the topology that it makes, which hang on the laws of contact alone."""
-        old = self.assembly
-        touches = [
-            touches_of(name, joint, NOWHERE, NOWHERE, 0.0)[0] for name, joint in mechanism.contacts.items()
-        ]
-        owners = [name for name, body in old.bodies.items() for _ in body.elements]
-        mobility = 0 if old.mobility is None else old.mobility.after_drives
-        topology = old.topology
-        choice = choose_step(
-            StepModel(
-                mechanism, old.layout, state, topology, touches, owners, old.ideals, self.expected, mobility
-            ),
-            self.request,
-        )
-        if old.ideals:
-            topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, old.layout, state))
-        if len(self.choices) < MOST_CHOICES:
-            self.choices[key] = choice, topology
-        return choice, topology

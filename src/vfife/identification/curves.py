@@ -13,8 +13,10 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assemble import Reassembler, assemble
+from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
+from ..assembly.reassemble import Reassembler
+from ..assembly.timestep import StepRequest
 from ..errors import VfifeError
 from ..kinematics.initial import attempt
 from ..measures.guides import point_motion
@@ -136,7 +138,7 @@ class FitCases(Cases):
         else:
             step, run["duration"] = timing.step, timing.duration
         assembly = assemble(mechanism, step, **run)
-        return CaseModel(Reassembler(assembly, step, {}, **run), None, None, lambda *_: assembly)  # type: ignore[arg-type]
+        return CaseModel(Reassembler(assembly, StepRequest(step, **run)), None, None, lambda *_: assembly)  # type: ignore[arg-type]
 
     def assembled(self, numbers: Numbers) -> Assembly:
         """The assembly of a case. Raises VfifeError."""

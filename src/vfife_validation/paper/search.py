@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vfife.assembly.assemble import reassembled
 from vfife.assembly.assembled import Assembly
+from vfife.assembly.reassemble import reassembled
 from vfife.laws import ContactLaw, Pereira
 from vfife.measures.catalogue import lip
 from vfife.solvers.ensemble import advance, placed

@@ -16,9 +16,11 @@ from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from ...assembly.assemble import Reassembler, assemble, assemble_all
+from ...assembly.assemble import assemble, assemble_all
 from ...assembly.assembled import Assembly
 from ...assembly.possible import Outlook, outlooks
+from ...assembly.reassemble import Reassembler
+from ...assembly.timestep import StepRequest
 from ...compiler.runtime.cuda import WITHOUT, card
 from ...errors import DeviceError, VfifeError
 from ...kinematics.initial import attempt
@@ -38,6 +40,7 @@ from ...solvers.record import Record
 from ...solvers.repeating import Settling, outputs_of_a_turn
 from ...solvers.status import Status
 from ...solvers.streaming import Lane, stepped
+from ...solvers.transient import run
 from ..spec.plan import CaseSpec
 from .lanes import Plan, Stepped, streams
 
@@ -283,7 +286,7 @@ class Cases:
         # Where clearance has to bridge what opens, it decides whether it can, so other clearances are
         # assembled anew.
         turns = float(self.wanted.turns)
-        reassembler = Reassembler(assembly, self.wanted.step, expected, usable=through, turns=turns)
+        reassembler = Reassembler(assembly, StepRequest(self.wanted.step, turns=turns), expected, through)
         return CaseModel(
             reassembler,
             Plan(assembly, self.wanted, self.measures),
@@ -324,15 +327,16 @@ def model_key(numbers: Numbers) -> ModelKey:
 
 
 def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
-    """Largest values of ideal mechanisms over their last turn, run side by side, by number; none of those
-    whose numbers leave all bounds.
+    """Largest values of ideal mechanisms over their last turn, run side by side, by number; none of those whose
+    numbers leave all bounds.
     """
-    lanes = stepped([Lane(k, one) for k, one in ideals.items()], len(ideals), workers=1) if ideals else ()
-    return {
-        lane.number: over_turn(lane.record, last_turn(lane.record), PEAKS)
-        for lane in lanes
-        if not lane.doubtful
-    }
+    if len(ideals) == 1:  # without a thread of its own
+        records = {k: run(one) for k, one in ideals.items()}
+    else:
+        lanes = stepped([Lane(k, one) for k, one in ideals.items()], len(ideals), workers=1) if ideals else ()
+        records = {lane.number: lane.record for lane in lanes if not lane.doubtful}
+    sound = {k: one for k, one in records.items() if one.status == Status.COMPLETE}
+    return {k: over_turn(one, last_turn(one), PEAKS) for k, one in sound.items()}
 
 
 def sentence(error: VfifeError) -> str:

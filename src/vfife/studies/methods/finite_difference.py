@@ -13,8 +13,9 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ...assembly.assemble import assemble, reassembled
+from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
+from ...assembly.reassemble import reassembled
 from ...errors import VfifeError
 from ...measures.catalogue import BY_TURN, Measure, compared, last_turn, over_turn
 from ...model.functions import turn_of
