@@ -10,7 +10,8 @@ import pytest
 
 from kinematics.turns import extremes
 from vfife.assembly.prestress import prestress
-from vfife.kinematics.initial import constraint_drivers, ideal_motion, kinematic_drivers
+from vfife.kinematics.drives import constraint_drivers, kinematic_drivers
+from vfife.kinematics.initial import ideal_motion
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Ramp, StepTo, Torque
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism

@@ -8,52 +8,23 @@ import itertools
 from dataclasses import dataclass
 
 from ..errors import VfifeError
-from ..kernels.topology import (
-    ACROSS,
-    ALONG,
-    APART,
-    BEARING,
-    BUSHING,
-    CURRENT,
-    FREE,
-    GEARED,
-    KEPT,
-    LINE,
-    NOWHERE,
-    ON_PATH,
-    PINNED,
-    REFERENCE,
-    ROUND,
-    SLOT,
-)
+from ..kernels import topology
 from ..kinematics.drives import constraint_drivers, guide_of, kinematic_drivers, pivot_of, spinless
 from ..kinematics.forces import actions, driven_body, kind_of_spring
 from ..kinematics.initial import Motion
 from ..kinematics.pins import local_point
+from ..kinematics.rows import PLACE_KINDS
 from ..model.functions import carrier_of, motion_function
 from ..model.geometry.path import Path
 from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Contact
 from ..model.lumping import Mesh, is_elastic, mesh, rigid_properties
 from ..model.mechanism import Mechanism
-from ..model.rows import (
-    Across,
-    Along,
-    Apart,
-    Coincide,
-    Guided,
-    OnPath,
-    Row,
-    Touching,
-    Turn,
-    loosened,
-    place_row,
-    turn_row,
-)
+from ..model.rows import Along, Apart, Guided, OnPath, Row, Touching, Turn, loosened, place_row, turn_row
 from ..model.springs import AnySpring
 from .assembled import BodyMap
 
-STRAINS = {"current": CURRENT, "reference": REFERENCE}
+STRAINS = {"current": topology.CURRENT, "reference": topology.REFERENCE}
 Side = tuple[str, str]
 Place = tuple[int, tuple[float, float]]
 
@@ -140,8 +111,12 @@ class Numbering:
         return len(self.functions) - 1
 
 
-PLACES = {type(None): NOWHERE, Coincide: PINNED, Across: ACROSS, Along: ALONG, OnPath: ON_PATH, Apart: APART}
-GEOMETRIES = {"bearing": BEARING, "round": ROUND, "line": LINE, "slot": SLOT}
+GEOMETRIES = {
+    "bearing": topology.BEARING,
+    "round": topology.ROUND,
+    "line": topology.LINE,
+    "slot": topology.SLOT,
+}
 
 
 @dataclass(frozen=True)
@@ -160,16 +135,18 @@ class Ideal:
     @property
     def place(self) -> int:
         """What place it holds, as the kernels call it."""
-        return PLACES[type(place_row(self.rows))]
+        return PLACE_KINDS[type(place_row(self.rows))]
 
     @property
     def turn(self) -> int:
         """Whether it holds a turn, and of which ratio."""
         row = turn_row(self.rows)
         if row is None:
-            return FREE
+            return topology.FREE
         return (
-            GEARED if row.ratio != 1.0 or (self.place == NOWHERE and self.function < 0) else KEPT
+            topology.GEARED
+            if row.ratio != 1.0 or (self.place == topology.NOWHERE and self.function < 0)
+            else topology.KEPT
         )  # a gear's ratio is data, also at 1
 
     @property
@@ -355,16 +332,16 @@ def turning(numbering: Numbering, parts: Parts) -> tuple[int, ...]:
     places += [place for touch in touches for place in (touch.bearing, touch.journal)]
     places += [place for spring in springs for place in spring[2:4]] + [load.place for load in applied]
     armed = {p for p, at in places if p and at != (0.0, 0.0)}
-    armed |= {j.bearing[0] for j in ideals if j.place in (ACROSS, ALONG, ON_PATH)} | {
-        t.bearing[0] for t in touches if t.kind in (LINE, SLOT)
-    }
+    armed |= {
+        j.bearing[0] for j in ideals if j.place in (topology.ACROSS, topology.ALONG, topology.ON_PATH)
+    } | {t.bearing[0] for t in touches if t.kind in (topology.LINE, topology.SLOT)}
     armed |= {
         place[0]
         for t in touches
         for place, count in zip((t.bearing, t.journal), t.harmonics, strict=True)
         if count
     }
-    armed |= {s[2][0] for s in springs if s[1] == BUSHING} | {
+    armed |= {s[2][0] for s in springs if s[1] == topology.BUSHING} | {
         load.place[0] for load in applied if load.follow
     }
     armed |= {numbering.bodies[name].particles[0] for name in numbering.driven} | {

@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels import frame
-from ..kinematics.initial import Datum, Motion, Seat, datum_of, ideal_motion, kinematic_drivers, pivot_of
+from ..kinematics.drives import kinematic_drivers, pivot_of
+from ..kinematics.forces import Datum
+from ..kinematics.initial import Motion, Seat, datum_of, ideal_motion
 from ..model.bodies import Body, Link, RigidBody
 from ..model.functions import turn_of
 from ..model.lumping import Mesh, mesh

@@ -26,7 +26,7 @@ from ..compiler.trace.tables import tables
 from ..kernels import frame
 from ..kernels.arrays import CONSTRAINT, Layout
 from ..kernels.topology import ON_PATH, PINNED, Topology
-from ..kinematics.taylor import KERNEL
+from ..kinematics.rows import KERNEL
 from ..laws.elasticity import elastic_energy, tangent
 from ..numerics import dense
 from ..numerics.elementwise import hypot, sincos

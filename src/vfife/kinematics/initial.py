@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import AssemblyError, VfifeError
+from ..errors import VfifeError
 from ..laws.elasticity import tangent
 from ..model.bodies import Point
 from ..model.drivers import Driver
@@ -21,10 +21,10 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
 from ..numerics.products import product
-from .drives import constraint_drivers, kinematic_drivers, pivot_of, rigid_system, travel_of
+from .drives import rigid_system, travel_of
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .mobility import Mobility, mobility
-from .pins import centred, first_guess, local_point
+from .pins import centred, first_guess
 from .rows import measured
 from .solve import Accelerations, accelerations, close_all, velocities
 from .system import RigidSystem, alike, mirrored
@@ -457,9 +457,3 @@ def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Acc
         start.solved(start.system), start.hand, start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
         bool(solved.independent[i]) and start.moving is start.system,
     )  # fmt: skip
-
-
-__all__ = [
-    "AssemblyError", "Datum", "Given", "Motion", "Seat", "constraint_drivers", "datum_of", "first_guess", "ideal_motion", "kinematic_drivers",
-    "local_point", "pivot_of", "rigid_system", "seated",
-]  # fmt: skip

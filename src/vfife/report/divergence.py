@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ..errors import AssemblyError, VfifeError
 from ..kinematics.drives import constraint_drivers, kinematic_drivers
-from ..kinematics.forces import driven_body
-from ..kinematics.initial import Datum, datum_of, ideal_motion
+from ..kinematics.forces import Datum, driven_body
+from ..kinematics.initial import datum_of, ideal_motion
 from ..measures.energy import own_floor
 from ..model.drivers import Driver
 from ..model.functions import motion_function
