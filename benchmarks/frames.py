@@ -113,7 +113,7 @@ def changes(browser: Any, count: int) -> list[dict[str, float]]:
     """Times (ms) of so many changes of case c, the first of which is left out: it waits for what is read
     once.
     """
-    from vfife.live.server.serving import served
+    from vfife.live.server.app import served
     from vfife.live.server.session import Session
 
     session = Session(EXAMPLES)

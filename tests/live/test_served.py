@@ -26,7 +26,7 @@ from vfife.modelfile import dump, load, loads
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
-from vfife.live.server.serving import served
+from vfife.live.server.app import served
 from vfife.live.server.session import MOST_BROWSERS, Mailbox, Session, text_of
 
 TEXT = "# kept\n" + dump(gallery.four_bar_case_b())
@@ -419,6 +419,6 @@ def test_what_keeps_it_from_being_served_is_a_sentence(folder, monkeypatch, clie
     code, said = told("--no-browser", "--set", "joint.C.clearance=1 mm")
     assert code == 2 and "for a model that is named" in said
     monkeypatch.setitem(sys.modules, "uvicorn", None)
-    monkeypatch.delitem(sys.modules, "vfife.live.server.serving")
+    monkeypatch.delitem(sys.modules, "vfife.live.server.app")
     code, said = told(folder / "bar.toml", "--no-browser")
     assert code == 2 and "vfife[live]" in said and "-o PAGE.html" in said

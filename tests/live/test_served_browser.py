@@ -13,7 +13,7 @@ from vfife.modelfile import dump, load, loads
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
-from vfife.live.server.serving import served
+from vfife.live.server.app import served
 from vfife.live.server.session import Session
 
 pytestmark = needs_browser

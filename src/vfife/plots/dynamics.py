@@ -56,24 +56,27 @@ def diagram(result: Bifurcation) -> Figure:
         )
         for k, (way, chain) in enumerate(zip(result.spec.ways, points, strict=True)):
             marker, area = MARKERS[k % len(MARKERS)]
-            across, color, width = (
-                np.repeat(x, chain.shape[1]),
-                BODIES[k % len(BODIES)],
-                0.5 if marker in "x+" else 0.0,
-            )
+            width, colour = 0.5 if marker in "x+" else 0.0, BODIES[k % len(BODIES)]
+            across = np.repeat(x, chain.shape[1])
+            points_of_way = across, factor * chain.ravel()
+            name_of_way = NAMES.get(way, way)
             ax.scatter(
-                across,
-                factor * chain.ravel(),
-                s=area,
-                c=color,
-                marker=marker,
-                lw=width,
-                label=NAMES.get(way, way),
-                rasterized=True,
+                *points_of_way, s=area, c=colour, marker=marker, lw=width, label=name_of_way, rasterized=True
             )
         ax.set_ylabel(f"{name}\n({unit}), once a turn")
         ax.margins(x=0.01)
-    last = axes[-1]
+    _exponents(axes[-1], result, x)
+    axes[-1].set_xlabel(f"{result.spec.path} ({unit_x})")
+    if len(result.spec.ways) > 1:
+        axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
+    turns = result.spec.turns - result.spec.dropped
+    title = f"{turns} turns at each value after {result.spec.dropped}"
+    heading(figure, _title(result, title, result.agreement))
+    return figure
+
+
+def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
+    """Draw the largest exponent of each chain with its range, and rings where companions are classified otherwise."""
     for k, chain in enumerate(result.exponents):
         color = BODIES[k % len(BODIES)]
         last.fill_between(x, chain[:, 1], chain[:, 2], color=color, alpha=0.25, lw=0.0)
@@ -94,14 +97,6 @@ def diagram(result: Bifurcation) -> Figure:
         last.legend(loc="lower right")
     last.axhline(0.0, color=GREY, lw=0.8)
     last.set_ylabel("largest exponent\n(1/turn)")
-    last.set_xlabel(f"{result.spec.path} ({unit_x})")
-    if len(result.spec.ways) > 1:
-        axes[0].legend(loc="upper left", markerscale=4.0, ncols=3)
-    turns = result.spec.turns - result.spec.dropped
-    heading(
-        figure, _title(result, f"{turns} turns at each value after {result.spec.dropped}", result.agreement)
-    )
-    return figure
 
 
 PERIODIC = (BLUE, ORANGE, GREEN, SKY, PURPLE, "#F0E442", "#5B4B3A")

@@ -94,56 +94,29 @@ class Panels:
             for name, handle in self._entries().items()
         }
         columns, lines = self._legend(list(entries), width - 0.3)
-        lines_of_title = broken(self.figure, title, width - 0.4, 12.0)
+        title_lines = broken(self.figure, title, width - 0.4, 12.0)
+        titled = any(ax.get_title(loc="left") or ax.get_title(loc="center") for ax in self.axes)
+        above = (TOP if titled else 0.08) + TITLE * len(title_lines) + 0.08
         below = 0.12 + LINE * lines if lines else 0.05
-        over = (
-            TOP if any(ax.get_title(loc="left") or ax.get_title(loc="center") for ax in self.axes) else 0.08
-        )
-        under = BOTTOM if any(ax.get_xlabel() for ax in self.axes) else 0.15
-        height = (
-            below
-            + under
-            + sum(heights)
-            + self.down * (len(rows) - 1)
-            + over
-            + TITLE * len(lines_of_title)
-            + 0.08
-        )
+        below += BOTTOM if any(ax.get_xlabel() for ax in self.axes) else 0.15
+        height = below + sum(heights) + self.down * (len(rows) - 1) + above
         self.figure.set_size_inches(width, height)
-        top = height - 0.08 - TITLE * len(lines_of_title) - over
         for k, (ax, (wide, tall)) in enumerate(zip(self.axes, self.sizes, strict=True)):
             row, column = divmod(k, self.columns)
             x = LEFT + sum(widths[:column]) + self.across * column
-            y = top - sum(heights[:row]) - self.down * row - tall
+            y = height - above - sum(heights[:row]) - self.down * row - tall
             ax.set_position((x / width, y / height, wide / width, tall / height))
         for k, bar_axes in self.bars:
             place = self.axes[k].get_position()
             bar_axes.set_position((place.x1 + 0.1 / width, place.y0, 0.14 / width, place.height))
-        self.figure.suptitle(
-            "\n".join(lines_of_title),
-            x=0.2 / width,
-            y=1.0 - 0.08 / height,
-            ha="left",
-            va="top",
-            fontsize=12.0,
-        )
+        corner = {"x": 0.2 / width, "y": 1.0 - 0.08 / height}
+        self.figure.suptitle("\n".join(title_lines), ha="left", va="top", fontsize=12.0, **corner)
         if lines:
-            look: dict[str, Any] = {
-                "loc": "lower left",
-                "bbox_to_anchor": (0.12 / width, 0.02 / height),
-                "ncols": columns,
-                "borderpad": 0.3,
-            }
-            handler = {tuple: HandlerTuple(ndivide=1)}
+            anchor = (0.12 / width, 0.02 / height)
             self.figure.legend(
-                list(entries.values()),
-                list(entries),
-                fontsize=9.5,
-                columnspacing=1.2,
-                labelspacing=0.35,
-                handler_map=handler,
-                **look,
-            )
+                list(entries.values()), list(entries), loc="lower left", bbox_to_anchor=anchor, ncols=columns, fontsize=9.5,
+                borderpad=0.3, columnspacing=1.2, labelspacing=0.35, handler_map={tuple: HandlerTuple(ndivide=1)},
+            )  # fmt: skip
         return self.figure
 
     def _shorten(self) -> None:

@@ -179,12 +179,12 @@ def value_labels(values: list[Any], unit: str) -> tuple[list[str], str]:
     return [f"{value:.4g}" for value in numbers], unit
 
 
-def quantiles(values: Array) -> tuple[Array, Array, Array]:
-    """Median and band along the last axis, without unknown values."""
+def quantiles(values: Array) -> Array:
+    """Median, lower and upper end of the band along the last axis, without unknown values; shape (3, places)."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
         low, middle, high = np.nanquantile(values, (BAND[0], 0.5, BAND[1]), axis=1)
-    return middle, low, high
+    return np.stack([middle, low, high])
 
 
 LEAST = 3  # values of each of two parameters that make a map

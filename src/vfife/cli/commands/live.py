@@ -120,7 +120,7 @@ def serve(options: LiveOptions) -> None:
     source, laws, slide = options.source, options.laws, options.slide
     with sentences(str(source) if source else "vfife live"):
         try:
-            from ...live.server.serving import served
+            from ...live.server.app import served
         except ModuleNotFoundError as error:
             if error.name not in ("starlette", "uvicorn"):
                 raise

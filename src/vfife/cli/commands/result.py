@@ -36,9 +36,9 @@ def info(options: InfoOptions) -> None:
     """What a run file holds, also that of a run that was interrupted or killed."""
     with sentences(str(options.run)):
         data = contents(options.run, options.check)
-    from ...report import run as documents
+    from ...report import run_file
 
-    answer(documents.info(data), options.as_json)
+    answer(run_file.info(data), options.as_json)
 
 
 def contents(path: Path, check: bool = True) -> dict[str, Any]:
@@ -163,9 +163,9 @@ def impacts(options: ImpactsOptions) -> None:
         from ...simulation.result import Result
 
         result = Result.load(options.run).impacts
-    from ...report import run as documents
+    from ...report import run_file
 
-    answer(documents.impacts(result, options.count), options.as_json)
+    answer(run_file.impacts(result, options.count), options.as_json)
 
 
 LIST = "list"

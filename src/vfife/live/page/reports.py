@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...errors import VfifeError
 from ...files import write_text
@@ -53,8 +53,16 @@ class Members(Slide):
         return list(self.picked[int(self.values[position])].items())
 
 
-def study_page(study: Study) -> tuple[str, Places, tuple[str, ...]]:
-    """The page, at which positions of its sliders each member runs, and notes.
+class StudyPage(NamedTuple):
+    """A page in which members of a study run: ``places`` are positions of its sliders by member."""
+
+    text: str
+    places: Places
+    notes: tuple[str, ...]
+
+
+def study_page(study: Study) -> StudyPage:
+    """The page of a study.
 
     All run with as many steps a turn as the finest of them had, so that what a page shows of a coarser one
     may differ from the study's numbers as far as these depend on the step. Raises VfifeError where no member
@@ -73,7 +81,7 @@ def study_page(study: Study) -> tuple[str, Places, tuple[str, ...]]:
     slides: list[Slide] = list(by_parameters(study, done)) or [over_members(study, chosen(study, done))]
     with standing_in(study.asked["own_laws"]):
         patches = slider_patches(base, slides, turn / math.ceil(steps))
-    return written(patches), places(study, patches), patches.notes
+    return StudyPage(written(patches), places(study, patches), patches.notes)
 
 
 def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:

@@ -13,9 +13,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from .documents import Conflict, Document, Json, text_in
+from .documents import Conflict, Document, Json, Shelf, text_in
 from .pages import Pages
-from .shelf import Shelf
 
 INTERVAL = 0.2  # s between two looks at files
 MOST_BROWSERS = (
