@@ -162,8 +162,8 @@ def test_points_of_the_cube_are_within_the_limits():
 
 
 def test_what_loses_contact_is_no_fit():
-    assert misfit(PAPER[None, :], np.array([False]))[0] >= search.LOST
-    assert misfit(PAPER[None, :] * np.nan, np.array([True]))[0] >= search.LOST
+    assert misfit(PAPER[None, :], np.array([False]))[0] >= search.FAILED
+    assert misfit(PAPER[None, :] * np.nan, np.array([True]))[0] >= search.FAILED
     assert misfit(PAPER[None, :] + [[0, -2, 0, 1, 0, 0]], np.array([True]))[0] == pytest.approx(2.0)
 
 

@@ -89,14 +89,14 @@ def groups(p: Parameters) -> dict[str, dict[str, Parameters]]:
 def beyond(context: Context) -> Item:
     """All variations, and which conclusions survive them."""
     p = context.parameters
-    found = run_groups(context, groups(p))
+    results = run_groups(context, groups(p))
     steps = run_steps(context)
     angles = run_angles(context)
-    charts = [group_chart(name, runs) for name, runs in found.items()] + [angle_chart(angles)]
-    tables = [group_table(name, runs) for name, runs in found.items()] + [step_table(steps)]
+    charts = [group_chart(name, runs) for name, runs in results.items()] + [angle_chart(angles)]
+    tables = [group_table(name, runs) for name, runs in results.items()] + [step_table(steps)]
     data = {
         name: {label: [one.lips for one in runs] for label, runs in members.items()}
-        for name, members in found.items()
+        for name, members in results.items()
     }
     text = [
         (
@@ -111,7 +111,7 @@ def beyond(context: Context) -> Item:
         ),
     ]
     return Item("beyond", "Beyond the paper: what its results depend on", text, described(p), charts, tables,
-                [*survival(found), *step_verdicts(steps), angle_verdict(angles)], data | {"start": angles_data(angles)})  # fmt: skip
+                [*survival(results), *step_verdicts(steps), angle_verdict(angles)], data | {"start": angles_data(angles)})  # fmt: skip
 
 
 def run_groups(
@@ -123,10 +123,10 @@ def run_groups(
     done = context.influences(
         "beyond: links, friction, contact laws, branch", cases, turns=MOST_TURNS, outputs=180
     )
-    found: dict[str, dict[str, list[Influence]]] = {}
+    results: dict[str, dict[str, list[Influence]]] = {}
     for k, (group, label, _) in enumerate(labels):
-        found.setdefault(group, {})[label] = done[k * len(KEYS) : (k + 1) * len(KEYS)]
-    return found
+        results.setdefault(group, {})[label] = done[k * len(KEYS) : (k + 1) * len(KEYS)]
+    return results
 
 
 def conclusions(runs: Sequence[Influence]) -> list[bool]:
@@ -143,21 +143,25 @@ def conclusions(runs: Sequence[Influence]) -> list[bool]:
     ]
 
 
-def survival(found: Mapping[str, Mapping[str, Sequence[Influence]]]) -> list[Verdict]:
+def survival(results: Mapping[str, Mapping[str, Sequence[Influence]]]) -> list[Verdict]:
     """How many variants each conclusion survives."""
     every = {
         f"{group}: {label}": conclusions(runs)
-        for group, members in found.items()
+        for group, members in results.items()
         for label, runs in members.items()
     }
     verdicts = []
     for k, words in enumerate(CONCLUSIONS):
-        lost = [label for label, held in every.items() if not held[k]]
-        numbers = f"{len(every) - len(lost)} of {len(every)} variants"
+        failures = [label for label, held in every.items() if not held[k]]
+        numbers = f"{len(every) - len(failures)} of {len(every)} variants"
         numbers += (
-            f"; not {'; '.join(lost)}" if 0 < len(lost) <= MOST_NAMED else "; see the tables" if lost else ""
+            f"; not {'; '.join(failures)}"
+            if 0 < len(failures) <= MOST_NAMED
+            else "; see the tables"
+            if failures
+            else ""
         )
-        verdicts.append(Verdict(f"Survives every change: {words}", not lost, numbers))
+        verdicts.append(Verdict(f"Survives every change: {words}", not failures, numbers))
     return verdicts
 
 
@@ -239,12 +243,12 @@ def step_table(steps: Mapping[float, Sequence[Influence]]) -> Table:
 def step_verdicts(steps: Mapping[float, Sequence[Influence]]) -> list[Verdict]:
     """Whether the numbers are those of the equations, not of the step."""
     lips = np.array([[one.lips for one in runs] for runs in steps.values()])
-    apart = np.abs(lips[1:] - lips[-1]).max(axis=(1, 2))
+    changes = np.abs(lips[1:] - lips[-1]).max(axis=(1, 2))
     numbers = ", ".join(
-        f"{1e6 * step:g} µs: {value:.2f}" for step, value in zip(list(steps)[1:], apart, strict=True)
+        f"{1e6 * step:g} µs: {value:.2f}" for step, value in zip(list(steps)[1:], changes, strict=True)
     )
     words = f"From 1 µs on the step moves no number by more than {GOAL / 2:g} points"
-    return [Verdict(words, bool(apart.max() <= GOAL / 2), f"largest change from the last, {numbers}")]
+    return [Verdict(words, bool(changes.max() <= GOAL / 2), f"largest change from the last, {numbers}")]
 
 
 def run_angles(context: Context) -> dict[float, list[Influence]]:

@@ -59,10 +59,10 @@ def drawn(chart: Chart) -> Figure:
 
 
 def _panel(ax: Axes, panel: Panel) -> None:
-    told: set[str] = set()
+    labels: set[str] = set()
     for band in panel.bands:
-        label = band.label if band.label not in told else None
-        told.add(band.label)
+        label = band.label if band.label not in labels else None
+        labels.add(band.label)
         ax.axvspan(band.first, band.last, color=SKY, alpha=0.25, lw=0.0, label=label, zorder=1)
     for line in panel.lines:
         look = _look(line.style) | (DOTS if line.dots else {})

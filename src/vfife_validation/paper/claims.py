@@ -39,19 +39,19 @@ FIRST_TURNS, OUTPUTS = 3, 720
 
 def claims(context: Context) -> Item:
     """All of them in one place, with the run-up that leads to the settled turn."""
-    found: list[tuple[str, Verdict]] = []
+    verdicts: list[tuple[str, Verdict]] = []
     for figure in (fig9, fig10, fig12, fig13, table3, fig15, fig18, fig16, fig17, fig19, fig20):
-        made = context.once(figure.__name__, partial(figure, context))
-        found += [(made.title.partition(":")[0], verdict) for verdict in made.verdicts]
-    found += [("Table 4", verdict) for verdict in [*falling(context.speeds), rising(context.speeds)]]
-    found += [("Sect. 5.1", verdict) for verdict in run_up(context)]
-    rows = [[verdict.word, where, verdict.statement, verdict.numbers] for where, verdict in found]
-    held = sum(verdict.holds is True for _, verdict in found)
-    table = Table(["", "where", "claim, in our words", "numbers"], rows, f"{held} of {len(found)} hold")
+        item = context.once(figure.__name__, partial(figure, context))
+        verdicts += [(item.title.partition(":")[0], verdict) for verdict in item.verdicts]
+    verdicts += [("Table 4", verdict) for verdict in [*falling(context.speeds), rising(context.speeds)]]
+    verdicts += [("Sect. 5.1", verdict) for verdict in run_up(context)]
+    rows = [[verdict.word, where, verdict.statement, verdict.numbers] for where, verdict in verdicts]
+    held = sum(verdict.holds is True for _, verdict in verdicts)
+    table = Table(["", "where", "claim, in our words", "numbers"], rows, f"{held} of {len(verdicts)} hold")
     data = {
         "claims": [
             {"holds": v.holds, "where": where, "claim": v.statement, "numbers": v.numbers}
-            for where, v in found
+            for where, v in verdicts
         ]
     }
     text = [
@@ -73,14 +73,14 @@ def claims(context: Context) -> Item:
 def run_up(context: Context) -> list[Verdict]:
     """How the motion settles."""
     runs = [*context.sizes, *context.speeds[:-1]]
-    apart = [astray(one, first_turns(context, one)) for one in runs]
+    changes = [astray(one, first_turns(context, one)) for one in runs]
     onsets = [np.diff(one.member.turns.block("contact_onsets").sum(axis=1)) for one in runs]
     ends = "; ".join(f"{size_title(one)}, {speed_title(one)}: {settling(one)}" for one in runs)
-    sizes = [turns[0] for turns in apart[: len(context.sizes)]]
+    sizes = [turns[0] for turns in changes[: len(context.sizes)]]
     measure = "largest acceleration apart from the settled turn's, over the largest ideal one"
     return [
-        Verdict("Strong vibration after the start declines", all(min(turns[0], 0.1) > turns[-1] for turns in apart),
-                f"{measure}, turn by turn: " + "; ".join(", ".join(f"{value:.2g}" for value in turns) for turns in apart)),
+        Verdict("Strong vibration after the start declines", all(min(turns[0], 0.1) > turns[-1] for turns in changes),
+                f"{measure}, turn by turn: " + "; ".join(", ".join(f"{value:.2g}" for value in turns) for turns in changes)),
         Verdict("The motion becomes periodic", all(one.member.settled is not None for one in runs), ends),
         Verdict("The vibration at the start grows with the clearance", sizes == sorted(sizes),
                 f"{measure}, first turn: " + ", ".join(f"{value:.2f}" for value in sizes)),

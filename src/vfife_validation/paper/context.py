@@ -20,10 +20,10 @@ from .search import from_numbers
 
 def fitted() -> dict[str, Any]:
     """The stored outcome of the search for the lost parameters, with its provenance."""
-    found: dict[str, Any] = json.loads(
+    outcome: dict[str, Any] = json.loads(
         resources.files(__package__).joinpath("fitted.json").read_text(encoding="utf-8")
     )
-    return found
+    return outcome
 
 
 @dataclass
@@ -37,13 +37,13 @@ class Context:
     budget: float = 0.0
     seed: int = 1
     fit: dict[str, Any] = field(default_factory=fitted)
-    made: dict[str, Any] = field(default_factory=dict)
+    computed: dict[str, Any] = field(default_factory=dict)
 
     def once(self, name: str, make: Callable[[], Any]) -> Any:
         """What ``make`` gives, made when it is first asked for by this name."""
-        if name not in self.made:
-            self.made[name] = make()
-        return self.made[name]
+        if name not in self.computed:
+            self.computed[name] = make()
+        return self.computed[name]
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -59,10 +59,10 @@ class Context:
     def three(self) -> dict[tuple[float, float], Influence]:
         """Three loose joints: by clearance (m) and crank speed (rad/s), the runs of Sect. 5."""
         keys = [(c, FASTEST) for c in CLEARANCES] + [(CLEARANCE, speed) for speed in SPEEDS[:-1]]
-        found = self.influences(
+        influences = self.influences(
             "three clearance joints, Sect. 5", [Case(self.parameters, c, speed) for c, speed in keys]
         )
-        return dict(zip(keys, found, strict=True))
+        return dict(zip(keys, influences, strict=True))
 
     @property
     def sizes(self) -> list[Influence]:

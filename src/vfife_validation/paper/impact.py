@@ -174,7 +174,7 @@ def fig9(context: Context) -> Item:
         [Panel("", "penetration (µm)", "contact force (kN)", lines)],
         1,
     )
-    given = [
+    parameters = [
         *STATED,
         Parameter("restitution coefficient", "0.9", "chosen", "not in the text"),
         Parameter(
@@ -199,7 +199,7 @@ def fig9(context: Context) -> Item:
         "equal_length": same,
     }
     return Item(
-        "fig9", "Fig. 9: enhanced law and Lankarani-Nikravesh", text, given, [chart], [], verdicts, data
+        "fig9", "Fig. 9: enhanced law and Lankarani-Nikravesh", text, parameters, [chart], [], verdicts, data
     )
 
 
@@ -245,13 +245,13 @@ def fig10(context: Context) -> Item:
             f"peaks {_series(peaks, 1e-3, 2)} kN",
         ),
     ]
-    given = [*STATED, Parameter("restitution coefficient", "0.9", "chosen", "not in the text")]
+    parameters = [*STATED, Parameter("restitution coefficient", "0.9", "chosen", "not in the text")]
     chart = Chart("fig10", "Contact force over time; shaded: continuous contact", [panel], 1)
     return Item(
         "fig10",
         "Fig. 10: contact force and the modes of motion",
         [],
-        given,
+        parameters,
         [chart],
         [],
         verdicts,

@@ -24,7 +24,7 @@ from .search import GOAL, TABLE_3, TARGET, Search, as_numbers, misfit, robust, t
 if TYPE_CHECKING:
     from .context import Context
 
-KEPT = 24  # sets that fit, as many as are stored of each structure
+STORED = 24  # sets that fit, as many as are stored of each structure
 CANDIDATES = 24  # best points of each structure that are run again with other steps
 STEPS = (1.25e-6, 1e-6, 5e-7, 2.5e-7)  # s
 SHOWN = (
@@ -48,12 +48,14 @@ def outcome(
     structures, finalists = [], []
     fits: list[dict[str, Any]] = []
     for one in searches:
-        points, numbers, found = one.everything()
-        finalists += [limit(points[k]) for k in range(min(CANDIDATES, len(points))) if found[k] <= 1.5 * GOAL]
-        inside = int((found <= GOAL).sum())
-        fits += fitting([limit(points[k]) for k in far_apart(points[:inside], KEPT)])
+        points, numbers, misfits = one.everything()
+        finalists += [
+            limit(points[k]) for k in range(min(CANDIDATES, len(points))) if misfits[k] <= 1.5 * GOAL
+        ]
+        inside = int((misfits <= GOAL).sum())
+        fits += fitting([limit(points[k]) for k in distant_points(points[:inside], STORED)])
         structures.append({
-            "structure": one.structure.words, "points": one.count, "generations": one.generations, "misfit": float(found[0]),
+            "structure": one.structure.words, "points": one.count, "generations": one.generations, "misfit": float(misfits[0]),
             "within_goal": inside, "table_3": numbers[0].tolist(), "parameters": as_numbers(points[0]),
         })  # fmt: skip
     if not finalists:  # nothing comes near: the best of all stands for what can be reached
@@ -88,15 +90,15 @@ def fitting(points: Sequence[Parameters]) -> list[dict[str, Any]]:
     if not points:
         return []
     numbers, sound = table_3(points)
-    found = misfit(numbers, sound)
+    misfits = misfit(numbers, sound)
     return [
         {"parameters": as_numbers(p), "table_3": row.tolist(), "misfit": float(value)}
-        for p, row, value in zip(points, numbers, found, strict=True)
+        for p, row, value in zip(points, numbers, misfits, strict=True)
         if value <= GOAL
     ]
 
 
-def far_apart(points: Sequence[Parameters], count: int) -> list[int]:
+def distant_points(points: Sequence[Parameters], count: int) -> list[int]:
     """The first point and those that lie farthest from all chosen before: the extent of a set, where a search
     has left it in clusters.
     """
@@ -174,28 +176,30 @@ def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
     steps = ", ".join(f"{1e6 * s:g}" for s in STEPS)
     rods = [s for s in fit["structures"] if s["structure"].startswith("uniform rods")]
     least = min((s["misfit"] for s in rods), default=math.nan)
-    above = min((s["misfit"] for s in fit["structures"] if "above" in s["structure"]), default=math.nan)
-    found = [
+    misfit_above = min(
+        (s["misfit"] for s in fit["structures"] if "above" in s["structure"]), default=math.nan
+    )
+    verdicts = [
         Verdict(f"One set gives all six numbers within {GOAL:g} points", now <= GOAL,
                 f"largest deviation {now:.2f}; {best['misfit_at_the_worst_step']:.2f} at the worst of the steps {steps} µs"),
     ]  # fmt: skip
     if rods:
-        found.append(
+        verdicts.append(
             Verdict(
                 "Rigid uniform rods can give them, too",
                 least <= GOAL,
                 f"best of {sum(s['points'] for s in rods)} sets is {least:.1f} points off",
             )
         )
-    if math.isfinite(above):
-        found.append(
+    if math.isfinite(misfit_above):
+        verdicts.append(
             Verdict(
                 "Joint 2 above the line of the pivots can give them, too",
-                above <= GOAL,
-                f"best set is {above:.1f} points off",
+                misfit_above <= GOAL,
+                f"best set is {misfit_above:.1f} points off",
             )
         )
-    return found
+    return verdicts
 
 
 def numbers_chart(fit: dict[str, Any]) -> Chart:

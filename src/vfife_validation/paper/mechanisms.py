@@ -90,11 +90,11 @@ def directions(crank_angle: float, below: bool) -> tuple[float, float]:
     """Angles (rad) of coupler and follower at a crank angle, on one of the two branches of the linkage."""
     bx, by = CRANK * math.cos(crank_angle), CRANK * math.sin(crank_angle)
     dx, dy = GROUND - bx, -by
-    apart = math.hypot(dx, dy)
-    along = (COUPLER**2 - FOLLOWER**2 + apart**2) / (2.0 * apart)
+    distance = math.hypot(dx, dy)
+    along = (COUPLER**2 - FOLLOWER**2 + distance**2) / (2.0 * distance)
     across = math.sqrt(COUPLER**2 - along**2) * (1.0 if below else -1.0)
-    cx = bx + (along * dx - across * dy) / apart
-    cy = by + (along * dy + across * dx) / apart
+    cx = bx + (along * dx - across * dy) / distance
+    cy = by + (along * dy + across * dx) / distance
     return math.atan2(cy - by, cx - bx), math.atan2(cy, cx - GROUND)
 
 

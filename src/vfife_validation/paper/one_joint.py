@@ -41,15 +41,15 @@ def variants(context: Context) -> dict[str, Parameters]:
 
 def runs(context: Context) -> dict[str, Influence]:
     """One loose joint under either law."""
-    found = variants(context)
-    cases = [Case(p, GAP, FASTEST, 5e-7, "C") for p in found.values()]
+    laws = variants(context)
+    cases = [Case(p, GAP, FASTEST, 5e-7, "C") for p in laws.values()]
     done = context.once(
         "one joint", lambda: context.influences("one clearance joint, Sect. 4.2", cases, turns=6)
     )
-    return dict(zip(found, done, strict=True))
+    return dict(zip(laws, done, strict=True))
 
 
-def given(context: Context) -> list[Parameter]:
+def parameters_of(context: Context) -> list[Parameter]:
     """Parameters of both figures."""
     p = context.parameters
     return [
@@ -97,12 +97,12 @@ def fig12(context: Context) -> Item:
     ]
     path = curves.path_panel(one.member, JOINT, "(c) joint 2")
     w, ideal_w = curves.velocity(one.member)[1], curves.velocity(reference)[1]
-    apart = float(np.abs(w - ideal_w).max() / np.abs(ideal_w).max())
+    difference = float(np.abs(w - ideal_w).max() / np.abs(ideal_w).max())
     verdicts = [
         Verdict(
             "The angular velocity stays close to the ideal one",
-            apart < 0.05,
-            f"largest difference {100 * apart:.2f} % of the largest",
+            difference < 0.05,
+            f"largest difference {100 * difference:.2f} % of the largest",
         ),
         Verdict(
             "The acceleration has peaks far above the ideal one",
@@ -119,12 +119,12 @@ def fig12(context: Context) -> Item:
         Chart("fig12", "Follower with one loose joint over the last turn, and with ideal joints", panels, 2),
         Chart("fig12-path", "Journal centre in joint 2", [path], 1),
     ]
-    data = {"lip_force": one.lips[0], "lip_acceleration": one.lips[1], "velocity_apart": apart}
+    data = {"lip_force": one.lips[0], "lip_acceleration": one.lips[1], "velocity_apart": difference}
     return Item(
         "fig12",
         "Fig. 12: follower and journal with one loose joint",
         text,
-        given(context),
+        parameters_of(context),
         charts,
         [],
         verdicts,
@@ -134,16 +134,17 @@ def fig12(context: Context) -> Item:
 
 def fig13(context: Context) -> Item:
     """Force and penetration: the enhanced law with friction beside Lankarani-Nikravesh."""
-    found = runs(context)
+    influences = runs(context)
     force, depth = [], []
     for name, style in (("Lankarani–Nikravesh", "second"), ("enhanced with friction", "main")):
-        force.append(curves.over_angle(curves.force(found[name].member), 1e-3, name, style))
-        angle, values = curves.penetration(found[name].member)
+        force.append(curves.over_angle(curves.force(influences[name].member), 1e-3, name, style))
+        angle, values = curves.penetration(influences[name].member)
         depth.append(Line(angle, 1e6 * np.maximum(values, 0.0), name, style))
     deepest = {
-        name: float(one.member.turns.block("contact_penetration_max")[-1, 0]) for name, one in found.items()
+        name: float(one.member.turns.block("contact_penetration_max")[-1, 0])
+        for name, one in influences.items()
     }
-    counted = {name: penetrations(one) for name, one in found.items()}
+    counted = {name: penetrations(one) for name, one in influences.items()}
     first, second = "Lankarani–Nikravesh", "enhanced with friction"
     pairs = [(first, "Lankarani–Nikravesh with friction"), ("enhanced without friction", second)]
     verdicts = [
@@ -158,14 +159,14 @@ def fig13(context: Context) -> Item:
         Panel("(a)", "crank angle (degrees)", "contact force of joint 2 (kN)", force),
         Panel("(b)", "crank angle (degrees)", "penetration in joint 2 (µm)", depth),
     ]
-    text = ["; ".join(f"{name}: {settling(one)}" for name, one in found.items()) + "."]
+    text = ["; ".join(f"{name}: {settling(one)}" for name, one in influences.items()) + "."]
     data = {"deepest": deepest, "penetrations": counted}
     chart = Chart("fig13", "Contact force and penetration over the last turn", panels, 2)
     return Item(
         "fig13",
         "Fig. 13: enhanced law with friction and Lankarani-Nikravesh",
         text,
-        given(context),
+        parameters_of(context),
         [chart],
         [],
         verdicts,

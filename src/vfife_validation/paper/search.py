@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 TABLE_3 = ((6.72, 17.21, 89.95), (13.45, 28.60, 110.32))  # LIP(F), LIP(a) in per cent at 0.1, 0.2 and 0.5 mm
 TARGET = np.array(TABLE_3).reshape(-1)
 GOAL = 3.0  # percentage points
-LOST = 1000.0  # what a point that loses contact, does not settle or diverges is worse by
+FAILED = 1000.0  # what a point that loses contact, does not settle or diverges is worse by
 TURNS = 8
 ANGLE_STEPS = 72  # crank angles at the start are multiples of 5 degrees
 
@@ -139,7 +139,7 @@ def table_3(
 def misfit(numbers: Array, sound: NDArray[np.bool_]) -> Array:
     """Worst deviation from Table 3 (percentage points), shape (points,)."""
     worst = np.abs(numbers - TARGET).max(axis=1)
-    return np.asarray(np.where(np.isfinite(worst), worst, LOST) + np.where(sound, 0.0, LOST), dtype=float)
+    return np.asarray(np.where(np.isfinite(worst), worst, FAILED) + np.where(sound, 0.0, FAILED), dtype=float)
 
 
 @dataclass
@@ -161,15 +161,15 @@ class Search:
         n, d = 3 * self.size, len(self.structure.unknowns)
         strata = np.array([self.generator.permutation(n) for _ in range(d)]).T
         points = (strata + self.generator.random((n, d))) / n
-        found = self._try(points)
-        best = np.argsort(found)[: self.size]
-        self.population, self.found = points[best], found[best]
+        misfits = self._try(points)
+        best = np.argsort(misfits)[: self.size]
+        self.population, self.misfits_of_population = points[best], misfits[best]
 
     def generation(self) -> None:
         """Every member meets a rival made from the best ones and the differences between others."""
         n, d = self.population.shape
         g = self.generator
-        leaders = self.population[np.argsort(self.found)[g.integers(0, max(2, n // 5), n)]]
+        leaders = self.population[np.argsort(self.misfits_of_population)[g.integers(0, max(2, n // 5), n)]]
         a, b = self.population[g.integers(0, n, n)], self.population[g.integers(0, n, n)]
         scale = g.uniform(0.3, 0.9, (n, 1))
         rivals = (
@@ -181,23 +181,23 @@ class Search:
         cross = g.random((n, d)) < 0.9
         rivals = np.where(cross, rivals, self.population)
         rivals = np.where((rivals < 0.0) | (rivals > 1.0), g.random((n, d)), rivals)
-        found = self._try(rivals)
-        better = found <= self.found
-        self.population[better], self.found[better] = rivals[better], found[better]
+        misfits = self._try(rivals)
+        better = misfits <= self.misfits_of_population
+        self.population[better], self.misfits_of_population[better] = rivals[better], misfits[better]
         self.generations += 1
 
     def _try(self, points: Array) -> Array:
         numbers, sound = table_3([parameters(self.structure, point) for point in points])
-        found = misfit(numbers, sound)
+        misfits = misfit(numbers, sound)
         self.tried.append(points)
         self.numbers.append(numbers)
-        self.misfits.append(found)
-        return found
+        self.misfits.append(misfits)
+        return misfits
 
     @property
     def best(self) -> float:
         """Least misfit so far (percentage points)."""
-        return float(self.found.min())
+        return float(self.misfits_of_population.min())
 
     @property
     def count(self) -> int:
@@ -206,13 +206,13 @@ class Search:
 
     def everything(self) -> tuple[list[Parameters], Array, Array]:
         """All points that were tried with their six numbers and misfits, best first."""
-        points, numbers, found = (
+        points, numbers, misfits = (
             np.concatenate(self.tried),
             np.concatenate(self.numbers),
             np.concatenate(self.misfits),
         )
-        order = np.argsort(found, kind="stable")
-        return [parameters(self.structure, points[k]) for k in order], numbers[order], found[order]
+        order = np.argsort(misfits, kind="stable")
+        return [parameters(self.structure, points[k]) for k in order], numbers[order], misfits[order]
 
 
 def run(

@@ -68,7 +68,7 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
         3,
     )
     text = "; ".join(f"{label(one)}: {settling(one)}" for one in runs)
-    verdicts = [kept(runs, label)]
+    verdicts = [contact_verdict(runs, label)]
     data = {
         "runs": [
             {
@@ -94,7 +94,7 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
                 [chart], [], verdicts, data)  # fmt: skip
 
 
-def kept(runs: Sequence[Influence], label: Any) -> Verdict:
+def contact_verdict(runs: Sequence[Influence], label: Any) -> Verdict:
     """Continuous contact in all joints over the settled turn."""
     least = [float(one.member.last.block("contact_penetration").min()) for one in runs]
     numbers = ", ".join(f"{label(one)}: {1e6 * value:.2f} µm" for one, value in zip(runs, least, strict=True))
@@ -202,7 +202,7 @@ def table3(context: Context) -> Item:
     """LIP(F) and LIP(a) at three clearances, beside the paper's numbers."""
     runs = context.sizes
     lips = np.array([one.lips for one in runs])
-    apart = np.abs(lips - np.array(TABLE_3).T)
+    deviations = np.abs(lips - np.array(TABLE_3).T)
     rows = [
         [f"{1e3 * one.case.clearance:g}", f"{TABLE_3[0][k]:.2f}", f"{lips[k, 0]:.2f}", f"{TABLE_3[1][k]:.2f}", f"{lips[k, 1]:.2f}",
          f"{one.force:.0f}", f"{one.acceleration:.0f}", settling(one)]
@@ -215,8 +215,8 @@ def table3(context: Context) -> Item:
     verdicts = [
         Verdict(
             f"All six numbers within {GOAL:g} percentage points, with one set of parameters",
-            bool(apart.max() <= GOAL),
-            f"largest deviation {apart.max():.2f}",
+            bool(deviations.max() <= GOAL),
+            f"largest deviation {deviations.max():.2f}",
         ),
         Verdict(
             "LIP(F) rises with the clearance",
@@ -279,7 +279,7 @@ def table4(context: Context) -> Item:
 
 def falling(runs: Sequence[Influence], spread: list[Any] | None = None) -> list[Verdict]:
     """Whether local influence parameters fall with crank speed, for the best set and the share of all fits."""
-    found = []
+    verdicts = []
     for j, name in enumerate(("LIP(F)", "LIP(a)")):
         values = [one.lips[j] for one in runs]
         also = ""
@@ -290,14 +290,14 @@ def falling(runs: Sequence[Influence], spread: list[Any] | None = None) -> list[
                 " that fit Table 3"
             )
         down = all(b < a for a, b in zip(values, values[1:], strict=False))
-        found.append(
+        verdicts.append(
             Verdict(
                 f"{name} falls as the crank turns faster",
                 down,
                 f"{_list(values, 1.0, 2)} % at 10π, 20π, 50π rad/s{also}",
             )
         )
-    return found
+    return verdicts
 
 
 def rising(runs: Sequence[Influence]) -> Verdict:
@@ -314,11 +314,12 @@ def predicted(context: Context) -> list[Any]:
     """
     fits = [from_numbers(entry["parameters"]) for entry in context.fit["fits"]]
     cases = [Case(p, CLEARANCE, speed) for speed in SPEEDS for p in fits]
-    found = context.once(
+    influences = context.once(
         "fits", lambda: context.influences("Table 4 for every set that fits Table 3", cases, outputs=1)
     )
     return [
-        np.array([one.lips for one in found[k * len(fits) : (k + 1) * len(fits)]]) for k in range(len(SPEEDS))
+        np.array([one.lips for one in influences[k * len(fits) : (k + 1) * len(fits)]])
+        for k in range(len(SPEEDS))
     ]
 
 

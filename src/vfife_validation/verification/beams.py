@@ -15,7 +15,7 @@ from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
-from .seen import Seen, frequency, run
+from .case_motion import CaseMotion, frequency, run
 
 EULER = "Euler-Bernoulli beam, closed form"
 SPIN_UP = (
@@ -67,19 +67,19 @@ def bar(
     return m
 
 
-def bending(seen: Seen) -> np.ndarray:
+def bending(motion: CaseMotion) -> np.ndarray:
     """Movement of the end across the chord of the rigid bar that the start and the rotation of the middle
     show.
     """
-    nodes = seen.record.assembly.bodies["bar"].particles
-    y = seen.record.block("particle_y")
+    nodes = motion.record.assembly.bodies["bar"].particles
+    y = motion.record.block("particle_y")
     return np.asarray(y[:, nodes[0]] + y[:, nodes[-1]] - 2.0 * y[:, nodes[len(nodes) // 2]])
 
 
 def cantilever_frequency(elements: int, mode: int = 0, **options: float) -> float:
     """Bending frequency (Hz) of the cantilever."""
-    seen = run(bar(elements, clamped=True, **options), duration=2.5, outputs=5000)  # type: ignore[arg-type]
-    return frequency(seen.time, seen.pin("bar", "end")[:, 1], euler(ROOTS[mode]))
+    motion = run(bar(elements, clamped=True, **options), duration=2.5, outputs=5000)  # type: ignore[arg-type]
+    return frequency(motion.time, motion.pin("bar", "end")[:, 1], euler(ROOTS[mode]))
 
 
 def euler(root: float) -> float:
@@ -94,13 +94,13 @@ def euler(root: float) -> float:
 @verified("Vibration of a cantilever", EULER, nudges={"stiffness": 1.03}, quick=False)
 def cantilever_vibration(nudge: Nudge) -> Rows:
     """First and second bending frequency with 20 elements; the first again with path units of 20 steps."""
-    seen = run(bar(20, nudge("stiffness"), clamped=True), duration=2.5, outputs=5000)
+    motion = run(bar(20, nudge("stiffness"), clamped=True), duration=2.5, outputs=5000)
     for mode, root in enumerate(ROOTS, start=1):
         yield Row(
             f"bending frequency {mode}",
             "Hz",
             euler(root),
-            frequency(seen.time, seen.pin("bar", "end")[:, 1], euler(root)),
+            frequency(motion.time, motion.pin("bar", "end")[:, 1], euler(root)),
             1e-2,
         )
     again = cantilever_frequency(20, stiffness=nudge("stiffness"), path_unit=20)
@@ -124,12 +124,12 @@ def free_bar_vibration(nudge: Nudge) -> Rows:
         )
     m = bar(40, nudge("stiffness"))
     del m.loads["along"]
-    seen = run(m, duration=0.5, outputs=5000)
+    motion = run(m, duration=0.5, outputs=5000)
     yield Row(
         "bending frequency 1",
         "Hz",
         euler(FREE_ROOTS[0]),
-        frequency(seen.time, bending(seen), euler(FREE_ROOTS[0])),
+        frequency(motion.time, bending(motion), euler(FREE_ROOTS[0])),
         5e-3,
     )
 
@@ -172,16 +172,16 @@ def spin_up(nudge: Nudge) -> Rows:
         6.0 * times - 45.0,
     )
     m.drivers["beam"] = AngleTable(body="beam", times=tuple(times.tolist()), values=tuple(angles.tolist()))
-    seen = run(m, duration=30.0, outputs=600)
-    tip, angle = seen.pin("beam", "end"), seen.turn("beam", "start")
+    motion = run(m, duration=30.0, outputs=600)
+    tip, angle = motion.pin("beam", "end"), motion.turn("beam", "start")
     along, across = np.cos(angle), np.sin(angle)
     lag = tip[:, 1] * along - tip[:, 0] * across
     stretch = tip[:, 0] * along + tip[:, 1] * across - length
     k = int(np.argmin(lag))
-    a, b, c = np.polyfit(seen.time[k - 2 : k + 3] - seen.time[k], lag[k - 2 : k + 3], 2)
+    a, b, c = np.polyfit(motion.time[k - 2 : k + 3] - motion.time[k], lag[k - 2 : k + 3], 2)
     yield Row("largest lag", "m", -0.5738, float(c - b * b / (4.0 * a)), 2e-3)
-    yield Row("time of the largest lag", "s", 6.76, float(seen.time[k] - b / (2.0 * a)), 5e-3)
-    steady = (seen.time > 16.0) & (seen.time < 30.0)
+    yield Row("time of the largest lag", "s", 6.76, float(motion.time[k] - b / (2.0 * a)), 5e-3)
+    steady = (motion.time > 16.0) & (motion.time < 30.0)
     yield Row(
         "steady stretch", "m", mass * 36.0 * length**3 / (3.0 * ea), float(stretch[steady].mean()), 1e-2
     )
@@ -215,16 +215,16 @@ def flying_beam(nudge: Nudge) -> Rows:
         name="push", at="beam.start", force=(force * nudge("pulse"), 0.0), moment=moment, **pulse(end)
     )
     m.settings = dataclasses.replace(m.settings, damping=nudge("damping", 0.0))
-    seen = run(m, duration=12.0, outputs=1200)
+    motion = run(m, duration=12.0, outputs=1200)
     yield Row(
         "x of the centre of mass at 12 s",
         "m",
         3.0 + 0.5 * force * end / length * (12.0 - 0.5 * end),
-        float(seen.body("beam", "x")[-1]),
+        float(motion.body("beam", "x")[-1]),
         1e-3,
     )
-    after = seen.time > 1.5 * end
-    record = seen.record
+    after = motion.time > 1.5 * end
+    record = motion.record
     nodes = list(record.assembly.bodies["beam"].particles)
     mass, inertia = (
         1.0 / record.parameter("particle_inverse_mass")[nodes],
@@ -236,7 +236,7 @@ def flying_beam(nudge: Nudge) -> Rows:
     speed = {axis: values[:, nodes] for axis, values in velocities(record).items()}
     spin = ((at["x"] * speed["v"] - at["y"] * speed["u"]) * mass + speed["w"] * inertia).sum(axis=1)[after]
     push = (speed["u"] * mass).sum(axis=1)[after]
-    energy = (seen.ledger.terms["kinetic"] + seen.ledger.terms["strain"])[after]
+    energy = (motion.ledger.terms["kinetic"] + motion.ledger.terms["strain"])[after]
     yield Row("momentum after the pulse", "N s", 0.5 * force * end, float(push[-1]), 1e-4)
     yield Row("change of momentum", "N s", 0.0, float(np.ptp(push)), 1e-8, float(abs(push[0])))
     yield Row("change of angular momentum", "N m s", 0.0, float(np.ptp(spin)), 1e-5, float(abs(spin[0])))
@@ -267,8 +267,8 @@ def bending_rod(times: np.ndarray) -> np.ndarray:
     # Half the integral of products of the slopes from 0 to s, for the shortening.
     grid = s_end[None, None, :]
     a, b = wave[:, None, :], wave[None, :, :]
-    apart = np.where(a == b, grid, np.sin((a - b) * grid) / np.where(a == b, 1.0, a - b))
-    short = 0.25 * a * b * (apart + np.sin((a + b) * grid) / (a + b))
+    sinc = np.where(a == b, grid, np.sin((a - b) * grid) / np.where(a == b, 1.0, a - b))
+    short = 0.25 * a * b * (sinc + np.sin((a + b) * grid) / (a + b))
 
     def place(q: np.ndarray, time: float) -> np.ndarray:
         x = s_end - np.einsum("i,j,ijk->k", q, q, short)
@@ -295,10 +295,10 @@ def bending_rod(times: np.ndarray) -> np.ndarray:
 
     from scipy.integrate import solve_ivp
 
-    found = solve_ivp(
+    solution = solve_ivp(
         rates, (0.0, float(times[-1])), np.zeros(4), method="DOP853", t_eval=times, rtol=1e-7, atol=1e-9
     )
-    return np.asarray(found.y[0])
+    return np.asarray(solution.y[0])
 
 
 @verified("Slider-crank with an elastic rod at 1432 rpm", SIMEON, nudges={"stiffness": 1.03}, quick=False)
@@ -318,14 +318,14 @@ def elastic_slider_crank(nudge: Nudge) -> Rows:
     m.slider("G", "ground.O", "block.center")
     m.drive("crank", speed=150.0)
     m.start = dataclasses.replace(m.start, mode="rough")
-    seen = run(m, duration=0.06, outputs=4000)
-    nodes = seen.record.assembly.bodies["rod"].particles
-    x, y = seen.record.block("particle_x"), seen.record.block("particle_y")
+    motion = run(m, duration=0.06, outputs=4000)
+    nodes = motion.record.assembly.bodies["rod"].particles
+    x, y = motion.record.block("particle_x"), motion.record.block("particle_y")
     first, middle, last = nodes[0], nodes[len(nodes) // 2], nodes[-1]
     dx, dy = x[:, last] - x[:, first], y[:, last] - y[:, first]
     bend = (dx * (y[:, middle] - y[:, first]) - dy * (x[:, middle] - x[:, first])) / np.hypot(dx, dy)
     grid = np.linspace(0.0, 0.06, 601)
-    theirs, ours = bending_rod(grid), np.interp(grid, seen.time, bend)
+    theirs, ours = bending_rod(grid), np.interp(grid, motion.time, bend)
     size = float(np.abs(theirs).max())
     yield Row("largest deflection", "m", float(theirs.max()), float(ours.max()), 1e-2)
     yield Row("least deflection", "m", float(theirs.min()), float(ours.min()), 1e-2)
@@ -354,7 +354,7 @@ def lumped_inertia(nudge: Nudge) -> Rows:
         )
         for pin in ("start", "end"):
             m.loads[pin] = PointForce(name=pin, at=f"rod.{pin}", moment=0.5, **pulse(0.05))
-        seen = run(m, duration=0.15, outputs=3000)
+        motion = run(m, duration=0.15, outputs=3000)
         inertia = 0.25 / 12.0 * (1.0 + 2.0 / k**2) + section.second_moment / section.area
-        turned = np.polyfit(seen.time[seen.time > 0.06], seen.body("rod")[seen.time > 0.06], 1)[0]
+        turned = np.polyfit(motion.time[motion.time > 0.06], motion.body("rod")[motion.time > 0.06], 1)[0]
         yield Row(f"spin with {k} element{'s' * (k > 1)}", "rad/s", 0.5 * 0.05 / inertia, float(turned), 1e-3)

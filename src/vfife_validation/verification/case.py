@@ -66,13 +66,13 @@ class Case:
 
     def check(self, nudges: Mapping[str, float] | None = None) -> list[Row]:
         """All rows; one that fails with a note where the model could not be run."""
-        found: list[Row] = []
+        rows: list[Row] = []
         try:
-            found.extend(self.rows(Nudge(nudges)))
+            rows.extend(self.rows(Nudge(nudges)))
         except (ArithmeticError, RuntimeError, ValueError, LookupError) as error:
-            said = f"{type(error).__name__}: {error}"
-            found.append(Row("the run", "1", 0.0, math.nan, 0.0, note=said))
-        return found
+            text = f"{type(error).__name__}: {error}"
+            rows.append(Row("the run", "1", 0.0, math.nan, 0.0, note=text))
+        return rows
 
 
 @dataclass
@@ -102,8 +102,8 @@ verified = Register()
 
 def entry(one: Case, row: Row) -> dict[str, Any]:
     """A row as ``vfife verify --json`` prints it."""
-    told = {
+    fields = {
         "case": one.name, "quantity": row.quantity, "unit": row.unit, "source": one.source, "reference": row.reference, "value": row.value,
         "error": row.error, "tolerance": row.tolerance, "passed": row.passed,
     }  # fmt: skip
-    return {**told, "note": row.note} if row.note else told
+    return {**fields, "note": row.note} if row.note else fields

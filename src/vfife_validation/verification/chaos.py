@@ -12,6 +12,7 @@ import numpy as np
 from vfife.dynamics.bifurcation import bifurcation
 
 from .case import Nudge, Row, Rows, verified
+from .case_motion import run
 from .chaotic import (
     DRIVE,
     FREQUENCY,
@@ -27,7 +28,6 @@ from .chaotic import (
     steady_part,
     with_a_stop,
 )  # fmt: skip
-from .seen import run
 
 WELLS = (0.3, -1.0, 1.2)  # damping, stiffness and speed of Duffing's oscillator with two wells
 
@@ -46,16 +46,16 @@ def duffing_two_wells(nudge: Nudge) -> Rows:
         start, multiplier = duffing_multiplier(drive, *WELLS, start)
         exact.append(math.log(-multiplier.real))
     first, _ = duffing_multiplier(drives[0], *WELLS, start)
-    given = {"turns": 60, "dropped": 40, "series": ["block.x"], "step": 2.0 * math.pi / 1.2 / 500}
+    options = {"turns": 60, "dropped": 40, "series": ["block.x"], "step": 2.0 * math.pi / 1.2 / 500}
     m = duffing(drives[0], WELLS[0] * nudge("damping"), *WELLS[1:], start=(float(first[0]), float(first[1])))
-    found = bifurcation(m, DRIVE, *drives, count=2, **given)  # type: ignore[arg-type]
-    for drive, reference, value in zip(drives, exact, found.exponents[0, :, 0], strict=True):
+    diagram = bifurcation(m, DRIVE, *drives, count=2, **options)  # type: ignore[arg-type]
+    for drive, reference, value in zip(drives, exact, diagram.exponents[0, :, 0], strict=True):
         yield Row(f"exponent at a drive of {drive:g} N", "1/turn", reference, float(value), 2e-3, 1.0)
     yield Row(
         "drive where the period doubles",
         "N",
         at_zero(drives, exact),
-        at_zero(drives, found.exponents[0, :, 0]),
+        at_zero(drives, diagram.exponents[0, :, 0]),
         2e-4,
     )
 
@@ -98,7 +98,7 @@ def grazing_a_stop(nudge: Nudge) -> Rows:
     turn = 2.0 * math.pi / speed
     start = math.cos(delay) * 0.9999, speed * math.sin(delay) * 0.9999
     m = with_a_stop(0.9999 * force, speed, gap, 0.8, 1e5, damping, start)
-    found = bifurcation(
+    diagram = bifurcation(
         m,
         DRIVE,
         0.9999 * force,
@@ -109,9 +109,9 @@ def grazing_a_stop(nudge: Nudge) -> Rows:
         series=["stop.penetration_max"],
         step=turn / 1000,
     )
-    deepest = found.points["stop.penetration_max"][0].max(axis=1)
-    yield Row("exponent before it", "1/turn", -0.05 * turn, float(found.exponents[0, 0, 0]), 0.01)
-    met = [value for value, depth in zip(found.spec.values, deepest, strict=True) if depth > 0.0]
+    deepest = diagram.points["stop.penetration_max"][0].max(axis=1)
+    yield Row("exponent before it", "1/turn", -0.05 * turn, float(diagram.exponents[0, 0, 0]), 0.01)
+    met = [value for value, depth in zip(diagram.spec.values, deepest, strict=True) if depth > 0.0]
     yield Row("force at which it is met", "N", force, met[0] if met else math.inf, 1.5e-4)
     for beyond in (1e-4, 1e-3, 1e-2):
         size = 1.0 + beyond
@@ -125,8 +125,8 @@ def grazing_a_stop(nudge: Nudge) -> Rows:
             (size * math.cos(delay), size * speed * math.sin(delay)),
         )
         m.joints["stop"] = dataclasses.replace(m.joints["stop"], impact_speed_floor=1e-6)  # type: ignore[call-arg]
-        seen = run(m, turns=0.6, outputs=100, step=turn / 8000)
-        value = float(seen.contact("stop", "fastest").max())
+        motion = run(m, turns=0.6, outputs=100, step=turn / 8000)
+        value = float(motion.contact("stop", "fastest").max())
         yield Row(
             f"speed of the impact, {beyond:g} beyond it", "m/s", speed * math.sqrt(size**2 - 1.0), value, 0.01
         )
@@ -148,8 +148,8 @@ def rebounding_mass(nudge: Nudge) -> Rows:
         places = []
         for stiffness in (1e6, 1e7):
             m = with_a_stop(1.0, speed, 0.0, 0.8 * nudge("restitution"), stiffness, 0.0, (x, v))
-            seen = run(m, turns=40.0 * turns, outputs=1, step=2.0 * math.pi / speed / 4000)
-            places.append(float(seen.body("mass", "x")[-1]))
+            motion = run(m, turns=40.0 * turns, outputs=1, step=2.0 * math.pi / speed / 4000)
+            places.append(float(motion.body("mass", "x")[-1]))
         hard = places[1] + (places[1] - places[0]) / (10.0**0.4 - 1.0)
         yield Row(f"place with one impact in {turns} turns", "m", x, hard, 0.01, 1.0)
 
@@ -167,10 +167,10 @@ def doubled(stiffness: float, steps: int, restitution: float = 0.5, nudge: float
     """
     shares, hard = np.array([0.95, 0.965]), doubling(restitution)
     low, high = (G / OMEGA**2) * hard * shares
-    found = bifurcation(
+    diagram = bifurcation(
         ball_on_a_table(float(shares[0] * hard), restitution * nudge, stiffness), "driver.shaker.amplitude", float(low), float(high),
         count=2, turns=50, dropped=35, series=["ball.y"], step=1.0 / FREQUENCY / steps,
     )  # fmt: skip
-    sums = -np.exp(found.exponents[0, :, 0]) - restitution**2 * np.exp(-found.exponents[0, :, 0])
+    sums = -np.exp(diagram.exponents[0, :, 0]) - restitution**2 * np.exp(-diagram.exponents[0, :, 0])
     across = np.sqrt((shares * hard) ** 2 - steady_part(restitution) ** 2)
     return math.hypot(at_zero(across, sums + 1.0 + restitution**2), steady_part(restitution)) / hard

@@ -73,8 +73,8 @@ def duffing_flow(
         push = drive * math.cos(speed * t) - damping * v - linear * x - x**3
         return np.array([v, push, c, d, slope * a - damping * c, slope * b - damping * d])
 
-    found = solved(rates, [float(start[0]), float(start[1]), 1.0, 0.0, 0.0, 1.0], times)
-    return found[:, :2], found[-1, 2:].reshape(2, 2)
+    states = solved(rates, [float(start[0]), float(start[1]), 1.0, 0.0, 0.0, 1.0], times)
+    return states[:, :2], states[-1, 2:].reshape(2, 2)
 
 
 def duffing_multiplier(
@@ -131,7 +131,7 @@ def doubling(restitution: float) -> float:
 
 
 def ball_on_a_table(acceleration: float, restitution: float, stiffness: float) -> Mechanism:
-    """A ball that hops once a turn on a table that moves as A sin(omega t), seen first where the table goes
+    """A ball that hops once a turn on a table that moves as A sin(omega t), motion first where the table goes
     up through the middle.
     """
     turn = 1.0 / FREQUENCY
@@ -164,11 +164,11 @@ def exact_hops(acceleration: float, restitution: float, hops: int, phase: float,
         low = high - 0.01
         for _ in range(50):
             middle = 0.5 * (low + high)
-            above = (
+            over = (
                 acceleration * (math.sin(phase) - math.sin(phase + middle)) + speed * middle - 0.5 * middle**2
                 > 0.0
             )
-            low, high = (middle, high) if above else (low, middle)
+            low, high = (middle, high) if over else (low, middle)
         phase, landed = phase + low, speed - low
         speed = -restitution * landed + (1.0 + restitution) * acceleration * math.cos(phase)
         found.append((phase, speed))

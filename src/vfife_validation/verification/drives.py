@@ -11,7 +11,7 @@ from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
-from .seen import run
+from .case_motion import run
 
 CLOSED = "closed form"
 
@@ -36,15 +36,17 @@ def gear_pair(nudge: Nudge) -> Rows:
     wheel(m, "second", i2 * nudge("inertia"), 0.5)
     m.gear("gear", "first", "second", ratio=r * nudge("ratio"))
     m.drivers["first"] = Torque(body="first", value=torque)
-    seen = run(m, step=1e-4, duration=0.5, outputs=50)
+    motion = run(m, step=1e-4, duration=0.5, outputs=50)
     alpha = torque / (i1 + r * r * i2)
-    yield Row("angle of the first at 0.5 s", "rad", 0.125 * alpha, float(seen.body("first")[-1]), 1e-4)
-    yield Row("angle of the second at 0.5 s", "rad", 0.125 * r * alpha, float(seen.body("second")[-1]), 1e-4)
+    yield Row("angle of the first at 0.5 s", "rad", 0.125 * alpha, float(motion.body("first")[-1]), 1e-4)
+    yield Row(
+        "angle of the second at 0.5 s", "rad", 0.125 * r * alpha, float(motion.body("second")[-1]), 1e-4
+    )
     yield Row(
         "moment of the gear on the second",
         "N m",
         r * i2 * alpha,
-        float(seen.ideal("gear", "moment")[-1]),
+        float(motion.ideal("gear", "moment")[-1]),
         1e-4,
     )
 
@@ -63,13 +65,13 @@ def planetary_train(nudge: Nudge) -> Rows:
     m.revolute("P", "arm.end", "planet.center")
     m.gear("mesh", "arm", "planet", ratio=2.0)
     m.drivers["arm"] = Torque(body="arm", value=torque)
-    seen = run(m, step=1e-4, duration=1.0, outputs=100)
+    motion = run(m, step=1e-4, duration=1.0, outputs=100)
     alpha = torque / (arm + mass * l * l + 4.0 * planet)
-    yield Row("angle of the arm at 1 s", "rad", 0.5 * alpha, float(seen.body("arm")[-1]), 1e-4)
-    yield Row("angle of the planet at 1 s", "rad", alpha, float(seen.body("planet")[-1]), 1e-4)
+    yield Row("angle of the arm at 1 s", "rad", 0.5 * alpha, float(motion.body("arm")[-1]), 1e-4)
+    yield Row("angle of the planet at 1 s", "rad", alpha, float(motion.body("planet")[-1]), 1e-4)
     pull = mass * l * (alpha * 1.0) ** 2
-    along = np.cos(seen.body("arm")), np.sin(seen.body("arm"))
-    inward = -(seen.ideal("P", "fx") * along[0] + seen.ideal("P", "fy") * along[1])
+    along = np.cos(motion.body("arm")), np.sin(motion.body("arm"))
+    inward = -(motion.ideal("P", "fx") * along[0] + motion.ideal("P", "fy") * along[1])
     yield Row("force towards the middle in the planet's pin at 1 s", "N", pull, float(inward[-1]), 1e-3)
 
 
@@ -81,13 +83,13 @@ def motor_curve(nudge: Nudge) -> Rows:
     m = Mechanism("motor")
     wheel(m, "rotor", 0.05 * nudge("inertia"))
     m.drivers["rotor"] = Torque(body="rotor", value=(5.0, 0.0), speeds=(0.0, 100.0))
-    seen = run(m, step=1e-4, duration=1.5, outputs=150)
+    motion = run(m, step=1e-4, duration=1.5, outputs=150)
     for time in (0.5, 1.0, 1.5):
         yield Row(
             f"speed at {time:g} s",
             "rad/s",
             100.0 * (1.0 - math.exp(-time)),
-            seen.at(time, seen.speed("rotor", "w")),
+            motion.at(time, motion.speed("rotor", "w")),
             1e-3,
         )
 
@@ -100,14 +102,14 @@ def torque_over_angle(nudge: Nudge) -> Rows:
     m.rigid_body("rotor", mass=1.0, inertia=0.05 * nudge("inertia"), angle=0.7, velocity=(0.0, 0.0, 6.0))
     m.revolute("O", "ground.O", "rotor.center")
     m.drivers["rotor"] = Torque(body="rotor", value=(10.0, -10.0), angles=(-1.0, 1.0))
-    seen = run(m, step=1e-4, duration=1.0, outputs=500)
+    motion = run(m, step=1e-4, duration=1.0, outputs=500)
     p = math.sqrt(10.0 / 0.05)
     for time in (0.1, 0.9):
         yield Row(
             f"angle at {time:g} s",
             "rad",
             6.0 / p * math.sin(p * time),
-            seen.at(time, seen.body("rotor") - 0.7),
+            motion.at(time, motion.body("rotor") - 0.7),
             1e-3,
             6.0 / p,
         )
@@ -125,19 +127,23 @@ def following_force(nudge: Nudge) -> Rows:
     m.link("rod", length=0.5, mass=1.2, angle=0.4, position=(5.0, 0.0))
     m.revolute("O", "ground.O", "rod.start")
     m.loads["b"] = PointForce(name="b", at="rod.end", force=(3.0, 4.0 * nudge("force")), follow=True)
-    seen = run(m, step=1e-4, duration=1.0, outputs=200)
+    motion = run(m, step=1e-4, duration=1.0, outputs=200)
     a, w = 2.5, 8.0
     yield Row(
-        "x of the disc at 1 s", "m", a / w**2 * (1.0 - math.cos(w)), float(seen.body("disc", "x")[-1]), 1e-3
+        "x of the disc at 1 s", "m", a / w**2 * (1.0 - math.cos(w)), float(motion.body("disc", "x")[-1]), 1e-3
     )
     yield Row(
-        "y of the disc at 1 s", "m", a / w * (1.0 - math.sin(w) / w), float(seen.body("disc", "y")[-1]), 1e-3
+        "y of the disc at 1 s",
+        "m",
+        a / w * (1.0 - math.sin(w) / w),
+        float(motion.body("disc", "y")[-1]),
+        1e-3,
     )
     yield Row(
         "turn of the rod at 1 s",
         "rad",
         0.5 * 4.0 * 0.5 / (1.2 * 0.25 / 3.0),
-        float(seen.body("rod")[-1] - 0.4),
+        float(motion.body("rod")[-1] - 0.4),
         1e-3,
     )
 
@@ -159,17 +165,17 @@ def driven_point(nudge: Nudge) -> Rows:
         amplitude=amplitude * nudge("amplitude"),
         frequency=f,
     )
-    seen = run(m, step=2e-5, duration=0.4, outputs=400)
+    motion = run(m, step=2e-5, duration=0.4, outputs=400)
     w = 2.0 * math.pi * f
     for time in (0.07, 0.33):
-        force = seen.ideal("shaker", "fx") * c + seen.ideal("shaker", "fy") * s
+        force = motion.ideal("shaker", "fx") * c + motion.ideal("shaker", "fy") * s
         reference = -mass * amplitude * w * w * math.sin(w * time) + mass * g * s
-        yield Row(f"force at {time:g} s", "N", reference, seen.at(time, force), 1e-3)
-    across = -seen.body("mass", "x") * s + seen.body("mass", "y") * c
+        yield Row(f"force at {time:g} s", "N", reference, motion.at(time, force), 1e-3)
+    across = -motion.body("mass", "x") * s + motion.body("mass", "y") * c
     yield Row("free fall across the line in 0.4 s", "m", -0.5 * g * c * 0.16, float(across[-1]), 1e-3)
-    along = seen.body("mass", "x") * c + seen.body("mass", "y") * s
+    along = motion.body("mass", "x") * c + motion.body("mass", "y") * s
     yield Row(
-        "place along the line at 0.33 s", "m", amplitude * math.sin(w * 0.33), seen.at(0.33, along), 1e-4
+        "place along the line at 0.33 s", "m", amplitude * math.sin(w * 0.33), motion.at(0.33, along), 1e-4
     )
 
 
@@ -181,22 +187,24 @@ def prescribed_turns(nudge: Nudge) -> Rows:
     wheel(m, "step", 0.2, 1.0)
     m.drivers["ramp"] = Ramp(body="ramp", speed=10.0 * nudge("travel"), duration=0.4)
     m.drivers["step"] = StepTo(body="step", travel=2.0 * nudge("travel"), duration=0.4, begin=0.1)
-    seen = run(m, step=1e-4, duration=1.0, outputs=1000)
-    yield Row("angle of the ramp at 1 s", "rad", 10.0 * (1.0 - 0.2), seen.at(1.0, seen.body("ramp")), 1e-6)
+    motion = run(m, step=1e-4, duration=1.0, outputs=1000)
+    yield Row(
+        "angle of the ramp at 1 s", "rad", 10.0 * (1.0 - 0.2), motion.at(1.0, motion.body("ramp")), 1e-6
+    )
     yield Row(
         "torque in the middle of the ramp",
         "N m",
         0.2 * 10.0 * 1.875 / 0.4,
-        seen.at(0.2, seen.driven("ramp", "torque")),
+        motion.at(0.2, motion.driven("ramp", "torque")),
         1e-4,
     )
-    yield Row("angle of the step at 0.3 s", "rad", 1.0, seen.at(0.3, seen.body("step")), 1e-6)
+    yield Row("angle of the step at 0.3 s", "rad", 1.0, motion.at(0.3, motion.body("step")), 1e-6)
     s = 0.25
     second = 60.0 * s - 180.0 * s * s + 120.0 * s**3
     yield Row(
         "torque of the step at its quarter",
         "N m",
         0.2 * 2.0 * second / 0.16,
-        seen.at(0.2, seen.driven("step", "torque")),
+        motion.at(0.2, motion.driven("step", "torque")),
         1e-4,
     )

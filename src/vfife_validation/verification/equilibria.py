@@ -15,8 +15,8 @@ from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
+from .case_motion import run
 from .lagrange import solved
-from .seen import run
 
 Array = NDArray[np.float64]
 
@@ -65,8 +65,8 @@ def elastica(nudge: Nudge) -> Rows:
     table = {
         0.5: (0.015919, 0.162144), 1.0: (0.056433, 0.301721), 2.0: (0.160642, 0.493457), 5.0: (0.387628, 0.713792), 10.0: (0.554996, 0.810609),
     }  # fmt: skip
-    seen = run(static(cantilever(nudge("stiffness"), force=(0.0, 1.0)), *table))
-    tip = seen.pin("beam", "end")
+    motion = run(static(cantilever(nudge("stiffness"), force=(0.0, 1.0)), *table))
+    tip = motion.pin("beam", "end")
     for k, (load, (x, y)) in enumerate(table.items(), start=1):
         yield Row(f"1 - x/L at P L²/EI = {load:g}", "1", x, float(1.0 - tip[k, 0]), 1e-3)
         yield Row(f"y/L at P L²/EI = {load:g}", "1", y, float(tip[k, 1]), 1e-3)
@@ -79,8 +79,8 @@ def elastica(nudge: Nudge) -> Rows:
 def closed_circle(nudge: Nudge) -> Rows:
     """M = 2πq E I/L: tip at q = 1/4, 1/2, 1; at 1 it comes back to the clamp."""
     shares = (0.25, 0.5, 1.0)
-    seen = run(static(cantilever(nudge("stiffness"), moment=2.0 * math.pi), *shares))
-    tip, turn = seen.pin("beam", "end"), seen.turn("beam", "end")
+    motion = run(static(cantilever(nudge("stiffness"), moment=2.0 * math.pi), *shares))
+    tip, turn = motion.pin("beam", "end"), motion.turn("beam", "end")
     for k, q in enumerate(shares, start=1):
         a = 2.0 * math.pi * q
         yield Row(f"x/L at q = {q:g}", "1", math.sin(a) / a, float(tip[k, 0]), 1e-3, 1.0)
@@ -110,23 +110,23 @@ def toggle(elements: int, stiffness: float = 1.0) -> Mechanism:
 def limits(elements: int, stiffness: float) -> tuple[float, float]:
     """Upper and lower limit load (lb): extremes of parabolas through the loads at drops around them."""
     drops = (0.213, 0.233, 0.253, 0.372, 0.392, 0.412)
-    seen = run(static(toggle(elements, stiffness), *drops))
-    load = -seen.ideal("push", "fy")[1:] / POUND
+    motion = run(static(toggle(elements, stiffness), *drops))
+    load = -motion.ideal("push", "fy")[1:] / POUND
     sign = 1.0 if load[0] > 0.0 else -1.0
-    found = []
+    extremes = []
     for part in (slice(0, 3), slice(3, 6)):
         a, b, c = np.polyfit(np.array(drops[part]) - drops[part.start + 1], sign * load[part], 2)
-        found.append(float(c - b * b / (4.0 * a)))
-    return found[0], found[1]
+        extremes.append(float(c - b * b / (4.0 * a)))
+    return extremes[0], extremes[1]
 
 
 @verified("Williams' toggle frame", WILLIAMS, nudges={"stiffness": 1.005}, quick=False)
 def williams_toggle(nudge: Nudge) -> Rows:
     """Both limit loads, with 20 and with 4 elements a side."""
     for elements, upper, lower in ((4, 35.66, 32.91), (20, 33.94, 31.35)):
-        found = limits(elements, nudge("stiffness"))
-        yield Row(f"limit load, {elements} elements a side", "lb", upper, found[0], 1e-3)
-        yield Row(f"lower limit load, {elements} elements a side", "lb", lower, found[1], 1e-3)
+        extremes = limits(elements, nudge("stiffness"))
+        yield Row(f"limit load, {elements} elements a side", "lb", upper, extremes[0], 1e-3)
+        yield Row(f"lower limit load, {elements} elements a side", "lb", lower, extremes[1], 1e-3)
 
 
 def follower_shape(load: float) -> tuple[float, float, float]:
@@ -178,8 +178,8 @@ def follower_frame(nudge: Nudge) -> Rows:
     """P L²/EI = 0.5: place and rotation of the tip."""
     load = 0.5
     x, y, turned = follower_shape(load)
-    seen = run(static(right_angle(load, nudge("stiffness")), 1.0))
-    tip, turn = seen.pin("frame", "tip")[-1], seen.turn("frame", "tip")
+    motion = run(static(right_angle(load, nudge("stiffness")), 1.0))
+    tip, turn = motion.pin("frame", "tip")[-1], motion.turn("frame", "tip")
     yield Row("movement of the tip in x", "m", x - 1.0, float(tip[0] - 1.0), 1e-3)
     yield Row("movement of the tip in y", "m", y - 1.0, float(tip[1] - 1.0), 1e-3)
     yield Row("rotation of the tip", "rad", turned, float(turn[-1] - turn[0]), 1e-3)
@@ -202,14 +202,20 @@ def welded_arm(nudge: Nudge) -> Rows:
     )
     m.weld("tip", "beam.end", "arm.root")
     m.loads["load"] = PointForce(name="load", at="arm.end", force=(0.0, p * nudge("load")))
-    seen = run(static(m, 1.0))
+    motion = run(static(m, 1.0))
     yield Row(
-        "deflection of the tip", "m", p / 3.0 + 0.5 * p * arm, float(seen.pin("beam", "end")[-1, 1]), 1e-3
+        "deflection of the tip", "m", p / 3.0 + 0.5 * p * arm, float(motion.pin("beam", "end")[-1, 1]), 1e-3
     )
-    yield Row("rotation of the arm", "rad", 0.5 * p + p * arm, float(seen.body("arm")[-1]), 1e-3)
-    yield Row("moment of the weld on the arm", "N m", -p * arm, float(seen.ideal("tip", "moment")[-1]), 1e-3)
+    yield Row("rotation of the arm", "rad", 0.5 * p + p * arm, float(motion.body("arm")[-1]), 1e-3)
     yield Row(
-        "moment of the clamp on the beam", "N m", -p * (1.0 + arm), float(seen.ideal("O", "moment")[-1]), 1e-3
+        "moment of the weld on the arm", "N m", -p * arm, float(motion.ideal("tip", "moment")[-1]), 1e-3
+    )
+    yield Row(
+        "moment of the clamp on the beam",
+        "N m",
+        -p * (1.0 + arm),
+        float(motion.ideal("O", "moment")[-1]),
+        1e-3,
     )
 
 
@@ -230,9 +236,9 @@ def elastic_guide(nudge: Nudge) -> Rows:
     m.point("far", 2.0, 0.0)
     m.spring("hold", "ground.far", "block.center", stiffness=1.0)
     m.loads["load"] = PointForce(name="load", at="block.center", force=(0.0, p * nudge("load")))
-    seen = run(static(m, 1.0))
+    motion = run(static(m, 1.0))
     yield Row(
-        "deflection of the tip", "m", p / 3.0 + 0.5 * p * away, float(seen.pin("beam", "end")[-1, 1]), 1e-3
+        "deflection of the tip", "m", p / 3.0 + 0.5 * p * away, float(motion.pin("beam", "end")[-1, 1]), 1e-3
     )
-    yield Row("rotation of the block", "rad", 0.5 * p + p * away, float(seen.body("block")[-1]), 1e-3)
-    yield Row("force of the guide on the block", "N", -p, float(seen.ideal("guide", "fy")[-1]), 1e-3)
+    yield Row("rotation of the block", "rad", 0.5 * p + p * away, float(motion.body("block")[-1]), 1e-3)
+    yield Row("force of the guide on the block", "N", -p, float(motion.ideal("guide", "fy")[-1]), 1e-3)

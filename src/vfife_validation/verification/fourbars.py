@@ -13,7 +13,7 @@ from vfife.model.bodies import LinkModel, Section
 from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
-from .seen import run
+from .case_motion import run
 
 IDEAL = (
     "drag link of the VFIFE clearance paper (Table 1), maxima by rigid-body kinetics of an independent"
@@ -70,10 +70,10 @@ def four_bar_ideal(nudge: Nudge) -> Rows:
         20: (3650.57, 6308.1, 10454.1, 18154.4),
         50: (22816.05, 39425.3, 65338.1, 113464.7),
     }
-    for factor, wanted in rods.items():
+    for factor, reference in rods.items():
         speed = factor * math.pi
         yield from _maxima(
-            four_bar("", speed * nudge("speed"), nudge("mass")), f"{factor}π rad/s", wanted, speed
+            four_bar("", speed * nudge("speed"), nudge("mass")), f"{factor}π rad/s", reference, speed
         )
     speed = 50.0 * math.pi
     lumped = four_bar("", speed * nudge("speed"), nudge("mass"), "two-particle").ideal()
@@ -81,12 +81,14 @@ def four_bar_ideal(nudge: Nudge) -> Rows:
     yield from _maxima(lumped, "50π rad/s, masses at the ends", (22816.05, 61728.8, 89430.6, 135858.1), speed)
 
 
-def _maxima(m: Mechanism, which: str, wanted: tuple[float, ...], speed: float) -> Rows:
-    seen = run(m, turns=1.0, step=2.0 * math.pi / speed / 7200, outputs=7200)
-    found = [float(seen.record.block("body_alpha_max")[:, seen.record.assembly.bodies["follower"].row].max())]
-    found += [float(np.sqrt(seen.ideal(joint, "force_squared_max").max())) for joint in "BCD"]
+def _maxima(m: Mechanism, which: str, references: tuple[float, ...], speed: float) -> Rows:
+    motion = run(m, turns=1.0, step=2.0 * math.pi / speed / 7200, outputs=7200)
+    values = [
+        float(motion.record.block("body_alpha_max")[:, motion.record.assembly.bodies["follower"].row].max())
+    ]
+    values += [float(np.sqrt(motion.ideal(joint, "force_squared_max").max())) for joint in "BCD"]
     names = (("follower acceleration", "rad/s²"), *((f"force of joint {joint}", "N") for joint in "BCD"))
-    for (name, unit), reference, value in zip(names, wanted, found, strict=True):
+    for (name, unit), reference, value in zip(names, references, values, strict=True):
         yield Row(f"largest {name} at {which}", unit, reference, value, 1e-3)
 
 
@@ -106,14 +108,16 @@ def four_bar_with_play(nudge: Nudge) -> Rows:
             play=2e-4 * nudge("clearance"),
             restitution=0.9 * nudge("restitution"),
         )
-        seen = run(m, turns=2.0, step=2.5e-7, outputs=720, force_step=True)
-        second = seen.time > 0.04 + 1e-7
-        found = seen.record.block("body_alpha_max")[second, seen.record.assembly.bodies["follower"].row].max()
-        yield Row(f"largest follower acceleration, play in {clear}", "rad/s²", alpha, float(found), 5e-3)
+        motion = run(m, turns=2.0, step=2.5e-7, outputs=720, force_step=True)
+        second = motion.time > 0.04 + 1e-7
+        largest = motion.record.block("body_alpha_max")[
+            second, motion.record.assembly.bodies["follower"].row
+        ].max()
+        yield Row(f"largest follower acceleration, play in {clear}", "rad/s²", alpha, float(largest), 5e-3)
         yield Row(
             f"largest force of joint C, play in {clear}",
             "N",
             force,
-            float(np.sqrt(seen.contact("C", "force_squared_max")[second].max())),
+            float(np.sqrt(motion.contact("C", "force_squared_max")[second].max())),
             1e-3,
         )

@@ -12,9 +12,9 @@ from vfife.model.drivers import ConstantSpeed
 from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
+from .case_motion import CaseMotion, run
 from .chaotic import striking
 from .lagrange import solved
-from .seen import Seen, run
 
 MEMORY = (
     "slider-crank of the clearance literature (5000 rpm; data from memory), ideal values by rigid-body"
@@ -47,20 +47,22 @@ def slider_crank(
     return m
 
 
-def ideal_values(nudge: Nudge, m: Mechanism, speed: float, wanted: dict[str, float]) -> Rows:
+def ideal_values(nudge: Nudge, m: Mechanism, speed: float, references: dict[str, float]) -> Rows:
     """Extremes over one turn at constant speed."""
     m.slider("S", "ground.O", "block.center")
     m.drive("crank", speed=speed * nudge("speed"))
-    seen = run(m, turns=1.0, step=2.0 * math.pi / speed / 7200, outputs=3600)
-    a, torque = seen.particle("particle_ax", "block"), seen.driven("crank", "torque")
-    force = {joint: float(np.hypot(seen.ideal(joint, "fx"), seen.ideal(joint, "fy")).max()) for joint in "BC"}
-    found = {
+    motion = run(m, turns=1.0, step=2.0 * math.pi / speed / 7200, outputs=3600)
+    a, torque = motion.particle("particle_ax", "block"), motion.driven("crank", "torque")
+    force = {
+        joint: float(np.hypot(motion.ideal(joint, "fx"), motion.ideal(joint, "fy")).max()) for joint in "BC"
+    }
+    values = {
         "least slider acceleration": (float(a.min()), "m/s²"), "largest slider acceleration": (float(a.max()), "m/s²"),
         "largest force rod-slider": (force["C"], "N"), "largest force crank-rod": (force["B"], "N"),
         "least crank torque": (float(torque.min()), "N m"), "largest crank torque": (float(torque.max()), "N m"),
     }  # fmt: skip
-    for quantity, reference in wanted.items():
-        value, unit = found[quantity]
+    for quantity, reference in references.items():
+        value, unit = values[quantity]
         yield Row(quantity, unit, reference, value, 1e-3 if "torque" not in quantity else 5e-3)
 
 
@@ -68,11 +70,11 @@ def ideal_values(nudge: Nudge, m: Mechanism, speed: float, wanted: dict[str, flo
 def slider_crank_ideal(nudge: Nudge) -> Rows:
     """Extremes over a turn with ideal joints."""
     m = slider_crank((0.05, 0.30, 1e-4), (0.12, 0.21, 2.5e-4), (0.14, 1e-4))
-    wanted = {
+    references = {
         "least slider acceleration": -19419.4, "largest slider acceleration": 9695.9, "largest force rod-slider": 2718.7,
         "largest force crank-rod": 6197.1, "least crank torque": -138.5, "largest crank torque": 138.5,
     }  # fmt: skip
-    yield from ideal_values(nudge, m, 5000.0 * math.pi / 30.0, wanted)
+    yield from ideal_values(nudge, m, 5000.0 * math.pi / 30.0, references)
 
 
 def flores(g: float = 9.81) -> Mechanism:
@@ -85,11 +87,11 @@ def flores(g: float = 9.81) -> Mechanism:
 )
 def guide_ideal(nudge: Nudge) -> Rows:
     """Extremes over a turn at constant speed with an ideal guide."""
-    wanted = {
+    references = {
         "least slider acceleration": -5163.75, "largest slider acceleration": 2612.59, "largest force rod-slider": 392.4,
         "largest force crank-rod": 556.0, "least crank torque": -42.9, "largest crank torque": 43.0,
     }  # fmt: skip
-    yield from ideal_values(nudge, flores(), 150.0, wanted)
+    yield from ideal_values(nudge, flores(), 150.0, references)
 
 
 @verified(
@@ -124,11 +126,11 @@ def guide_with_play(nudge: Nudge) -> Rows:
         friction=friction,
         corner_radius=1e-4,
     )
-    seen = run(m, step=5e-7, duration=0.02, outputs=4000)
+    motion = run(m, step=5e-7, duration=0.02, outputs=4000)
     time, corner = first_contact(c)
-    depths = np.stack([seen.contact(f"S.{k}", "penetration") for k in (1, 2, 3, 4)], axis=1)
+    depths = np.stack([motion.contact(f"S.{k}", "penetration") for k in (1, 2, 3, 4)], axis=1)
     first = int(np.argmax((depths > 0.0).any(axis=1)))
-    yield Row("time of the first contact", "s", time, float(seen.time[first]), 5e-3)
+    yield Row("time of the first contact", "s", time, float(motion.time[first]), 5e-3)
     yield Row(
         "first corner (1 and 2 at the left wall, 3 and 4 at the right)",
         "1",
@@ -152,24 +154,24 @@ def guide_against_rigid_contacts(nudge: Nudge) -> Rows:
     impacts that follow in ever shorter time it joins. So turns are compared within one per cent, times within
     half a millisecond.
     """
-    seen = let_go(150.0 * nudge("crank"), 0.4 * nudge("restitution"), 0.05)
-    turned = (seen.body("crank") - seen.body("crank")[0]) / (2.0 * math.pi)
+    motion = let_go(150.0 * nudge("crank"), 0.4 * nudge("restitution"), 0.05)
+    turned = (motion.body("crank") - motion.body("crank")[0]) / (2.0 * math.pi)
     for time, turns in ((0.005, 0.09196), (0.01, 0.15162), (0.02, 0.25892), (0.05, 0.77039)):
-        yield Row(f"turns of the crank after {1e3 * time:g} ms", "1", turns, seen.at(time, turned), 0.01)
-    height = seen.body("block", "y")
+        yield Row(f"turns of the crank after {1e3 * time:g} ms", "1", turns, motion.at(time, turned), 0.01)
+    height = motion.body("block", "y")
     for begin, wall, time in ((0.0, 1.0, 0.0028), (0.015, -1.0, 0.0259), (0.035, 1.0, 0.0394)):
-        first = int(np.argmax((seen.time > begin) & (wall * height > 1e-3)))
+        first = int(np.argmax((motion.time > begin) & (wall * height > 1e-3)))
         yield Row(
             f"time of the first impact after {1e3 * begin:g} ms",
             "s",
             time,
-            float(seen.time[first]),
+            float(motion.time[first]),
             0.01,
             0.05,
         )
 
 
-def let_go(spin: float, restitution: float, duration: float) -> Seen:
+def let_go(spin: float, restitution: float, duration: float) -> CaseMotion:
     """The mechanism of Flores, Leine and Glocker with play in its guide, its crank let go with so many rad/s."""
     m = flores()
     for name, velocity in {
@@ -237,17 +239,17 @@ def slider_on_rotating_arm(nudge: Nudge) -> Rows:
     w, r0, mass = 8.0, 0.1, 0.7
     m = _block_on_arm("slider on an arm", mass * nudge("mass"), r0, w * nudge("speed"))
     time = 0.3
-    seen = run(m, duration=time, step=1e-5, outputs=5000)
-    r = np.hypot(seen.body("block", "x"), seen.body("block", "y"))
-    force = np.hypot(seen.ideal("S", "fx"), seen.ideal("S", "fy"))
+    motion = run(m, duration=time, step=1e-5, outputs=5000)
+    r = np.hypot(motion.body("block", "x"), motion.body("block", "y"))
+    force = np.hypot(motion.ideal("S", "fx"), motion.ideal("S", "fy"))
     coriolis = 2.0 * mass * w * r0 * w * math.sinh(w * time)
-    yield Row("distance at 0.3 s", "m", r0 * math.cosh(w * time), seen.at(time, r), 1e-4)
-    yield Row("force of the guide at 0.3 s", "N", coriolis, seen.at(time, force), 1e-3)
+    yield Row("distance at 0.3 s", "m", r0 * math.cosh(w * time), motion.at(time, r), 1e-4)
+    yield Row("force of the guide at 0.3 s", "N", coriolis, motion.at(time, force), 1e-3)
     yield Row(
         "torque of the driver at 0.3 s",
         "N m",
         coriolis * r0 * math.cosh(w * time),
-        seen.at(time, seen.driven("arm", "torque")),
+        motion.at(time, motion.driven("arm", "torque")),
         1e-3,
     )
 
@@ -268,25 +270,25 @@ def bead_on_free_rod(nudge: Nudge) -> Rows:
     m.point_mass("bead", mass=0.3, position=(0.05, 0.0), velocity=(0.2, -0.1 + 0.5, 0.0))
     m.slider("S", "rod.center", "bead.center", turning=True)
     m.settings = dataclasses.replace(m.settings, damping=nudge("damping", 0.0))
-    seen = run(m, step=1e-5, duration=0.5, outputs=500)
-    u = {body: (seen.speed(body, "u"), seen.speed(body, "v")) for body in ("rod", "bead")}
+    motion = run(m, step=1e-5, duration=0.5, outputs=500)
+    u = {body: (motion.speed(body, "u"), motion.speed(body, "v")) for body in ("rod", "bead")}
     total = 1.0 * u["rod"][1] + 0.3 * u["bead"][1]
     yield Row("change of momentum in y", "N s", 0.0, float(np.abs(total - total[0]).max()), 1e-10, 1.0)
     energy = (
         sum(0.5 * mass * (u[b][0] ** 2 + u[b][1] ** 2) for b, mass in (("rod", 1.0), ("bead", 0.3)))
-        + 0.01 * seen.speed("rod", "w") ** 2
+        + 0.01 * motion.speed("rod", "w") ** 2
     )
     yield Row("change of energy", "J", 0.0, float(np.abs(energy - energy[0]).max()), 1e-6, float(energy[0]))
     reduced = 0.3 / 1.3
-    apart = np.hypot(
-        seen.body("bead", "x") - seen.body("rod", "x"), seen.body("bead", "y") - seen.body("rod", "y")
+    distance = np.hypot(
+        motion.body("bead", "x") - motion.body("rod", "x"), motion.body("bead", "y") - motion.body("rod", "y")
     )
     spin0 = 0.02 + reduced * 0.05**2
     yield Row(
         "angular speed at the end",
         "rad/s",
-        10.0 * spin0 / (0.02 + reduced * float(apart[-1]) ** 2),
-        float(seen.speed("rod", "w")[-1]),
+        10.0 * spin0 / (0.02 + reduced * float(distance[-1]) ** 2),
+        float(motion.speed("rod", "w")[-1]),
         1e-5,
     )
 
@@ -303,13 +305,13 @@ def scotch_yoke(nudge: Nudge) -> Rows:
     m.slider("guide", "ground.O", "yoke.center")
     m.slider("slot", "yoke.center", "crank.pin", direction=(0.0, 1.0), turning=True)
     m.drive("crank", speed=w)
-    seen = run(m, turns=1.0, step=2.0 * math.pi / w / 7200, outputs=7200)
+    motion = run(m, turns=1.0, step=2.0 * math.pi / w / 7200, outputs=7200)
     for time in (0.04, 0.15):
         yield Row(
             f"place of the yoke at {time:g} s",
             "m",
             r * math.cos(w * time),
-            seen.at(time, seen.body("yoke", "x")),
+            motion.at(time, motion.body("yoke", "x")),
             1e-4,
             r,
         )
@@ -318,7 +320,7 @@ def scotch_yoke(nudge: Nudge) -> Rows:
             f"force of the slot on the pin at {time:g} s",
             "N",
             push,
-            seen.at(time, seen.ideal("slot", "fx")),
+            motion.at(time, motion.ideal("slot", "fx")),
             1e-3,
             mass * r * w * w,
         )
@@ -327,7 +329,7 @@ def scotch_yoke(nudge: Nudge) -> Rows:
             f"torque at {time:g} s",
             "N m",
             torque,
-            seen.at(time, seen.driven("crank", "torque")),
+            motion.at(time, motion.driven("crank", "torque")),
             1e-3,
             mass * r * r * w * w,
         )
@@ -352,7 +354,7 @@ def quick_return(nudge: Nudge) -> Rows:
     m.revolute("B", "ground.B", "arm.center")
     m.slider("slot", "arm.center", "crank.pin", turning=True)
     m.drive("crank", speed=w)
-    seen = run(m, turns=1.0, step=2.0 * math.pi / w / 7200, outputs=7200)
+    motion = run(m, turns=1.0, step=2.0 * math.pi / w / 7200, outputs=7200)
     p = r / d
     for time in (0.06, 0.13):
         a = w * time
@@ -362,15 +364,15 @@ def quick_return(nudge: Nudge) -> Rows:
             f"angle of the arm at {time:g} s",
             "rad",
             math.atan2(r * math.sin(a), d + r * math.cos(a)),
-            seen.at(time, seen.body("arm")),
+            motion.at(time, motion.body("arm")),
             1e-4,
         )
-        force = np.hypot(seen.ideal("slot", "fx"), seen.ideal("slot", "fy"))
+        force = np.hypot(motion.ideal("slot", "fx"), motion.ideal("slot", "fy"))
         yield Row(
             f"force in the slot at {time:g} s",
             "N",
             abs(inertia * alpha) / (d * math.sqrt(below)),
-            seen.at(time, force),
+            motion.at(time, force),
             1e-3,
         )
 
@@ -381,22 +383,22 @@ def driven_travel(nudge: Nudge) -> Rows:
     w, v, r0, mass = 6.0, 0.4, 0.2, 0.5
     m = _block_on_arm("driven travel", mass * nudge("mass"), r0, w)
     m.drivers["push"] = ConstantSpeed(slider="S", speed=v * nudge("speed"))
-    seen = run(m, duration=0.5, step=2e-5, outputs=5000)
-    r = np.hypot(seen.body("block", "x"), seen.body("block", "y"))
-    yield Row("distance at 0.5 s", "m", r0 + 0.5 * v, seen.at(0.5, r), 1e-4)
-    c, s = np.cos(seen.body("arm")), np.sin(seen.body("arm"))
-    push = seen.ideal("push", "fx") * c + seen.ideal("push", "fy") * s
+    motion = run(m, duration=0.5, step=2e-5, outputs=5000)
+    r = np.hypot(motion.body("block", "x"), motion.body("block", "y"))
+    yield Row("distance at 0.5 s", "m", r0 + 0.5 * v, motion.at(0.5, r), 1e-4)
+    c, s = np.cos(motion.body("arm")), np.sin(motion.body("arm"))
+    push = motion.ideal("push", "fx") * c + motion.ideal("push", "fy") * s
     yield Row(
         "force of the driver along the arm at 0.5 s",
         "N",
         -mass * w * w * (r0 + 0.5 * v),
-        seen.at(0.5, push),
+        motion.at(0.5, push),
         1e-3,
     )
     yield Row(
         "torque at 0.5 s",
         "N m",
         2.0 * mass * w * v * (r0 + 0.5 * v),
-        seen.at(0.5, seen.driven("arm", "torque")),
+        motion.at(0.5, motion.driven("arm", "torque")),
         1e-3,
     )

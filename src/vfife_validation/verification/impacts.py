@@ -11,7 +11,7 @@ from vfife.laws import Ambrosio, Frictionless, Hertz, HuntCrossley, LankaraniNik
 from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
-from .seen import Seen, run
+from .case_motion import CaseMotion, run
 
 HERTZ = (
     "Hertz: closed form δ = (5 m v²/4K)^(2/5), 2.94 δ/v; restitution e solves χ(1 + e) = ln[(1 + χ)/(1 - χe)]"
@@ -30,9 +30,9 @@ def delivered(chi: float) -> float:
     return 0.5 * (low + high)
 
 
-def contact_time(seen: Seen, joint: str) -> float:
+def contact_time(motion: CaseMotion, joint: str) -> float:
     """Time (s) of the first contact."""
-    return float(seen.contact(joint, "duration")[-1])
+    return float(motion.contact(joint, "duration")[-1])
 
 
 @verified(
@@ -55,12 +55,12 @@ def journal_impact(nudge: Nudge) -> Rows:
         contact=law,
         friction=Frictionless(),
     )
-    seen = run(m, step=5e-8, duration=8e-4, outputs=1600)
-    force = np.sqrt(seen.contact("J", "force_squared_max").max())
-    yield Row("contact time", "s", 1.5277e-4, contact_time(seen, "J"), 1e-3)
-    yield Row("depth", "m", 4.9585e-5, float(seen.contact("J", "penetration_max").max()), 1e-3)
+    motion = run(m, step=5e-8, duration=8e-4, outputs=1600)
+    force = np.sqrt(motion.contact("J", "force_squared_max").max())
+    yield Row("contact time", "s", 1.5277e-4, contact_time(motion, "J"), 1e-3)
+    yield Row("depth", "m", 4.9585e-5, float(motion.contact("J", "penetration_max").max()), 1e-3)
     yield Row("peak force", "N", 2.3221e4, float(force), 1e-3)
-    yield Row("rebound", "m/s", -0.913177, float(seen.speed("journal", "u")[-1]), 1e-3)
+    yield Row("rebound", "m/s", -0.913177, float(motion.speed("journal", "u")[-1]), 1e-3)
 
 
 @verified(
@@ -85,19 +85,19 @@ def ball_bounce(nudge: Nudge) -> Rows:
             "J", "ground.O", "ball.center", journal_radius=0.02, contact=law, friction=Frictionless()
         )
         m.settings = dataclasses.replace(m.settings, damping=nudge("damping", 0.0))
-        seen = run(m, step=1e-7, duration=2e-3, outputs=2000)
+        motion = run(m, step=1e-7, duration=2e-3, outputs=2000)
         deepest = (5.0 * 0.5 * 4.0 / (4.0 * 1e9)) ** 0.4
         chi = 0.75 if name == "lossy" else 0.0
         yield Row(
             f"rebound, {name}",
             "m/s",
             2.0 * (delivered(chi) if chi else 1.0),
-            float(seen.speed("ball", "v")[-1]),
+            float(motion.speed("ball", "v")[-1]),
             1e-3,
         )
         if not chi:
-            yield Row("depth", "m", deepest, float(seen.contact("J", "penetration_max").max()), 1e-3)
-            yield Row("contact time", "s", 2.9432751 * deepest / 2.0, contact_time(seen, "J"), 1e-3)
+            yield Row("depth", "m", deepest, float(motion.contact("J", "penetration_max").max()), 1e-3)
+            yield Row("contact time", "s", 2.9432751 * deepest / 2.0, contact_time(motion, "J"), 1e-3)
     m = Mechanism("ball on ball")
     m.point_mass("a", mass=1.0, position=(0.0, 0.0), velocity=(3.0, 0.0, 0.0))
     m.point_mass("b", mass=3.0, position=(0.0505, 0.0))
@@ -110,20 +110,20 @@ def ball_bounce(nudge: Nudge) -> Rows:
         contact=laws["lossy"],
         friction=Frictionless(),
     )
-    seen = run(m, step=1e-7, duration=2e-3, outputs=2000)
+    motion = run(m, step=1e-7, duration=2e-3, outputs=2000)
     e = delivered(0.75)
     yield Row(
         "speed of the 1 kg ball",
         "m/s",
         3.0 * (1.0 - 3.0 * e) / 4.0,
-        float(seen.speed("a", "u")[-1]),
+        float(motion.speed("a", "u")[-1]),
         2e-3,
         3.0,
     )
-    yield Row("speed of the 3 kg ball", "m/s", 3.0 * (1.0 + e) / 4.0, float(seen.speed("b", "u")[-1]), 2e-3)
+    yield Row("speed of the 3 kg ball", "m/s", 3.0 * (1.0 + e) / 4.0, float(motion.speed("b", "u")[-1]), 2e-3)
 
 
-def incline(angle: float, friction: float, inertia: float) -> tuple[Seen, float]:
+def incline(angle: float, friction: float, inertia: float) -> tuple[CaseMotion, float]:
     """A round of 2 kg and 50 mm on a slope, laid on it as deep as its weight presses it; way (m) down it
     after 0.5 s.
     """
@@ -140,9 +140,9 @@ def incline(angle: float, friction: float, inertia: float) -> tuple[Seen, float]
     m.external_contact(
         "J", "ground.O", "round.center", journal_radius=r, direction=(c, -s), contact=law, friction=rough
     )
-    seen = run(m, step=5e-6, duration=0.5, outputs=500)
-    way = (seen.body("round", "x") - high * s) * c - (seen.body("round", "y") - high * c) * s
-    return seen, float(way[-1])
+    motion = run(m, step=5e-6, duration=0.5, outputs=500)
+    way = (motion.body("round", "x") - high * s) * c - (motion.body("round", "y") - high * c) * s
+    return motion, float(way[-1])
 
 
 @verified(
@@ -156,7 +156,7 @@ def round_on_an_incline(nudge: Nudge) -> Rows:
     """
     angle, mu, g, mass, r = 0.5, 0.1, 9.81, 2.0, 0.05
     inertia = 0.5 * mass * r * r
-    seen, way = incline(angle, mu * nudge("friction"), inertia * nudge("inertia"))
+    motion, way = incline(angle, mu * nudge("friction"), inertia * nudge("inertia"))
     yield Row(
         "way of the one that slides in 0.5 s",
         "m",
@@ -165,14 +165,14 @@ def round_on_an_incline(nudge: Nudge) -> Rows:
         1e-3,
     )
     spun = -0.125 * mu * mass * g * math.cos(angle) * r / inertia
-    yield Row("turn of the one that slides", "rad", spun, float(seen.body("round")[-1]), 2e-3)
-    seen, way = incline(angle, 0.6, inertia * nudge("inertia"))
+    yield Row("turn of the one that slides", "rad", spun, float(motion.body("round")[-1]), 2e-3)
+    motion, way = incline(angle, 0.6, inertia * nudge("inertia"))
     yield Row("way of the one that rolls in 0.5 s", "m", 0.125 * g * math.sin(angle) / 1.5, way, 1e-3)
     yield Row(
         "turn of the one that rolls",
         "rad",
         -0.125 * g * math.sin(angle) / 1.5 / r,
-        float(seen.body("round")[-1]),
+        float(motion.body("round")[-1]),
         1e-3,
     )
 
@@ -203,19 +203,19 @@ def redundant_parallelogram(nudge: Nudge) -> Rows:
         m.link(f"crank{k}", length=l, mass=rod, angle=start, position=(0.4 * k, 0.0))
         m.revolute(f"A{k}", f"ground.O{k}", f"crank{k}.start")
         m.revolute(f"B{k}", f"crank{k}.end", f"beam.p{k}")
-    seen = run(m, step=1e-4, duration=0.6, outputs=600)
+    motion = run(m, step=1e-4, duration=0.6, outputs=600)
     from .lagrange import solved
 
     inertia, weight = 3.0 * rod * l * l / 3.0 + beam * l * l, g * l * (1.5 * rod + beam)
     ((angle, speed),) = solved(
         lambda t, y: np.array([y[1], -weight * math.cos(y[0]) / inertia]), [start, 0.0], np.array([0.6])
     )
-    yield Row("angle at 0.6 s", "rad", angle, float(seen.body("crank1")[-1]), 1e-4)
+    yield Row("angle at 0.6 s", "rad", angle, float(motion.body("crank1")[-1]), 1e-4)
     alpha = -weight * math.cos(angle) / inertia
     pulls = (
         -l * (alpha * math.sin(angle) + speed**2 * math.cos(angle)),
         l * (alpha * math.cos(angle) - speed**2 * math.sin(angle)) + g,
     )
     for axis, pull in zip("xy", pulls, strict=True):
-        total = sum(float(seen.ideal(f"B{k}", f"f{axis}")[-1]) for k in range(3))
+        total = sum(float(motion.ideal(f"B{k}", f"f{axis}")[-1]) for k in range(3))
         yield Row(f"sum of the forces on the beam in {axis} at 0.6 s", "N", beam * pull, total, 1e-3)

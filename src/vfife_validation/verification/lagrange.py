@@ -62,7 +62,7 @@ def integrate(
         matrix[: 3 * n, 3 * n :] = matrix[3 * n :, : 3 * n].T
         return np.concatenate([state[3 * n :], np.linalg.solve(matrix, right)[: 3 * n]])
 
-    found = solve_ivp(
+    solution = solve_ivp(
         rates,
         (0.0, float(times[-1])),
         np.concatenate([start.ravel(), speed.ravel()]),
@@ -71,16 +71,16 @@ def integrate(
         rtol=1e-12,
         atol=1e-13,
     )
-    if not found.success:
-        raise RuntimeError(f"the independent integration failed: {found.message}")
-    return np.asarray(found.y.T.reshape(len(times), 2, n, 3))
+    if not solution.success:
+        raise RuntimeError(f"the independent integration failed: {solution.message}")
+    return np.asarray(solution.y.T.reshape(len(times), 2, n, 3))
 
 
 def solved(rates: Callable[[float, Array], Array], start: Sequence[float], times: Array) -> Array:
     """Solution of an ordinary differential equation at the times, shape (times, unknowns)."""
     from scipy.integrate import solve_ivp
 
-    found = solve_ivp(
+    solution = solve_ivp(
         rates,
         (0.0, float(times[-1])),
         np.array(start, dtype=float),
@@ -89,6 +89,6 @@ def solved(rates: Callable[[float, Array], Array], start: Sequence[float], times
         rtol=1e-12,
         atol=1e-14,
     )
-    if not found.success:
-        raise RuntimeError(f"the independent integration failed: {found.message}")
-    return np.asarray(found.y.T)
+    if not solution.success:
+        raise RuntimeError(f"the independent integration failed: {solution.message}")
+    return np.asarray(solution.y.T)

@@ -10,7 +10,7 @@ import numpy as np
 from vfife.model.mechanism import Mechanism, Settings
 
 from .case import Nudge, Row, Rows, verified
-from .seen import run
+from .case_motion import run
 
 CLOSED = "closed form"
 
@@ -36,13 +36,13 @@ def spring_mass_damper(nudge: Nudge) -> Rows:
         damping=4.0 * nudge("damping"),
         free_length=1.0,
     )
-    seen = run(m, step=1e-4, duration=1.0, outputs=1000)
+    motion = run(m, step=1e-4, duration=1.0, outputs=1000)
     for time in (0.05, 0.2, 0.5, 1.0):
         yield Row(
             f"place at {time:g} s",
             "m",
             damped(time, 800.0, 4.0, 2.0, 0.1, 0.0),
-            seen.at(time, seen.body("mass", "x") - 1.0),
+            motion.at(time, motion.body("mass", "x") - 1.0),
             1e-3,
             0.1,
         )
@@ -55,7 +55,7 @@ def spring_mass_damper(nudge: Nudge) -> Rows:
         "energy lost by 1 s",
         "J",
         4.0 - 400.0 * x * x - v * v,
-        float(seen.ledger.terms["spring_loss"][-1]),
+        float(motion.ledger.terms["spring_loss"][-1]),
         1e-3,
     )
 
@@ -96,13 +96,13 @@ def torsional_oscillator(nudge: Nudge) -> Rows:
         damping=0.02 * nudge("damping"),
         free_angle=0.3,
     )
-    seen = run(m, step=1e-4, duration=2.0, outputs=2000)
+    motion = run(m, step=1e-4, duration=2.0, outputs=2000)
     for time in (0.2, 1.0, 2.0):
         yield Row(
             f"angle at {time:g} s",
             "rad",
             damped(time, 3.0, 0.02, 0.12, 0.5, 0.0),
-            seen.at(time, seen.body("rod") - 0.3),
+            motion.at(time, motion.body("rod") - 0.3),
             1e-3,
             0.5,
         )
@@ -118,7 +118,7 @@ def bushing_oscillator(nudge: Nudge) -> Rows:
     m.rigid_body("body", mass=2.0, inertia=0.01, velocity=(0.3, -0.2, 4.0))
     stiffness = (5e3 * nudge("x"), 2e4 * nudge("y"), 60.0 * nudge("turn"))
     m.bushing("b", "ground.O", "body.center", stiffness=stiffness, damping=(10.0, 20.0, 0.05))
-    seen = run(m, step=2e-5, duration=0.5, outputs=2500)
+    motion = run(m, step=2e-5, duration=0.5, outputs=2500)
     axes = (("x", 5e3, 10.0, 2.0, 0.3), ("y", 2e4, 20.0, 2.0, -0.2), ("angle", 60.0, 0.05, 0.01, 4.0))
     for axis, stiff, damping, inertia, v in axes:
         for time in (0.11, 0.5):
@@ -128,7 +128,7 @@ def bushing_oscillator(nudge: Nudge) -> Rows:
                 f"{axis} at {time:g} s",
                 unit,
                 reference,
-                seen.at(time, seen.body("body", axis)),
+                motion.at(time, motion.body("body", axis)),
                 1e-3,
                 abs(v) / math.sqrt(stiff / inertia),
             )
@@ -191,27 +191,27 @@ def mass_proportional_damping(nudge: Nudge) -> Rows:
     m.point_mass("hung", mass=1.0, position=(0.0, 1.1))
     m.spring("s", "ground.O", "hung.center", stiffness=100.0, free_length=1.0)
     m.settings = dataclasses.replace(m.settings, damping=zeta * nudge("damping"))
-    seen = run(m, step=1e-4 * nudge("step"), duration=1.0, outputs=1000)
+    motion = run(m, step=1e-4 * nudge("step"), duration=1.0, outputs=1000)
     far = (1.0 - math.exp(-zeta)) / zeta
-    yield Row("way of the particle in 1 s", "m", far, float(seen.body("free", "x")[-1]), 1e-3)
-    yield Row("turn of the body in 1 s", "rad", 5.0 * far, float(seen.body("free")[-1]), 1e-3)
+    yield Row("way of the particle in 1 s", "m", far, float(motion.body("free", "x")[-1]), 1e-3)
+    yield Row("turn of the body in 1 s", "rad", 5.0 * far, float(motion.body("free")[-1]), 1e-3)
     yield Row(
         "place on the spring at 0.3 s",
         "m",
         damped(0.3, 100.0, zeta, 1.0, 0.1, 0.0),
-        seen.at(0.3, seen.body("hung", "y") - 1.0),
+        motion.at(0.3, motion.body("hung", "y") - 1.0),
         1e-3,
         0.03,
     )
-    lost = 0.5 * (2.0 + 0.1 * 25.0) * (1.0 - math.exp(-2.0 * zeta))
+    dissipated = 0.5 * (2.0 + 0.1 * 25.0) * (1.0 - math.exp(-2.0 * zeta))
     x = damped(1.0, 100.0, zeta, 1.0, 0.1, 0.0)
     w = math.sqrt(100.0 - 2.25)
     v = -0.1 * 100.0 / w * math.exp(-1.5) * math.sin(w)
     yield Row(
         "energy lost",
         "J",
-        lost + 0.5 - 50.0 * x * x - 0.5 * v * v,
-        float(seen.ledger.terms["damping_loss"][-1]),
+        dissipated + 0.5 - 50.0 * x * x - 0.5 * v * v,
+        float(motion.ledger.terms["damping_loss"][-1]),
         2e-4,
     )
-    yield Row("residual of the ledger", "J", 0.0, float(np.abs(seen.ledger.residual).max()), 1e-5, 1.0)
+    yield Row("residual of the ledger", "J", 0.0, float(np.abs(motion.ledger.residual).max()), 1e-5, 1.0)

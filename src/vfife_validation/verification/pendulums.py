@@ -10,8 +10,8 @@ from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
+from .case_motion import run
 from .lagrange import Pin, integrate, solved
-from .seen import run
 
 G = 9.81
 A01 = "IFToMM library of computational benchmark problems, A01; closed form by elliptic functions"
@@ -35,14 +35,15 @@ def pendulum(length: float = 1.0) -> Mechanism:
 @verified("Simple pendulum from the horizontal", A01, nudges={"length": 1.001})
 def simple_pendulum(nudge: Nudge) -> Rows:
     """1 kg at 1 m from (-1, 0): places at 1 and 5 s, and the period."""
-    seen = run(pendulum(nudge("length")), step=1e-4, duration=5.0, outputs=2500)
+    motion = run(pendulum(nudge("length")), step=1e-4, duration=5.0, outputs=2500)
     for time, x, y in ((1.0, 0.986291751, -0.165010853), (5.0, -0.942305435, -0.334754338)):
-        yield Row(f"x at {time:g} s", "m", x, seen.at(time, seen.body("bob", "x")), 1e-4)
-        yield Row(f"y at {time:g} s", "m", y, seen.at(time, seen.body("bob", "y")), 1e-3)
-    speed = seen.body("bob", "angular_velocity")
+        yield Row(f"x at {time:g} s", "m", x, motion.at(time, motion.body("bob", "x")), 1e-4)
+        yield Row(f"y at {time:g} s", "m", y, motion.at(time, motion.body("bob", "y")), 1e-3)
+    speed = motion.body("bob", "angular_velocity")
     turns = np.flatnonzero(speed[1:-1] * speed[2:] < 0.0) + 1
     zeros = [
-        seen.time[k] - speed[k] * (seen.time[k + 1] - seen.time[k]) / (speed[k + 1] - speed[k]) for k in turns
+        motion.time[k] - speed[k] * (motion.time[k + 1] - motion.time[k]) / (speed[k + 1] - speed[k])
+        for k in turns
     ]
     yield Row("period", "s", 2.36784194758, float(zeros[1]), 1e-5)
 
@@ -61,12 +62,12 @@ def rods(*angles: float, factor: float = 1.0) -> Mechanism:
 
 def placed(angles: list[float]) -> np.ndarray:
     """Centres and angles of rods of 0.5 m, one after the other."""
-    at, found = np.zeros(2), []
+    at, places = np.zeros(2), []
     for angle in angles:
         along = 0.5 * np.array([math.cos(angle), math.sin(angle)])
-        found.append([*(at + 0.5 * along), angle])
+        places.append([*(at + 0.5 * along), angle])
         at = at + along
-    return np.array(found)
+    return np.array(places)
 
 
 def weight(*masses: float):  # type: ignore[no-untyped-def]
@@ -224,8 +225,8 @@ def convergence_in_steps(nudge: Nudge) -> Rows:
     )[0, 0, :, 2]
     errors = []
     for step in (1e-3 * nudge("coarse"), 5e-4):
-        seen = run(rods(*angles), step=step, duration=0.5, outputs=100)
-        errors.append([abs(seen.at(0.5, seen.body(f"rod{k + 1}")) - theirs[k]) for k in (0, 1)])
+        motion = run(rods(*angles), step=step, duration=0.5, outputs=100)
+        errors.append([abs(motion.at(0.5, motion.body(f"rod{k + 1}")) - theirs[k]) for k in (0, 1)])
     for k in (0, 1):
         yield Row(
             f"order of the angle of rod {k + 1}", "1", 2.0, math.log2(errors[0][k] / errors[1][k]), 1e-2

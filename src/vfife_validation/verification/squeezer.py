@@ -8,7 +8,7 @@ from vfife.model.drivers import Torque
 from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
-from .seen import run
+from .case_motion import run
 
 SOURCE = (
     "Mazzia, Magherini: Test Set for Initial Value Problem Solvers, release 2.4 (2008), problem Andrews,"
@@ -106,13 +106,13 @@ def squeezer(spring: float = 4530.0) -> Mechanism:
 @verified("Andrews' squeezing mechanism", SOURCE, nudges={"spring": 1.01})
 def andrews_squeezer(nudge: Nudge) -> Rows:
     """The seven angles of the test set at 0.03 s."""
-    seen = run(squeezer(4530.0 * nudge("spring")), step=1e-6, duration=0.03, outputs=300)
-    end = {name: float(seen.body(name)[-1]) for name in ("k1", "k2", "k3", "k4", "k5", "k6", "k7")}
+    motion = run(squeezer(4530.0 * nudge("spring")), step=1e-6, duration=0.03, outputs=300)
+    end = {name: float(motion.body(name)[-1]) for name in ("k1", "k2", "k3", "k4", "k5", "k6", "k7")}
     quarter = 0.5 * math.pi
     beta, delta, epsilon = end["k1"], end["k5"], end["k7"] + quarter
-    found = {
+    angles = {
         "beta": beta, "theta": end["k2"] - math.pi - beta, "gamma": end["k3"] + quarter, "phi": end["k4"] + quarter - delta,
         "delta": delta, "omega": end["k6"] - epsilon, "epsilon": epsilon,
     }  # fmt: skip
     for name, reference in REFERENCE.items():
-        yield Row(f"{name} at 0.03 s", "rad", reference, found[name], 1e-5)
+        yield Row(f"{name} at 0.03 s", "rad", reference, angles[name], 1e-5)

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 ANY = 1e9  # share of the largest energy: a case is judged by its reference, and by nothing else
 
 
-class Seen:
+class CaseMotion:
     """Motion and forces of a run, as arrays over its outputs; of a static analysis the outputs are its load
     factors, from 0 on.
     """
@@ -76,7 +76,7 @@ class Seen:
         return float(np.polyfit(t / (t[-1] - t[0]), v, 3)[-1])
 
 
-def run(mechanism: Mechanism, **options: Any) -> Seen:
+def run(mechanism: Mechanism, **options: Any) -> CaseMotion:
     """Runs a mechanism by the data-driven loop, which is compiled once for all cases; RuntimeError where it
     does not come to its end.
     """
@@ -91,7 +91,7 @@ def run(mechanism: Mechanism, **options: Any) -> Seen:
         raise KeyboardInterrupt
     if record.status != Status.COMPLETE:
         raise RuntimeError(f"the run of {mechanism.name!r} ended {record.status}: {record.message}")
-    return Seen(record)
+    return CaseMotion(record)
 
 
 def frequency(time: Array, values: Array, near: float) -> float:
