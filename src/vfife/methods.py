@@ -40,7 +40,7 @@ def check(self: Mechanism) -> Checked:
     Raises ModelError with every fault, AssemblyError where no position satisfies its joints, or it jams. The
     answer has its degrees of freedom, its step and cautions; printed, it is a few sentences.
     """
-    from .studies.methods.examined import checked
+    from .studies.methods.check import checked
 
     return checked(self)
 

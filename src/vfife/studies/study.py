@@ -40,9 +40,7 @@ class StudyKeys(TypedDict, total=False):
     """What to run in every case: keys of a study file."""
 
     turns: int  # of the crank, at most
-    settle: (
-        float | str | None
-    )  # 1: a case ends when its turns repeat within this share of their largest values
+    settle: float | str | None  # 1: a case ends when its turns repeat within this share of their size
     last: int  # turns at the end that are measured
     step: float | str  # s, or "auto"
     method: str  # "grid", "list", or how samples are taken
@@ -82,7 +80,7 @@ Names = str | Iterable[str] | None
 
 @with_options(StudyOptions, force=False, retry=False, confirm=False)
 def study(model: Model, vary: Vary = None, measures: Names = None, **options: Unpack[StudyOptions]) -> Study:
-    """Run a mechanism once for every choice of some of its numbers, and measure each run.
+    """Run a mechanism for many values of some of its numbers, and measure each run.
 
     >>> vary = {"joint.C.clearance": ["0.1 mm", "0.2 mm"]}
     >>> vfife.study(model, vary, ["C.force.max"], turns=10).data  # doctest: +SKIP
@@ -92,14 +90,18 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     ``measures``: names of measures, or max, min, mean, rms, range of a channel, as in "mean(C.force)".
     Further keywords are keys of a study file: ``turns``, ``settle``, ``last``, ``step``, ``method``,
     ``count``, ``seed``, ``set``; counts and depths of landings, speeds of approach and shares of contact are
-    of the whole run, whatever ``last`` is. ``file``: the study file to keep it in; what is in it already is
-    not computed again, and where another study is there it gives way to ``force`` alone. ``workers``,
-    ``lanes``: threads, and members side by side in each; ``cluster``: "local", for processes in their place,
-    or the address of a scheduler of dask.distributed; ``device``: "cuda" steps them on an NVIDIA card;
-    ``retry``: members that failed before are tried again. ``progress`` hears how many of how many members
-    have ended. ``confirm``: run it even where it takes more than an hour, or half of the disk. Ctrl-C ends it
-    with what has. Raises ModelError with all faults, HeldError where another process writes the file,
-    StorageError where it cannot be written, DeviceError for a card that cannot be used.
+    of the whole run, whatever ``last`` is.
+
+    ``file``: the study file to save it in; cases that it has are not computed again, and ``force`` replaces
+    another study there. ``retry``: compute again the cases that failed.
+
+    ``workers``, ``lanes``: number of threads, and of cases in the lanes of each; ``cluster``: "local" for
+    processes instead, or the address of a scheduler of dask.distributed; ``device``: "cuda" for an NVIDIA
+    card. ``progress`` is called with the numbers of cases that have ended and of all; ``confirm``: run it
+    even where it takes more than an hour, or half of the disk. Ctrl-C ends it with the cases that have ended.
+
+    Raises ModelError with all faults, HeldError where another process writes the file, StorageError where it
+    cannot be written, DeviceError for a card that cannot be used.
     """
     plan = tables_of(model, vary, measures, keys_of(options), "study()").plan()
     progress: Any = options["progress"]
@@ -130,10 +132,10 @@ class StudyWork:
         """Compute the cases that the file does not have, with ``retry`` also those that failed; return the
         study, and whether it is complete. ``lock``: that of the file, where the caller holds it.
         """
-        job.begin(study_forecast(self.plan, self.known, retry))
+        job.begin(study_forecast(self.plan, self.finished_file, retry))
         with self.engine(job, self.plan.numbers(), 0, lock) as engine:
-            whole = engine.run(retry) and engine.repeat_sample()
-            return engine.study(), whole
+            complete = engine.run(retry) and engine.repeat_sample()
+            return engine.study(), complete
 
     def search(self, job: Job, forecast: Forecast, work: Callable[[Engine], Answer]) -> tuple[Answer, Study]:
         """Return the answer of a search, and the study of its cases. Raises Interrupted with the study of
@@ -147,7 +149,7 @@ class StudyWork:
                 raise Interrupted(engine.study()) from None
 
     @property
-    def known(self) -> Path | None:
+    def finished_file(self) -> Path | None:
         """The file whose cases are not computed again."""
         return None if self.force or self.file is None else Path(self.file)
 
@@ -177,10 +179,10 @@ def study_lock(path: Path) -> Lock:
     return Lock(path.absolute().parent, f"{path.name}.lock", "this study")
 
 
-def tables_of(model: Any, vary: Any, measures: Any, more: Mapping[str, Any], caller: str) -> StudyTables:
+def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], caller: str) -> StudyTables:
     """Return the arguments of a function as the tables of a study file. Raises ModelError."""
     if vary is None and measures is None and isinstance(model, str | os.PathLike):
-        for name, value in more.items():
+        for name, value in keys.items():
             what, remedy = "a study file says this itself", "leave it out, or change the file"
             raise ModelError([Fault(name, what, shown(value), "", remedy)], caller)
         return StudyTables.load(Path(model))
@@ -189,7 +191,7 @@ def tables_of(model: Any, vary: Any, measures: Any, more: Mapping[str, Any], cal
         raise ModelError([Fault("model", f"this is {kind_of(model)}", shown(model), limit, remedy)], caller)
     base = model if isinstance(model, Mechanism) else load(Path(model))
     names = [measures] if isinstance(measures, str) else None if measures is None else list(measures)
-    raw = plain_tables({"measures": names, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **more})
+    raw = plain_tables({"measures": names, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **keys})
     return StudyTables(raw, caller, base=base)
 
 
@@ -230,8 +232,8 @@ class Allocation:
     study: Study
 
     def __repr__(self) -> str:
-        found = f"{self.fits}, cost {self.cost}"
-        return f"<Allocation for {self.study.model!r}: {found}; see .quantile, .rejected, .study>"
+        answer = f"{self.fits}, cost {self.cost}"
+        return f"<Allocation for {self.study.model!r}: {answer}; see .quantile, .rejected, .study>"
 
 
 def search_work(function: str, plan: Plan, options: SearchOptions) -> tuple[Job, StudyWork]:
@@ -246,10 +248,11 @@ def search_work(function: str, plan: Plan, options: SearchOptions) -> tuple[Job,
 def optimise(
     model: Model, vary: Vary = None, measures: Names = None, **options: Unpack[SearchOptions]
 ) -> Optimum:
-    """Search the parameters with which measures are least, or largest, within limits: min f(x) with low ≤
-    g(x) ≤ high; of several f the Pareto front. One f is searched by tree-structured Parzen estimators,
-    several by NSGA-II (optuna, extra ``optimise``); from the best of one f on derivatives of the run lead to
-    at most ``refine`` members more (SLSQP), where the measures have any.
+    """Find the parameters x that minimise measures f(x), or maximise them, within limits low ≤ g(x) ≤ high.
+
+    One measure is minimised by tree-structured Parzen estimators, of several the Pareto front is found by
+    NSGA-II (optuna, extra ``optimise``). From the best case of one measure a local search goes on with at
+    most ``refine`` further cases: by derivatives (SLSQP), or by values where these cannot be trusted.
 
     >>> vary = {"play": {"path": "joint.C.clearance", "from": "0.1 mm", "to": "0.5 mm"}}
     >>> aim = {"minimise": ["C.force.max"], "members": 100}
@@ -257,53 +260,48 @@ def optimise(
     >>> vfife.optimise(model, vary, measures, optimise=aim, limit=limit).best  # doctest: +SKIP
 
     ``model``, ``vary`` and ``measures`` as of :func:`vfife.study`, or alone the path of a study file; every
-    parameter has ``from`` and ``to``, or ``values``. ``more`` are the other keys of a study file:
-    ``optimise`` (``minimise``, ``maximise``, ``members``, ``seed``, ``batch``, ``refine``), ``limit`` (by
-    measure the most allowed, or ``low`` and ``high``), ``turns``, ``settle``, ``last``, ``step``, ``set``.
-    Numbers are in SI units, texts have theirs. ``file`` keeps the members, and the same search goes on after
-    what it has; ``force`` replaces another study there. ``workers``, ``cluster``, ``device``: where members
-    run. ``progress`` hears how many members have been computed.
-
-    ``confirm``: search even where it takes more than an hour, or half of the disk.
+    parameter has ``from`` and ``to``, or ``values``. Further keywords are keys of a study file: ``optimise``
+    (``minimise``, ``maximise``, ``members``, ``seed``, ``batch``, ``refine``), ``limit`` (by measure the
+    largest value, or ``low`` and ``high``), ``turns``, ``settle``, ``last``, ``step``, ``set``. Numbers are
+    in SI units, texts have theirs. ``file`` saves the cases, and the same search goes on with those that it
+    has. ``progress`` is called with the number of cases computed; the others are as of :func:`vfife.study`.
 
     Raises ModelError with all faults, VfifeError without optuna or where another study is in the file,
     HeldError, StorageError, DeviceError; after Ctrl-C a KeyboardInterrupt whose ``result`` is the study of
-    the members that ended, which are kept in ``file``, too.
+    the cases that have ended, which are saved in ``file``, too.
     """
     plan, search = read_search(tables_of(model, vary, measures, keys_of(options), "optimise()"))
     optuna_module()
     job, work = search_work("optimise", plan, options)
-    (candidates, last), study = work.search(
-        job, search_forecast(plan, search, work.known), lambda engine: run_search(engine, plan, search)
-    )
-    return Optimum(
-        tuple(pareto_front(search, candidates)), tuple(candidates), study, len(last.candidates), last.reason
-    )
+    forecast = search_forecast(plan, search, work.finished_file)
+    (candidates, last), study = work.search(job, forecast, lambda engine: run_search(engine, plan, search))
+    best = tuple(pareto_front(search, candidates))
+    return Optimum(best, tuple(candidates), study, len(last.candidates), last.reason)
 
 
 @with_options(SearchOptions, force=False, confirm=False)
 def allocate(
     model: Model, vary: Vary = None, measures: Names = None, **options: Unpack[SearchOptions]
 ) -> Allocation:
-    """Search the cheapest fits with which a measure keeps its limit in a share of all machines: min Σ cost
+    """Find the cheapest fits with which a measure y keeps its limit in a share of all machines: min Σ cost
     with P(y ≤ limit) ≥ share.
 
     >>> vfife.allocate("crank.toml").fits  # doctest: +SKIP
 
     Arguments as of :func:`vfife.optimise`; every parameter has a fit, a tolerance or a distribution, and
-    further keywords are ``allocation`` (``measure``, ``share``, ``confidence``, ``count``, ``seed``), ``cost`` (by
-    parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}) and ``limit``
-    (of the measure, a number in SI units or a text). Choices are tried from the cheapest on with the same
-    ``machines`` drawn for all. One is taken when at most k of n are beyond the limit, k the most with P(B ≤
-    k) ≤ 1 - confidence for B binomial of n and 1 - share; so of none beyond it n is 299 for 99 % with 95 %.
+    further keywords are ``allocation`` (``measure``, ``share``, ``confidence``, ``count``, ``seed``),
+    ``cost`` (by parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}) and
+    ``limit`` (of the measure, a number in SI units or a text). Choices are tried from the cheapest on with
+    the same ``machines`` drawn for all. One is taken when at most k of n are beyond the limit, k the most
+    with P(B ≤ k) ≤ 1 - confidence for B binomial of n and 1 - share; so of none beyond it n is 299 for 99 %
+    with 95 %.
 
     Raises what :func:`vfife.optimise` raises, but needs no optuna.
     """
     plan, task = read_allotment(tables_of(model, vary, measures, keys_of(options), "allocate()"))
     job, work = search_work("allocate", plan, options)
-    found, study = work.search(
-        job, allotment_forecast(plan, task, work.known), lambda engine: allocate_fits(engine, task)
-    )
-    chosen, rejected = found.choice, tuple((task.fits(one), one.cost) for one in found.rejected)
+    forecast = allotment_forecast(plan, task, work.finished_file)
+    answer, study = work.search(job, forecast, lambda engine: allocate_fits(engine, task))
+    chosen, rejected = answer.choice, tuple((task.fits(one), one.cost) for one in answer.rejected)
     cheapest, cost = (None, None) if chosen is None else (task.fits(chosen), chosen.cost)
-    return Allocation(cheapest, cost, found.estimate, found.failures, found.count, rejected, study)
+    return Allocation(cheapest, cost, answer.estimate, answer.failures, answer.count, rejected, study)

@@ -51,7 +51,7 @@ def optimise(options: SearchOptions) -> None:
         job = StudyCommand(options, options.yes, "search")
         work = StudyWork(job.target, plan, options.resources(), options.force)
     with searching(job):
-        forecast = search_forecast(plan, search, work.known)
+        forecast = search_forecast(plan, search, work.finished_file)
         (members, refined), _ = work.search(job, forecast, lambda engine: run_search(engine, plan, search))
     from ...studies.methods.optimise import pareto_front
     from ...studies.spec.study_file import units_of
@@ -95,7 +95,9 @@ def allocate(options: SearchOptions) -> None:
         work = StudyWork(job.target, plan, options.resources(), options.force)
     with searching(job):
         result, _ = work.search(
-            job, allotment_forecast(plan, task, work.known), lambda engine: allocate_fits(engine, task)
+            job,
+            allotment_forecast(plan, task, work.finished_file),
+            lambda engine: allocate_fits(engine, task),
         )
     if options.as_json or not options.quiet:
         from ...report.study import allocation

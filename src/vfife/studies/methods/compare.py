@@ -66,12 +66,12 @@ class RecordingLane(Lane):
         return min(ROOM, room or ROOM, self.assembly.choice.outputs - self.done)
 
     def start(self, state: Array) -> None:
-        """The first output."""
+        """Take the first output."""
         self.began = time.perf_counter()
         super().start(state)
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
-        """Some outputs."""
+        """Take some outputs."""
         super().take(rows, broken, state)
         if self.settling is not None:
             self.settling.take(rows)
@@ -89,9 +89,8 @@ class RecordingLane(Lane):
             return None
         rows, loop = np.concatenate(self.parts), choose_loop(self.assembly, self.prepared.loop)
         steps, wall = np.arange(len(rows), dtype=np.int64) * self.every, time.perf_counter() - self.began
-        record = Record(
-            self.assembly, steps, rows, self.handed, wall, loop, final=self.final, reached=int(steps[-1])
-        )
+        end: dict[str, Any] = {"final": self.final, "reached": int(steps[-1])}
+        record = Record(self.assembly, steps, rows, self.handed, wall, loop, **end)
         if self.prepared.searches and (tried := finer(record)) is not None:
             return RecordingLane(self.number, self.prepared, halved(self.prepared, self.assembly, tried))
         self.result = concluded(record, self.prepared.reference)
@@ -102,10 +101,8 @@ def fits_lane(one: Prepared) -> bool:
     """Whether a run may be made in a lane: not with companions, which need the lanes beside it, and not one
     that is refined.
     """
-    return (
-        not (one.static or one.companions or one.refined)
-        and choose_loop(one.assembly, one.loop) == "generated"
-    )
+    alone = one.static or one.companions or one.refined
+    return not alone and choose_loop(one.assembly, one.loop) == "generated"
 
 
 def run_all(
@@ -120,10 +117,8 @@ def run_all(
 
     def tick() -> None:
         if progress is not None:
-            done, steps = (
-                sum(one.done * one.every for one in lanes),
-                sum(one.assembly.choice.steps for one in lanes),
-            )
+            done = sum(one.done * one.every for one in lanes)
+            steps = sum(one.assembly.choice.steps for one in lanes)
             progress(Progress(done, steps, time.perf_counter() - began))
 
     largest_kind = max(Counter(one.assembly.topology for one in lanes).values(), default=0)
@@ -152,9 +147,8 @@ class Parts:
         """Return the file of a run, which exists once it is complete."""
         meta = one.kept
         key = [meta["model"], sorted(meta["asked"].items()), meta["versions"], one.companions]
-        return (self.folder or Path(os.devnull)) / NAME.format(
-            hashlib.blake2b(repr(key).encode(), digest_size=10).hexdigest()
-        )
+        name = NAME.format(hashlib.blake2b(repr(key).encode(), digest_size=10).hexdigest())
+        return (self.folder or Path(os.devnull)) / name
 
     def load(self, one: Prepared) -> Result | None:
         """Return a run that was made before; None where there is none, or it is damaged."""
@@ -181,14 +175,7 @@ class Parts:
 
 
 Choice = str | Law | type[Law]
-PER_JOINT = (
-    "force.max",
-    "penetration.max",
-    "impacts",
-    "grazing",
-    "deep_landings",
-    "share.continuous_contact",
-)
+PER_JOINT = "force.max", "penetration.max", "impacts", "grazing", "deep_landings", "share.continuous_contact"
 
 
 class CompareOptions(Run, Watch, total=False):
@@ -206,44 +193,41 @@ def compare(
     friction: Sequence[Choice] = (),
     **options: Unpack[CompareOptions],
 ) -> Comparison:
-    """Run a mechanism under every pair of the given laws, and under its own where a kind is not given.
+    """Run a mechanism with every pair of a ``contact`` and a ``friction`` law, in lanes on all cores.
 
-    A law is a name, a class or an instance. Of a name or a class the parameters are those of the law it takes
-    the place of, where both have a field of the same name and unit (restitution, coefficient ...), else its
-    defaults. ``joints``: those whose laws are changed, all with clearance if left out. Runs are made side by
-    side, on all cores. ``progress`` receives a word on all of them first, then the name of each when it has
-    ended, and may return a call for how far all are; the others are arguments of :func:`~vfife.simulate`.
-    Without companions, which are none unless asked for, an automatic step is the finer one that nobody has to
-    look at. Ctrl-C ends with the runs that are complete. In a ``folder`` (there already) they are kept until
-    all are, so that the same comparison, broken off or killed, goes on after them. ``confirm``: compare even
-    where it takes more than an hour, or half of the memory. Raises VfifeError with every law that cannot be
-    used, before the first run, and StorageError where a run cannot be kept.
+    A law is a name, a class or an instance; where no law of a kind is named, each joint keeps its own. A name
+    or a class takes over the parameters of the law that it replaces, where both have a field of the same name
+    and unit (restitution, coefficient ...). ``joints``: those whose laws are replaced, by default all with
+    clearance. Runs have no ``companions`` by default, and so the finer automatic step; these and the other
+    keywords are as of :func:`~vfife.simulate`. ``progress`` is called with a text on all runs first, then
+    with the name of each as it ends, and may return a function that is called with the progress of all.
+
+    Ctrl-C ends it with the runs that are complete. They are saved in a ``folder``, which has to exist, until
+    all are complete, so that the same comparison goes on after an interrupt or a kill. ``confirm``: compare
+    even where it takes more than an hour, or half of the memory. Raises VfifeError with every law that cannot
+    be used, before the first run, and StorageError where a run cannot be saved.
     """
-    given, folder = Arguments("compare"), options["folder"]
+    arguments, folder = Arguments("compare"), options["folder"]
     progress: Any = options["progress"]
-    given.mechanism(mechanism)
-    asked = given.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
-    given.callable("progress", progress)
-    given.kind("folder", folder, (str, Path, type(None)), "a folder")
-    given.check()
+    arguments.mechanism(mechanism)
+    run = arguments.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
+    arguments.callable("progress", progress)
+    arguments.kind("folder", folder, (str, Path, type(None)), "a folder")
+    arguments.check()
     names = chosen_joints(mechanism, options["joints"])
     variants = list(law_variants(mechanism, contact, friction, names))
-    reference = (
-        reference_of(mechanism, asked.turns, asked.duration)
-        if outlook(mechanism, asked.turns, asked.duration).through
-        else None
-    )
-    labels, runs = [label for label, _ in variants], prepare_all(variants, reference, asked)
+    through = outlook(mechanism, run.turns, run.duration).through
+    reference = reference_of(mechanism, run.turns, run.duration) if through else None
+    labels, runs = [label for label, _ in variants], prepare_all(variants, reference, run)
     parts = Parts(None if folder is None else Path(folder))
-    lines: list[Callable[[Progress], None] | None] = [None]
+    lines: list[Callable[[Progress], None] | None] = [None]  # that of the run that ended last is called
     name = progress if callable(progress) and not isinstance(progress, Job) else lambda text: None
-    job = job_of(
-        "compare",
-        folder,
-        options["confirm"],
-        progress,
-        lambda one: None if lines[-1] is None else lines[-1](one),
-    )
+
+    def show(one: Progress) -> None:
+        if lines[-1] is not None:
+            lines[-1](one)
+
+    job = job_of("compare", folder, options["confirm"], progress, show)
     job.begin(forecast([one for one in runs if not parts.path(one).is_file()], len(runs)))
     results: dict[int, Result] = {}
     with job, suppress(KeyboardInterrupt):
@@ -259,7 +243,7 @@ def compare(
 
 
 def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
-    """The forecast of runs that are left of those planned: side by side in lanes, or one after another."""
+    """Forecast the runs that are left of those planned: in lanes, or one after another."""
     costs = [run_cost(one.assembly, companions=one.companions, refined=one.refined) for one in left]
     lanes = stream_lanes(1) if left and fits_lane(left[0]) else 1
     faster = cores() * min(lanes, len(left)) / LANES[lanes] if lanes > 1 and len(left) > 1 else 1.0
@@ -268,18 +252,8 @@ def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
         seconds *= 1e9 * timed_step(left[0].assembly) / costs[0].ns_per_step
     steps = sum(one.assembly.choice.steps for one in left) / max(len(left), 1)
     memory, disk = sum(one.memory - LIBRARIES for one in costs) + LIBRARIES, sum(one.disk for one in costs)
-    return Forecast(
-        "run",
-        len(left),
-        steps,
-        seconds,
-        memory,
-        disk,
-        planned - len(left),
-        cores(),
-        lanes,
-        less="compare fewer laws, or over fewer turns",
-    )
+    amounts = len(left), steps, seconds, memory, disk, planned - len(left), cores(), lanes
+    return Forecast("run", *amounts, less="compare fewer laws, or over fewer turns")
 
 
 def run_missing(
@@ -298,21 +272,19 @@ def run_missing(
 
 
 def chosen_joints(mechanism: Mechanism, joints: Iterable[str] | None) -> tuple[str, ...]:
-    """Joints whose laws are changed. Raises VfifeError for one without clearance."""
-    known = mechanism.clearances
-    if not known:
+    """Return the joints whose laws are replaced. Raises VfifeError for one without clearance."""
+    clearances = mechanism.clearances
+    if not clearances:
         what = "no joint of this mechanism has clearance, so there is no law to compare"
         raise VfifeError(f'{what}; give one kind = "clearance"')
-    names = tuple(dict.fromkeys(joints)) if joints is not None else tuple(known)
+    names = tuple(dict.fromkeys(clearances if joints is None else joints))
     for name in names:
-        if name in mechanism.joints and name not in known:
-            raise VfifeError(
-                f"joint {name} is ideal and has no law; joints with clearance are {', '.join(known)}"
-            )
-        if name not in known:
-            raise VfifeError(
-                f"there is no joint {name!r}. {suggestion(name, known, 'Name one with clearance')}"
-            )
+        if name in mechanism.joints and name not in clearances:
+            remedy = f"joints with clearance are {', '.join(clearances)}"
+            raise VfifeError(f"joint {name} is ideal and has no law; {remedy}")
+        if name not in clearances:
+            remedy = suggestion(name, clearances, "Name one with clearance")
+            raise VfifeError(f"there is no joint {name!r}. {remedy}")
     return names
 
 
@@ -325,9 +297,8 @@ def law_variants(
     if not contact and not friction:
         raise VfifeError("name contact laws, friction laws or both; `vfife laws` lists them")
     contacts: list[Law | type[Law] | None] = [law_of(one, ContactLaw, "contact") for one in contact] or [None]
-    frictions: list[Law | type[Law] | None] = [law_of(one, FrictionLaw, "friction") for one in friction] or [
-        None
-    ]
+    frictions: list[Law | type[Law] | None] = [law_of(one, FrictionLaw, "friction") for one in friction]
+    frictions = frictions or [None]
     for normal, tangential in itertools.product(contacts, frictions):
         changed = dict(mechanism.joints)
         for name in joints:
@@ -377,13 +348,13 @@ def replaced_law(old: Law, new: Law | type[Law] | None) -> Law:
 
 
 def prepare_all(
-    variants: Sequence[tuple[str, Mechanism]], reference: Result | None, asked: RunArguments
+    variants: Sequence[tuple[str, Mechanism]], reference: Result | None, arguments: RunArguments
 ) -> list[Prepared]:
     """Prepare the run of every variant. Raises VfifeError with all that cannot be run."""
     faults, runs = [], []
     for label, variant in variants:
         try:
-            runs.append(prepare(variant, asked, reference if reference is not None else False))
+            runs.append(prepare(variant, arguments, reference if reference is not None else False))
         except ValueError as error:
             faults.append(f"{label}: {error}")
     if faults:

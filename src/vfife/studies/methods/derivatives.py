@@ -184,12 +184,12 @@ def size_of_change(one: Derivative, name: str) -> float:
     return abs(one.value * one.changes.get(name, one.values.get(name, 0.0)))
 
 
-def matters(found: Sensitivity, name: str, path: str) -> bool:
+def matters(answer: Sensitivity, name: str, path: str) -> bool:
     """Whether a measure depends on a number at all."""
-    has_change = name in next(one for one in found.derivatives if one.path == path).changes
-    return abs(found.elasticity(name, path)) > NOTHING or (
-        has_change and abs(found.change(name, path)) > NO_CHANGE
-    )
+    has_change = name in next(one for one in answer.derivatives if one.path == path).changes
+    if has_change and abs(answer.change(name, path)) > NO_CHANGE:
+        return True
+    return abs(answer.elasticity(name, path)) > NOTHING
 
 
 @dataclass(frozen=True)
@@ -295,10 +295,10 @@ def record_pairs(
     """
     smooth = [one for one in directions if comparable(assembly, one.near)]
     shares = displaced(count, assembly.mechanism.settings.parts)
-    kept = measures.rows(assembly) if measures.extremes else None
+    rows = measures.rows(assembly) if measures.extremes else None
     yield from zip(
         smooth,
-        tangents(assembly, [one.near for one in smooth], shares, recorded=kept, last_turn=measures.extremes),
+        tangents(assembly, [one.near for one in smooth], shares, recorded=rows, last_turn=measures.extremes),
         strict=True,
     )
     for one in directions:

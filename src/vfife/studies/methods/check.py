@@ -1,4 +1,4 @@
-"""A mechanism examined before a run, in Python: what ``vfife check`` tells of a file."""
+"""Check of a mechanism before a run: ``vfife check`` in Python."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ from ...report.check import Checked
 from ...report.check import checked as summarised
 from ...simulation.start import expected_forces, first_contact_steps, ideal_of, referred
 
-BRIEF = 1_000_000  # steps of an ideal mechanism that need no patience
+BRIEF = 1_000_000  # steps of an ideal mechanism, which take about a second
 
 
 def checked(mechanism: Mechanism) -> Checked:
-    """Examines a mechanism; the step is that with which :func:`~vfife.simulation.simulate.simulate` begins,
-    which follows from the forces that the joints of the ideal mechanism carry. Where that takes more than a
-    million steps the contact laws alone set it.
+    """Check a mechanism. The step is that with which :func:`~vfife.simulation.simulate.simulate` begins.
+
+    It follows from the forces in the joints of the ideal mechanism, or where that takes more than a million
+    steps, from the contact laws alone.
 
     Raises ModelError with every fault, AssemblyError where no position satisfies its joints or it jams on its
     way.
     """
     validate(mechanism)
-    seen = outlook(mechanism)
-    ideal = ideal_of(mechanism) if seen.through else None
+    motion = outlook(mechanism)
+    ideal = ideal_of(mechanism) if motion.through else None
     expected = expected_forces(referred(ideal if ideal is not None and ideal.choice.steps <= BRIEF else None))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
-    return summarised(assemble(mechanism, expected=expected, contact_steps=begin), seen.notes)
+    return summarised(assemble(mechanism, expected=expected, contact_steps=begin), motion.notes)
