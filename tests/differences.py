@@ -16,7 +16,8 @@ import numpy as np
 
 import vfife
 from vfife.assembly.assemble import assemble
-from vfife.measures.catalogue import PEAKS, last_turn, over_turn
+from vfife.measures.catalogue import PEAKS, over_turn
+from vfife.measures.turns import last_turn
 from vfife.modelfile import dump
 from vfife.modelfile.parameter import numbers
 from vfife.solvers.record import Record

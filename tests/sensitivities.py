@@ -12,7 +12,8 @@ import vfife
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.errors import VfifeError
-from vfife.measures.catalogue import PEAKS, last_turn, over_turn
+from vfife.measures.catalogue import PEAKS, over_turn
+from vfife.measures.turns import last_turn
 from vfife.model.functions import turn_of
 from vfife.modelfile import dump, loads
 from vfife.modelfile.parameter import numbers

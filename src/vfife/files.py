@@ -10,14 +10,13 @@ end, or never begin: :func:`read_bytes` refuses both.
 from __future__ import annotations
 
 import errno
-import io
 import os
 import shutil
 import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, TextIO
 
 if TYPE_CHECKING:
     import pandas
@@ -85,16 +84,25 @@ def remove_unfinished() -> None:
             temporary.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str, newline: str | None = None) -> None:
-    """Write a text file (UTF-8): afterwards there is the old file or the new one, never a part of it.
+@contextmanager
+def text_stream(path: Path, newline: str | None = None) -> Iterator[TextIO]:
+    """Yield a stream that writes a text file (UTF-8): afterwards there is the old file or the new one, never
+    a part of it.
 
     A terminal or pipe, as in ``-o /dev/stdout``, is written to directly. Raises OSError.
     """
     if path.exists() and not path.is_file():
-        path.write_text(text, encoding="utf-8", newline=newline)
+        with path.open("w", encoding="utf-8", newline=newline) as stream:
+            yield stream
         return
-    with replacement(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline=newline)
+    with replacement(path) as temporary, temporary.open("w", encoding="utf-8", newline=newline) as stream:
+        yield stream
+
+
+def write_text(path: Path, text: str, newline: str | None = None) -> None:
+    """Write a text file whole or not at all, as :func:`text_stream` does."""
+    with text_stream(path, newline) as stream:
+        stream.write(text)
 
 
 def read_bytes(path: str | Path, largest: int = LARGEST) -> bytes:
@@ -147,9 +155,8 @@ def write_rows(path: str | Path, rows: Iterable[Iterable[Any]]) -> None:
     """
     import csv
 
-    stream = io.StringIO(newline="")
-    csv.writer(stream).writerows(rows)
-    write_text(Path(path), stream.getvalue(), newline="")
+    with text_stream(Path(path), newline="") as stream:
+        csv.writer(stream).writerows(rows)
 
 
 def write_named(path: str | Path, heads: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:

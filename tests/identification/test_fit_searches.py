@@ -118,7 +118,9 @@ def turning(t, numbers, step):
 
 def test_what_steps_decide_is_called_not_known():
     _, _, found = fitted(Closed(wild), ("a",), {"a": 0.4})
-    assert not found["a"].known and not found["a"].told and found.json()["parameters"][0]["known"] is False
+    assert (
+        not found["a"].known and not found["a"].determined and found.json()["parameters"][0]["known"] is False
+    )
     assert any("with other steps, so no confidence is known" in note for note in found.notes)
 
 

@@ -127,7 +127,7 @@ def test_what_acts_as_one_cannot_be_told_apart(tmp_path):
         and "up with spring.k" in found.undetermined[0]
         and "down" in found.undetermined[0]
     )
-    assert not found["spring.k.stiffness"].told
+    assert not found["spring.k.stiffness"].determined
 
 
 def test_a_number_without_influence_is_named(tmp_path):

@@ -11,7 +11,7 @@ import pytest
 
 import vfife
 from vfife.laws.materials import PAIRS, coefficient
-from vfife.measures.wear import PLACES, Rubbed, areas, around, depths, half_arc, rubbed
+from vfife.measures.wear import PLACES, Rubbing, areas, depths, half_arc, rubbing, work_around
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
 
@@ -104,7 +104,7 @@ def test_parts_of_an_interval_lie_on_an_arc():
     """sin(a)/a of an arc; what is laid around is all of it, on both sides of the seam."""
     arcs = np.array([0.0, 0.1, 1.0, 2.5])
     assert half_arc(np.sinc(arcs / np.pi)) == pytest.approx(arcs, abs=2e-3)
-    found = around(Rubbed(np.array([3.0, 1.0]), np.array([np.pi - 0.1, 0.5]), np.array([0.3, 0.0])))
+    found = work_around(Rubbing(np.array([3.0, 1.0]), np.array([np.pi - 0.1, 0.5]), np.array([0.3, 0.0])))
     assert found.sum() == pytest.approx(4.0, rel=1e-12, abs=0.0)
     assert found[: PLACES // 4].sum() == pytest.approx(
         3.0 * 0.2 / 0.6, rel=1e-9, abs=0.0
@@ -128,5 +128,5 @@ def test_a_pair_of_materials_has_its_coefficient_over_the_hardness():
 
 
 def test_where_nothing_is_rubbed_nothing_is_laid_around():
-    assert not around(rubbed(turning(Wear()).record, 0, "bearing")).min() < 0.0
+    assert not work_around(rubbing(turning(Wear()).record, 0, "bearing")).min() < 0.0
     assert not any(one.any() for one in depths(turning(Wear()).record, 0))

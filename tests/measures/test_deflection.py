@@ -8,7 +8,14 @@ import pytest
 from support import go
 from vfife.assembly.assemble import assemble
 from vfife.measures.catalogue import measures
-from vfife.measures.elastic import along, elongation, fibres, largest_off_the_chord, off_the_start, stress
+from vfife.measures.elastic import (
+    element_places,
+    elongation,
+    end_deflection,
+    fibres,
+    largest_deflection,
+    stress,
+)
 from vfife.model.bodies import Frame, Member, Section
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings
@@ -41,11 +48,11 @@ def test_a_cantilever_under_a_force_across_its_tip() -> None:
     """
     force, rigidity = 1.0, YOUNG * SECTION.second_moment
     record = pulled(0.0, force)
-    assert off_the_start(record, "beam")[-1] == pytest.approx(force * LENGTH**3 / (3 * rigidity), rel=1e-5)
+    assert end_deflection(record, "beam")[-1] == pytest.approx(force * LENGTH**3 / (3 * rigidity), rel=1e-5)
     places = np.linspace(0.0, LENGTH, 17)
     from_tip = LENGTH - places
     exact = -force * from_tip * (LENGTH**2 - from_tip**2) / (6 * rigidity)
-    assert largest_off_the_chord(record, "beam")[-1] == pytest.approx(exact.min(), rel=1e-4)
+    assert largest_deflection(record, "beam")[-1] == pytest.approx(exact.min(), rel=1e-4)
     tension, compression = fibres(record)
     assert tension[-1, 0, 0] == pytest.approx(force * LENGTH / MODULUS, rel=1e-5)
     assert compression[-1, 0, 0] == pytest.approx(-force * LENGTH / MODULUS, rel=1e-5)
@@ -74,9 +81,9 @@ def test_the_place_of_the_largest_stress() -> None:
     assert found["beam.stress.place"] == 0.0
     assert found["beam.tension.max"] == fibres(record)[0].max() > 0.0
     assert found["beam.compression.max"] == -fibres(record)[1].min() > 0.0
-    assert found["beam.deflection.max"] == np.abs(largest_off_the_chord(record, "beam")).max() > 0.0
+    assert found["beam.deflection.max"] == np.abs(largest_deflection(record, "beam")).max() > 0.0
     np.testing.assert_allclose(
-        along(record), np.column_stack([np.arange(8), np.arange(1, 9)]) * 0.1, rtol=1e-12
+        element_places(record), np.column_stack([np.arange(8), np.arange(1, 9)]) * 0.1, rtol=1e-12
     )
 
 
@@ -92,7 +99,7 @@ def test_places_of_a_frame_count_along_its_members() -> None:
     )
     m.weld("clamp", "ground.O", "arm.a")
     record = go(m, 1e-6, outputs=2)
-    np.testing.assert_allclose(along(record), [[0.0, 0.2], [0.2, 0.4], [0.0, 0.3]])
+    np.testing.assert_allclose(element_places(record), [[0.0, 0.2], [0.2, 0.4], [0.0, 0.3]])
 
 
 def test_the_middle_of_one_element_bends() -> None:
@@ -101,4 +108,4 @@ def test_the_middle_of_one_element_bends() -> None:
     """
     record = pulled(0.0, 0.0, moment=2.0, elements=1)
     exact = -2.0 * LENGTH**2 / (8 * YOUNG * SECTION.second_moment)
-    assert largest_off_the_chord(record, "beam")[-1] == pytest.approx(exact, rel=1e-3)
+    assert largest_deflection(record, "beam")[-1] == pytest.approx(exact, rel=1e-3)

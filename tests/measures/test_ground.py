@@ -14,7 +14,7 @@ from vfife.gallery import slider_crank
 from vfife.kinematics.forces import Datum, actions
 from vfife.measures import last_turn
 from vfife.measures.catalogue import measures
-from vfife.measures.ground import ground_load
+from vfife.measures.forces import ground_load
 from vfife.measures.motion import velocities
 from vfife.model.drivers import Torque
 
@@ -195,7 +195,7 @@ def test_a_machine_that_gives_nothing_off_has_no_efficiency() -> None:
 
 def test_damping_slows_what_a_point_does() -> None:
     """A point's acceleration is that of its velocity, with mass-proportional damping too."""
-    from vfife.measures.guides import point_motion
+    from vfife.measures.motion import point_motion
 
     record = go(with_settings(two_motors(), damping=20.0), 2e-6, duration=4e-3, outputs=2000)
     moved = point_motion(record, "second.end")

@@ -10,8 +10,7 @@ import pytest
 from support import go
 from vfife.gallery import quick_return, slider_crank, slider_crank_loose_guide
 from vfife.measures.catalogue import measures
-from vfife.measures.guides import point_motion, slider_motion, sliders
-from vfife.measures.motion import times
+from vfife.measures.motion import point_motion, slider_motion, sliders, times
 
 SPEED = 100.0
 CRANK, ROD = 0.050, 0.120  # m

@@ -12,14 +12,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from vfife.laws import Ambrosio, ContactLaw, FrictionLaw, LankaraniNikravesh, Pair, Pereira
-from vfife.measures.impact import (
-    breakaway,
-    free_impact,
-    presliding,
-    remembers,
-    steady_sliding,
-    with_restitution,
-)
+from vfife.measures.impact import breakaway, free_impact, presliding, steady_sliding, with_restitution
 
 PAIR = Pair(0.01, 2e-4, 0.02)
 
@@ -80,7 +73,7 @@ def test_steady_sliding_through_a_law_without_memory():
     assert steady_sliding(law, PAIR, 80.0, speeds) == pytest.approx(
         [16.0, 8.0, 0.0, 0.0, -8.0, -16.0], rel=1e-6
     )
-    assert not remembers(law, PAIR, 80.0)
+    assert not law.memory
 
 
 def test_small_sliding_through_dahls_law():
@@ -105,7 +98,7 @@ def test_small_sliding_through_dahls_law():
             return -s * z, z
 
     reach = 0.1 * 100.0 / 1e7
-    assert remembers(Dahl(), PAIR, 100.0)
+    assert Dahl().memory
     assert breakaway(Dahl(), PAIR, 100.0) == pytest.approx(reach * math.log(20.0), rel=0.05)
     place, force = presliding(Dahl(), PAIR, 100.0, 2.0 * reach)
     assert -force[:401] == pytest.approx(10.0 * (1.0 - np.exp(-place[:401] / reach)), abs=1e-6)

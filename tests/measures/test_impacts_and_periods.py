@@ -13,10 +13,10 @@ import pytest
 from made_records import STEP, made_record
 from support import four_bar, journal_in_bearing
 from vfife.laws import Coulomb, LuGre, Pair
-from vfife.measures.chaos import ALIKE, apart, exponent, period, rotation, verdict, zero_one
+from vfife.measures.chaos import EQUAL, exponent, period, recurrence_distance, rotation, verdict, zero_one
 from vfife.measures.contacts import impacts, largest_pressures, line_pressure, mean_pressure
 from vfife.measures.forces import normals
-from vfife.measures.impact import nothing_remembered, presliding
+from vfife.measures.impact import initial_memory, presliding
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
 
@@ -78,9 +78,9 @@ def test_a_contact_that_has_begun_at_the_start_and_one_that_never_does() -> None
 
 def test_points_at_rest_are_alike_within_a_hundred_thousandth_of_their_size() -> None:
     for share, found in ((0.9, 1), (1.2, 2)):
-        assert period(2.0 * (1.0 + share * ALIKE * (np.arange(12) % 2)), tolerance=1e-9) == found
-    assert ALIKE == 1e-5 and apart(np.array([1.0, 2.0] * 6)) == 0.0
-    assert apart(np.array([1.0, 2.0] * 6), 1) == 1.0
+        assert period(2.0 * (1.0 + share * EQUAL * (np.arange(12) % 2)), tolerance=1e-9) == found
+    assert EQUAL == 1e-5 and recurrence_distance(np.array([1.0, 2.0] * 6)) == 0.0
+    assert recurrence_distance(np.array([1.0, 2.0] * 6), 1) == 1.0
     assert period(np.arange(30.0)) is None and period(np.array([1.0, 2.0] * 2)) is None, (
         "a period has to be seen three times"
     )
@@ -188,8 +188,7 @@ def test_line_contact_of_hertz_and_its_limit() -> None:
 
 def test_memory_is_zero_at_the_start_in_as_many_numbers_as_there_are() -> None:
     memories = [
-        nothing_remembered(SimpleNamespace(memory=names))
-        for names in ((), ("z",), ("z", "v"), ("z", "v", "w"))
+        initial_memory(SimpleNamespace(memory=names)) for names in ((), ("z",), ("z", "v"), ("z", "v", "w"))
     ]  # type: ignore[arg-type]
     assert memories == [0.0, 0.0, (0.0, 0.0), (0.0, 0.0, 0.0)]
 

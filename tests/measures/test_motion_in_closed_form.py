@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 from made_records import STEP, made_record
-from vfife.measures.guides import point_motion, slider_motion
-from vfife.measures.motion import body_motion, body_velocity, pin_path, seen
+from vfife.measures.motion import (
+    body_motion,
+    body_velocity,
+    pin_path,
+    pin_places,
+    point_motion,
+    slider_motion,
+)
 from vfife.model.mechanism import Mechanism
 
 STEPS = np.arange(0, 30, 3)
@@ -84,6 +90,6 @@ def test_a_body_that_slides_along_a_turning_one_is_seen_from_it() -> None:
     s_found, v_found, a_found = slider_motion(record, "guide")
     assert s_found == pytest.approx(place, rel=1e-12)
     assert v_found == pytest.approx(rate, rel=1e-9) and a_found == pytest.approx(0.0, abs=1e-9 * SPEED**2)
-    assert seen(record, "joint", "journal").shape == (len(TIME), 1, 2)
+    assert pin_places(record, "joint", "journal").shape == (len(TIME), 1, 2)
     with pytest.raises(ValueError, match="there are guide"):
         slider_motion(record, "O")

@@ -10,11 +10,12 @@ import pytest
 from made_records import STEP, made_record
 from support import four_bar
 from vfife.laws import Coulomb
-from vfife.measures.catalogue import OVER_TURN, PEAKS, WantedMeasures, last_turn
+from vfife.measures import wear
+from vfife.measures.catalogue import OVER_TURN, PEAKS, RequestedMeasures
 from vfife.measures.contacts import losses, lost, mean_power
 from vfife.measures.energy import driving, ledger, too_open
-from vfife.measures.ground import ground_load, largest_shaking
-from vfife.measures.wear import rubbed
+from vfife.measures.forces import ground_load, largest_shaking
+from vfife.measures.turns import last_turn
 from vfife.model.bodies import Section
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
@@ -123,7 +124,7 @@ def test_what_turns_evenly_is_rubbed_at_the_angle_of_the_middle_of_each_interval
         wear_y=math.sin(direction) * work,
         particle_theta=turned,
     )
-    part = rubbed(record, 0, side)
+    part = wear.rubbing(record, 0, side)
     own = speed if side == "journal" else 0.0
     assert part.angle == pytest.approx(direction - own * 0.5 * (TIME[1:] + TIME[:-1]), rel=1e-12)
     assert part.work == pytest.approx(5.0 * np.diff(TIME), rel=1e-12) and part.spread == pytest.approx(
@@ -238,9 +239,13 @@ def test_the_last_turn_is_that_which_ends_with_the_run() -> None:
 def test_only_measures_that_are_named_are_taken() -> None:
     """All without names; influence parameters take the extremes with them, and counts are of the whole run."""
     every, few, lip, counts = (
-        WantedMeasures(names) for names in ((), ["C.sliding_velocity.max"], ["C.force.lip"], ["C.impacts"])
+        RequestedMeasures(names) for names in ((), ["C.sliding_velocity.max"], ["C.force.lip"], ["C.impacts"])
     )
-    assert (every.every, every.peaks, every.counts) == (OVER_TURN, True, True)
-    assert ([one.__name__ for one in few.every], few.peaks, few.counts) == (["largest_sliding"], False, False)
-    assert (lip.every, lip.peaks, lip.counts, lip.by_turn) == (PEAKS, True, False, True)
-    assert (counts.every, counts.peaks, counts.counts) == ((), False, True) and not few.by_turn
+    assert (every.groups, every.peaks, every.counts) == (OVER_TURN, True, True)
+    assert ([group.compute.__name__ for group in few.groups], few.peaks, few.counts) == (
+        ["largest_sliding"],
+        False,
+        False,
+    )
+    assert (lip.groups, lip.peaks, lip.counts, lip.by_turn) == (PEAKS, True, False, True)
+    assert (counts.groups, counts.peaks, counts.counts) == ((), False, True) and not few.by_turn

@@ -110,15 +110,15 @@ def test_line_pressure_of_a_roller_on_a_plane() -> None:
 
 
 def test_measures_of_pressure_hold_the_outputs(record) -> None:
-    from vfife.measures.catalogue import last_turn
-    from vfife.measures.contacts import load_times_speed, pressures
+    from vfife.measures.contacts import pressures, sliding_speed
+    from vfife.measures.turns import last_turn
 
     found, window = measures(record), last_turn(record)
     pressure, half, load = (one[window] for one in pressures(record))
     for k, name in enumerate("BCD"):
         assert pressure[:, k].max() <= found[f"{name}.contact_pressure.max"] <= 1.01 * pressure[:, k].max()
         assert half[:, k].max() <= found[f"{name}.contact_half_width.max"] <= 1.01 * half[:, k].max()
-        product = load_times_speed(record)[window, k]
+        product = load[:, k] * np.abs(sliding_speed(record))[window, k]
         assert found[f"{name}.pressure_velocity.max"] == product.max()
         assert found[f"{name}.pressure_velocity.mean"] == pytest.approx(product.mean(), rel=0.01)
     assert load.max() == pytest.approx(

@@ -15,7 +15,7 @@ from support import go, particle, times
 from vfife.assembly.assemble import assemble
 from vfife.kernels.arrays import FUNCTION, PARTICLE
 from vfife.kernels.step import travel
-from vfife.measures.ground import ground_load
+from vfife.measures.forces import ground_load
 from vfife.model.loads import GuideForce, PointForce
 from vfife.model.mechanism import Mechanism
 

@@ -16,8 +16,8 @@ from support import go, joint_gap
 from vfife.assembly.assemble import assemble
 from vfife.assembly.checks import shared
 from vfife.kinematics.initial import ideal_motion
+from vfife.measures.error_ranges import ranged
 from vfife.measures.forces import joint_force, joint_rows
-from vfife.measures.ranges import ranged
 from vfife.model.mechanism import Mechanism
 from vfife.report import check as described
 from vfife.report.summary import show

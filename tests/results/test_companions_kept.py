@@ -11,7 +11,7 @@ import pytest
 import vfife
 from support import four_bar
 from vfife.errors import ResumeError
-from vfife.measures.ranges import trust
+from vfife.measures.trust import trust
 from vfife.simulation.result import Result
 from vfife.simulation.simulate import carry_out, prepare
 from vfife.solvers import transient

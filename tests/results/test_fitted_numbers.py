@@ -10,15 +10,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vfife.results.fit import Fit, Laid, Value
+from vfife.results.fit import Fit, FitCurve, FitValue
 
-ONE = Value("k", ("spring.k.stiffness",), "N/m", 300.0, 5.0, 290.0, 320.0, (200.0, 600.0))
+ONE = FitValue("k", ("spring.k.stiffness",), "N/m", 300.0, 5.0, 290.0, 320.0, (200.0, 600.0))
 
 
-def fit_of(*values: Value, **changes: object) -> Fit:
+def fit_of(*values: FitValue, **changes: object) -> Fit:
     """A fit of some parameters with one curve that misses by half of its deviation."""
     measured = np.array([1.0, -1.0, 1.0, -1.0])
-    curve = Laid("b.x", "x", "m", "time", np.arange(4.0), measured, 1.5 * measured)
+    curve = FitCurve("b.x", "x", "m", "time", np.arange(4.0), measured, 1.5 * measured)
     made = Fit(
         "oscillator", "swing.csv", "complete", list(values), np.eye(len(values)), [], 0.0, 0.0, "time", [curve], [], 0, 0, "tangents",
         0.0, 0.95, 1.0,
@@ -34,8 +34,8 @@ def test_a_share_is_where_a_value_lies_between_its_bounds() -> None:
 
 
 def test_a_confidence_of_a_quarter_of_the_bounds_is_the_widest_that_tells() -> None:
-    assert replace(ONE, high=400.0).told and not replace(ONE, high=401.0).told
-    assert not replace(ONE, known=False).told
+    assert replace(ONE, high=400.0).determined and not replace(ONE, high=401.0).determined
+    assert not replace(ONE, known=False).determined
 
 
 def test_a_value_within_a_hundredth_of_either_bound_lies_on_it() -> None:

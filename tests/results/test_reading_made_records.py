@@ -16,7 +16,7 @@ from support import four_bar
 from vfife.errors import VfifeError
 from vfife.results.channels import channels, entities
 from vfife.results.series import joined
-from vfife.results.spectra import PARTS, length_of, sampled
+from vfife.results.spectra import PARTS, sampled
 from vfife.results.view import Reductions, View, turn_of
 from vfife.store.connections import unwritten
 from vfife.store.runfile import RunFile, missing
@@ -75,20 +75,17 @@ def test_reductions_are_over_the_last_turn_of_a_longer_record() -> None:
 def test_a_series_is_sampled_after_the_start() -> None:
     view = View(made(turns=3))
     one = sampled(view, "crank.torque")
-    assert (
-        len(one.values) == 3 * OUTPUTS
-        and (one.spacing, one.start) == pytest.approx((4 * STEP, 4 * STEP))
-        and one.turn == pytest.approx(TURN)
-    )
+    assert len(one.values) == 3 * OUTPUTS and one.label["turn"] == pytest.approx(TURN)
+    assert (one.spacing, one.label["start"]) == pytest.approx((4 * STEP, 4 * STEP))
     assert one.values == pytest.approx(np.sin(SPEED * 4 * STEP * np.arange(1, 3 * OUTPUTS + 1)), abs=1e-9)
-    assert (length_of(one, None, 2.0), length_of(one, TURN, None), length_of(one, None, None)) == (
+    assert (one.length(None, 2.0), one.length(TURN, None), one.length(None, None)) == (
         2 * OUTPUTS,
         OUTPUTS,
         None,
     )
     for said, what in (((0.1, 1.0), "not both"), ((None, 0.0), "above 0"), ((None, math.inf), "above 0")):
         with pytest.raises(VfifeError, match=what):
-            length_of(one, *said)
+            one.length(*said)
     uneven = made(turns=3)
     uneven.steps = uneven.steps.copy()
     uneven.steps[2:] += 4

@@ -23,8 +23,9 @@ from vfife.errors import ModelError
 from vfife.kernels.arrays import Layout
 from vfife.laws import Ambrosio, Frictionless
 from vfife.measures.catalogue import measures
+from vfife.measures.error_ranges import band, companion_records, own_ranges, ranged
 from vfife.measures.measured import Measured
-from vfife.measures.ranges import band, companion_records, own_ranges, ranged, trust
+from vfife.measures.trust import trust
 from vfife.measures.turns import record_of_companion
 from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism

@@ -15,7 +15,7 @@ from support import bits, journal_in_bearing, with_settings
 from vfife.cli.app import app
 from vfife.errors import ResumeError
 from vfife.measures.energy import drifting, ledger
-from vfife.measures.ranges import finer
+from vfife.measures.trust import finer
 from vfife.report.divergence import energy_cause
 from vfife.solvers import interrupts, transient
 from vfife.solvers.record import places

@@ -14,8 +14,9 @@ import vfife
 from support import with_settings
 from vfife import gallery
 from vfife.measures.catalogue import PEAKS
+from vfife.measures.error_ranges import error_of, estimate, ranged, sizes, values_of
 from vfife.measures.measured import Measured
-from vfife.measures.ranges import Trust, error_of, estimate, finer, ranged, sizes, trust, values_of
+from vfife.measures.trust import Trust, finer, trust
 from vfife.model.mechanism import Mechanism
 from vfife.simulation.result import Result
 from vfife.solvers.refinement import FINER, PARTS, SAMPLED, Differences, refine
@@ -270,6 +271,6 @@ def test_a_smooth_run_is_known_as_far_as_its_worst_error():
         vfife.gallery.four_bar_case_b().ideal(), turns=0.3, step="0.2 ms", force_step=True, reference=False
     ).record
     said = trust(record)
-    found = sizes(ranged(record, every=PEAKS), record.assembly.choice.step)
+    found = sizes(ranged(record, groups=PEAKS), record.assembly.choice.step)
     worst = max(record.estimate.errors[name] / size for name, size in found.items())
     assert said.apart == pytest.approx(worst, rel=1e-3) and worst > 1e-6

@@ -12,7 +12,7 @@ import pytest
 
 from support import four_bar
 from vfife.assembly.assemble import assemble
-from vfife.measures.turns import FEW, MANY, Turns, settling, told
+from vfife.measures.turns import FEW, MANY, Turns, classify, settling
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import LONGEST, Comparison, Settling, distance, outputs_of_a_turn, repeated_since
@@ -31,7 +31,7 @@ def sequence(values: np.ndarray) -> list[np.ndarray]:
 
 
 def say(values: np.ndarray, tolerance: float = 1e-3) -> Turns:
-    return told(sequence(values), Plain(), tolerance)  # type: ignore[arg-type]
+    return classify(sequence(values), Plain(), tolerance)  # type: ignore[arg-type]
 
 
 def logistic(r: float, count: int, start: float = 0.3) -> np.ndarray:

@@ -14,7 +14,8 @@ from differences import compared
 from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.kernels.polynomial import polynomial
-from vfife.measures.catalogue import last_turn, over_turn
+from vfife.measures.catalogue import over_turn
+from vfife.measures.turns import last_turn
 from vfife.modelfile import dump, loads
 from vfife.modelfile.parameter import Parameter, holds, numbers
 from vfife.solvers.tangents import changes, displaced, tangents

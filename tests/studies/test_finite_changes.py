@@ -12,7 +12,8 @@ from choice import default_cases
 from sensitivities import outside
 from vfife import gallery
 from vfife.assembly.assemble import assemble
-from vfife.measures.catalogue import PEAKS, last_turn, over_turn
+from vfife.measures.catalogue import PEAKS, over_turn
+from vfife.measures.turns import last_turn
 from vfife.results.derivatives import Derivative
 from vfife.solvers.ensemble import measures_of, step_sizes
 from vfife.solvers.record import recorded_rows

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from vfife.measures.wear import Rubbed
+from vfife.measures.wear import Rubbing
 from vfife.tribology.jumps import Standing, between, factor, jumps
 
 K = 1e-6
@@ -98,9 +98,9 @@ def test_what_the_mean_of_a_block_leaves_open_is_a_standard_error():
 
     surface = SimpleNamespace(joint="J", side="journal", k=1e-15)
     record = SimpleNamespace(assembly=SimpleNamespace(contact_joints=("J",)))
-    part = Rubbed(np.repeat([1.0, 2.0, 3.0], 4) / 4.0, np.zeros(12), np.zeros(12))
+    part = Rubbing(np.repeat([1.0, 2.0, 3.0], 4) / 4.0, np.zeros(12), np.zeros(12))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(wear_state, "rubbed", lambda *_: part)
+        patch.setattr(wear_state, "rubbing", lambda *_: part)
         patch.setattr(wear_state, "areas", lambda *_: (1.0, 2.0))
         depth, (spread,) = wear_state.rates(record, [surface], 3)
         assert spread == pytest.approx(1.0 / math.sqrt(3.0) / 2.0, rel=1e-14)

@@ -19,7 +19,8 @@ import vfife
 from differential import constrained as plain
 from differential.pencil import Drawn
 from loose_sample import EACH, FRESH, KINDS, drawn
-from vfife.measures.ranges import JUDGED, LOADS, own_ranges, sizes, trust
+from vfife.measures.error_ranges import JUDGED, LOADS, own_ranges, sizes
+from vfife.measures.trust import trust
 from vfife.simulation.result import Result
 from vfife.solvers.status import Status
 

@@ -10,7 +10,8 @@ import pytest
 
 import vfife
 from loose import known, made_up, of_the_gallery
-from vfife.measures.ranges import sizes, trust
+from vfife.measures.error_ranges import sizes
+from vfife.measures.trust import trust
 from vfife.model.mechanism import Mechanism
 from vfife.simulation.result import Result
 

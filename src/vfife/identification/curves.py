@@ -19,12 +19,11 @@ from ..assembly.reassemble import Reassembler
 from ..assembly.timestep import StepRequest
 from ..errors import VfifeError
 from ..kinematics.initial import attempt
-from ..measures.guides import point_motion
-from ..measures.motion import times
+from ..measures.motion import point_motion, times
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..results.channels import MADE, Channel, recorded
-from ..results.series import Column, columns
+from ..results.series import SeriesColumn, columns
 from ..results.view import View, standing
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
@@ -81,7 +80,11 @@ class Channels:
         )
 
     def _one(
-        self, record: Record, name: str, column: Column | None, entities: dict[str, Mapping[str, Channel]]
+        self,
+        record: Record,
+        name: str,
+        column: SeriesColumn | None,
+        entities: dict[str, Mapping[str, Channel]],
     ) -> Array:
         if column is None:
             point, _, what = name.rpartition(".")

@@ -19,7 +19,7 @@ from ..laws import ContactLaw, Pair
 from ..measures.impact import free_impact
 from ..model.reading import read_law
 from ..modelfile.paths import parsed
-from ..results.fit import Fit, Laid, Value
+from ..results.fit import Fit, FitCurve, FitValue
 from ..schema import Measure, value_of
 from ..studies.spec.sampling import sobol
 from .measurements import factor, numbers, split, table
@@ -112,7 +112,7 @@ def fit_law(
     parts = [one for one in np.split(best.fun, [len(loop.loading[0])]) if len(one) > 2]
     uncertainty = confidence_of(parts, parameters, share, best.jac, len(parameters), confidence)
     values = [
-        Value(
+        FitValue(
             s.name,
             (s.name,),
             s.unit,
@@ -129,10 +129,12 @@ def fit_law(
         )
     ]
     model, count = forces(law_at(share), pair, loop, speeds), len(loop.loading[0])
-    curves = [Laid("loading", "force", "N", "penetration", loop.loading[0], loop.loading[1], model[:count])]
+    curves = [
+        FitCurve("loading", "force", "N", "penetration", loop.loading[0], loop.loading[1], model[:count])
+    ]
     if back:
         curves.append(
-            Laid(
+            FitCurve(
                 "unloading", "force", "N", "penetration", loop.unloading[0], loop.unloading[1], model[count:]
             )
         )

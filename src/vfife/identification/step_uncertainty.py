@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
-from ..results.fit import Fit, Laid, Value
+from ..results.fit import Fit, FitCurve, FitValue
 from .batched_queries import Evaluations
 from .curves import Curves, Trace
 from .parameters import FitParameter, numbers_at
@@ -255,7 +255,7 @@ def concluded(
     if sensitivity is not None:
         errors, limits = widened(confidence, sensitivity, parameters, shares, evaluations.points)
     values = [
-        Value(
+        FitValue(
             one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high), (one.low, one.high), one.initial,
             one.logarithmic, sensitivity is None or sensitivity.trusted,
         )
@@ -319,14 +319,14 @@ def best_offset(misfit: Misfit, best: Fitted) -> float:
     return best.offset % span if misfit.offset.free else best.offset
 
 
-def best_curves(misfit: Misfit, best: Fitted, units: Mapping[str, str]) -> list[Laid]:
+def best_curves(misfit: Misfit, best: Fitted, units: Mapping[str, str]) -> list[FitCurve]:
     """Measured curves, and those of the best point."""
     curves, (over, places) = [], misfit.places()
     for k, curve in enumerate(misfit.measured.curves):
         factor, level = (float(value) for value in best.gains[:, k])
         unit = units.get(curve.channel, "") if not curve.proportional else "1"
         curves.append(
-            Laid(
+            FitCurve(
                 curve.channel,
                 curve.head,
                 unit,

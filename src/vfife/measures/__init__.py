@@ -2,9 +2,10 @@
 kernels.
 """
 
-from .catalogue import influence, last_turn, lip, measures
+from .catalogue import influence, lip, measures
 from .energy import Ledger, ledger
+from .error_ranges import ranged
 from .measured import Measured, Measures
-from .ranges import ranged
+from .turns import last_turn
 
 __all__ = ["Ledger", "Measured", "Measures", "influence", "last_turn", "ledger", "lip", "measures", "ranged"]

@@ -1,39 +1,230 @@
-"""The numbers a run is judged by, as one flat map of names to floats:
+"""The numbers by which a run is judged, as a flat map of names to floats:
 ``<joint or body>.<quantity>.<statistic>``.
 
-A measure is a function from a record and a window, a choice of its outputs, to numbers by name. Those of a
-turn are taken turn by turn, of the run and of its companions; those of a run are counted over all of it;
-those of a static analysis are the largest over its load factors.
+A *group* of measures is a function from a record and a window of its outputs to numbers by name.
+:data:`OVER_TURN` lists the groups that are computed turn by turn, of the run and of its companions,
+:data:`OVER_RUN` those that are counted over the whole run. Each states the units of its measures and the
+blocks of the state that it needs, so a new measure is one function and one entry here. Static analyses have
+their own (:mod:`~vfife.measures.statics`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
+from typing import TypeAlias
 
 from ..model.bodies import PointMass
-from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .contacts import largest_pressures, largest_sliding, losses
 from .elastic import largest_deflections, largest_stresses
 from .energy import driving, efficiency
-from .forces import joint_force, joint_force_max, joint_moment, joint_rows, shares
-from .ground import largest_shaking
-from .guides import largest_strokes
-from .motion import is_free, times
+from .forces import joint_force_max, joint_rows, largest_shaking, shares
+from .motion import largest_strokes
+from .statics import static_measures
+from .turns import Window, last_turn, named, whole_run
 from .wear import worn_depths, worn_volumes
 
-# an ideal maximum this small beside the largest of its kind is round-off or nothing, and no share of it says
-# anything
+# An ideal maximum below this share of the largest of its kind is round-off, and a ratio to it means nothing.
 NEGLIGIBLE = 1e-6
+COUNTS = {
+    "impacts": "onsets", "grazing": "grazing", "deep_landings": "deep", "landing_depth.max": "deepest", "approach_speed.max": "fastest"
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class MeasureGroup:
+    """Measures that one function computes.
+
+    ``units``: unit of each by the ending of its name. ``needs``: blocks that a record must hold, or it has
+    none of them.
+    """
+
+    compute: Callable[[Record, Window], dict[str, float]]
+    units: Mapping[str, str]
+    needs: tuple[str, ...] = ()
+
+    def has(self, name: str) -> bool:
+        """Whether a measure of this name belongs to the group."""
+        return name.endswith(tuple(f".{ending}" for ending in self.units))
+
+
+Groups: TypeAlias = tuple[MeasureGroup, ...]
+
+# ------------------------------------------------------------------------------------------ measures of
+# recorded extremes
+
+
+def largest_loads(record: Record, window: Window) -> dict[str, float]:
+    """``<joint>.force.max`` (N), and ``<joint>.moment.max`` (N m) of ideal joints that have one.
+
+    sqrt(max(F_x^2 + F_y^2)) and max|M| over all steps of the window, not over its outputs only.
+    """
+    loads = named(joint_rows(record), {"force.max": joint_force_max(record)[window].max(axis=0)})
+    moments = named(
+        record.assembly.ideals, {"moment.max": record.block("joint_moment_max")[window].max(axis=0)}
+    )
+    return loads | {name: moment for name, moment in moments.items() if moment > 0.0}
+
+
+def deepest_penetrations(record: Record, window: Window) -> dict[str, float]:
+    """``<contact>.penetration.max`` (m): the largest penetration (Eq. 21 of the paper) over all steps of the
+    window.
+    """
+    return named(
+        record.assembly.contacts,
+        {"penetration.max": record.block("contact_penetration_max")[window].max(axis=0)},
+    )
+
+
+def largest_accelerations(record: Record, window: Window) -> dict[str, float]:
+    """``<body>.angular_acceleration.max`` (rad/s^2) and ``<driven body>.torque.max`` (N m), largest sizes
+    over all steps.
+    """
+    rotations, torques = (
+        record.block(name)[window].max(axis=0) for name in ("body_alpha_max", "driven_torque_max")
+    )
+    found = {}
+    for name, body in record.assembly.bodies.items():
+        item = record.assembly.mechanism.bodies[name]
+        if not (isinstance(item, PointMass) and item.inertia == 0.0):
+            found[f"{name}.angular_acceleration.max"] = float(rotations[body.row])
+        if body.driven is not None:
+            found[f"{name}.torque.max"] = float(torques[body.driven])
+    return found
+
+
+def contact_counts(record: Record, window: Window) -> dict[str, float]:
+    """Numbers of contacts of a whole run, and how it divides among the modes of Eq. 19 of the paper.
+
+    ``<contact>.impacts``, ``.grazing``, ``.deep_landings`` (1), ``.landing_depth.max`` (m, penetration after
+    the first step of a contact), ``.approach_speed.max`` (m/s), ``.share.free_flight``, ``.impact`` and
+    ``.continuous_contact`` (1).
+    """
+    if not record.assembly.contacts:
+        return {}
+    counts = {
+        name: record.block(f"contact_{row}")[-1]
+        for name, row in COUNTS.items()
+        if record.keeps(f"contact_{row}")
+    }
+    modes = {f"share.{mode}": values for mode, values in shares(record).items()}
+    return named(record.assembly.contacts, counts | modes)
+
+
+# ------------------------------------------------------------------------------------------------------------
+# the table
+
+LOADS = MeasureGroup(largest_loads, {"force.max": "N", "moment.max": "N m"})
+PENETRATIONS = MeasureGroup(deepest_penetrations, {"penetration.max": "m"})
+ACCELERATIONS = MeasureGroup(
+    largest_accelerations, {"angular_acceleration.max": "rad/s^2", "torque.max": "N m"}
+)
+LOSSES = MeasureGroup(
+    losses,
+    {
+        "friction_energy.total": "J",
+        "impact_energy.total": "J",
+        "friction_power.mean": "W",
+        "impact_power.mean": "W",
+    },
+    ("contact_friction_work",),
+)
+VOLUMES = MeasureGroup(worn_volumes, {"bearing_wear.total": "m^3", "journal_wear.total": "m^3"})
+PEAKS: Groups = (LOADS, PENETRATIONS, ACCELERATIONS)  # extremes between outputs, by which a step is judged
+OVER_TURN: Groups = (
+    *PEAKS,
+    MeasureGroup(
+        driving, {"torque.mean": "N m", "torque.ripple": "1", "power.mean": "W"}, ("driven_work", "particle_theta")
+    ),
+    LOSSES,
+    MeasureGroup(largest_sliding, {"sliding_velocity.max": "m/s", "sliding_distance.total": "m"}, ("particle_u",)),
+    MeasureGroup(
+        largest_pressures,
+        {
+            "contact_pressure.max": "Pa", "contact_half_width.max": "m", "pressure_velocity.max": "W/m^2",
+            "pressure_velocity.mean": "W/m^2",
+        },
+    ),
+    MeasureGroup(
+        largest_strokes,
+        {"position.low": "m", "position.high": "m", "velocity.max": "m/s", "acceleration.max": "m/s^2"},
+        ("particle_u",),
+    ),
+    MeasureGroup(largest_shaking, {"shaking_force.max": "N", "shaking_moment.max": "N m"}, ("particle_x",)),
+    MeasureGroup(
+        largest_stresses, {"tension.max": "Pa", "compression.max": "Pa", "stress.place": "m"}, ("frame_axial_force",)
+    ),
+    MeasureGroup(largest_deflections, {"deflection.max": "m"}, ("frame_moment_1", "particle_x")),
+    MeasureGroup(efficiency, {"efficiency": "1"}, ("driven_work", "particle_x")),
+    VOLUMES,
+    MeasureGroup(worn_depths, {"bearing_wear_depth.max": "m", "journal_wear_depth.max": "m"}, ("wear_x",)),
+)  # fmt: skip
+OVER_RUN: Groups = (
+    MeasureGroup(
+        contact_counts,
+        {
+            "impacts": "1", "grazing": "1", "deep_landings": "1", "landing_depth.max": "m", "approach_speed.max": "m/s",
+            "share.free_flight": "1", "share.impact": "1", "share.continuous_contact": "1",
+        },
+    ),
+)  # fmt: skip
+# Groups for which one row a turn suffices: the largest of the extremes, and the sums at the end of the turn.
+BY_TURN: Groups = (*PEAKS, LOSSES, VOLUMES)
+INFLUENCES = {"force.lip": "%", "angular_acceleration.lip": "%"}
+INFLUENCE = tuple(f".{ending}" for ending in INFLUENCES)
+COUNTED = tuple(f".{ending}" for group in OVER_RUN for ending in group.units)
+UNITS = {
+    ending: unit for group in (*OVER_TURN, *OVER_RUN) for ending, unit in group.units.items()
+} | INFLUENCES
+
+
+def unit_of(measure: str) -> str:
+    """Unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of several
+    contacts of a joint.
+    """
+    ending = measure.partition(".")[2]
+    return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
+
+
+# -----------------------------------------------------------------------------------------------------------
+# evaluation
+
+
+def measures(
+    record: Record, reference: Mapping[str, float] | None = None, groups: Groups | None = None
+) -> dict[str, float]:
+    """Compute the measures of a run: largest values and sums over its last full crank turn, and counts of all
+    of it.
+
+    With the measures of a ``reference``, the ideal mechanism, also ``<joint>.force.lip`` and
+    ``<body>.angular_acceleration.lip`` (per cent).
+    """
+    if record.static:
+        return static_measures(record)
+    found = over_turn(record, last_turn(record), groups)
+    return found | compared(record, found, reference) | over_run(record)
+
+
+def over_turn(record: Record, window: Window, groups: Groups | None = None) -> dict[str, float]:
+    """Compute the measures of a turn, or those of some ``groups``; values that are not finite are left out."""
+    found: dict[str, float] = {}
+    for group in OVER_TURN if groups is None else groups:
+        if all(record.keeps(block) for block in group.needs):
+            found |= group.compute(record, window)
+    return {name: value for name, value in found.items() if math.isfinite(value)}
+
+
+def over_run(record: Record) -> dict[str, float]:
+    """Compute the measures of a whole run, up to its last output."""
+    return over_turn(record, whole_run(record), OVER_RUN)
 
 
 def lip(largest: float, ideal: float) -> float:
-    """(max - ideal max)/ideal max * 100, in per cent: Eq. 38 for forces, Eq. 39 for accelerations."""
+    """Local influence parameter (max - ideal max)/ideal max * 100, in per cent: Eq. 38 for forces, Eq. 39 for
+    accelerations.
+    """
     return (largest - ideal) / ideal * 100.0
 
 
@@ -42,327 +233,72 @@ def influence(
 ) -> dict[str, float]:
     """``<joint>.force.lip`` and ``<body>.angular_acceleration.lip`` (per cent) for what both mechanisms have.
 
-    Driven bodies are left out, their motion is prescribed; so is what does not move or carry anything in the
-    ideal mechanism.
+    Driven bodies are left out, because their motion is prescribed, and so is what neither moves nor bears a
+    load in the ideal mechanism.
     """
-    prescribed = set(driven)
-    found = {}
-    for kind in ("force", "angular_acceleration"):
-        ending = f".{kind}.max"
+    prescribed, found = set(driven), {}
+    for quantity in ("force", "angular_acceleration"):
+        ending = f".{quantity}.max"
         names = [key.removesuffix(ending) for key in own if key.endswith(ending) and key in ideal]
         floor = NEGLIGIBLE * max((ideal[name + ending] for name in names), default=0.0)
         for name in names:
             if name not in prescribed and ideal[name + ending] > floor:
-                found[f"{name}.{kind}.lip"] = lip(own[name + ending], ideal[name + ending])
+                found[f"{name}.{quantity}.lip"] = lip(own[name + ending], ideal[name + ending])
     return found
-
-
-Array = NDArray[np.float64]
-
-
-def displacement(record: Record) -> Array:
-    """Largest way of a free particle from its start (m), shape (outputs,)."""
-    free = is_free(record)
-    x, y = (
-        record.block(f"particle_{axis}") - record.assembly.state[record.assembly.layout[f"particle_{axis}"]]
-        for axis in ("x", "y")
-    )
-    return np.asarray(hypot(x, y)[:, free].max(axis=1, initial=0.0), dtype=float)
-
-
-def equilibria(record: Record) -> list[dict[str, Any]]:
-    """For each output: load factor, iterations, unbalanced force over the largest, displacement (m), reaction
-    of each joint (N, N, N m).
-    """
-    moved, force, moment = displacement(record), joint_force(record), joint_moment(record)
-    found = []
-    for k, factor in enumerate(times(record)):
-        reactions = {
-            name: {
-                "force_x": float(force[k, j, 0]),
-                "force_y": float(force[k, j, 1]),
-                "moment": float(moment[k, j]),
-            }
-            for j, name in enumerate(joint_rows(record))
-        }
-        found.append(
-            {
-                "load_factor": float(factor),
-                "iterations": int(record.block("iterations")[k, 0]),
-                "unbalanced": float(record.block("unbalanced")[k, 0]),
-                "displacement": float(moved[k]),
-                "reactions": reactions,
-            }
-        )
-    return found
-
-
-def static_measures(record: Record) -> dict[str, float]:
-    """Largest absolute values over all load factors.
-
-    ``displacement.max`` (m), ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m),
-    ``<joint>.penetration.max`` (m), ``<driven body>.torque.max`` (N m), ``iterations`` of all factors,
-    ``unbalanced.max`` (1), and the last ``load_factor`` that was reached.
-    """
-    found = {
-        "load_factor": float(times(record)[-1]),
-        "displacement.max": float(displacement(record).max()),
-        "iterations": float(record.block("iterations").sum()),
-        "unbalanced.max": float(record.block("unbalanced").max()),
-    }
-    force, moment = joint_force(record), np.abs(joint_moment(record))
-    for k, name in enumerate(joint_rows(record)):
-        found[f"{name}.force.max"] = float(hypot(force[:, k, 0], force[:, k, 1]).max())
-        if moment[:, k].any():
-            found[f"{name}.moment.max"] = float(moment[:, k].max())
-    for k, name in enumerate(record.assembly.contacts):
-        found[f"{name}.penetration.max"] = float(record.block("contact_penetration")[:, k].max())
-    for body in record.assembly.bodies.values():
-        if body.driven is not None:
-            found[f"{body.name}.torque.max"] = float(
-                np.abs(record.block("driven_torque")[:, body.driven]).max()
-            )
-    return {name: value for name, value in found.items() if math.isfinite(value)}
-
-
-Window: TypeAlias = NDArray[np.bool_]
-Measure: TypeAlias = Callable[[Record, Window], dict[str, float]]
-Values: TypeAlias = NDArray[np.float64]
-MOMENT = ".moment.max"
-COUNTS = {
-    "impacts": "onsets", "grazing": "grazing", "deep_landings": "deep", "landing_depth.max": "deepest", "approach_speed.max": "fastest"
-}  # fmt: skip
-
-
-def last_turn(record: Record) -> Window:
-    """Outputs whose intervals make up the last full crank turn, shape (outputs,): the turn that ends with the
-    run.
-
-    All outputs where there is no crank, or where the run is shorter than a turn.
-    """
-    turn = record.assembly.choice.turn
-    steps = record.steps
-    if turn is None or len(steps) < 2:
-        return np.ones(len(steps), dtype=bool)
-    begin = steps[-1] - turn / record.assembly.choice.step
-    if begin < -0.5:
-        return np.ones(len(steps), dtype=bool)
-    chosen = np.zeros(len(steps), dtype=bool)
-    chosen[1:] = steps[:-1] > begin - 0.5
-    return chosen
-
-
-def measures(
-    record: Record, reference: Mapping[str, float] | None = None, every: tuple[Measure, ...] | None = None
-) -> dict[str, float]:
-    """Largest absolute values over the last full crank turn, from the extremes within the output intervals;
-    counts of the whole run.
-
-    ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m; of sliders, welds, gears and drivers),
-    ``<joint>.penetration.max`` (m), ``<body>.angular_acceleration.max`` (rad/s^2),
-    ``<driven body>.torque.max`` (N m); of the whole run ``<joint>.impacts``, ``.grazing``, ``.deep_landings``
-    (1), ``<joint>.landing_depth.max`` (m), ``.approach_speed.max`` (m/s), ``<joint>.share.free_flight``,
-    ``.impact``, ``.continuous_contact`` (1); with the measures of a ``reference`` also ``<joint>.force.lip``
-    and ``<body>.angular_acceleration.lip`` (per cent).
-    """
-    if record.static:
-        return static_measures(record)
-    found = over_turn(record, last_turn(record), every)
-    return found | compared(record, found, reference) | over_run(record)
-
-
-def over_turn(record: Record, window: Window, every: tuple[Measure, ...] | None = None) -> dict[str, float]:
-    """The measures of a turn, or ``every`` one of some of them."""
-    return taken(OVER_TURN if every is None else every, record, window)
-
-
-def over_run(record: Record) -> dict[str, float]:
-    """The measures of a whole run, up to its last output."""
-    return taken(OVER_RUN, record, np.ones(len(record.steps), dtype=bool))
-
-
-def taken(every: tuple[Measure, ...], record: Record, window: Window) -> dict[str, float]:
-    """Measures over a window; what is not finite is left out."""
-    found: dict[str, float] = {}
-    for measure in every:
-        found |= measure(record, window)
-    return {name: value for name, value in found.items() if math.isfinite(value)}
 
 
 def compared(
     record: Record, found: Mapping[str, float], reference: Mapping[str, float] | None
 ) -> dict[str, float]:
-    """Local influence parameters of measures of a turn against those of the ideal mechanism; nothing without
+    """Local influence parameters of the measures of a turn against those of the ideal mechanism; none without
     any.
     """
     if reference is None:
         return {}
-    driven = [body.name for body in record.assembly.bodies.values() if body.driven is not None]
-    return influence(found, reference, driven)
-
-
-def largest_loads(record: Record, window: Window) -> dict[str, float]:
-    """Largest force of each joint (N), and largest moment (N m) of those that have one."""
-    return highest(loads(record), window)
-
-
-def deepest_penetrations(record: Record, window: Window) -> dict[str, float]:
-    """Deepest penetration of each contact (m)."""
-    return highest(depths(record), window)
-
-
-def largest_accelerations(record: Record, window: Window) -> dict[str, float]:
-    """Largest angular acceleration of each body (rad/s^2), and largest torque of each driver (N m)."""
-    return highest(turnings(record), window)
-
-
-def highest(every: Mapping[str, Values], window: Window) -> dict[str, float]:
-    """The largest within a window of what stands in the rows of a record; a moment of nothing is none."""
-    found = {name: float(values[window].max()) for name, values in every.items()}
-    return {name: value for name, value in found.items() if value > 0.0 or not name.endswith(MOMENT)}
-
-
-def loads(record: Record) -> dict[str, Values]:
-    """Largest force of each joint (N) and moment of each ideal one (N m) up to each output, shape (outputs,)."""
-    forces, found = joint_force_max(record), {}
-    for k, name in enumerate(joint_rows(record)):
-        found[f"{name}.force.max"] = forces[:, k]
-    if record.assembly.ideals:
-        moments = record.block("joint_moment_max")
-        found |= {f"{name}{MOMENT}": moments[:, k] for k, name in enumerate(record.assembly.ideals)}
-    return found
-
-
-def depths(record: Record) -> dict[str, Values]:
-    """Deepest penetration of each contact (m) up to each output, shape (outputs,)."""
-    if not record.assembly.contacts:
-        return {}
-    depth = record.block("contact_penetration_max")
-    return {f"{name}.penetration.max": depth[:, k] for k, name in enumerate(record.assembly.contacts)}
-
-
-def turnings(record: Record) -> dict[str, Values]:
-    """Largest angular acceleration of each body (rad/s^2) and torque of each driver (N m) up to each output,
-    shape (outputs,).
-    """
-    found: dict[str, Values] = {}
-    turning = record.block("body_alpha_max")
-    for name, body in record.assembly.bodies.items():
-        noun = record.assembly.mechanism.bodies[name]
-        if not (isinstance(noun, PointMass) and noun.inertia == 0.0):
-            found[f"{name}.angular_acceleration.max"] = turning[:, body.row]
-        if body.driven is not None:
-            found[f"{name}.torque.max"] = record.block("driven_torque_max")[:, body.driven]
-    return found
-
-
-def contact_counts(record: Record, window: Window) -> dict[str, float]:
-    """How often contacts began, and how: counts of the whole run, and the shares of its time in each mode."""
-    found: dict[str, float] = {}
-    if not record.assembly.contacts:
-        return found
-    totals = {
-        name: record.block(f"contact_{row}")[-1]
-        for name, row in COUNTS.items()
-        if record.keeps(f"contact_{row}")
-    }
-    parts = shares(record)
-    for k, name in enumerate(record.assembly.contacts):
-        found |= {f"{name}.{kind}": float(values[k]) for kind, values in totals.items()}
-        found |= {f"{name}.share.{mode}": float(values[k]) for mode, values in parts.items()}
-    return found
-
-
-PEAKS: tuple[Measure, ...] = (
-    largest_loads,
-    deepest_penetrations,
-    largest_accelerations,
-)  # of extremes; a step is judged by them
-OVER_TURN: tuple[Measure, ...] = (
-    *PEAKS, driving, losses, largest_sliding, largest_pressures, largest_strokes,
-    largest_shaking, largest_stresses, largest_deflections, efficiency, worn_volumes, worn_depths,
-)  # fmt: skip
-OVER_RUN: tuple[Measure, ...] = (contact_counts,)
-
-
-Beside = Callable[[Sequence[Record]], dict[str, float]]
-ENDINGS: dict[str, tuple[str, ...]] = {
-    "largest_loads": (".force.max", ".moment.max"),
-    "deepest_penetrations": (".penetration.max",),
-    "largest_accelerations": (".angular_acceleration.max", ".torque.max"),
-    "driving": (".torque.mean", ".torque.ripple", ".power.mean"),
-    "losses": (
-        ".friction_energy.total",
-        ".impact_energy.total",
-        ".friction_power.mean",
-        ".impact_power.mean",
-    ),
-    "largest_sliding": (".sliding_velocity.max", ".sliding_distance.total"),
-    "largest_pressures": (
-        ".contact_pressure.max",
-        ".contact_half_width.max",
-        ".pressure_velocity.max",
-        ".pressure_velocity.mean",
-    ),
-    "largest_strokes": (".position.low", ".position.high", ".velocity.max", ".acceleration.max"),
-    "largest_shaking": (".shaking_force.max", ".shaking_moment.max"),
-    "largest_stresses": (".tension.max", ".compression.max", ".stress.place"),
-    "largest_deflections": (".deflection.max",),
-    "efficiency": ("mechanism.efficiency",),
-    "worn_volumes": (".bearing_wear.total", ".journal_wear.total"),
-    "worn_depths": (".bearing_wear_depth.max", ".journal_wear_depth.max"),
-}  # of names, by the measure that gives them
-INFLUENCE = (".force.lip", ".angular_acceleration.lip")
-COUNTED = (
-    ".impacts", ".grazing", ".deep_landings", ".landing_depth.max", ".approach_speed.max",
-    ".share.free_flight", ".share.impact", ".share.continuous_contact",
-)  # fmt: skip
-BY_TURN: tuple[Measure, ...] = (
-    *PEAKS,
-    losses,
-    worn_volumes,
-)  # what the largest of extremes and the last of all else in a turn tell
+    return influence(
+        found, reference, [body.name for body in record.assembly.bodies.values() if body.driven is not None]
+    )
 
 
 def of_whole_runs(names: Sequence[str]) -> list[str]:
-    """Those names that measures of a whole run have, whichever of its turns are looked at."""
+    """Choose the names of measures of a whole run, for which it does not matter which turns are evaluated."""
     return [name for name in names if name.endswith(COUNTED) and "(" not in name]
 
 
-class WantedMeasures:
-    """Measures by ``names``, all without any; ``beside`` gives more of turns that are recorded output by
-    output.
+class RequestedMeasures:
+    """Evaluate the measures ``names`` over turns, all without any.
+
+    ``reduced`` computes further values from turns that are recorded output by output.
     """
 
-    def __init__(self, names: Sequence[str] = (), beside: Beside | None = None) -> None:
-        self.names, self.beside = tuple(names), beside
+    def __init__(
+        self, names: Sequence[str] = (), reduced: Callable[[Sequence[Record]], dict[str, float]] | None = None
+    ) -> None:
+        self.names, self.reduced = tuple(names), reduced
         self.peaks = not names or any(name.endswith(INFLUENCE) for name in names)
         self.counts = not names or any(name.endswith(COUNTED) for name in names)
-        self.every = tuple(
-            measure
-            for measure in OVER_TURN
-            if not names
-            or (self.peaks and measure in PEAKS)
-            or any(name.endswith(ENDINGS[measure.__name__]) for name in names)
-        )
+        self.groups = tuple(
+            group for group in OVER_TURN
+            if not names or (self.peaks and group in PEAKS) or any(group.has(name) for name in names)
+        )  # fmt: skip
 
     @property
     def by_turn(self) -> bool:
-        """Whether one row for each turn tells them all."""
-        return self.beside is None and set(self.every) <= set(BY_TURN)
+        """Whether one recorded row for each turn suffices."""
+        return self.reduced is None and set(self.groups) <= set(BY_TURN)
 
     def over(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
         """Means over turns, each a record that begins with the output before it; counts up to the end of the
         last one.
         """
-        turnly = []
+        each_turn = []
         for turn in turns:
-            found = taken(self.every, turn, last_turn(turn))
-            turnly.append(found | (compared(turn, found, reference) if self.peaks else {}))
+            found = over_turn(turn, last_turn(turn), self.groups)
+            each_turn.append(found | (compared(turn, found, reference) if self.peaks else {}))
         mean: dict[str, float] = {}
-        for name in turnly[-1]:
-            values = [turn[name] for turn in turnly if name in turn]
+        for name in each_turn[-1]:
+            values = [turn[name] for turn in each_turn if name in turn]
             mean[name] = values[0] if len(values) == 1 else math.fsum(values) / len(values)
         mean |= over_run(turns[-1]) if self.counts else {}
-        mean |= self.beside(turns) if self.beside is not None else {}
+        mean |= self.reduced(turns) if self.reduced is not None else {}
         return {name: mean[name] for name in self.names if name in mean} if self.names else mean

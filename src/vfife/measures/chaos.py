@@ -1,7 +1,13 @@
-"""What a motion is, from its points once a turn: periods, exponents, the 0-1 test, the verdict in a word, and
-which of many motions are one.
+"""Classification of a motion by its points once a turn: period, Lyapunov exponent, 0-1 test, closed curve,
+attractors.
 
-All of it takes numbers of any map or section; the oracles of the tests are maps whose answers are known.
+No single test decides. Points that repeat show a period, unless a small difference grows: then they only seem
+to repeat, within the tolerance, for as long as there are points. A positive exponent shows chaos, but it
+converges as ln(n)/n, so near zero it does not distinguish a quasi-periodic motion. The 0-1 test needs no
+exponent, but a hundred points. Fewer points are quasi-periodic if they lie in order on one closed curve. What
+no test decides is called not settled.
+
+All functions take points of any map or section; the tests use maps with known answers.
 """
 
 from __future__ import annotations
@@ -17,18 +23,20 @@ from ..numerics.elementwise import atan2, hypot, sincos
 
 Array = NDArray[np.float64]
 
-ALIKE = 1e-5  # of their size, within which two points are one whatever the range of all is
-LONGEST = 16  # points of a period that is looked for
-ANGLES = 100  # of the 0-1 test
-SHARE = 10  # the 0-1 test looks at displacements over up to a tenth of the series
+# Points are equal if they differ by less than this share of their size, however small the range of all points
+# is.
+EQUAL = 1e-5
+LONGEST = 16  # longest period that is searched, in points
+ANGLES = 100  # angles of the 0-1 test
+SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 
 
 @dataclass(frozen=True)
 class Exponent:
-    """Largest Lyapunov exponent: mean logarithm of the growth of a small difference in one turn (1/turn),
-    with ``low`` and ``high`` of its halves.
+    """Largest Lyapunov exponent (1/turn), with ``low`` and ``high`` of both halves of the turns.
 
-    ``running``: the mean after each turn, by which its convergence is seen.
+    It is the mean logarithm of the growth of a small difference in one turn. ``running``: the mean after each
+    turn, which shows its convergence.
     """
 
     value: float
@@ -38,107 +46,119 @@ class Exponent:
 
 
 def exponent(growth: Sequence[float] | Array) -> Exponent:
-    """From the logarithms of the growth of a tangent in each turn, renormalised after it (Benettin et al.
-    1980).
+    """Compute the exponent from the logarithms of the growth of a tangent in each turn, renormalised after it
+    (Benettin et al. 1980).
     """
     logs = np.asarray(growth, dtype=float)
     running = np.cumsum(logs) / np.arange(1, len(logs) + 1)
     half = len(logs) // 2
-    parts = [float(part.mean()) for part in (logs[:half], logs[half:]) if len(part)]
-    return Exponent(float(running[-1]), min(parts), max(parts), running)
+    means = [float(part.mean()) for part in (logs[:half], logs[half:]) if len(part)]
+    return Exponent(float(running[-1]), min(means), max(means), running)
+
+
+def rows_of(points: Array) -> Array:
+    """Points as numbers, shape (points, coordinates)."""
+    points = np.asarray(points, dtype=float)
+    return points.reshape(len(points), -1)
 
 
 def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> int | None:
-    """The least number of points after which they repeat, None where they do not within ``longest``.
+    """Return the smallest number of points after which they repeat, None if they do not within ``longest``.
 
-    ``points``: shape (points,) or (points, coordinates); two are the same that lie within ``tolerance`` of
-    the range of all of them, or
-    :data:`ALIKE` of their size: what comes to rest has no range, and the largest force of a turn is known no
-    better. A period has to be seen three times.
+    ``points``: shape (points,) or (points, coordinates); two are equal within ``tolerance`` of the range of
+    all, or :data:`EQUAL` of their size, because a motion that comes to rest has no range. A period must be
+    seen three times.
     """
-    points = np.asarray(points, dtype=float).reshape(len(points), -1)
-    size = np.maximum(tolerance * np.ptp(points, axis=0), least(points))
-    for one in range(1, min(longest, len(points) // 3) + 1):
-        if (between(points, one) <= size).all():
-            return one
+    points = rows_of(points)
+    size = np.maximum(tolerance * np.ptp(points, axis=0), smallest_difference(points))
+    for shift in range(1, min(longest, len(points) // 3) + 1):
+        if (largest_difference(points, shift) <= size).all():
+            return shift
     return None
 
 
-def least(points: Array) -> Array:
-    """By how much coordinates may differ that are the same, shape (coordinates,)."""
-    found: Array = ALIKE * np.abs(points).max(axis=0) + 1e-300
-    return found
+def smallest_difference(points: Array) -> Array:
+    """Difference below which coordinates are equal, shape (coordinates,)."""
+    return np.asarray(EQUAL * np.abs(points).max(axis=0) + 1e-300)
 
 
-def between(points: Array, shift: int) -> Array:
-    """Largest difference of points so many apart among the last three times as many, shape (coordinates,)."""
-    last = points[-3 * shift :]
-    found: Array = np.abs(last[shift:] - last[:-shift]).max(axis=0)
-    return found
-
-
-def apart(points: Array, shift: int | None = None, longest: int = LONGEST) -> float:
-    """How far points so many apart lie from each other, as a share of the range of all; without ``shift`` the
-    least of all up to ``longest``.
+def largest_difference(points: Array, shift: int) -> Array:
+    """Largest difference of points a ``shift`` apart among the last three times as many, shape
+    (coordinates,).
     """
-    points = np.asarray(points, dtype=float).reshape(len(points), -1)
-    size = np.maximum(np.ptp(points, axis=0), least(points))
+    last = points[-3 * shift :]
+    return np.asarray(np.abs(last[shift:] - last[:-shift]).max(axis=0))
+
+
+def recurrence_distance(points: Array, shift: int | None = None, longest: int = LONGEST) -> float:
+    """Difference of points a ``shift`` apart, as a share of the range of all; without ``shift`` the smallest
+    up to ``longest``.
+    """
+    points = rows_of(points)
+    size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
     shifts = range(1, min(longest, len(points) // 3) + 1) if shift is None else (shift,)
-    return min((float((between(points, one) / size).max()) for one in shifts), default=float("nan"))
+    return min(
+        (float((largest_difference(points, one) / size).max()) for one in shifts), default=float("nan")
+    )
 
 
 def zero_one(series: Array, seed: int = 0) -> float:
-    """The 0-1 test for chaos (Gottwald and Melbourne 2009): near 0 for a regular series, near 1 for a chaotic
+    """0-1 test for chaos (Gottwald and Melbourne 2009): near 0 for a regular series, near 1 for a chaotic
     one; shape (points,).
 
-    Of a hundred angles c the median correlation of the mean square displacement of (sum phi cos jc, sum phi
-    sin jc) with time, phi being the series less its mean, which would make that displacement oscillate. The
-    series has to be sampled so seldom that its points look unrelated: once a turn, not a hundred times.
+    For an angle c, the mean square displacement of (sum phi cos jc, sum phi sin jc) over time grows linearly
+    if the motion is chaotic and stays bounded if it is regular. The answer is the median over a hundred
+    angles of its correlation with time. phi is the series less its mean, which would make the displacement
+    oscillate. Points must be sampled so seldom that they look unrelated: once a turn, not a hundred times.
     """
     phi = np.asarray(series, dtype=float)
     if np.ptp(phi) <= 1e-9 * np.abs(phi).max(initial=0.0):
         return 0.0
-    phi = (phi - phi.mean()) / np.ptp(
-        phi
-    )  # a mean far above what varies would hide it: the oscillating part is its square
+    phi = (phi - phi.mean()) / np.ptp(phi)
     count, most = len(phi), max(2, len(phi) // SHARE)
     j, shifts = np.arange(1, count + 1), np.arange(1, most + 1)
-    found = []
+    correlations = []
     for c in math.pi / 5.0 + 3.0 * math.pi / 5.0 * np.random.default_rng(seed).random(ANGLES):
         s, e = sincos(c * j)
         p, q = np.cumsum(phi * e), np.cumsum(phi * s)
-        square = np.array([_ways(p, n, count - most) + _ways(q, n, count - most) for n in range(1, most + 1)])
-        found.append(correlation(shifts.astype(float), square))
-    return float(np.median(found))
+        square = [
+            mean_square(p, n, count - most) + mean_square(q, n, count - most) for n in range(1, most + 1)
+        ]
+        correlations.append(correlation(shifts.astype(float), np.array(square)))
+    return float(np.median(correlations))
 
 
-def _ways(series: Array, shift: int, count: int) -> float:
-    """Mean square of so many differences of a series over a shift."""
+def mean_square(series: Array, shift: int, count: int) -> float:
+    """Mean square of the first ``count`` differences of a series over a shift."""
     way = (series[shift:] - series[:-shift])[:count]
     return float((way * way).mean())
 
 
 def correlation(first: Array, other: Array) -> float:
-    """Correlation of two series; 0 where one does not change."""
+    """Correlation of two series; 0 if one is constant. The sums are ours, because those of BLAS depend on the
+    processor.
+    """
     a, b = first - first.mean(), other - other.mean()
     size = math.sqrt(float((a * a).sum()) * float((b * b).sum()))
     return float((a * b).sum()) / size if size > 0.0 else 0.0
 
 
 QUASI, CHAOTIC, UNSETTLED, DIVERGED = "quasi-periodic", "chaotic", "not settled", "diverged"
-UNDECIDED = "not decided"  # points repeat although a small difference grows: the one excludes the other
-ENOUGH = 100  # points from which the 0-1 test is asked
-REGULAR, IRREGULAR = 0.3, 0.7  # what it says of a motion without and with chaos
-AGREEING = 2.0  # largest over smallest exponent of two halves of fewer points than that
-CURVED = 5.0  # to and fro of the radius along a closed curve, in parts of twice its range
-ORDERED = 0.95  # of neighbours along a closed curve whose next points are neighbours in the same sense
+UNDECIDED = "not decided"  # points repeat although a small difference grows, which excludes each other
+ENOUGH = 100  # points from which on the 0-1 test is used
+REGULAR, IRREGULAR = 0.3, 0.7  # its answers below and above which a motion is regular and chaotic
+AGREEING = 2.0  # largest ratio of the exponents of both halves, for fewer points
+ROUGHEST = 5.0  # variation of the radius along a closed curve, over twice its range
+ORDERED = 0.95  # share of neighbours along a closed curve whose next points have the same order
 
 
 @dataclass(frozen=True)
 class Rotation:
-    """How points go round their middle: ``number`` (turns for each), how much to and fro there is in the
-    radius along angles (``rough``: about 1 for a closed curve, a share of the number of points for a cloud),
-    and the share of neighbours whose next points are in the same ``order``.
+    """Rotation of points about their mean: ``number`` of turns for each point.
+
+    ``rough``: variation of the radius along the angles over twice its range, about 1 for a closed curve and a
+    share of the number of points for a cloud. ``order``: share of neighbours whose next points have the same
+    order.
     """
 
     number: float
@@ -147,20 +167,17 @@ class Rotation:
 
     @property
     def closed(self) -> bool:
-        """Whether the points lie on one closed curve around their middle and go round it in order, as no
-        chaotic motion does.
-        """
-        return self.rough <= CURVED and self.order >= ORDERED
+        """Whether the points lie on one closed curve and go round it in order, as no chaotic motion does."""
+        return self.rough <= ROUGHEST and self.order >= ORDERED
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A motion in a word, ``kind``, and what says so.
+    """Class of a motion, ``kind``, and the evidence.
 
-    ``distance``: how far points a ``period`` apart are from each other, as a share of the range of all (of
-    the best period where none is within the tolerance). ``exponent``: the largest Lyapunov exponent (1/turn);
-    ``zero_one``: the 0-1 test, of at least 100 points; ``rotation``: where points go round a middle. None is
-    what was not asked.
+    ``distance`` of points a ``period`` apart, as a share of the range of all (of the best period where none
+    is within the tolerance). ``exponent``: largest Lyapunov exponent (1/turn); ``zero_one``: 0-1 test, of at
+    least 100 points; ``rotation`` about the mean. None was not computed.
     """
 
     kind: str
@@ -172,10 +189,10 @@ class Verdict:
 
     @property
     def evidence(self) -> str:
-        """What says so, in words."""
+        """The evidence in words."""
         within = f"within {100.0 * self.distance:.2g} % of the range"
         turns = "a turn" if self.period == 1 else f"{self.period} turns"
-        said = [
+        texts = [
             (
                 f"points {turns} apart lie {within}"
                 if self.period
@@ -183,90 +200,88 @@ class Verdict:
             )
         ]
         if self.kind == UNDECIDED:
-            said = [
+            texts = [
                 f"points come back {within}, as those of a periodic motion do, although a small difference"
                 " grows: try a smaller step"
             ]
         if self.exponent is not None:
-            said.append(
+            texts.append(
                 f"exponent {self.exponent.value:+.3g} per turn ({self.exponent.low:+.3g} and"
                 f" {self.exponent.high:+.3g} in its halves)"
             )
         if self.zero_one is not None:
-            said.append(f"0-1 test {self.zero_one:.2f}")
+            texts.append(f"0-1 test {self.zero_one:.2f}")
         if self.rotation is not None and self.rotation.closed:
-            said.append(f"one closed curve, gone round {self.rotation.number:.4f} times a turn")
-        return ", ".join(said)
+            texts.append(f"one closed curve, gone round {self.rotation.number:.4f} times a turn")
+        return ", ".join(texts)
 
 
 def rotation(points: Array) -> Rotation | None:
-    """How points go round their mean, shape (points,) or (points, coordinates): by the first two coordinates,
-    or each and the one after it.
+    """Measure the rotation of points about their mean, shape (points,) or (points, coordinates); None for
+    fewer than eight.
 
-    None for fewer than eight.
+    The plane is that of the first two coordinates, or of each value and the next one.
     """
-    points = np.asarray(points, dtype=float)
-    points = points.reshape(len(points), -1)
+    points = rows_of(points)
     plane = points[:, :2] if points.shape[1] > 1 else np.column_stack([points[:-1, 0], points[1:, 0]])
     size = np.ptp(plane, axis=0)
     if len(plane) < 8 or not (size > 0.0).all():
         return None
     around = (plane - plane.mean(axis=0)) / size
     angle, radius = atan2(around[:, 1], around[:, 0]), hypot(around[:, 0], around[:, 1])
-    turned = 2.0 * np.pi
+    turn = 2.0 * np.pi
     along, after = radius[np.argsort(angle, kind="stable")], angle[1:][np.argsort(angle[:-1], kind="stable")]
     swing = max(float(np.ptp(along)), 1e-3 * float(along.mean()))
     rough = float(np.abs(np.diff(along)).sum()) / (2.0 * swing)
-    order = float((np.mod(np.diff(after), turned) < np.pi).mean())
-    return Rotation(float(np.mod(np.diff(angle), turned).mean()) / turned, rough, order)
+    order = float((np.mod(np.diff(after), turn) < np.pi).mean())
+    return Rotation(float(np.mod(np.diff(angle), turn).mean()) / turn, rough, order)
 
 
-def verdict(points: Array, found: Exponent | None = None, tolerance: float = 1e-3) -> Verdict:
-    """What a motion is whose ``points`` are these, shape (points,) or (points, coordinates), with the
-    exponent, where it is known.
+def verdict(points: Array, growth: Exponent | None = None, tolerance: float = 1e-3) -> Verdict:
+    """Classify a motion by its ``points``, shape (points,) or (points, coordinates), and the exponent of its
+    ``growth`` if known.
 
-    A period is told where points repeat within ``tolerance`` of their range, three times over, unless a small
-    difference grows more than e-fold in each half of the turns: then nothing is decided. What has no period
-    is chaotic where a difference grows so (of fewer than 100 points, about as fast in both halves), not
-    settled where it dies as fast or the halves do not agree; in between, the 0-1 test decides, or, of fewer
-    than 100 points, whether they lie on a closed curve.
+    Points that repeat within ``tolerance`` of their range, three times, have a period, unless a small
+    difference grows more than e-fold in each half of the turns: then nothing is decided. Without a period, a
+    motion is chaotic if a difference grows so (for fewer than 100 points, about as fast in both halves), and
+    not settled if it decays as fast or the halves disagree. In between the 0-1 test decides, or for fewer
+    than 100 points whether they lie on a closed curve.
     """
-    points = np.asarray(points, dtype=float)
-    points = points.reshape(len(points), -1)
+    points = rows_of(points)
     if not np.isfinite(points).all():
-        return Verdict(DIVERGED, None, float("nan"), found)
+        return Verdict(DIVERGED, None, float("nan"), growth)
     repeats = period(points, tolerance)
-    distance = apart(points, repeats)
-    # The exponent of a motion that neither attracts nor repels converges to zero as ln(n)/n, so one below 2/n
-    # is not known to be positive.
-    margin = 0.0 if found is None else 2.0 / max(len(found.running), 2)
-    grows = found is not None and found.low > margin
+    distance = recurrence_distance(points, repeats)
+    # The exponent of a motion that neither attracts nor repels converges to zero as ln(n)/n: below 2/n it may
+    # be zero.
+    margin = 0.0 if growth is None else 2.0 / max(len(growth.running), 2)
+    grows = growth is not None and growth.low > margin
     if repeats is not None:
-        return (
-            Verdict(UNDECIDED, None, distance, found)
-            if grows
-            else Verdict(f"period {repeats}", repeats, distance, found)
+        return Verdict(
+            UNDECIDED if grows else f"period {repeats}", None if grows else repeats, distance, growth
         )
     test = zero_one(points[:, 0]) if len(points) >= ENOUGH else None
     turning = rotation(points)
-    if found is not None and grows and (len(points) >= ENOUGH or found.high <= AGREEING * found.low):
+    if growth is not None and grows and (len(points) >= ENOUGH or growth.high <= AGREEING * growth.low):
         kind = CHAOTIC
-    elif found is not None and not (found.high >= -margin and found.low >= -margin and found.value <= margin):
+    elif growth is not None and not (
+        growth.high >= -margin and growth.low >= -margin and growth.value <= margin
+    ):
         kind = UNSETTLED
     elif test is None:
         kind = QUASI if turning is not None and turning.closed else UNSETTLED
     else:
         kind = QUASI if test < REGULAR else CHAOTIC if test > IRREGULAR else UNSETTLED
-    return Verdict(kind, None, distance, found, test, turning)
+    return Verdict(kind, None, distance, growth, test, turning)
 
 
-ALIKE_POINTS = 0.01  # of the range of all points, within which two periodic motions are one
+ALIKE_POINTS = 0.01  # share of the range of all points within which two periodic motions are one
 
 
 @dataclass(frozen=True)
 class Attractor:
-    """A motion to which ``members`` came: its ``kind`` in a word, and where it is periodic its ``points``,
-    shape (period, coordinates).
+    """A motion that ``members`` reached: its ``kind``, and its ``points`` if it is periodic, shape (period,
+    coordinates).
     """
 
     kind: str
@@ -277,40 +292,31 @@ class Attractor:
 def attractors(
     points: Sequence[Array | None], verdicts: Sequence[Verdict | None], alike: float = ALIKE_POINTS
 ) -> list[Attractor]:
-    """The motions that there are, that of most members first; members without points belong to none.
+    """Group motions into attractors, the one with most members first; members without points belong to none.
 
-    Periodic motions are one where their points are, wherever in the period they are begun: within a share of
-    the range of all points. What is not periodic has no points that come back, so all chaotic motions are one
-    here, and all quasi-periodic ones.
+    Periodic motions are one if their points are equal within ``alike`` of the range of all points, wherever
+    in the period they begin. All chaotic motions are one attractor here, and all quasi-periodic ones, because
+    their points do not repeat.
     """
     known = [
-        (k, one, told)
-        for k, (one, told) in enumerate(zip(points, verdicts, strict=True))
-        if one is not None and told is not None
+        (k, own, found)
+        for k, (own, found) in enumerate(zip(points, verdicts, strict=True))
+        if own is not None and found is not None
     ]
-    ends = [one for _, one, told in known if np.isfinite(one).all()]
-    size = alike * np.maximum(np.ptp(np.concatenate(ends), axis=0), 1e-300) if ends else np.ones(1)
-    found: list[tuple[str, Array, list[int]]] = []
-    for k, own, told in known:
-        turn = own[-told.period :] if told.period else np.zeros((0, own.shape[1]))
-        same = next(
-            (
-                one
-                for one in found
-                if one[0] == told.kind and (told.period is None or _same(one[1], turn, size))
-            ),
-            None,
-        )
-        if same is None:
-            found.append((told.kind, turn, [k]))
+    finite = [own for _, own, _ in known if np.isfinite(own).all()]
+    size = alike * np.maximum(np.ptp(np.concatenate(finite), axis=0), 1e-300) if finite else np.ones(1)
+    groups: list[Attractor] = []
+    for k, own, found in known:
+        turn = own[-found.period :] if found.period else np.zeros((0, own.shape[1]))
+        for g, group in enumerate(groups):
+            if group.kind == found.kind and (found.period is None or equal_periods(group.points, turn, size)):
+                groups[g] = Attractor(group.kind, group.points, (*group.members, k))
+                break
         else:
-            same[2].append(k)
-    return [
-        Attractor(kind, turn, tuple(members))
-        for kind, turn, members in sorted(found, key=lambda one: -len(one[2]))
-    ]
+            groups.append(Attractor(found.kind, turn, (k,)))
+    return sorted(groups, key=lambda group: -len(group.members))
 
 
-def _same(one: Array, other: Array, size: Array) -> bool:
-    """Whether two periods have the same points, begun anywhere."""
-    return any((np.abs(np.roll(other, shift, axis=0) - one) <= size).all() for shift in range(len(one)))
+def equal_periods(first: Array, other: Array, size: Array) -> bool:
+    """Whether two periods have the same points, wherever they begin."""
+    return any((np.abs(np.roll(other, shift, axis=0) - first) <= size).all() for shift in range(len(first)))

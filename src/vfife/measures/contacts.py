@@ -1,5 +1,5 @@
-"""What happens at the surfaces of joints with clearance: losses, sliding, pressure, what a surface bears over
-its angle, impacts one by one.
+"""Surfaces of joints with clearance: losses, sliding, pressure, load over the angle of a surface, and single
+impacts.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +18,12 @@ from ..laws import Pair
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import atan2, sincos
 from ..solvers.record import Record
-from .forces import eccentricity, normals
+from .forces import normals, places
 from .motion import times, velocities
+from .turns import Window, named, of_window
 
 Array = NDArray[np.float64]
-KINDS = {
-    "friction": "contact_friction",
-    "impact": "contact_damping",
-}  # blocks of work and power by what is lost; impacts lose in normal damping
+KINDS = {"friction": "contact_friction", "impact": "contact_damping"}  # blocks of lost work and power
 
 
 def lost(record: Record, kind: str) -> Array:
@@ -46,26 +45,16 @@ def mean_power(record: Record, kind: str) -> Array:
 
 
 def between(work: Array, time: Array) -> Array:
-    """Mean rate of what was summed up, over the interval that ends with each output; 0 at the first one."""
+    """Mean rate of a sum over the interval that ends with each output, shape (outputs, contacts); 0 at the
+    first one.
+    """
     found = np.zeros_like(work)
     np.divide(np.diff(work, axis=0), np.diff(time)[:, None], out=found[1:])
     return found
 
 
-def of_window(record: Record, window: NDArray[np.bool_]) -> tuple[Record, slice]:
-    """The outputs of a window with the one before it, as a record of their own, and which of them are the
-    window's: what a measure of a turn needs is then as long as that turn, however long the run.
-    """
-    inside = np.flatnonzero(window)
-    first, last = max(int(inside[0]) - 1, 0), int(inside[-1]) + 1
-    part = dataclasses.replace(
-        record, steps=record.steps[first:last], source=record.rows[first:last], companions=None
-    )
-    return part, slice(int(inside[0]) - first, None)
-
-
 def per_joint(record: Record, values: Array) -> dict[str, Array]:
-    """Sums over the contacts of each joint, ``values`` having them along its last axis; a block in a guide
+    """Sum ``values``, with contacts along the last axis, over the contacts of each joint; a block in a guide
     has four.
     """
     found: dict[str, Array] = {}
@@ -74,15 +63,16 @@ def per_joint(record: Record, values: Array) -> dict[str, Array]:
     return found
 
 
-def losses(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<joint>.friction_energy.total``, ``.impact_energy.total`` (J) over the window,
-    ``.friction_power.mean``, ``.impact_power.mean`` (W).
+def losses(record: Record, window: Window) -> dict[str, float]:
+    """Energies lost over the window and their mean powers: the difference of :func:`lost` at its ends, over
+    its length.
+
+    ``<joint>.friction_energy.total``, ``.impact_energy.total`` (J), ``.friction_power.mean``,
+    ``.impact_power.mean`` (W).
     """
-    found: dict[str, float] = {}
-    if not record.assembly.contacts or not record.keeps("contact_friction_work"):
-        return found
-    part, _ = of_window(record, window)
-    length = float(times(part)[-1] - times(part)[0])
+    part, found = of_window(record, window).record, dict[str, float]()
+    time = times(part)
+    length = float(time[-1] - time[0])
     for kind in KINDS:
         work = lost(part, kind)
         for name, energy in per_joint(record, work[-1] - work[0]).items():
@@ -92,50 +82,6 @@ def losses(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
     return found
 
 
-def arms(record: Record, stepped: bool = False) -> tuple[Array, Array]:
-    """Distances (m) of the surfaces of bearing and journal from their pins along the contact's normal, shape
-    (outputs, contacts) each.
-
-    Radii, and half the overlap; where friction acts without a moment (``friction_moment`` off, films) the
-    surfaces slide all the same. ``stepped``: the arms of friction instead, as the step has them.
-    """
-    mechanism, assembly = record.assembly.mechanism, record.assembly
-    if stepped:
-        change = record.parameter("contact_arm_overlap") * record.block("contact_penetration")
-        return (
-            record.parameter("contact_arm_bearing") + change,
-            record.parameter("contact_arm_journal") - change,
-        )
-    depth = np.maximum(record.block("contact_penetration"), 0.0) * 0.5
-    own = [
-        one.arms
-        for name in dict.fromkeys(assembly.contact_joints)
-        for one in mechanism.contacts[name].touchings(0.0)
-    ]
-    bearing, journal = np.array(own).reshape(-1, 2).T
-    return bearing + depth, journal - depth
-
-
-def places(record: Record, stepped: bool = False) -> tuple[Array, Array]:
-    """Vectors (m) from the pins of bearing and journal to the place of contact (where friction acts in the
-    step if ``stepped``).
-
-    Global axes, shape (outputs, contacts, 2) each.
-    """
-    n, away = normals(record), eccentricity(record)
-    on_bearing, on_journal = arms(record, stepped)
-    t = np.stack([-n[..., 1], n[..., 0]], axis=2)
-    along = (away * t).sum(axis=2)
-    beyond = np.zeros_like(along)
-    slots = [k for k, path in enumerate(record.assembly.contact_paths) if path is not None]
-    if slots:  # the middle of a slot lies beside the bearing's pin
-        middle = (away * n).sum(axis=2) - (
-            record.block("contact_penetration") + record.parameter("contact_size")
-        )
-        beyond[:, slots] = middle[:, slots]
-    return (on_bearing + beyond)[..., None] * n + along[..., None] * t, on_journal[..., None] * n
-
-
 def sliding_speed(record: Record) -> Array:
     """Velocity (m/s) of the journal's surface on the bearing's at the place of contact, along t = n turned
     anticlockwise, (outputs, contacts).
@@ -143,9 +89,9 @@ def sliding_speed(record: Record) -> Array:
     n is that of the normal force (:func:`~vfife.measures.forces.normals`). With friction F_T along t,
     friction takes the power -F_T v. It is 0 where the surfaces are apart and no film is between them.
     """
-    topology, moving = record.assembly.topology, velocities(record)
     if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0))
+    topology, moving = record.assembly.topology, velocities(record)
     n = normals(record)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
     total = np.zeros_like(t)
@@ -162,29 +108,23 @@ def sliding_speed(record: Record) -> Array:
 
 
 def contact_time(record: Record) -> Array:
-    """Time (s) in contact within the interval up to each output, counted step by step in the run, shape
-    (outputs, contacts).
+    """Time (s) in contact within the interval up to each output, summed over its steps, shape (outputs,
+    contacts).
     """
     return np.diff(record.block("contact_duration"), axis=0, prepend=0.0)
 
 
-def largest_sliding(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<contact>.sliding_velocity.max`` (m/s), the largest size at an output, and
-    ``<joint>.sliding_distance.total`` (m) over the window.
+def largest_sliding(record: Record, window: Window) -> dict[str, float]:
+    """``<contact>.sliding_velocity.max`` (m/s), max|v| at the outputs, and ``<joint>.sliding_distance.total`` (m).
 
-    The distance is the sum of the sizes at the outputs times the time in contact before them.
+    The distance is the sum of |v| at each output times the time in contact since the output before.
     """
-    found: dict[str, float] = {}
-    if not record.assembly.contacts or not record.keeps("particle_u"):
-        return found
     part, inside = of_window(record, window)
     speed = np.abs(sliding_speed(part))
-    for k, name in enumerate(record.assembly.contacts):
-        found[f"{name}.sliding_velocity.max"] = float(speed[inside, k].max())
-    way = speed[1:] * np.diff(part.block("contact_duration"), axis=0)
+    way = (speed[1:] * np.diff(part.block("contact_duration"), axis=0)).sum(axis=0)
+    found = named(record.assembly.contacts, {"sliding_velocity.max": speed[inside].max(axis=0)})
     return found | {
-        f"{name}.sliding_distance.total": float(one)
-        for name, one in per_joint(record, way.sum(axis=0)).items()
+        f"{name}.sliding_distance.total": float(value) for name, value in per_joint(record, way).items()
     }
 
 
@@ -226,61 +166,52 @@ def pairs(record: Record) -> list[Pair]:
     return [surfaces(mechanism, mechanism.contacts[name]) for name in record.assembly.contact_joints]
 
 
-def pressures(record: Record) -> tuple[Array, Array, Array]:
-    """Largest pressure (Pa), half-width (m) and load on the bearing (Pa) of each contact at the outputs,
-    shape (outputs, contacts) each.
+class Pressures(NamedTuple):
+    """Largest ``pressure`` (Pa), ``half_width`` (m) and load on the ``bearing`` (Pa), shape (outputs,
+    contacts) each.
     """
+
+    pressure: Array
+    half_width: Array
+    bearing: Array
+
+
+def pressures(record: Record) -> Pressures:
+    """Pressures of each contact at the outputs."""
     force = record.block("contact_normal_force")
     found = np.zeros((3, *force.shape))
     for k, pair in enumerate(pairs(record)):
         found[0, :, k], found[1, :, k] = line_pressure(pair, force[:, k])
         found[2, :, k] = mean_pressure(pair, force[:, k])
-    return found[0], found[1], found[2]
+    return Pressures(*found)
 
 
-def load_times_speed(record: Record) -> Array:
-    """p v (W/m^2) of each contact at the outputs: load on the bearing times size of the sliding velocity,
-    shape (outputs, contacts).
+def largest_pressures(record: Record, window: Window) -> dict[str, float]:
+    """Largest Hertz pressure and half-width of each contact, and the p v of its bearing
+    (:func:`line_pressure`).
+
+    ``<contact>.contact_pressure.max`` (Pa) and ``.contact_half_width.max`` (m) are of the largest force
+    between outputs, friction included: with a coefficient of 0.1 a pressure 0.25 % too high.
+    ``.pressure_velocity.max`` and ``.mean``
+    (W/m^2) are of |F/(2 R_J L) v| at the outputs, the mean over time, in which the surfaces apart count as zero.
     """
-    return np.asarray(pressures(record)[2] * np.abs(sliding_speed(record)), dtype=float)
-
-
-def hertz_extremes(record: Record, window: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Largest pressure (Pa) and half-width (m) of each contact over a window, shape (contacts,) each.
-
-    From the extremes of its force between outputs, friction counted with it: with a coefficient of 0.1 a
-    pressure 0.25 % too high.
-    """
+    names = record.assembly.contacts
     force = np.sqrt(record.block("contact_force_squared_max")[window].max(axis=0))
-    found = [line_pressure(pair, one) for pair, one in zip(pairs(record), force, strict=True)]
-    return np.array([float(p) for p, _ in found]), np.array([float(a) for _, a in found])
-
-
-def largest_pressures(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<contact>.contact_pressure.max`` (Pa), ``.contact_half_width.max`` (m), extremes between outputs with
-    them, and ``.pressure_velocity.max`` and ``.mean`` (W/m^2), at the outputs; the mean is that over time,
-    the time apart with it.
-    """
-    found: dict[str, float] = {}
-    if not record.assembly.contacts:
-        return found
-    pressure, width = hertz_extremes(record, window)
-    for k, name in enumerate(record.assembly.contacts):
-        found |= {
-            f"{name}.contact_pressure.max": float(pressure[k]),
-            f"{name}.contact_half_width.max": float(width[k]),
-        }
-    if not record.keeps("particle_u"):
+    extremes = np.array(
+        [line_pressure(pair, load) for pair, load in zip(pairs(record), force, strict=True)]
+    ).reshape(-1, 2)
+    found = named(names, {"contact_pressure.max": extremes[:, 0], "contact_half_width.max": extremes[:, 1]})
+    if not names or not record.keeps("particle_u"):
         return found
     part, inside = of_window(record, window)
-    product, time = load_times_speed(part), times(part)
-    for k, name in enumerate(record.assembly.contacts):
-        found[f"{name}.pressure_velocity.max"] = float(product[inside, k].max())
-        if len(time) > 1:
-            found[f"{name}.pressure_velocity.mean"] = float(
-                np.trapezoid(product[:, k], time) / (time[-1] - time[0])
-            )
-    return found
+    product, time = pressures(part).bearing * np.abs(sliding_speed(part)), times(part)
+    quantities = {"pressure_velocity.max": product[inside].max(axis=0)}
+    if len(time) > 1:
+        means = [
+            float(np.trapezoid(one, time) / (time[-1] - time[0])) for one in np.ascontiguousarray(product.T)
+        ]
+        quantities["pressure_velocity.mean"] = np.array(means)
+    return found | named(names, quantities)
 
 
 SIDES = ("bearing", "journal")
@@ -305,9 +236,10 @@ def contact_angle(record: Record, side: str = "bearing") -> Array:
 
 @dataclass(frozen=True)
 class Around:
-    """What a joint's surface bears over its angle, in the frame of its body: ``edges`` (rad, bins + 1), and
-    per contact and bin, (contacts, bins), ``time`` in contact (s), ``impulse`` of the normal force (N s) and
-    ``friction`` energy (J).
+    """Load on a joint's surface over its angle in the frame of its body, ``edges`` (rad), shape (bins + 1,).
+
+    ``time`` in contact (s), ``impulse`` of the normal force (N s) and ``friction`` energy (J), shape
+    (contacts, bins) each.
     """
 
     side: str
@@ -323,15 +255,12 @@ class Around:
         return np.asarray(0.5 * (self.edges[1:] + self.edges[:-1]), dtype=float)
 
 
-def around(
-    record: Record, side: str = "bearing", bins: int = 72, window: NDArray[np.bool_] | None = None
-) -> Around:
-    """The surface of a ``side`` ("bearing" or "journal") over its angle, in all or over a window of
-    intervals.
+def around(record: Record, side: str = "bearing", bins: int = 72, window: Window | None = None) -> Around:
+    """Distribute the load on a ``side`` ("bearing" or "journal") over its angle, of the run or of a window.
 
-    Time in contact and friction energy are counted step by step in the run and laid at the angle of the
-    output that ends their interval, so that over all bins they are those of the run; the impulse is the
-    normal force at the outputs times that time. Raises ValueError for another side.
+    Time in contact and friction energy are summed over all steps and assigned to the angle of the output that
+    ends their interval, so the bins add up to those of the run. The impulse is the normal force at the
+    outputs times that time. Raises ValueError for another side.
     """
     if side not in SIDES:
         raise ValueError(f'side = "{side}"; allowed: "bearing" or "journal"')
@@ -348,8 +277,9 @@ def around(
 
 
 def bin_of(angle: Array, edges: Array) -> NDArray[np.intp]:
-    """Which bin an angle (rad) lies in; the last one has both its edges. A histogram of NumPy adds weights of
-    one angle in an order of its own.
+    """Number of the bin of an angle (rad); the last one has both its edges.
+
+    numpy.histogram is not used because it adds weights of one angle in an order of its own.
     """
     return np.asarray(
         np.clip(np.searchsorted(edges, angle, side="right") - 1, 0, len(edges) - 2), dtype=np.intp
@@ -358,13 +288,13 @@ def bin_of(angle: Array, edges: Array) -> NDArray[np.intp]:
 
 @dataclass(frozen=True)
 class Impact:
-    """A contact that began in a joint with play, or ``count`` of them where several began between two
+    """A contact that began in a joint with clearance, or ``count`` of them if several began between two
     outputs.
 
-    It came after ``since`` (s) and up to ``time`` (s), the output that shows it, where the crank stands at
-    ``crank`` (degrees, None without one). ``speed`` (m/s) is that of approach along the normal, located
-    inside the step; of several their mean. ``energy`` (J) is what normal damping took and ``depth`` (m) the
-    deepest penetration, both from there to the next entry of the joint.
+    It began after ``since`` (s) and up to ``time`` (s), the output that shows it, with the crank at ``crank``
+    (degrees, None without one). ``speed`` (m/s): normal approach speed, located inside the step; the mean of
+    several. ``energy`` (J) lost in normal damping and ``depth`` (m), the largest penetration, are up to the
+    next entry of the joint.
     """
 
     joint: str
@@ -379,8 +309,8 @@ class Impact:
 
 @dataclass(frozen=True)
 class Impacts(DataTable):
-    """All of them in the order of time, and how many the outputs tell apart: ``alone`` of ``count``.
-    ``before`` (J): lost before any began.
+    """Impacts in the order of time; ``alone`` of ``count`` have an entry of their own. ``before`` (J): energy
+    lost before the first.
     """
 
     entries: tuple[Impact, ...]
@@ -388,12 +318,12 @@ class Impacts(DataTable):
 
     @property
     def count(self) -> int:
-        """Contacts that began."""
+        """Number of contacts that began."""
         return sum(one.count for one in self.entries)
 
     @property
     def alone(self) -> int:
-        """Those that have an entry of their own."""
+        """Number of those with an entry of their own."""
         return sum(one.count == 1 for one in self.entries)
 
     def __repr__(self) -> str:
@@ -414,17 +344,17 @@ class Impacts(DataTable):
         yield from (dataclasses.astuple(one) for one in self.entries)
 
     def hardest(self, most: int) -> tuple[Impact, ...]:
-        """The entries that lost most energy, the hardest first."""
+        """Entries with the largest energy loss, the largest first."""
         return tuple(sorted(self.entries, key=lambda one: -one.energy)[:most])
 
 
 def impacts(record: Record) -> Impacts:
-    """The contacts that began in a run, by the counts, sums of speeds and works that the step keeps at every
-    onset.
+    """List the contacts that began in a run, from the counts, sums of speeds and works that the step keeps at
+    every onset.
 
-    None is missed, however short: those that began between the same two outputs share an entry that says how
-    many they are. More outputs tell more of them apart. Energies over all entries, with what was lost before
-    the first, are the ledger's loss in contacts. Records of an older version have no speeds.
+    None is missed, however short: those that began between the same two outputs share an entry with their
+    number, so more outputs separate more of them. The energies of all entries and ``before`` add up to the
+    ledger's loss in contacts.
     """
     assembly = record.assembly
     if not assembly.contacts or not record.keeps("contact_onsets"):

@@ -10,7 +10,7 @@ from ..model.bodies import Body, Frame, Link, Section
 from ..model.lumping import mesh
 from ..numerics.elementwise import hypot, sincos
 from ..solvers.record import Record
-from .contacts import of_window
+from .turns import Window, of_window
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ def elastic_links(record: Record) -> list[str]:
     ]
 
 
-def off_the_chord(record: Record, name: str) -> Array:
+def chord_deflection(record: Record, name: str) -> Array:
     """Deflection (m) of a link's nodes, and of the middles of its elements, across the line through its ends,
     positive to the left of the way from start to end, shape (outputs, 2 elements + 1); of a bent link,
     against its own shape.
@@ -49,11 +49,11 @@ def off_the_chord(record: Record, name: str) -> Array:
     return found
 
 
-def largest_off_the_chord(record: Record, name: str) -> Array:
+def largest_deflection(record: Record, name: str) -> Array:
     """The deflection (m) that is largest in size along the link at each output, with its sign, shape
     (outputs,).
     """
-    every = off_the_chord(record, name)
+    every = chord_deflection(record, name)
     return np.asarray(every[np.arange(len(every)), np.abs(every).argmax(axis=1)], dtype=float)
 
 
@@ -68,7 +68,7 @@ def elongation(record: Record, name: str) -> Array:
     return np.asarray(hypot(dx, dy) - float(getattr(link, "length", 0.0)), dtype=float)
 
 
-def off_the_start(record: Record, name: str) -> Array:
+def end_deflection(record: Record, name: str) -> Array:
     """Deflection (m) of the end across the direction that the link has at its start, positive to the left:
     that of a clamped beam, (outputs,).
     """
@@ -82,17 +82,12 @@ def off_the_start(record: Record, name: str) -> Array:
     return np.asarray(c * dy - s * dx, dtype=float)
 
 
-def largest_deflections(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<link>.deflection.max`` (m), the largest size across the line through the link's ends, at the
-    outputs.
-    """
-    names = elastic_links(record)
-    if not names or not record.keeps("frame_moment_1") or not record.keeps("particle_x"):
-        return {}
+def largest_deflections(record: Record, window: Window) -> dict[str, float]:
+    """``<link>.deflection.max`` (m): the largest size of :func:`chord_deflection` at the outputs."""
     part, inside = of_window(record, window)
     return {
-        f"{name}.deflection.max": float(np.abs(largest_off_the_chord(part, name))[inside].max())
-        for name in names
+        f"{name}.deflection.max": float(np.abs(largest_deflection(part, name))[inside].max())
+        for name in elastic_links(record)
     }
 
 
@@ -107,7 +102,7 @@ def sections(body: Body) -> list[Section | None]:
     return [body.section] * body.element_count if isinstance(body, Link) else []
 
 
-def known(record: Record) -> bool:
+def has_stresses(record: Record) -> bool:
     """Whether any element's extreme fibre is known."""
     bodies = record.assembly.mechanism.bodies
     return any(
@@ -140,7 +135,7 @@ def stress(record: Record) -> Array:
     return np.asarray(np.maximum(np.abs(tension), np.abs(compression)).max(axis=2), dtype=float)
 
 
-def along(record: Record) -> Array:
+def element_places(record: Record) -> Array:
     """Place (m) of both ends of each element, along its link from the start, or along its member of a frame,
     shape (elements, 2).
     """
@@ -170,24 +165,24 @@ def extremes(record: Record, name: str) -> tuple[Array, Array]:
     )
 
 
-def largest_stresses(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<body>.tension.max`` and ``<body>.compression.max`` (Pa) at the outputs, and ``<body>.stress.place``
-    (m): where the larger of both is along the link from its start, or along its member of a frame.
+def largest_stresses(record: Record, window: Window) -> dict[str, float]:
+    """``<body>.tension.max``, ``<body>.compression.max`` (Pa): largest stresses N/A +- |m| e/I at the outputs.
+
+    ``<body>.stress.place`` (m) is where the larger of both is, along the link from its start, or along its
+    frame member.
     """
     found: dict[str, float] = {}
-    if not record.keeps("frame_axial_force") or not known(record):
+    if not has_stresses(record):
         return found
     part, inside = of_window(record, window)
-    tension, compression = (one[inside] for one in fibres(part))
-    places = along(record)
-    for name, where in record.assembly.bodies.items():
-        own = list(where.elements)
+    tension, compression = (end[inside] for end in fibres(part))
+    places = element_places(record)
+    for name, body in record.assembly.bodies.items():
+        own = list(body.elements)
         if not own or np.isnan(tension[:, own]).all():
             continue
-        found |= {
-            f"{name}.{kind}.max": float(one[inside].max())
-            for kind, one in zip(("tension", "compression"), extremes(part, name), strict=True)
-        }
+        for kind, values in zip(("tension", "compression"), extremes(part, name), strict=True):
+            found[f"{name}.{kind}.max"] = float(values[inside].max())
         sizes = np.nan_to_num(
             np.maximum(np.abs(tension[:, own]), np.abs(compression[:, own])).max(axis=0), nan=-1.0
         )

@@ -1,5 +1,10 @@
-"""The energy ledger: what drivers and loads put in, what is stored, lost and left over; torque, power and
-efficiency of the machine.
+"""Energy ledger: work of drivers and loads, stored and lost energies, and the residual; torque, power and
+efficiency.
+
+stored + lost - supplied is constant in an exact motion. Every term is computed without the others: works are
+sums over all steps, which the loop keeps, and stored energies follow from the state at an output. The
+residual is therefore an independent check of step, contacts and constraints. What it cannot show are errors
+that conserve energy, such as a wrong phase.
 """
 
 from __future__ import annotations
@@ -18,12 +23,12 @@ from ..numerics import products
 from ..numerics.elementwise import exp, hypot, sincos
 from ..solvers.record import Record
 from ..solvers.relaxation import extent
-from .contacts import of_window
 from .motion import AXES, is_free, times, velocities
+from .turns import Window, of_window
 
 Array = NDArray[np.float64]
-REST = 1e-6
-LAST = 20  # outputs
+REST = 1e-6  # share of m g times the size of the mechanism below which energies are not judged
+LAST = 20  # outputs at all of which a drifting ledger is open
 STORED = ("kinetic", "strain", "contact", "spring")
 LOST = ("contact_loss", "friction_loss", "damping_loss", "spring_loss")
 SUPPLIED = ("external", "driver")
@@ -31,13 +36,13 @@ SUPPLIED = ("external", "driver")
 
 @dataclass(frozen=True)
 class Ledger:
-    """Energies (J) at the outputs, each of shape (outputs,), by name: what is stored, lost and supplied."""
+    """Stored, lost and supplied energies (J) at the outputs by name, shape (outputs,) each."""
 
     terms: dict[str, Array]
 
     @cached_property
     def residual(self) -> Array:
-        """Stored + lost - supplied - stored at output 0 (J); zero if the ledger closes."""
+        """Stored + lost - supplied - stored at output 0 (J), shape (outputs,); zero if the ledger closes."""
         stored = sum((self.terms[name] for name in STORED), np.zeros(1))
         lost = sum((self.terms[name] for name in LOST), np.zeros(1))
         supplied = sum((self.terms[name] for name in SUPPLIED), np.zeros(1))
@@ -56,11 +61,10 @@ class Ledger:
 
 
 def too_open(record: Record, found: Ledger | None = None) -> bool:
-    """Whether more energy came or went than the settings allow (``energy_limit`` of the largest energy there
-    was).
+    """Whether the residual exceeds the ``energy_limit`` of the settings, as a share of the largest energy.
 
-    Where nothing moves there is no energy to speak of, and nothing is judged: less than REST of what it takes
-    to lift the whole by its own size. ``found`` is the ledger where it is known already.
+    A mechanism at rest has no energy to compare with: the largest energy must exceed REST times the work that
+    lifts the mechanism by its own size. ``found`` is its ledger, if known.
     """
     assembly = record.assembly
     if record.static or len(record.steps) < 2:
@@ -72,28 +76,22 @@ def too_open(record: Record, found: Ledger | None = None) -> bool:
 
 
 def drifting(assembly: Assembly, kept: NDArray[np.uint32], steps: NDArray[np.int64], rows: Array) -> bool:
-    """Whether the ledger is open by more than the settings allow at the last outputs, one and all, of which
-    output 0 stands before the others.
-    """
+    """Whether the residual exceeds the limit at each of the last outputs; ``rows`` begin with output 0."""
     some = Record(assembly, steps, rows, kept)
     limit, found = assembly.mechanism.settings.energy_limit, ledger(some)
     return too_open(some, found) and bool((np.abs(found.residual[-LAST:]) > limit * found.largest).all())
 
 
 def own_floor(record: Record) -> bool:
-    """Whether part of what the ledger leaves open is the method's own, so that no step closes it.
+    """Whether part of the residual belongs to the method, so that no step closes the ledger.
 
-    Moments of elements whose stiffness counts on their present length belong to no energy.
+    The moments of elements whose stiffness is that of their present length have no potential.
     """
     return CURRENT in record.assembly.topology.strains
 
 
 def ledger(record: Record) -> Ledger:
-    """All energies and works of a record, from its state at t_n.
-
-    A work row sums span * power up to and including all of step n, so the work at t_n is the row less dt/2
-    power; the first step, whose span is dt/2, gives zero.
-    """
+    """Compute all energies and works of a record at its outputs."""
     return Ledger(
         {
             "kinetic": kinetic(record),
@@ -111,6 +109,12 @@ def ledger(record: Record) -> Ledger:
 
 
 def _work(record: Record, name: str) -> Array:
+    """Work at t_n (J), shape (outputs,).
+
+    The loop adds power times dt for the whole step n, which reaches to t_(n+1/2), because the velocity of
+    that step is known there; the work at t_n is the sum less dt/2 times the power. The first step, of length
+    dt/2, gives zero.
+    """
     half = 0.5 * record.assembly.choice.step
     return np.asarray(
         (record.block(f"{name}_work") - half * record.block(f"{name}_power")).sum(axis=1), dtype=float
@@ -121,8 +125,8 @@ def kinetic(record: Record) -> Array:
     """Kinetic energy (J): sum of m/4 (v_(n-1/2)^2 + v_(n+1/2)^2) over free particles, and I w^2/2 of the
     driven bodies.
 
-    The mean of both half steps is what the central difference keeps; output 0 has m v_0^2/2, the velocity it
-    starts from.
+    The central difference conserves the mean of both half steps, not m v_n^2/2 with the mean velocity. Output
+    0 has m v_0^2/2, because the motion starts from v_0.
     """
     free = is_free(record)
     now = velocities(record)
@@ -214,60 +218,55 @@ def constant_loads(record: Record) -> Array:
     return total
 
 
-IDLE = 1e-3  # of what is given off and lost together: a machine that gives off less does no work
-OPEN = 1e-5  # of the largest energy: what a turn leaves over that only goes to and fro
-STILL = 1e-6  # of the torque's range: a mean below it is none
+IDLE = 1e-3  # share of output and losses below which the output is rounding
+OPEN = 1e-5  # share of the largest energy below which the output is the remainder of an exchange
+STILL = 1e-6  # share of the torque's range below which its mean is zero
 
 
-def driving(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<driven body>.torque.mean`` (N m), work over angle; ``.torque.ripple`` (1), highest less lowest at
-    the outputs over the size of the mean; ``.power.mean`` (W). The work is that of every step.
+def driving(record: Record, window: Window) -> dict[str, float]:
+    """Mean torque, ripple and power of each driver over the window; the work is that of every step.
+
+    ``<driven body>.torque.mean`` (N m) = work/angle, ``.torque.ripple`` (1) = (max - min of the torque at the
+    outputs) over the size of the mean, ``.power.mean`` (W) = work/time.
     """
     found: dict[str, float] = {}
-    if (
-        not record.assembly.topology.driven
-        or not record.keeps("driven_work")
-        or not record.keeps("particle_theta")
-    ):
-        return found
-    torque_kept = record.keeps("driven_torque")  # not of companions
+    has_torque = record.keeps("driven_torque")  # companions do not record it
     part, inside = of_window(record, window)
     half, time = 0.5 * part.assembly.choice.step, times(part)
     for name, body in record.assembly.bodies.items():
         if body.driven is None or len(time) < 2:
             continue
         work = part.block("driven_work")[:, body.driven] - half * part.block("driven_power")[:, body.driven]
-        torque = part.block("driven_torque")[inside, body.driven] if torque_kept else np.zeros(1)
         angle = part.block("particle_theta")[:, part.assembly.topology.driven[body.driven]]
         found[f"{name}.power.mean"] = float((work[-1] - work[0]) / (time[-1] - time[0]))
         if abs(turned := float(angle[-1] - angle[0])) > 1e-9:
             mean = found[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
-            if torque_kept and abs(mean) > STILL * (reach := float(torque.max() - torque.min())):
+            torque = part.block("driven_torque")[inside, body.driven] if has_torque else np.zeros(1)
+            reach = float(torque.max() - torque.min())
+            if has_torque and abs(mean) > STILL * reach:
                 found[f"{name}.torque.ripple"] = reach / abs(mean)
     return found
 
 
-def efficiency(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``mechanism.efficiency`` (1) over a full turn: work given off over the same and all losses; nothing for
-    a machine that gives off none.
+def efficiency(record: Record, window: Window) -> dict[str, float]:
+    """``mechanism.efficiency`` (1) over a full turn: output/(output + losses); none for a machine without
+    output.
 
-    Drivers and loads (weight with them) each put in what they do in all over the window, or take it: a press
-    is driven and its load takes, an engine's gas drives and its driver takes. In a motion that repeats, given
-    off + lost = put in.
+    Drivers and loads (with the weight) each do or take work over the window: a press is driven and its load
+    takes work, an engine's gas drives and its driver takes work. In a periodic motion output + losses =
+    input.
     """
     turn = record.assembly.choice.turn
-    if turn is None or not record.keeps("driven_work") or not record.keeps("particle_x"):
-        return {}
-    part, _ = of_window(record, window)
+    part = of_window(record, window).record
     time = times(part)
-    if time[-1] - time[0] < (1.0 - 1e-9) * turn:
+    if turn is None or time[-1] - time[0] < (1.0 - 1e-9) * turn:
         return {}
-    kept = ledger(part)
-    done = {name: float(values[-1] - values[0]) for name, values in kept.terms.items()}
-    given, lost = (
+    energies = ledger(part)
+    done = {name: float(values[-1] - values[0]) for name, values in energies.terms.items()}
+    output, losses = (
         sum(max(-done[name], 0.0) for name in ("driver", "external")),
         sum(done[name] for name in LOST),
     )
-    if not given > max(IDLE * (given + lost), OPEN * kept.largest) or lost < 0.0:
+    if not output > max(IDLE * (output + losses), OPEN * energies.largest) or losses < 0.0:
         return {}
-    return {"mechanism.efficiency": given / (given + lost)}
+    return {"mechanism.efficiency": output / (output + losses)}

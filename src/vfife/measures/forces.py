@@ -1,17 +1,18 @@
-"""What the joints carry and where their journals are: forces on the journal, eccentricity, penetration and
-mode.
-"""
+"""Forces of the joints on their journals and of the mechanism on the ground; eccentricity, penetration and mode of contacts."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kernels.topology import GEARED
+from ..kinematics.forces import driven_body
 from ..model.geometry.path import Path
 from ..model.wear import depth_at
 from ..numerics.elementwise import atan2, hypot, sincos
 from ..solvers.record import Record
-from .motion import seen
+from .motion import pin_places
+from .turns import Window, of_window
 
 Array = NDArray[np.float64]
 FREE_FLIGHT, IMPACT, CONTINUOUS_CONTACT = 0, 1, 2
@@ -37,7 +38,9 @@ def eccentricity(record: Record) -> Array:
     """Journal centre seen from the bearing's pin, global axes (m), shape (outputs, contacts, 2): Eq. 20."""
     if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0, 2))
-    return np.asarray(seen(record, "contact", "journal") - seen(record, "contact", "bearing"), dtype=float)
+    return np.asarray(
+        pin_places(record, "contact", "journal") - pin_places(record, "contact", "bearing"), dtype=float
+    )
 
 
 def normals(record: Record) -> Array:
@@ -182,3 +185,165 @@ def shares(record: Record) -> dict[str, Array]:
     impact = record.block("contact_onsets")[-1] / steps
     lasting = record.block("contact_duration")[-1] / (steps * record.assembly.choice.step)
     return dict(zip(MODES, (np.maximum(1.0 - impact - lasting, 0.0), impact, lasting), strict=True))
+
+
+def arms(record: Record, stepped: bool = False) -> tuple[Array, Array]:
+    """Distances (m) of the surfaces of bearing and journal from their pins along the contact's normal, shape
+    (outputs, contacts) each.
+
+    Radii, and half the overlap; where friction acts without a moment (``friction_moment`` off, films) the
+    surfaces slide all the same. ``stepped``: the arms of friction instead, as the step has them.
+    """
+    mechanism, assembly = record.assembly.mechanism, record.assembly
+    if stepped:
+        change = record.parameter("contact_arm_overlap") * record.block("contact_penetration")
+        return (
+            record.parameter("contact_arm_bearing") + change,
+            record.parameter("contact_arm_journal") - change,
+        )
+    depth = np.maximum(record.block("contact_penetration"), 0.0) * 0.5
+    own = [
+        one.arms
+        for name in dict.fromkeys(assembly.contact_joints)
+        for one in mechanism.contacts[name].touchings(0.0)
+    ]
+    bearing, journal = np.array(own).reshape(-1, 2).T
+    return bearing + depth, journal - depth
+
+
+def places(record: Record, stepped: bool = False) -> tuple[Array, Array]:
+    """Vectors (m) from the pins of bearing and journal to the place of contact (where friction acts in the
+    step if ``stepped``).
+
+    Global axes, shape (outputs, contacts, 2) each.
+    """
+    n, away = normals(record), eccentricity(record)
+    on_bearing, on_journal = arms(record, stepped)
+    t = np.stack([-n[..., 1], n[..., 0]], axis=2)
+    along = (away * t).sum(axis=2)
+    beyond = np.zeros_like(along)
+    slots = [k for k, path in enumerate(record.assembly.contact_paths) if path is not None]
+    if slots:  # the middle of a slot lies beside the bearing's pin
+        middle = (away * n).sum(axis=2) - (
+            record.block("contact_penetration") + record.parameter("contact_size")
+        )
+        beyond[:, slots] = middle[:, slots]
+    return (on_bearing + beyond)[..., None] * n + along[..., None] * t, on_journal[..., None] * n
+
+
+def ground_load(record: Record) -> Array:
+    """Force (N, N) of the mechanism on the ground, and its moment (N m) about the ground's origin, global
+    axes, shape (outputs, 3).
+
+    The sum of all that acts on the ground: joints, with play and without, pivots and torques of drivers,
+    gears on fixed carriers, springs, and loads whose opposite the ground takes, as the head of a cylinder
+    does. Other loads and weight act on bodies from outside; so what is told is them less the rate of change
+    of momentum: F = sum (F_ext - m a), the shaking force of a mechanism without loads and weight being -sum m
+    a.
+    """
+    total = np.zeros((len(record.steps), 3))
+    for part in (_ideals, _contacts, _springs, _drivers, _motors, _loads):
+        total += part(record)
+    return total
+
+
+def _at(force: Array, place: Array, moment: Array | float = 0.0) -> Array:
+    """A force at a place and a moment, as force and moment about the origin, (outputs, 3)."""
+    return np.column_stack([force, place[:, 0] * force[:, 1] - place[:, 1] * force[:, 0] + moment])
+
+
+def _ideals(record: Record) -> Array:
+    """Joints without play, gears, and drivers that hold no pivot; on the bearing the opposite acts in the
+    same place, -ratio times the moment.
+    """
+    t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
+    if not t.joint_bearing:
+        return total
+    place, ratios = pin_places(record, "joint", "journal"), record.parameter("joint_ratio")
+    fx, fy, moment = (record.block(f"joint_{name}") for name in ("fx", "fy", "moment"))
+    ends = zip(t.joint_bearing, t.joint_journal, t.carriers, strict=True)
+    for k, ((bearing, journal, carrier), (_, turn)) in enumerate(zip(ends, t.held, strict=True)):
+        force, ratio = np.column_stack([fx[:, k], fy[:, k]]), float(ratios[k]) if turn == GEARED else 1.0
+        if bearing == 0:
+            total += _at(-force, place[:, k], -ratio * moment[:, k])
+        if journal == 0:
+            total += _at(force, place[:, k], moment[:, k])
+        if carrier == 0:
+            total[:, 2] += (ratio - 1.0) * moment[:, k]
+    return total
+
+
+def _contacts(record: Record) -> Array:
+    t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
+    if not t.contact_bearing:
+        return total
+    force = contact_force(record)
+    for sign, side, reach in zip(
+        (-1.0, 1.0), ("bearing", "journal"), places(record, stepped=True), strict=True
+    ):
+        where = pin_places(record, "contact", side) + reach
+        for k, body in enumerate(getattr(t, f"contact_{side}")):
+            if body == 0:
+                total += _at(sign * force[:, k], where[:, k])
+    return total
+
+
+def _springs(record: Record) -> Array:
+    t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
+    if not t.spring_first:
+        return total
+    where = pin_places(record, "spring", "second")
+    fx, fy, moment = (record.block(f"spring_{name}") for name in ("fx", "fy", "moment"))
+    for k, ends in enumerate(zip(t.spring_first, t.spring_second, strict=True)):
+        for sign, body in zip((-1.0, 1.0), ends, strict=True):
+            if body == 0:
+                total += _at(sign * np.column_stack([fx[:, k], fy[:, k]]), where[:, k], sign * moment[:, k])
+    return total
+
+
+def _drivers(record: Record) -> Array:
+    """Pivots of driven bodies, and the torques that turn them against the ground."""
+    total = np.zeros((len(record.steps), 3))
+    for k, p in enumerate(record.assembly.topology.driven):
+        force = -np.column_stack([record.block(f"driven_f{axis}")[:, k] for axis in "xy"])
+        place = np.column_stack([record.block(f"particle_{axis}")[:, p] for axis in "xy"])
+        total += _at(force, place, -record.block("driven_torque")[:, k])
+    return total
+
+
+def _motors(record: Record) -> Array:
+    """Torques against the ground, whose housings stand on it."""
+    mechanism, total = record.assembly.mechanism, np.zeros((len(record.steps), 3))
+    at = sum(len(load.pushes(mechanism.joints)) for load in mechanism.loads.values())
+    for name, driver in mechanism.drivers.items():
+        if driver.moves:
+            continue
+        if driven_body(name, driver) and driver.against == "ground":
+            value = record.block("function_value")[:, record.assembly.topology.load_function[at]]
+            total[:, 2] -= value * float(record.parameter("load_m")[at])
+        at += 2 if driven_body(name, driver) and driver.against != "ground" else 1
+    return total
+
+
+def _loads(record: Record) -> Array:
+    """Loads on the ground itself."""
+    t, total = record.assembly.topology, np.zeros((len(record.steps), 3))
+    for k, body in enumerate(t.load_particle):
+        if body == 0:
+            x, y, fx, fy, moment = (
+                float(record.parameter(f"load_{name}")[k]) for name in ("x", "y", "fx", "fy", "m")
+            )
+            value = record.block("function_value")[:, t.load_function[k]]
+            total += value[:, None] * np.array([fx, fy, x * fy - y * fx + moment])
+    return total
+
+
+def largest_shaking(record: Record, window: Window) -> dict[str, float]:
+    """``ground.shaking_force.max`` (N) and ``ground.shaking_moment.max`` (N m, about the ground's origin).
+
+    Largest sizes of :func:`ground_load` at the outputs.
+    """
+    part, inside = of_window(record, window)
+    load = ground_load(part)[inside]
+    force, moment = hypot(load[:, 0], load[:, 1]), np.abs(load[:, 2])
+    return {"ground.shaking_force.max": float(force.max()), "ground.shaking_moment.max": float(moment.max())}

@@ -1,5 +1,5 @@
-"""A law by itself: a free impact through a contact law, and steady or small sliding through a friction law.
-No mechanism, no kernels.
+"""Response of a single law: a free impact through a contact law, steady and small sliding through a friction
+law.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from ..laws import ContactLaw, FrictionLaw, Pair
 
 Array = NDArray[np.float64]
 
-STEPS = 500  # of the time that the journal needs to pass its deepest point at its first speed
-LONGEST = 60  # such times after which an impact that has not parted is given up
+STEPS = 500  # steps in the time to the deepest point at the impact speed
+LONGEST = 60  # such times after which an impact without separation ends
 
 
 @dataclass(frozen=True)
-class Impact:
-    """A free impact: time (s), penetration (m), rate (m/s) and force (N), each of shape (samples,), and what
-    it came to.
+class FreeImpact:
+    """A free impact at a ``speed`` (m/s): time (s), penetration (m), rate (m/s) and force (N), shape
+    (samples,) each.
     """
 
     time: Array
@@ -34,7 +34,7 @@ class Impact:
 
     @property
     def restitution(self) -> float:
-        """Speed of parting over speed of impact: what the law delivers; 0 where the two did not part."""
+        """Separation speed over impact speed (1), which the law delivers; 0 without separation."""
         return max(-float(self.rate[-1]), 0.0) / self.speed if self.penetration[-1] <= 0.0 else 0.0
 
     @property
@@ -53,12 +53,12 @@ class Impact:
         return float(self.time[-1])
 
 
-def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: int = STEPS) -> Impact:
-    """A mass (kg) strikes at a speed (m/s): m delta'' = -F(delta, delta') with F = elastic + damping delta',
-    never below 0, until the two part.
+def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: int = STEPS) -> FreeImpact:
+    """Let a mass (kg) strike at a speed (m/s): m delta'' = -F(delta, delta'), F = max(elastic + damping
+    delta', 0), until separation.
 
-    Classical Runge-Kutta of fourth order, at so many ``steps`` to the deepest point or thereabouts;
-    independent of the step of a run.
+    Classical Runge-Kutta of fourth order, with about so many ``steps`` to the deepest point; independent of
+    the step of a run.
     """
     p = law.parameters(pair)
     dt = deepest_without_loss(law, p, 0.5 * mass * speed * speed) / speed / steps
@@ -76,18 +76,18 @@ def free_impact(law: ContactLaw, pair: Pair, mass: float, speed: float, steps: i
         v3, a3 = v + 0.5 * dt * a2, -force(x + 0.5 * dt * v2, v + 0.5 * dt * a2) / mass
         v4, a4 = v + dt * a3, -force(x + dt * v3, v + dt * a3) / mass
         x, v = x + dt * (v1 + 2.0 * v2 + 2.0 * v3 + v4) / 6.0, v + dt * (a1 + 2.0 * a2 + 2.0 * a3 + a4) / 6.0
-        if x <= 0.0:  # parted inside this step: all but straight there
+        if x <= 0.0:  # separation inside this step, in which the motion is almost straight
             share = before[0] / (before[0] - x)
             rows.append(((n - 1 + share) * dt, 0.0, before[1] + share * (v - before[1]), 0.0))
             break
         push = force(x, v)
         rows.append((n * dt, x, v, push))
     time, depth, rate, load = np.array(rows).T
-    return Impact(time, depth, rate, load, speed)
+    return FreeImpact(time, depth, rate, load, speed)
 
 
 def deepest_without_loss(law: ContactLaw, p: tuple[float, ...], energy: float) -> float:
-    """Penetration (m) at which the elastic force has taken up an energy (J)."""
+    """Penetration (m) at which the elastic force has stored an energy (J)."""
     depth, stored = 1e-12, 0.0
     while stored < energy and depth < 1.0:
         stored += 0.05 * depth * law.force(1.025 * depth, 0.0, p)[0]
@@ -96,7 +96,7 @@ def deepest_without_loss(law: ContactLaw, p: tuple[float, ...], energy: float) -
 
 
 def with_restitution(law: ContactLaw, value: float) -> ContactLaw:
-    """The law at another coefficient of restitution. Raises ValueError where it has none."""
+    """Replace the coefficient of restitution of a law. Raises ValueError if it has none."""
     if "restitution" not in {field.name for field in dataclasses.fields(law)}:
         raise ValueError(f"the law {law.name!r} has no coefficient of restitution")
     return dataclasses.replace(law, **{"restitution": value})
@@ -105,21 +105,23 @@ def with_restitution(law: ContactLaw, value: float) -> ContactLaw:
 # --------------------------------------------------------------------------------------------------------------- friction
 
 
-def nothing_remembered(law: FrictionLaw) -> Any:
-    """Memory of a law at its start: a number, or a tuple where it remembers several."""
+def initial_memory(law: FrictionLaw) -> Any:
+    """Memory of a law at its start: a number, or a tuple of several."""
     return 0.0 if len(law.memory) < 2 else (0.0,) * len(law.memory)
 
 
 def steady_sliding(law: FrictionLaw, pair: Pair, normal: float, speeds: Sequence[float] | Array) -> Array:
-    """Friction force (N) at constant sliding velocities (m/s), a memory having settled, shape of ``speeds``."""
+    """Friction force (N) at constant sliding velocities (m/s), after the memory has settled, shape of
+    ``speeds``.
+    """
     p = law.parameters(pair)
-    return np.array([settled(law, p, normal, float(speed)) for speed in speeds])
+    return np.array([steady_force(law, p, normal, float(speed)) for speed in speeds])
 
 
-def settled(law: FrictionLaw, p: tuple[float, ...], normal: float, speed: float) -> float:
-    """Friction force (N) at one sliding velocity, after 0.1 mm of it at the most where the law remembers."""
-    mobility = 1e-9 * max(abs(speed), 1e-12) / normal  # so little that the force does not change the velocity
-    dt, memory, last = 1e-8 / max(abs(speed), 1e-12), nothing_remembered(law), np.inf
+def steady_force(law: FrictionLaw, p: tuple[float, ...], normal: float, speed: float) -> float:
+    """Friction force (N) at one sliding velocity, after at most 0.1 mm if the law has a memory."""
+    mobility = 1e-9 * max(abs(speed), 1e-12) / normal  # so small that the force does not change the velocity
+    dt, memory, last = 1e-8 / max(abs(speed), 1e-12), initial_memory(law), np.inf
     force = 0.0
     for n in range(10_000):
         force, after = law.force(normal, speed, mobility, memory, dt, p)
@@ -130,23 +132,18 @@ def settled(law: FrictionLaw, p: tuple[float, ...], normal: float, speed: float)
     return float(force)
 
 
-def remembers(law: FrictionLaw, pair: Pair, normal: float) -> bool:
-    """Whether a law has a memory."""
-    return bool(law.memory)
-
-
 def breakaway(law: FrictionLaw, pair: Pair, normal: float, speed: float = 1e-4) -> float:
-    """Displacement (m) at which a law with memory, pulled slowly from rest, has reached 95 % of its largest
+    """Displacement (m) at which a law with memory, pulled slowly from rest, reaches 95 % of its largest
     force.
     """
     p = law.parameters(pair)
     for step in np.geomspace(1e-10, 1e-5, 26):
-        memory, forces = nothing_remembered(law), []
+        memory, forces = initial_memory(law), []
         for _ in range(400):
             force, memory = law.force(normal, speed, 1e-9 * speed / normal, memory, float(step) / speed, p)
             forces.append(abs(force))
         reached = int(np.argmax(np.array(forces) >= 0.95 * max(forces)))
-        if reached < 100:  # the window reaches well beyond, so its largest force is the whole one
+        if reached < 100:  # the 400 steps reach well beyond, so they contain the largest force
             return float((reached + 1) * step)
     return 1e-5
 
@@ -154,10 +151,8 @@ def breakaway(law: FrictionLaw, pair: Pair, normal: float, speed: float = 1e-4) 
 def presliding(
     law: FrictionLaw, pair: Pair, normal: float, amplitude: float, speed: float = 1e-4
 ) -> tuple[Array, Array]:
-    """Displacement (m) and friction force (N), each of shape (samples,), of two slow strokes to and fro about
-    the start.
-    """
-    p, count, memory, place = law.parameters(pair), 400, nothing_remembered(law), 0.0
+    """Displacement (m) and friction force (N), shape (samples,) each, of two slow cycles about the start."""
+    p, count, memory, place = law.parameters(pair), 400, initial_memory(law), 0.0
     step = amplitude / count
     rows = [(0.0, 0.0)]
     for sense, strokes in ((1, 1), (-1, 2), (1, 2), (-1, 2), (1, 2)):

@@ -14,27 +14,7 @@ from ..files import DataTable
 NOT_ESTIMATED = "not estimated"  # in the place of a range where the error of a number is unknown
 
 
-# Units of measures, by the ends of their names.
-UNITS = {
-    "acceleration.max": "m/s^2", "angular_acceleration.lip": "%", "angular_acceleration.max": "rad/s^2", "approach_speed.max": "m/s",
-    "compression.max": "Pa", "contact_half_width.max": "m", "contact_pressure.max": "Pa", "deep_landings": "1", "deflection.max": "m",
-    "efficiency": "1", "force.lip": "%", "force.max": "N", "friction_energy.total": "J", "grazing": "1", "impact_energy.total": "J",
-    "impacts": "1", "landing_depth.max": "m", "moment.max": "N m", "penetration.max": "m", "position.high": "m", "position.low": "m",
-    "power.mean": "W", "pressure_velocity.max": "W/m^2", "pressure_velocity.mean": "W/m^2", "bearing_pressure.max": "Pa",
-    "shaking_force.max": "N", "shaking_moment.max": "N m", "share.continuous_contact": "1", "share.free_flight": "1", "share.impact": "1",
-    "sliding_distance.total": "m", "sliding_velocity.max": "m/s", "stress.place": "m", "tension.max": "Pa", "torque.max": "N m",
-    "torque.mean": "N m", "torque.ripple": "1", "velocity.max": "m/s", "bearing_wear.total": "m^3", "journal_wear.total": "m^3",
-    "bearing_wear_depth.max": "m", "journal_wear_depth.max": "m",
-}  # fmt: skip
 MOST_SHOWN = 4  # measures in a line
-
-
-def unit_of(measure: str) -> str:
-    """The unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of several
-    places of a joint.
-    """
-    ending = measure.partition(".")[2]
-    return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
 
 
 class Measured(float):
@@ -127,10 +107,6 @@ class Measures(dict[str, Measured], DataTable):
         some = ", ".join(f"{name} = {one!r}" for name, one in islice(self.items(), MOST_SHOWN))
         more = ", ..." if len(self) > MOST_SHOWN else ""
         return f"<{len(self)} measures, {self.part or 'of a run'}: {some}{more}; see .to_dataframe()>"
-
-    def __setitem__(self, name: str, one: Measured) -> None:
-        one.unit = unit_of(name)
-        super().__setitem__(name, one)
 
     def table(self) -> Iterator[Sequence[object]]:
         """Yield a row for each measure: name, value, unit, its range by errors and that of its turns."""

@@ -1,14 +1,19 @@
-"""How particles, bodies and pins move: positions, velocities and accelerations at the times of the outputs."""
+"""Positions, velocities and accelerations of particles, bodies, pins and sliders at the outputs."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import BodyMap
-from ..numerics.elementwise import atan2, sincos
+from ..kinematics.drives import guide_of
+from ..numerics.elementwise import atan2, hypot, sincos
 from ..numerics.products import times as weighted
 from ..solvers.record import Record
+from .turns import Window, of_window
 
 Array = NDArray[np.float64]
 AXES = (
@@ -132,22 +137,33 @@ def _node_mass(record: Record, body: BodyMap) -> Array:
     return np.asarray(mass, dtype=float)
 
 
+class Carrier(NamedTuple):
+    """Particle that carries a pin, and the ``arm`` (m, m) from it to the pin in the axes of its body."""
+
+    particle: int
+    arm: tuple[float, float]
+
+
+def carrier(body: BodyMap, pin: str) -> Carrier:
+    """Find the carrier of a pin: a node of an elastic body, or the particle of a rigid one."""
+    if body.elements:
+        return Carrier(body.nodes[pin], (0.0, 0.0))
+    x, y = np.subtract(body.pins[pin], body.reference)
+    return Carrier(body.particles[0], (float(x), float(y)))
+
+
 def pin_path(record: Record, body: str, pin: str) -> Array:
     """Path of a pin of a body, or of a point of the ground (m), shape (outputs, 2)."""
     assembly = record.assembly
     if body == "ground":
         return np.tile(np.asarray(assembly.mechanism.points[pin], dtype=float), (len(record.steps), 1))
-    where = assembly.bodies[body]
-    if where.elements:
-        node = where.nodes[pin]
-        return np.stack([record.block("particle_x")[:, node], record.block("particle_y")[:, node]], axis=1)
-    rx, ry = np.subtract(where.pins[pin], where.reference)
-    x, y, angle = (record.block(f"particle_{axis}")[:, where.particles[0]] for axis in ("x", "y", "theta"))
+    particle, (rx, ry) = carrier(assembly.bodies[body], pin)
+    x, y, angle = (record.block(f"particle_{axis}")[:, particle] for axis in ("x", "y", "theta"))
     s, c = sincos(angle)
     return np.stack([x + c * rx - s * ry, y + s * rx + c * ry], axis=1)
 
 
-def seen(record: Record, kind: str, side: str) -> Array:
+def pin_places(record: Record, kind: str, side: str) -> Array:
     """Where the pins on one ``side`` of all joints or springs of a ``kind`` are (m), shape (outputs, joints,
     2).
     """
@@ -197,4 +213,142 @@ def body_velocity(record: Record) -> Array:
         s, c = sincos(angle)
         found[:, k, 0] = velocity["u"][:, nodes[0]] - w * (s * rx + c * ry)
         found[:, k, 1] = velocity["v"][:, nodes[0]] + w * (c * rx - s * ry)
+    return found
+
+
+class Motion(NamedTuple):
+    """Position, velocity and acceleration along a line (m, m/s, m/s^2) or about an axis (rad, ...), shape
+    (outputs,) each.
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class PointMotion:
+    """A point at the outputs: ``position`` (m), ``velocity`` (m/s) and ``acceleration`` (m/s^2), global axes,
+    shape (outputs, 2) each.
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+    def along(self, direction: tuple[float, float]) -> Motion:
+        """Project the motion on a direction of space, of any length above zero. Raises ValueError where it
+        has none.
+        """
+        size = float(hypot(*direction))
+        if not size > 0.0:
+            raise ValueError(
+                f"a direction of {direction} has no length: give two numbers that are not both zero"
+            )
+        unit = np.asarray(direction, dtype=float) / size
+        return Motion(
+            weighted(self.position, unit), weighted(self.velocity, unit), weighted(self.acceleration, unit)
+        )
+
+
+def rotation(record: Record, body: str) -> Motion:
+    """Angle (rad), angular velocity and acceleration of the particle that represents a body; zeros for the
+    ground.
+    """
+    if body == "ground":
+        return Motion(*np.zeros((3, len(record.steps))))
+    p = record.assembly.bodies[body].particles[0]
+    return Motion(
+        record.block("particle_theta")[:, p], velocities(record)["w"][:, p], accelerations(record)["aw"][:, p]
+    )
+
+
+def point_motion(record: Record, point: str) -> PointMotion:
+    """Motion of ``body.pin`` or of ``ground.point``.
+
+    r = c + q, v = v_c + w x q, a = a_c + alpha x q - w^2 q, of the particle that carries the pin. Raises
+    ValueError with the names there are.
+    """
+    name, _, pin = point.partition(".")
+    assembly = record.assembly
+    if name == "ground" and pin in assembly.mechanism.points:
+        still = np.zeros((len(record.steps), 2))
+        return PointMotion(still + np.asarray(assembly.mechanism.points[pin], dtype=float), still, still)
+    body = assembly.bodies.get(name)
+    pins = {} if body is None else body.nodes if body.elements else body.pins
+    if body is None or pin not in pins:
+        known = (
+            ", ".join(f"{name}.{one}" for one in pins)
+            if pins
+            else f"body.pin, with a body of {', '.join(assembly.bodies)}"
+        )
+        raise ValueError(f"there is no point {point!r}; there are {known}")
+    p, (ox, oy) = carrier(body, pin)
+    moving, angle = velocities(record), record.block("particle_theta")[:, p]
+    s, c = sincos(angle)
+    qx, qy = c * ox - s * oy, s * ox + c * oy
+    pushed = accelerations(record)
+    w, alpha, ax, ay = moving["w"][:, p], *(pushed[name][:, p] for name in ("aw", "ax", "ay"))
+    x, y = (record.block(f"particle_{axis}")[:, p] for axis in "xy")
+    return PointMotion(
+        np.column_stack([x + qx, y + qy]),
+        np.column_stack([moving["u"][:, p] - w * qy, moving["v"][:, p] + w * qx]),
+        np.column_stack([ax - alpha * qy - w * w * qx, ay + alpha * qx - w * w * qy]),
+    )
+
+
+def sliders(record: Record) -> list[str]:
+    """Joints whose journal goes along a straight guide, with play or without."""
+    mechanism = record.assembly.mechanism
+    return [name for name in mechanism.joints if guide_of(mechanism, name)]
+
+
+def slider_motion(record: Record, name: str) -> Motion:
+    """Motion of a slider's journal pin along its guide.
+
+    Counted from the bearing's pin, seen in the frame of the bearing's body: with d the guide's direction, e
+    across it and r from pin to pin, s = d r, s' = d r' + w e r, s'' = d r'' + 2 w e r' + (alpha e - w^2 d) r.
+    """
+    found = guide_of(record.assembly.mechanism, name)
+    if found is None:
+        raise ValueError(f"{name!r} is no slider; there are {', '.join(sliders(record)) or 'none'}")
+    joint, guide = found
+    bearing, journal = (point_motion(record, side) for side in (joint.bearing, joint.journal))
+    dx, dy = guide.unit()
+    angle, w, alpha = (one[:, None] for one in rotation(record, joint.sides[0][0]))
+    s, c = sincos(angle[:, 0])
+    d = np.column_stack([c * dx - s * dy, s * dx + c * dy])
+    e = np.column_stack([-d[:, 1], d[:, 0]])
+    r, v, a = (
+        getattr(journal, key) - getattr(bearing, key) for key in ("position", "velocity", "acceleration")
+    )
+    parts = (d * r, d * v + w * e * r, d * a + 2.0 * w * e * v + (alpha * e - w * w * d) * r)
+    return Motion(*(part.sum(axis=1) for part in parts))
+
+
+def largest_strokes(record: Record, window: Window) -> dict[str, float]:
+    """Ends of the stroke of each slider along its guide, and its largest velocity and acceleration, at the
+    outputs.
+
+    ``<slider>.position.low`` and ``.high`` (m), ``.velocity.max`` (m/s), ``.acceleration.max`` (m/s^2): min
+    s, max s,
+    max|s'|, max|s''|.
+    """
+    part, inside = of_window(record, window)
+    found: dict[str, float] = {}
+    for name in sliders(record):
+        motion = slider_motion(part, name)
+        position, velocity, acceleration = (
+            motion.position[inside],
+            motion.velocity[inside],
+            motion.acceleration[inside],
+        )
+        found |= {
+            f"{name}.position.low": float(position.min()),
+            f"{name}.position.high": float(position.max()),
+        }
+        found |= {
+            f"{name}.velocity.max": float(np.abs(velocity).max()),
+            f"{name}.acceleration.max": float(np.abs(acceleration).max()),
+        }
     return found

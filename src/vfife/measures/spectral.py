@@ -1,13 +1,16 @@
-"""What a series is made of: waves over frequency, over time and frequency, and the envelope of what vibrates.
+"""Spectra of series with even sampling: amplitudes over frequency, over time and frequency, and the analytic
+signal.
 
-All of it takes samples at even times, of any quantity; amplitudes are those of sines, so a wave a sin(2 pi f
-t) has a peak of height a at f.
+Amplitudes are those of sines: a wave a sin(2 pi f t) has a peak of height a at f. These are transforms by
+NumPy and not functions of scipy.signal, whose import takes longer (0.5 s) than most spectra, and which holds
+all windows in memory.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,11 +49,19 @@ def resolution_of(name: str, seconds: float) -> float:
     return (1.0 + 0.5 * sum(k * k for k in a[1:]) / a[0] ** 2) / seconds
 
 
-def samples(
-    values: Array, spacing: float, length: int | None, overlap: float, default: int
-) -> tuple[Array, int, int]:
-    """Values as numbers, samples of a window, and samples from one window to the next. Raises VfifeError for
-    what cannot be.
+class Windows(NamedTuple):
+    """A series of numbers and the windows of it: samples in each, and the first sample of each, shape
+    (windows,).
+    """
+
+    values: Array
+    length: int
+    starts: Places
+
+
+def windows_of(values: Array, spacing: float, length: int | None, overlap: float, default: int) -> Windows:
+    """Divide a series into overlapping windows of ``length`` samples, or of a ``default``. Raises VfifeError
+    for arguments out of range.
     """
     values = np.asarray(values, dtype=float)
     if values.ndim != 1 or len(values) < SHORTEST or not np.isfinite(values).all():
@@ -70,7 +81,8 @@ def samples(
             f"a window of {length} samples: allowed are {SHORTEST} to {len(values)}, as many as there are;"
             " ask for another length"
         )
-    return values, length, max(1, round(length * (1.0 - overlap)))
+    hop = max(1, round(length * (1.0 - overlap)))
+    return Windows(values, length, np.arange(0, len(values) - length + 1, hop, dtype=np.int64))
 
 
 def transforms(values: Array, starts: Places, weights: Array) -> Iterator[Array]:
@@ -84,15 +96,15 @@ def transforms(values: Array, starts: Places, weights: Array) -> Iterator[Array]
         yield np.asarray(found.real**2 + found.imag**2, dtype=float)
 
 
-def doubled(count: int) -> Array:
-    """How often a place of a real transform stands in the full one: twice, but for the mean and the fastest
-    wave of an even count.
+def one_sided(count: int) -> Array:
+    """Weights of the one-sided spectrum of ``count`` samples: 2, but 1 at zero frequency and, for an even
+    count, at Nyquist's.
     """
-    found = np.full(count // 2 + 1, 2.0)
-    found[0] = 1.0
+    weights = np.full(count // 2 + 1, 2.0)
+    weights[0] = 1.0
     if count % 2 == 0:
-        found[-1] = 1.0
-    return found
+        weights[-1] = 1.0
+    return weights
 
 
 def frequencies_of(length: int, spacing: float) -> Array:
@@ -100,29 +112,31 @@ def frequencies_of(length: int, spacing: float) -> Array:
     return np.asarray(np.arange(length // 2 + 1) / (length * spacing), dtype=float)
 
 
-def averaged(values: Array, spacing: float, starts: Places, window: str, length: int) -> tuple[Array, Array]:
-    """Amplitudes and power spectral density (unit^2/Hz) over frequency: the mean square of windows of so many
-    samples (Welch 1967).
+class AveragedSpectrum(NamedTuple):
+    """Amplitudes (unit of the series) and power spectral density (unit^2/Hz), shape (frequencies,) each."""
+
+    amplitudes: Array
+    density: Array
+
+
+def averaged(windows: Windows, spacing: float, window: str) -> AveragedSpectrum:
+    """Average the squared transforms of windows (Welch 1967).
 
     The sum of the density times the distance of frequencies is the mean square of the series (Parseval),
-    weighted as the window does.
+    weighted by the window.
     """
-    weights, twice = window_of(window, length), doubled(length)
-    square = sum(
-        (one.sum(axis=0) for one in transforms(values, starts, weights)), np.zeros(length // 2 + 1)
-    ) / len(starts)
-    root = twice * np.sqrt(square) / weights.sum()
-    return root, np.asarray(twice * square * spacing / (weights**2).sum(), dtype=float)
+    weights, sides = window_of(window, windows.length), one_sided(windows.length)
+    parts = (part.sum(axis=0) for part in transforms(windows.values, windows.starts, weights))
+    square = sum(parts, np.zeros(windows.length // 2 + 1)) / len(windows.starts)
+    density = sides * square * spacing / (weights**2).sum()
+    return AveragedSpectrum(sides * np.sqrt(square) / weights.sum(), np.asarray(density, dtype=float))
 
 
 def short_time(values: Array, starts: Places, window: str, length: int) -> Array:
-    """Amplitudes of the waves in each window of so many samples, shape (windows, frequencies)."""
+    """Amplitudes in each window of ``length`` samples, shape (windows, frequencies)."""
     weights = window_of(window, length)
-    found, done, twice = np.zeros((len(starts), length // 2 + 1)), 0, doubled(length) / weights.sum()
-    for part in transforms(values, starts, weights):
-        found[done : done + len(part)] = twice * np.sqrt(part)
-        done += len(part)
-    return found
+    scale = one_sided(length) / weights.sum()
+    return np.concatenate([scale * np.sqrt(part) for part in transforms(values, starts, weights)])
 
 
 def analytic(values: Array, spacing: float, band: tuple[float, float] | None) -> NDArray[np.complex128]:
@@ -140,5 +154,5 @@ def analytic(values: Array, spacing: float, band: tuple[float, float] | None) ->
             raise VfifeError(f"band {low:g} to {high:g} Hz: nothing lies in it; {there}")
         found[~inside] = 0.0
     whole = np.zeros(length, dtype=complex)
-    whole[: len(found)] = doubled(length) * found
+    whole[: len(found)] = one_sided(length) * found
     return np.asarray(np.fft.ifft(whole), dtype=np.complex128)

@@ -1,14 +1,21 @@
-"""Whether the turns of a run repeat, from which one on and with which period, and which of them its measures
-are of.
+"""Turns of a run: do they repeat, from which one on, with which period, and of which of them are the
+measures?
+
+A turn repeats if each quantity lies within a tolerance of its value one period before, output by output. A
+motion whose turns approach each other is still settling: the logarithms of their distances then lie on a
+falling line. What neither repeats nor settles within ten turns is called not periodic, and its measures are
+means, because no single turn stands for it.
+
+A window is a choice of outputs, by default the last turn, that a measure is taken of.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,26 +27,26 @@ from ..solvers.repeating import LONGEST, SETTLED, Comparison, outputs_of_a_turn,
 Array = NDArray[np.float64]
 Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
 
-FEW = 4  # turns of a run below which its measures are those of its last period, and no mean
-MANY = 10  # turns after which one that neither repeats nor is about to is called not periodic
-MOST = 100  # turns that a mean is taken over
-TREND = 24  # turns back from the end by which it is told whether a motion is settling
-FALLING = (
-    -0.9
-)  # correlation of the logarithm of distances with the number of the turn, of a motion that is settling
-FALLEN = 0.7  # by which factor they fall over those turns, at the least
+FEW = 4  # turns of a run below which its measures are those of its last period, not means
+MANY = 10  # turns from which on a motion that neither repeats nor settles is called not periodic
+MOST = 100  # turns of which a mean is taken
+# A motion is settling if over its last turns the logarithm of the distance of two turns has at least this
+# correlation with
+# their number, and the distance falls at least by this factor.
+TREND = 24
+FALLING = -0.9
+FALLEN = 0.7
 
 
 @dataclass(frozen=True)
 class Turns:
-    """What the turns of a run at constant speed are like.
+    """Turns of a run at constant speed.
 
-    ``motion``: "periodic", where each turn from ``since`` on (counted from 1) repeats the one ``period``
-    turns before it within ``tolerance``; "settling" where turns come nearer to each other and are not there
-    yet; "not periodic" where many of them do neither; "unsettled" where there are too few to tell.
-    ``distance`` is that of the last turn from the one it is nearest to
-    (:func:`~vfife.solvers.repeating.distance`), NaN of a single turn. Measures are of the turns ``first`` to
-    ``last`` of ``count``.
+    ``motion``: "periodic" if each turn from ``since`` on (counted from 1) repeats the one ``period`` turns
+    before it within ``tolerance``; "settling" if turns approach each other; "not periodic" if many turns do
+    neither; "unsettled" if there are too few. ``distance`` of the last turn from the one it is nearest to
+    (:func:`~vfife.solvers.repeating.distance`) is NaN for a single turn. Measures are of the turns ``first``
+    to ``last`` of ``count``.
     """
 
     count: int
@@ -58,20 +65,21 @@ class Turns:
 
 
 def turns(record: Record) -> Turns | None:
-    """What the turns of a run are like; None where nothing turns at constant speed, where a turn holds no
-    whole number of outputs, or there is none.
+    """Classify the turns of a run.
+
+    None without a crank of constant speed, without a full turn, or if a turn is no whole number of outputs.
     """
     outputs = None if record.static else outputs_of_a_turn(record.assembly)
     if outputs is None or len(record.steps) <= outputs or not _unbroken(record):
         return None
     comparison, settle = Comparison(record.assembly, record.kept), record.assembly.mechanism.settings.settle
     columns = _Columns(record, comparison, outputs)
-    return told(columns, comparison, SETTLED if settle is None else settle)
+    return classify(columns, comparison, SETTLED if settle is None else settle)
 
 
 def part_of(record: Record, said: Turns | None) -> str:
-    """Which part of a run its measures are of, in a few words: ``mean of turns 3 to 8``,
-    ``last turn, the 2nd``, ``whole run``.
+    """Name the part of a run that its measures are of: ``mean of turns 3 to 8``, ``last turn, the 2nd``,
+    ``whole run``.
     """
     choice, left = record.assembly.choice, record.companions
     if record.static:
@@ -95,12 +103,12 @@ def ordinal(number: int) -> str:
 
 
 def _unbroken(record: Record) -> bool:
-    """Whether no output was lost."""
+    """Whether no output is missing."""
     return bool(record.steps[-1] == (len(record.steps) - 1) * record.assembly.choice.outputs_every)
 
 
 class _Columns(Sequence[Array]):
-    """The turns of a record, each read when it is looked at, shape (outputs, columns)."""
+    """Turns of a record, each read when it is used, shape (outputs, columns)."""
 
     def __init__(self, record: Record, comparison: Comparison, outputs: int) -> None:
         self.rows, self.columns, self.outputs = record.rows, comparison.columns, outputs
@@ -113,29 +121,24 @@ class _Columns(Sequence[Array]):
         return np.asarray(self.rows[first : first + self.outputs])[:, self.columns]
 
 
-def told(every: Sequence[Array], comparison: Comparison, tolerance: float) -> Turns:
-    """The same of turns by themselves, each of shape (outputs, columns)."""
+def classify(every: Sequence[Array], comparison: Comparison, tolerance: float) -> Turns:
+    """Classify turns, each of shape (outputs, columns)."""
     count = len(every)
-    found = repeated_since(every, comparison, tolerance)
-    if found is not None:
-        period, since = found
+    repeated = repeated_since(every, comparison, tolerance)
+    if repeated is not None:
+        period, since = repeated
         some = count - since + 1
         some = period if count < FEW else min(some, MOST) // period * period
         distance = comparison.distance(every[count - 1 - period], every[count - 1])
         return Turns(count, "periodic", period, since, distance, tolerance, count - some + 1, count)
-    near = nearest(every, comparison)
-    distance = near[-1] if near else math.nan
-    if settling(near):
-        return Turns(count, "settling", None, None, distance, tolerance, count, count)
-    if count < MANY:
-        return Turns(count, "unsettled", None, None, distance, tolerance, count, count)
-    return Turns(
-        count, "not periodic", None, None, distance, tolerance, count - min(count // 2, MOST) + 1, count
-    )
+    distances = nearest(every, comparison)
+    motion: Motion = "settling" if settling(distances) else "unsettled" if count < MANY else "not periodic"
+    first = count - min(count // 2, MOST) + 1 if motion == "not periodic" else count
+    return Turns(count, motion, None, None, distances[-1] if distances else math.nan, tolerance, first, count)
 
 
 def nearest(every: Sequence[Array], comparison: Comparison) -> list[float]:
-    """Distances of the latest turns, each from that of those a period before it to which it is nearest."""
+    """Distances of the latest turns, each from the nearest of those up to the longest period before it."""
     count = len(every)
     return [
         min(comparison.distance(every[k - period], every[k]) for period in range(1, min(LONGEST, k) + 1))
@@ -144,10 +147,8 @@ def nearest(every: Sequence[Array], comparison: Comparison) -> list[float]:
 
 
 def settling(distances: Sequence[float]) -> bool:
-    """Whether distances fall steadily: they are so many times smaller at the end of a line through their
-    logarithms than at its begin.
-    """
-    values = np.array(distances[1:] if len(distances) > 4 else distances)  # the first is that of the start
+    """Whether distances fall steadily, by a least-squares line through their logarithms."""
+    values = np.array(distances[1:] if len(distances) > 4 else distances)  # without that of the start
     if len(values) < 4 or not (np.isfinite(values) & (values > 0.0)).all():
         return False
     logarithms = log(values)
@@ -159,7 +160,7 @@ def settling(distances: Sequence[float]) -> bool:
 
 
 def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:
-    """Turns of a run, counted from 1, as records that begin with the output before them."""
+    """Records of the turns of a run, counted from 1; each begins with the output before it."""
     outputs = outputs_of_a_turn(record.assembly) or 0
     for turn in range(first, last + 1):
         part = slice((turn - 1) * outputs, turn * outputs + 1)
@@ -169,8 +170,8 @@ def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:
 
 
 def each_turn_beside(record: Record, companion: int, first: int, last: int) -> Iterator[Record]:
-    """The same of a companion: of each turn one row, with the largest of extremes and the last of all else,
-    and the row before it.
+    """Records of the turns of a companion: one row with the extremes of the turn and its end, after the row
+    of the turn before.
     """
     left, outputs = record.companions, outputs_of_a_turn(record.assembly) or 0
     if left is None:
@@ -185,9 +186,7 @@ def each_turn_beside(record: Record, companion: int, first: int, last: int) -> I
 
 
 def record_of_companion(record: Record, companion: int) -> Record:
-    """What a companion leaves, as a record of its own step, of the last turn. Raises ValueError for a run
-    that has none.
-    """
+    """Record of the last turn of a companion, with its own step. Raises ValueError for a run that has none."""
     left = record.companions
     if left is None:
         raise ValueError("a run without companions has no record of one")
@@ -210,3 +209,57 @@ def record_of_companion(record: Record, companion: int) -> Record:
         kept=left.kept,
         companions=None,
     )
+
+
+Window: TypeAlias = NDArray[np.bool_]  # shape (outputs,)
+
+
+class WindowRecord(NamedTuple):
+    """A window with the output before it as a ``record``; ``inside`` are the outputs of the window in it."""
+
+    record: Record
+    inside: slice
+
+
+def whole_run(record: Record) -> Window:
+    """Choose all outputs."""
+    return np.ones(len(record.steps), dtype=bool)
+
+
+def last_turn(record: Record) -> Window:
+    """Choose the outputs whose intervals make up the last full crank turn, the one that ends with the run.
+
+    All outputs where there is no crank, or where the run is shorter than a turn.
+    """
+    turn = record.assembly.choice.turn
+    steps = record.steps
+    if turn is None or len(steps) < 2:
+        return whole_run(record)
+    begin = steps[-1] - turn / record.assembly.choice.step
+    if begin < -0.5:
+        return whole_run(record)
+    window = np.zeros(len(steps), dtype=bool)
+    window[1:] = steps[:-1] > begin - 0.5
+    return window
+
+
+def of_window(record: Record, window: Window) -> WindowRecord:
+    """Cut out a window, so that a measure of a turn costs as much as that turn, however long the run is.
+
+    The output before the window belongs to the record, because sums and intervals count from it.
+    """
+    inside = np.flatnonzero(window)
+    first, last = max(int(inside[0]) - 1, 0), int(inside[-1]) + 1
+    part = dataclasses.replace(
+        record, steps=record.steps[first:last], source=record.rows[first:last], companions=None
+    )
+    return WindowRecord(part, slice(int(inside[0]) - first, None))
+
+
+def named(names: Iterable[str], quantities: Mapping[str, Sequence[Any] | NDArray[Any]]) -> dict[str, float]:
+    """Name the values of some quantities for each joint or body: ``<name>.<quantity>``."""
+    return {
+        f"{name}.{quantity}": float(values[k])
+        for k, name in enumerate(names)
+        for quantity, values in quantities.items()
+    }

@@ -17,7 +17,7 @@ from ..laws.materials import coefficient
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import atan2, hypot, interpolate, sin
 from ..solvers.record import Record
-from .contacts import of_window
+from .turns import Window, of_window
 
 Array = NDArray[np.float64]
 SIDES = ("bearing", "journal")
@@ -25,7 +25,7 @@ PLACES = 360  # around a joint, at which depths are known
 WIDTH = 2.0 * np.pi / PLACES  # of one of them
 
 
-class Rubbed(NamedTuple):
+class Rubbing(NamedTuple):
     """What a contact rubs in each interval between two outputs: ``work`` (N m), and where around bearing or
     journal (rad), half of it within ``spread`` (rad) to both sides; shape (intervals,) each.
     """
@@ -57,7 +57,7 @@ def coefficients(record: Record, contact: int) -> tuple[float, float]:
     return first, second
 
 
-def rubbed(record: Record, contact: int, side: str) -> Rubbed:
+def rubbing(record: Record, contact: int, side: str) -> Rubbing:
     """What one side of a contact feels between outputs, in the frame of its body, which counts with its angle
     in the middle of the interval.
 
@@ -70,7 +70,7 @@ def rubbed(record: Record, contact: int, side: str) -> Rubbed:
     turned = record.block("particle_theta")[:, particle]
     angle = atan2(y, x) - 0.5 * (turned[1:] + turned[:-1])
     length = np.divide(hypot(x, y), done, out=np.ones_like(done), where=done > 0.0)
-    return Rubbed(done, np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi, half_arc(length))
+    return Rubbing(done, np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi, half_arc(length))
 
 
 def half_arc(length: Array) -> Array:
@@ -80,7 +80,7 @@ def half_arc(length: Array) -> Array:
     return np.asarray(interpolate(np.clip(length, 0.0, 1.0), share, arcs), dtype=float)
 
 
-def around(part: Rubbed) -> Array:
+def work_around(part: Rubbing) -> Array:
     """Work (N m) at each of ``PLACES`` around the joint, from -pi on; their sum is that of the intervals, to
     rounding.
     """
@@ -108,7 +108,7 @@ def depths(record: Record, contact: int) -> tuple[Array, Array]:
     """
     found = []
     for side, k, area in zip(SIDES, coefficients(record, contact), areas(record, contact), strict=True):
-        found.append(k / area * around(rubbed(record, contact, side)))
+        found.append(k / area * work_around(rubbing(record, contact, side)))
     return found[0], found[1]
 
 
@@ -125,31 +125,25 @@ def is_round(record: Record, contact: int) -> bool:
     return record.assembly.topology.contact_kind[contact] == BEARING
 
 
-def worn_volumes(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<joint>.bearing_wear.total`` and ``.journal_wear.total`` (m^3) over the window; a block in a guide
-    has four contacts.
+def worn_volumes(record: Record, window: Window) -> dict[str, float]:
+    """``<joint>.bearing_wear.total``, ``.journal_wear.total`` (m^3): k W over the window, summed over the
+    joint's contacts.
     """
     found: dict[str, float] = {}
-    if not record.assembly.topology.wears:
-        return found
-    part, _ = of_window(record, window)
-    done = work(part)[-1] - work(part)[0]
+    done = work(of_window(record, window).record)
     for place, contact in enumerate(record.assembly.topology.wears):
         joint = record.assembly.contact_joints[contact]
         for side, k in zip(SIDES, coefficients(record, contact), strict=True):
             name = f"{joint}.{side}_wear.total"
-            found[name] = found.get(name, 0.0) + k * float(done[place])
+            found[name] = found.get(name, 0.0) + k * float(done[-1, place] - done[0, place])
     return found
 
 
-def worn_depths(record: Record, window: NDArray[np.bool_]) -> dict[str, float]:
-    """``<joint>.bearing_wear_depth.max`` and ``.journal_wear_depth.max`` (m): what the place that loses most
-    loses over the window.
+def worn_depths(record: Record, window: Window) -> dict[str, float]:
+    """``<joint>.bearing_wear_depth.max``, ``.journal_wear_depth.max`` (m): the largest depth lost around the
+    joint over the window.
     """
-    found: dict[str, float] = {}
-    if not record.assembly.topology.wears or not record.keeps("wear_x"):
-        return found
-    part, _ = of_window(record, window)
+    part, found = of_window(record, window).record, dict[str, float]()
     for name, contact in worn_contacts(record).items():
         if is_round(record, contact):
             for side, depth in zip(SIDES, depths(part, contact), strict=True):

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..measures.error_ranges import band
 from ..measures.forces import joint_force, joint_force_max, joint_moment, joint_rows
-from ..measures.guides import slider_motion, sliders
-from ..measures.ranges import band
+from ..measures.motion import slider_motion, sliders
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .layout import Panels
@@ -120,7 +120,7 @@ def accelerations(result: View) -> dict[str, Quantity]:
     for name in sliders(record) if record.keeps("particle_u") else ():
         gliding.add(record.assembly.mechanism.joints[name].sides[1][0])
         along = Quantity(f"{record.assembly.mechanism.joints[name].sides[1][0]} along {name}", "acceleration", "m/s²",
-                         lambda one, name=name: slider_motion(one, name)[2], None, f"{name}.acceleration.max")  # type: ignore[misc]  # fmt: skip
+                         lambda one, name=name: slider_motion(one, name).acceleration, None, f"{name}.acceleration.max")  # type: ignore[misc]  # fmt: skip
         quantities[name] = along
     for name, body in bodies.items():
         measure = f"{name}.angular_acceleration.max"

@@ -102,7 +102,7 @@ def deflection(result: View) -> Figure:
 
 
 def _shape(ax: Axes, result: View, name: str, over: Span) -> None:
-    off, at = elastic.off_the_chord(result.record, name)[over.first : over.last + 1], places(result, name)
+    off, at = elastic.chord_deflection(result.record, name)[over.first : over.last + 1], places(result, name)
     nodes = np.append(at[:, 0], at[-1, 1])
     x = np.empty(2 * len(at) + 1)
     x[::2], x[1::2] = nodes, 0.5 * (nodes[1:] + nodes[:-1])

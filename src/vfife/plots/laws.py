@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from ..measures.impact import Impact
+    from ..measures.impact import FreeImpact
 
     Array = NDArray[np.float64]
 
 
 @rc_context(STYLE)
-def contact_figure(title: str, loops: dict[str, Impact], delivered: tuple[Array, Array] | None) -> Figure:
+def contact_figure(title: str, loops: dict[str, FreeImpact], delivered: tuple[Array, Array] | None) -> Figure:
     """Force against penetration of free impacts, by label, and restitution delivered against restitution
     asked for, if the law has any.
     """

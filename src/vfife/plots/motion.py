@@ -11,8 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..measures.forces import IMPACT, eccentricity, joint_force, joint_rows
-from ..measures.guides import slider_motion, sliders, turning
-from ..measures.motion import body_motion, pin_path
+from ..measures.motion import body_motion, pin_path, rotation, slider_motion, sliders
 from ..model.outlines import CENTER, loose_pins
 from .curves import largest_forces
 from .layout import Panels
@@ -240,7 +239,7 @@ def _in_bearing_frame(result: View, name: str, vectors: Array) -> Array:
     joint = result.record.assembly.mechanism.joints.get(name)
     if joint is None:
         return vectors
-    angle = turning(result.record, joint.sides[0][0])[0]
+    angle = rotation(result.record, joint.sides[0][0]).position
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * vectors[:, 0] + s * vectors[:, 1], c * vectors[:, 1] - s * vectors[:, 0]], axis=1)
 
@@ -300,7 +299,7 @@ def tilt_and_offset(result: View, name: str) -> tuple[Array, Array]:
     direction, shape (outputs,).
     """
     record, joint = result.record, _block(result, name)
-    base, own = (turning(record, side[0])[0] for side in joint.sides)
+    base, own = (rotation(record, side[0]).position for side in joint.sides)
     away = pin_path(record, *joint.sides[1]) - pin_path(record, *joint.sides[0])
     along = base + np.arctan2(*joint.direction[::-1])
     return (own - own[0]) - (base - base[0]), np.cos(along) * away[:, 1] - np.sin(along) * away[:, 0]

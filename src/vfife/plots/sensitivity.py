@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from ..results.comparison import Comparison
     from ..results.derivatives import Sensitivity
-    from ..results.fit import Fit, Laid
+    from ..results.fit import Fit, FitCurve
 
 
 def labels(comparison: Comparison) -> list[str]:
@@ -146,13 +146,13 @@ def fit_figure(fit: Fit) -> Figure:
     return figure
 
 
-def abscissa_of(one: Laid) -> tuple[Any, str]:
+def abscissa_of(one: FitCurve) -> tuple[Any, str]:
     """Abscissa of a curve, and its label."""
     factor, label = ABSCISSAE[one.over]
     return factor * one.places, label
 
 
-def fitted_curve(ax: Axes, one: Laid, first: bool) -> None:
+def fitted_curve(ax: Axes, one: FitCurve, first: bool) -> None:
     """Draw measured and model's values."""
     every = max(1, len(one.places) // SAMPLES)
     x, label = abscissa_of(one)
@@ -166,7 +166,7 @@ def fitted_curve(ax: Axes, one: Laid, first: bool) -> None:
         )  # curves fill the axes
 
 
-def residual(ax: Axes, one: Laid) -> None:
+def residual(ax: Axes, one: FitCurve) -> None:
     """Draw the residual in per cent of the measured standard deviation."""
     spread = float(one.measured.std()) or 1.0
     x, label = abscissa_of(one)
@@ -183,11 +183,11 @@ def ranges(ax: Axes, fit: Fit) -> None:
             ax.plot(
                 np.clip(ends, 0.0, 1.0),
                 [k, k],
-                color=INK if one.told else VERMILION,
+                color=INK if one.determined else VERMILION,
                 lw=3.0,
                 solid_capstyle="butt",
             )
-        ax.plot([at], [k], "o", color=INK if one.told else VERMILION, ms=5.0)
+        ax.plot([at], [k], "o", color=INK if one.determined else VERMILION, ms=5.0)
     ax.set_yticks(range(len(fit.values)), [short(one.name) for one in fit.values], fontsize=8)
     ax.set(
         xlim=(0.0, 1.0),

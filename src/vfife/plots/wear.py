@@ -11,8 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from ..measures.catalogue import last_turn
-from ..measures.contacts import of_window
+from ..measures.turns import last_turn, of_window
 from ..measures.wear import PLACES, SIDES, depths, is_round, worn_contacts
 from .style import BLUE, FAINT, GREY, INK, STYLE, VERMILION, digits, heading, length_unit, scale_of
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..measures.forces import MODES
 from ..measures.measured import NOT_ESTIMATED
-from ..measures.meshes import EXACT
+from ..measures.statics import EXACT
 from .digits import (
     Json,
     amount,

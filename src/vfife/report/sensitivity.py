@@ -161,7 +161,7 @@ def identification(fit: Fit) -> Document:
         bounds = " to ".join(quantity(end, one.unit) for end in one.bounds) + (
             ", at one" if one.at_bound else ""
         )
-        mark = "" if one.told or not sure else " ?"
+        mark = "" if one.determined or not sure else " ?"
         rows.append(
             (
                 one.name,

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..measures.measured import NOT_ESTIMATED
-from ..measures.ranges import HALVINGS, trust
+from ..measures.trust import HALVINGS, trust
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
 from .digits import Json, amount, prefixed, unit_of

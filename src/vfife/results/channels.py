@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.blocks import BY_NAME
-from ..measures import contacts, elastic, forces, guides, motion
-from ..measures.catalogue import displacement
+from ..measures import contacts, elastic, forces, motion
 from ..measures.contacts import contact_angle, lost, mean_power, sliding_speed
 from ..measures.energy import Ledger
-from ..measures.ground import ground_load
+from ..measures.forces import ground_load
+from ..measures.statics import displacement
 from ..measures.wear import SIDES, coefficients, work
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
@@ -134,7 +134,7 @@ def entities(record: Record) -> dict[str, list[str]]:
         "body": list(assembly.bodies),
         "spring": list(assembly.springs),
         "driver": [body.name for body in sorted(_driven(record), key=lambda body: int(body.driven or 0))],
-        "slider": guides.sliders(record),
+        "slider": motion.sliders(record),
         "elastic": [name for name, where in assembly.bodies.items() if where.elements],
         "element": motion.element_names(record),
         "particle": motion.particle_names(record),
@@ -252,7 +252,7 @@ def _clearances(record: Record) -> dict[str, Channel]:
 
 
 def _elements(record: Record) -> dict[str, Channel]:
-    return stress_channels(record) if elastic.known(record) else {}
+    return stress_channels(record) if elastic.has_stresses(record) else {}
 
 
 def _nothing(record: Record) -> dict[str, Channel]:
@@ -262,6 +262,7 @@ def _nothing(record: Record) -> dict[str, Channel]:
 def wear_channels(record: Record) -> dict[str, Channel]:
     """Energies, powers, sliding, pressure and places of contact of joints with play."""
     pressures, slide = contacts.pressures(record), sliding_speed(record)
+    load = pressures.bearing
     named = {
         "friction_energy": (lost(record, "friction"), "J", "energy lost in friction since the start"),
         "impact_energy": (lost(record, "impact"), "J", "energy lost in normal damping since the start"),
@@ -283,15 +284,15 @@ def wear_channels(record: Record) -> dict[str, Channel]:
                 " apart"
             ),
         ),
-        "contact_pressure": (pressures[0], "Pa", "largest pressure of Hertz' line contact, 0 apart"),
-        "contact_half_width": (pressures[1], "m", "half-width of Hertz' line contact"),
+        "contact_pressure": (pressures.pressure, "Pa", "largest pressure of Hertz' line contact, 0 apart"),
+        "contact_half_width": (pressures.half_width, "m", "half-width of Hertz' line contact"),
         "bearing_pressure": (
-            pressures[2],
+            load,
             "Pa",
             "normal force over diameter and length of the journal; beside a round or a line over the contact",
         ),
         "pressure_velocity": (
-            pressures[2] * np.abs(slide),
+            load * np.abs(slide),
             "W/m^2",
             "p v: bearing pressure times size of the sliding velocity",
         ),
@@ -320,10 +321,10 @@ def worn_channels(record: Record) -> dict[str, Channel]:
 
 
 def slider_channels(record: Record) -> dict[str, Channel]:
-    """Position, velocity and acceleration of sliders along their guides."""
+    """Position, velocity and acceleration of sliders along their motion."""
     moved = [
         np.column_stack(one)
-        for one in zip(*(guides.slider_motion(record, name) for name in guides.sliders(record)), strict=True)
+        for one in zip(*(motion.slider_motion(record, name) for name in motion.sliders(record)), strict=True)
     ]
     said = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
     return {
@@ -369,12 +370,12 @@ def elastic_channels(record: Record) -> dict[str, Channel]:
     none = np.full(len(record.steps), np.nan)
     of = {
         "deflection": (
-            elastic.largest_off_the_chord,
+            elastic.largest_deflection,
             "largest deflection along the link from the line through its ends",
             "chord",
         ),
         "end_deflection": (
-            elastic.off_the_start,
+            elastic.end_deflection,
             "deflection of the end from the direction at the start",
             "start",
         ),
@@ -390,7 +391,7 @@ def elastic_channels(record: Record) -> dict[str, Channel]:
         )
         for name, (one, said, frame) in of.items()
     }
-    if elastic.known(record):
+    if elastic.has_stresses(record):
         every = [elastic.extremes(record, name) for name in bodies]
         for k, kind in enumerate(("tension", "compression")):
             values = np.column_stack([one[k] for one in every])

@@ -1,4 +1,4 @@
-"""What runs of one mechanism under several laws came to."""
+"""Comparison of runs of one mechanism under several laws."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ class Comparison(DataTable):
 
     def flat(self) -> list[dict[str, Any]]:
         """A map for every run and joint, for tables."""
-        whole = ("status", "part", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
+        of_run = ("status", "part", "lip_acceleration", "energy_lost", "energy_error", "wall_s")
         return [
             {
                 "contact": row["contact"],
                 "friction": row["friction"],
                 "joint": name,
                 **numbers,
-                **{key: row[key] for key in whole},
+                **{key: row[key] for key in of_run},
             }
             for row in self.rows
             for name, numbers in row["joints"].items()

@@ -86,62 +86,61 @@ class Sensitivity(DataTable):
         return self._by(path).values[measure]
 
     def elasticity(self, measure: str, path: str) -> float:
-        """By how many per cent a measure changes with one per cent of a number: (p / m) dm/dp; infinite of a
-        measure that is zero.
+        """Change of a measure in per cent for one per cent of a number: (p / m) dm/dp; infinite for a measure
+        that is zero.
         """
-        return self._elastic(self._by(path), measure)
+        return self._relative(path, measure, self.derivative(measure, path))
 
-    def ranked(self, measure: str) -> list[tuple[str, float]]:
-        """Numbers and elasticities of a measure, the largest first."""
-        found = [(one.path, self._elastic(one, measure)) for one in self.derivatives if measure in one.values]
-        return sorted(found, key=lambda item: -abs(item[1]))
+    def span(self, measure: str, path: str) -> tuple[float, float]:
+        """Range of an elasticity over displaced runs, step sizes and finite changes that agree with it."""
+        return self._range(path, measure, self._by(path).ranges[measure])
+
+    def change(self, measure: str, path: str) -> float:
+        """Change of a measure (%) with a finite change of one per cent. Raises KeyError where there was none."""
+        return self._relative(path, measure, self._by(path).changes[measure])
+
+    def change_span(self, measure: str, path: str) -> tuple[float, float]:
+        """Range of :meth:`change` over both signs and over step sizes. Raises KeyError where there was none."""
+        return self._range(path, measure, self._by(path).change_ranges[measure])
 
     def kind(self, measure: str, path: str) -> Kind:
         """Return what is known: a derivative, the change for one per cent alone, or neither."""
+        number = self._by(path)
         if measure in self.doubtful:
             return "unknown"
-        one = self._by(path)
-        if measure in one.kinds:
-            return one.kinds[measure]
-        low, high = one.ranges[measure]
+        if measure in number.kinds:
+            return number.kinds[measure]
+        low, high = number.ranges[measure]
         return "derivative" if low * high >= 0.0 else "unknown"
 
-    def change(self, measure: str, path: str) -> float:
-        """Return by how many per cent a measure changed with a finite change of one per cent. Raises KeyError
-        where there was none.
+    def known(self, measure: str, path: str) -> bool:
+        """Return whether the derivative holds: its sign is known, finite changes agree with it and companions
+        with the measure.
         """
-        one = self._by(path)
-        return self._relative(one, measure, one.changes[measure])
-
-    def change_span(self, measure: str, path: str) -> tuple[float, float]:
-        """Return the range of :meth:`change` over both signs and over step sizes. Raises KeyError where there
-        was none.
-        """
-        one = self._by(path)
-        low, high = sorted(self._relative(one, measure, slope) for slope in one.change_ranges[measure])
-        return low, high
+        return self.kind(measure, path) == "derivative"
 
     def effect(self, measure: str, path: str) -> Effect:
         """Return what is known of a measure and a number, as the command shows it."""
-        kind = self.kind(measure, path)
-        if kind == "derivative" or not self._by(path).kinds:
+        kind, number = self.kind(measure, path), self._by(path)
+        if kind == "derivative" or not number.kinds:
             return Effect(path, kind, self.elasticity(measure, path), *self.span(measure, path))
-        if measure not in self._by(path).changes:
+        if measure not in number.changes:
             return Effect(path, kind, math.nan, -math.inf, math.inf)
         return Effect(path, kind, self.change(measure, path), *self.change_span(measure, path))
 
     def effects(self, measure: str) -> list[Effect]:
         """Return what is known of a measure by every number, the largest value first."""
-        found = [self.effect(measure, one.path) for one in self.derivatives if measure in one.values]
-        return sorted(found, key=lambda one: -abs(one.value) if not math.isnan(one.value) else 0.0)
+        found = [self.effect(measure, number.path) for number in self.derivatives if measure in number.values]
+        return sorted(found, key=lambda effect: -abs(effect.value) if not math.isnan(effect.value) else 0.0)
 
-    def span(self, measure: str, path: str) -> tuple[float, float]:
-        """Return the range of an elasticity over displaced runs, step sizes and finite changes that agree
-        with it.
-        """
-        one = self._by(path)
-        low, high = sorted(self._relative(one, measure, slope) for slope in one.ranges[measure])
-        return low, high
+    def ranked(self, measure: str) -> list[tuple[str, float]]:
+        """Numbers and elasticities of a measure, the largest first."""
+        found = [
+            (number.path, self.elasticity(measure, number.path))
+            for number in self.derivatives
+            if measure in number.values
+        ]
+        return sorted(found, key=lambda item: -abs(item[1]))
 
     def spread(self, measure: str) -> float:
         """Return the widest range of a derivative of a measure that holds, as a share of the largest."""
@@ -152,21 +151,19 @@ class Sensitivity(DataTable):
         widest = max((one.high - one.low for one in effects), default=0.0)
         return widest / largest if widest and largest else 0.0
 
-    def known(self, measure: str, path: str) -> bool:
-        """Return whether the derivative holds: its sign is known, finite changes agree with it and companions
-        with the measure.
-        """
-        return self.kind(measure, path) == "derivative"
-
     def _by(self, path: str) -> Derivative:
-        return next(one for one in self.derivatives if one.path == path)
+        return next(number for number in self.derivatives if number.path == path)
 
-    def _elastic(self, one: Derivative, measure: str) -> float:
-        return self._relative(one, measure, one.values[measure])
-
-    def _relative(self, one: Derivative, measure: str, slope: float) -> float:
+    def _relative(self, path: str, measure: str, slope: float) -> float:
+        """Per cent of the measure for one per cent of the number, from a slope in their units."""
         size = self.measures[measure]
-        return one.value / size * slope if size else math.copysign(math.inf, slope) if slope else 0.0
+        return (
+            self._by(path).value / size * slope if size else math.copysign(math.inf, slope) if slope else 0.0
+        )
+
+    def _range(self, path: str, measure: str, slopes: tuple[float, float]) -> tuple[float, float]:
+        low, high = sorted(self._relative(path, measure, slope) for slope in slopes)
+        return low, high
 
     def rows(self) -> list[dict[str, str | float | bool | None]]:
         """Return a map for every measure and number, for tables. What was not computed is None."""
@@ -174,16 +171,13 @@ class Sensitivity(DataTable):
 
     def _row(self, measure: str, path: str) -> dict[str, str | float | bool | None]:
         low, high = self.span(measure, path)
-        change: float | None = None
-        least: float | None = None
-        most: float | None = None
-        if measure in self._by(path).changes:
-            change, (least, most) = self.change(measure, path), self.change_span(measure, path)
+        changed = measure in self._by(path).changes
+        least, most = self.change_span(measure, path) if changed else (None, None)
         return {
             "measure": measure, "value": self.measures[measure], "number": path, "model": self._by(path).value,
             "derivative": self.derivative(measure, path), "elasticity": self.elasticity(measure, path), "from": low, "to": high,
-            "meaningless": not self.known(measure, path), "kind": self.kind(measure, path), "change": change, "change_from": least,
-            "change_to": most,
+            "meaningless": not self.known(measure, path), "kind": self.kind(measure, path),
+            "change": self.change(measure, path) if changed else None, "change_from": least, "change_to": most,
         }  # fmt: skip
 
     def table(self) -> Iterator[Sequence[Any]]:

@@ -1,12 +1,11 @@
-"""A fit: values with their confidence, how they depend on each other, what the data cannot tell, curves
-beside measured ones; and its file.
+"""Result of a parameter identification: values with their confidence, correlation, measured and simulated
+curves; and its file.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -15,32 +14,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RunFileError
-from ..files import write_rows, write_text
+from ..files import DataTable, write_text
 from ..numerics.scalar import log
 from ..store.schemas import FIT, Schema
 from ..store.store import Store, warn_of_damage
+from .table import TableColumn, table_rows
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-TELLS = (
-    0.25  # of the way between its bounds: a confidence wider than that on either side, the data cannot tell
-)
-PART = 0.3  # of a direction's length from which a parameter is named in it
-UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "order": "1"}  # of places
-CLOSE = 0.01  # of a parameter's range, within which it lies on a bound
+# A parameter is determined by the data if its confidence interval reaches at most this share of the way
+# between its bounds to
+# either side.
+DETERMINED_SHARE = 0.25
+NAMED_COMPONENT = 0.3  # component of a direction from which its parameter is named
+UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "order": "1"}  # of abscissae
+AT_BOUND = 0.01  # share of the way between the bounds within which a value lies on a bound
 
 
 @dataclass(frozen=True)
-class Value:
-    """A parameter that was looked for: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``,
-    confidence from ``low`` to ``high``, bounds.
+class FitValue:
+    """An identified parameter: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``, confidence
+    ``low`` to ``high``, bounds.
 
-    ``former``: what it was in the model, None where it was not one number within the bounds. ``known``: False
-    where curves at the best point are those of its steps, or of one turn that does not repeat; low and high
-    are then no more than the ends of all points that fit as well.
+    ``former``: its value in the model, None where that was not one number within the bounds. ``known``: False
+    if curves at the best point depend on the steps, or are of one turn that does not repeat; ``low`` and
+    ``high`` are then only the ends of all points that fit as well.
     """
 
     name: str
@@ -56,31 +57,38 @@ class Value:
     known: bool = True
 
     def share(self, value: float) -> float:
-        """Where a value lies between the bounds, 0 to 1; by its logarithm where it was looked for so."""
+        """Place of a value between the bounds, 0 to 1, by its logarithm if it was searched so."""
         low, high = self.bounds
         if self.logarithmic:
             return log(max(value, 1e-3 * low) / low) / log(high / low)
         return (value - low) / (high - low)
 
     @property
-    def told(self) -> bool:
-        """Whether the data tell it: its confidence is known, and narrow beside the range that it was looked
-        for in.
-        """
-        return self.known and self.share(self.high) - self.share(self.value) <= TELLS
+    def determined(self) -> bool:
+        """Whether the data determine it: its confidence is known, and narrow compared with the bounds."""
+        return self.known and self.share(self.high) - self.share(self.value) <= DETERMINED_SHARE
 
     @property
     def at_bound(self) -> bool:
         """Whether it lies on a bound."""
-        return min(self.share(self.value), 1.0 - self.share(self.value)) <= CLOSE
+        return min(self.share(self.value), 1.0 - self.share(self.value)) <= AT_BOUND
+
+    def json(self) -> dict[str, Any]:
+        """Return it as JSON has it."""
+        return {
+            "name": self.name, "paths": list(self.paths), "unit": self.unit, "value": self.value, "standard_error": self.error,
+            "low": self.low, "high": self.high, "bounds": list(self.bounds), "former": self.former, "known": self.known,
+            "told": self.determined, "at_bound": self.at_bound,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Laid:
+class FitCurve:
     """A measured curve and the model's at ``places`` (s, rad, m; of spectra Hz, or orders: cycles a turn),
-    both in ``unit``; factor and level.
+    both in ``unit``.
 
-    ``over`` says what the places are: "time", "angle", "penetration", "frequency", "order".
+    ``over`` names the abscissa: "time", "angle", "penetration", "frequency", "order". ``factor`` and
+    ``level`` of a channel that is only proportional to the measurement.
     """
 
     channel: str
@@ -95,33 +103,33 @@ class Laid:
 
     @property
     def share(self) -> float:
-        """Root mean square of what is left, over the standard deviation of what was measured."""
+        """Root mean square of the residual over the standard deviation of the measurement (1)."""
         spread = float(self.measured.std())
         left = self.model - self.measured
         return float(np.sqrt((left * left).mean())) / spread if spread > 0.0 else float("inf")
 
 
 @dataclass
-class Fit:
-    """``values`` and their ``correlation``; the ``offset`` (s or rad) of the first sample with its standard
+class Fit(DataTable):
+    """Identified ``values`` and their ``correlation``; the ``offset`` (s or rad) of the first sample with its
     error; ``curves``.
 
     ``directions`` are combinations of parameters in units of their ranges, the least determined first, with
-    the standard deviation of each. ``starts``: cost and values of each local search. ``derivatives`` says
-    what they were taken by, ``autocorrelation`` of the residuals from one sample to the next, by which errors
-    are widened. ``status``: "complete", or "interrupted" with the best so far, without errors.
+    the standard deviation of each. ``starts``: cost and values of each local search. ``derivatives`` names
+    how they were computed. ``autocorrelation`` of the residuals from one sample to the next widens the
+    errors. ``status``: "complete", or "interrupted" with the best point so far, without errors.
     """
 
     mechanism: str
     data: str
     status: str
-    values: list[Value]
+    values: list[FitValue]
     correlation: Array
     directions: list[tuple[float, Array]]
     offset: float
     offset_error: float
     over: str
-    curves: list[Laid]
+    curves: list[FitCurve]
     starts: list[tuple[float, tuple[float, ...]]]
     evaluations: int
     failed: int
@@ -142,7 +150,7 @@ class Fit:
             " .plot()>"
         )
 
-    def __getitem__(self, name: str) -> Value:
+    def __getitem__(self, name: str) -> FitValue:
         """A parameter by its name or one of its paths. Raises KeyError."""
         for one in self.values:
             if name == one.name or name in one.paths:
@@ -163,61 +171,62 @@ class Fit:
 
     @property
     def undetermined(self) -> list[str]:
-        """What the data cannot tell, in sentences."""
-        found = []
+        """Sentences on parameters and combinations that the data do not determine."""
+        sentences = []
         for deviation, direction in self.directions:
-            if not deviation > TELLS:
+            if not deviation > DETERMINED_SHARE:
                 continue
-            order = [k for k in np.argsort(-np.abs(direction), kind="stable") if abs(direction[k]) >= PART]
-            names = [self.values[k].name for k in order]
-            if len(names) == 1:
-                found.append(
-                    f"{names[0]}: within its bounds it changes the curves by less than what they miss the"
-                    " data by"
+            order = [
+                k
+                for k in np.argsort(-np.abs(direction), kind="stable")
+                if abs(direction[k]) >= NAMED_COMPONENT
+            ]
+            *others, last = (self.values[k].name for k in order)
+            if not others:
+                sentences.append(
+                    f"{last}: within its bounds it changes the curves by less than what they miss the data by"
                 )
                 continue
-            ways = [
+            ways = (
                 f"{self.values[k].name} {'up' if direction[k] * direction[order[0]] > 0.0 else 'down'}"
                 for k in order
-            ]
-            found.append(
-                f"{', '.join(names[:-1])} and {names[-1]} one by one: {' with '.join(ways)} changes the"
-                " curves by less than they miss the data"
             )
-        return found
+            change = f"{' with '.join(ways)} changes the curves by less than they miss the data"
+            sentences.append(f"{', '.join(others)} and {last} one by one: {change}")
+        return sentences
 
     @property
     def remarks(self) -> list[str]:
-        """How it was found, in sentences."""
-        found = []
+        """Sentences on how the point was found."""
+        sentences = []
         if self.offset_error > 0.0 or self.offset != 0.0:
             factor, unit = (1e3, "ms") if self.over == "time" else (57.29577951308232, "deg")
             error = f" ± {factor * self.offset_error:.2g}" if np.isfinite(self.offset_error) else ""
-            found.append(
+            sentences.append(
                 f"The first sample lies {factor * self.offset:.5g}{error} {unit} into a turn or after its"
                 " time in the file."
             )
         near = [cost for cost, _ in self.starts if cost <= 1.1 * self.starts[0][0]]
         if self.starts and self.evaluations:
-            found.append(
+            sentences.append(
                 f"{len(near)} of {len(self.starts)} searches came to this point, by {self.derivatives};"
                 f" {self.evaluations} runs."
             )
         if self.autocorrelation > 0.1:
-            found.append(
-                f"Residuals follow one another (correlation {self.autocorrelation:.2f}): more than noise is"
-                " left, and errors are widened."
+            correlation = f"correlation {self.autocorrelation:.2f}"
+            sentences.append(
+                f"Residuals follow one another ({correlation}): more than noise is left, and errors are"
+                " widened."
             )
-        bound = [one.name for one in self.values if one.at_bound]
-        if bound:
-            found.append(f"At a bound, so perhaps beyond it: {', '.join(bound)}.")
-        return found
+        if bound := [value.name for value in self.values if value.at_bound]:
+            sentences.append(f"At a bound, so perhaps beyond it: {', '.join(bound)}.")
+        return sentences
 
     def json(self) -> dict[str, Any]:
         """All of it but the curves, as JSON has it."""
         return {
             "model": self.mechanism, "data": self.data, "status": self.status, "compared": self.compared, "confidence": self.confidence,
-            "parameters": [vars_of(one) for one in self.values], "correlation": self.correlation.tolist(),
+            "parameters": [value.json() for value in self.values], "correlation": self.correlation.tolist(),
             "undetermined": self.undetermined, "offset": {"value": self.offset, "error": self.offset_error, "unit": UNITS[self.over]},
             "curves": [{"channel": c.channel, "column": c.head, "unit": c.unit, "residual": c.share, "factor": c.factor, "level": c.level}
                        for c in self.curves],
@@ -232,31 +241,15 @@ class Fit:
         """
         import pandas
 
-        return pandas.DataFrame([dict(vars_of(one)) for one in self.values]).set_index("name")
+        return pandas.DataFrame([value.json() for value in self.values]).set_index("name")
 
-    def write_csv(self, path: str | Path) -> None:
-        """The curves: place (of a spectrum frequency or order), and of each measured and model's values.
-        Raises OSError.
-        """
-        rows: list[Any] = []
-        for one in self.curves[:1]:
-            place = f"{one.over} [{UNITS[one.over]}]"
-            rows.append(
-                [
-                    place,
-                    *(
-                        f"{c.channel} {what} [{c.unit}]"
-                        for c in self.curves
-                        for what in ("measured", "model")
-                    ),
-                ]
-            )
-            rows += zip(
-                one.places.tolist(),
-                *(v.tolist() for c in self.curves for v in (c.measured, c.model)),
-                strict=True,
-            )
-        write_rows(path, rows)
+    def table(self) -> Iterator[Sequence[Any]]:
+        """Yield the curves: place (of a spectrum frequency or order), measured and model's values of each."""
+        columns = [TableColumn(f"{one.over} [{UNITS[one.over]}]", one.places) for one in self.curves[:1]]
+        for curve in self.curves:
+            for source, values in (("measured", curve.measured), ("model", curve.model)):
+                columns.append(TableColumn(f"{curve.channel} {source} [{curve.unit}]", values))
+        return table_rows(columns)
 
     def write_json(self, path: str | Path) -> None:
         """What :meth:`json` has. Raises OSError."""
@@ -266,14 +259,6 @@ class Fit:
 
         def plot(self) -> Figure: ...
         def _repr_html_(self) -> str: ...
-
-
-def vars_of(one: Value) -> Mapping[str, Any]:
-    """A parameter as JSON has it."""
-    return {
-        "name": one.name, "paths": list(one.paths), "unit": one.unit, "value": one.value, "standard_error": one.error, "low": one.low,
-        "high": one.high, "bounds": list(one.bounds), "former": one.former, "known": one.known, "told": one.told, "at_bound": one.at_bound,
-    }  # fmt: skip
 
 
 Evaluation = tuple[
@@ -300,46 +285,51 @@ class FitFile(Store):
         row = self.row("looks", key)
         return None if row is None else (row["told"], row["data"])
 
-    def conclude(self, found: Fit, method: Mapping[str, Any]) -> None:
-        """Write what was found and by which method, in the place of what was found before."""
-        numbers = np.stack([getattr(one, part) for one in found.curves for part in CURVES], axis=1)
-        self.write_row("found", "fit", {"how": method, "fit": plain(found)}, numbers)
+    def conclude(self, fit: Fit, method: Mapping[str, Any]) -> None:
+        """Write a fit and its method; they replace those of before."""
+        numbers = np.stack([getattr(curve, column) for curve in fit.curves for column in CURVES], axis=1)
+        self.write_row("found", "fit", {"how": method, "fit": to_json(fit)}, numbers)
 
     def fit(self, method: Mapping[str, Any] | None = None) -> Fit | None:
-        """What was found, if by this method; None where it was not, or that is damaged."""
+        """Read the fit, if it is by this method; None without any, or where it is damaged."""
         row = self.row("found", "fit")
-        said = {} if row is None else row["told"]
-        if row is None or (method is not None and said["how"] != json.loads(json.dumps(method))):
+        if row is None or (method is not None and row["told"]["how"] != json.loads(json.dumps(method))):
             return None
-        return whole(said["fit"], row["data"])
+        return from_json(row["told"]["fit"], row["data"])
 
 
-def plain(found: Fit) -> dict[str, Any]:
-    """A fit as JSON has it, but the numbers of its curves."""
-    said: dict[str, Any] = {one.name: getattr(found, one.name) for one in dataclasses.fields(found)}
-    names = [one.name for one in dataclasses.fields(Laid) if one.name not in CURVES]
-    return said | {
-        "values": [dataclasses.asdict(one) for one in found.values],
-        "correlation": found.correlation.tolist(),
-        "directions": [[size, way.tolist()] for size, way in found.directions],
-        "curves": [{name: getattr(one, name) for name in names} for one in found.curves],
+def to_json(fit: Fit) -> dict[str, Any]:
+    """A fit as JSON has it, without the numbers of its curves."""
+    curves = [
+        {name: value for name, value in vars(curve).items() if name not in CURVES} for curve in fit.curves
+    ]
+    directions = [[size, direction.tolist()] for size, direction in fit.directions]
+    values = [vars(value) for value in fit.values]
+    return {
+        **vars(fit),
+        "values": values,
+        "correlation": fit.correlation.tolist(),
+        "directions": directions,
+        "curves": curves,
     }
 
 
-def whole(said: Mapping[str, Any], numbers: Array) -> Fit:
+def from_json(data: Mapping[str, Any], numbers: Array) -> Fit:
     """A fit from its parts; ``numbers`` has the columns of ``CURVES`` for each curve."""
     columns = iter(numbers.T)
     parts: dict[str, Any] = {
         "values": [
-            Value(**{**one, "paths": tuple(one["paths"]), "bounds": tuple(one["bounds"])})
-            for one in said["values"]
+            FitValue(**{**value, "paths": tuple(value["paths"]), "bounds": tuple(value["bounds"])})
+            for value in data["values"]
         ],
-        "curves": [Laid(**one, **{part: next(columns) for part in CURVES}) for one in said["curves"]],
-        "correlation": np.array(said["correlation"]),
-        "directions": [(size, np.array(way)) for size, way in said["directions"]],
-        "starts": [(cost, tuple(place)) for cost, place in said["starts"]],
+        "curves": [
+            FitCurve(**curve, **{column: next(columns) for column in CURVES}) for curve in data["curves"]
+        ],
+        "correlation": np.array(data["correlation"]),
+        "directions": [(size, np.array(direction)) for size, direction in data["directions"]],
+        "starts": [(cost, tuple(place)) for cost, place in data["starts"]],
     }
-    return Fit(**{**said, **parts})
+    return Fit(**{**data, **parts})
 
 
 def load_fit(path: str | Path) -> Fit:

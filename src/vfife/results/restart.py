@@ -1,5 +1,5 @@
-"""Starts of runs from others: where a former run ended, with its whole state, or by bodies; or from positions
-and velocities by name.
+"""Start of a run from the end of another, with its whole state or by bodies, or from positions and velocities
+by name.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ STARTS_ANEW = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_
 
 
 def refuse_ended(record: Record, until: float | None, where: str) -> None:
-    """Raises ResumeError for a run that cannot go on, with what can be done instead."""
+    """Raise ResumeError for a run that cannot continue, with a remedy."""
     if any(what.startswith("output") for what in record.lost):
         raise ResumeError(
             f"{where}: this run file is damaged ({', '.join(record.lost)}), and would go on with a gap; run"
@@ -51,9 +51,10 @@ def refuse_ended(record: Record, until: float | None, where: str) -> None:
 
 
 def refuse_stateless(record: Record, name: str, alike: bool) -> None:
-    """Raises ResumeError where a new run cannot start from the end of a former one: outputs at its end are
-    lost, or the two are cut ``alike`` and the state with the forces in elements and contacts is missing,
-    without which it would be another motion.
+    """Raise ResumeError if a new run cannot start from the end of a former one.
+
+    Either outputs at its end are lost, or the two have the same layout (``alike``) and the forces in elements
+    and contacts are missing, without which the new run would be another motion.
     """
     if record.final is not None:
         return
@@ -72,7 +73,7 @@ def refuse_stateless(record: Record, name: str, alike: bool) -> None:
 
 
 def extended(record: Record, until: float, where: str) -> Assembly:
-    """The assembly of a run that is to last until a time (s), with the step and the outputs that it has."""
+    """Extend the assembly of a run until a time (s), with its step and output interval."""
     assembly, choice = record.assembly, record.assembly.choice
     if record.static:
         raise ResumeError(
@@ -100,15 +101,15 @@ def extended(record: Record, until: float, where: str) -> Assembly:
 
 
 def restart_record(source: View | Mapping[str, Any], time: float | None) -> Record | None:
-    """The record of a run that is to go on from its very end, None where a start by bodies is meant."""
+    """Record of a run that is continued from its end with its whole state; None for a start by bodies."""
     if time is not None or isinstance(source, Mapping):
         return None
     return source.record if source.record.final is not None else None
 
 
 def same_layout(assembly: Assembly, record: Record) -> bool:
-    """Whether particles, elements, joints and springs of both are the same in number and kind, so that one's
-    state is the other's.
+    """Whether particles, elements, joints and springs agree in number and kind, so that the state of one fits
+    the other.
     """
     one, other = assembly.topology, record.assembly.topology
     same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing", "joint_journal",
@@ -118,11 +119,9 @@ def same_layout(assembly: Assembly, record: Record) -> bool:
 
 
 def step_of(record: Record, assembly: Assembly) -> float | None:
-    """The step (s) of a former run of the same cut, which one that goes on from it keeps; None where it takes
-    its own.
+    """Step (s) of a former run of the same layout, which the continued run keeps; None if it chooses its own.
 
-    A mechanism of which something is another one now keeps a step that is finer than its own, not a coarser
-    one.
+    A mechanism that was changed keeps a step finer than its own, not a coarser one.
     """
     if record.static or not assembly.choice.automatic or not same_layout(assembly, record):
         return None
@@ -135,11 +134,11 @@ def step_of(record: Record, assembly: Assembly) -> float | None:
 
 
 def restarted(assembly: Assembly, record: Record) -> Assembly:
-    """The assembly with the last state of a run of the same cut: positions, velocities, element and contact
-    forces; works and counts begin anew.
+    """Give an assembly the last state of a run of the same layout: positions, velocities, element and contact
+    forces.
 
-    Steps begin at zero; prescribed angles and travels go on from where they are, by the clock of the
-    mechanism. Velocities, kept at half steps, are taken at the step.
+    Works and counts start at zero, and so do steps; prescribed angles and travels continue by the clock of
+    the mechanism. Velocities, which a state holds at half steps, are those at the step.
     """
     state, now, before = assembly.state.copy(), assembly.layout, record.assembly.layout
     old = record.assembly.state if record.final is None else record.final
@@ -161,8 +160,8 @@ def restarted(assembly: Assembly, record: Record) -> Assembly:
 
 
 def _drivers(assembly: Assembly, state: Array, tables: Array) -> None:
-    """What is prescribed goes on from the state: start angles of constant speeds, constants of functions,
-    offsets of travels.
+    """Let prescribed motions continue from the state: start angles of constant speeds, constants of
+    functions, offsets of travels.
     """
     t, layout = assembly.topology, assembly.layout
     for k, (body, function) in enumerate(zip(t.driven, t.driven_function, strict=True)):
@@ -179,14 +178,14 @@ def _drivers(assembly: Assembly, state: Array, tables: Array) -> None:
 
 
 def _raise(tables: Array, start: int, by: float) -> None:
-    """Adds a constant to a piecewise polynomial."""
+    """Add a constant to a piecewise polynomial."""
     pieces = int(tables[start])
     first = start + 1 + 2 * (pieces < 0) + abs(pieces)
     tables[first : first + 7 * abs(pieces) : 7] += by
 
 
 def _travelled(assembly: Assembly, state: Array, k: int, turn: int) -> float:
-    """Relative angle (rad), or place along the guide (m), of a prescribed motion's two sides."""
+    """Relative angle (rad), or place along the guide (m), of the two sides of a prescribed motion."""
     t, layout = assembly.topology, assembly.layout
     sides = []
     for side, p in (("bearing", t.joint_bearing[k]), ("journal", t.joint_journal[k])):
@@ -207,26 +206,24 @@ States: TypeAlias = Mapping[str, Sequence[float] | tuple[Sequence[float], Sequen
 
 
 def start_from(source: View | States, mechanism: Mechanism, time: float | None = None) -> Motion:
-    """The motion that starts where a former run was at ``time`` (s; its last output unless given), or from
-    states by name.
+    """Motion that starts where a former run was at ``time`` (s), by default its last output, or from states
+    by name.
 
-    A mapping has, for each body, (x, y, angle) of its frame's origin (m, m, rad), or that and its velocity
-    (m/s, m/s, rad/s); bodies that it leaves out stand as the model has them. Positions are closed from there
-    on the nearest branch; velocities are the nearest (in kinetic energy) that joints and drivers allow.
-    Joints with play between bodies that are given stay as they are. Driven angles and travels go on from
-    here, by the clock on which the former run was; free lengths and angles of torques count from where the
-    model has its bodies. Raises ValueError where names, numbers or the time do not fit, AssemblyError where
-    the joints cannot close.
+    A mapping has for each body (x, y, angle) of its frame's origin (m, m, rad), or that and its velocity
+    (m/s, m/s, rad/s); other bodies start as in the model. Positions are solved from there on the nearest
+    branch; velocities are the nearest, in kinetic energy, that joints and drivers allow. Clearance joints
+    between given bodies stay as they are. Driven angles and travels continue by the clock of the former run;
+    free lengths and angles of torques are those of the model. Raises ValueError if names, numbers or the time
+    do not fit, AssemblyError if the joints cannot close.
     """
     return ideal_motion(on_clock(mechanism, source, time), given=initial_state(source, mechanism, time))
 
 
 def on_clock(mechanism: Mechanism, source: View | States, time: float | None = None) -> Mechanism:
-    """The mechanism with its clock where that of a former run stands at ``time`` (s; its last output unless
-    given).
+    """Set the clock of a mechanism to that of a former run at ``time`` (s), by default its last output.
 
-    One that says itself where it stands (``start.time``) is left as it is. States by name and load factors
-    have no clock: there it begins at 0.
+    A mechanism with a ``start.time`` keeps it. States by name and static analyses have no clock, which then
+    starts at 0.
     """
     if isinstance(source, Mapping) or source.record.static or mechanism.start.time is not None:
         return mechanism
@@ -236,8 +233,8 @@ def on_clock(mechanism: Mechanism, source: View | States, time: float | None = N
 
 
 def initial_state(source: View | States, mechanism: Mechanism, time: float | None = None) -> Given:
-    """Positions and velocities of the centres of mass that a run or a mapping gives."""
-    said, states = (
+    """Positions and velocities of the centres of mass from a run or a mapping."""
+    subject, states = (
         ("the start", source)
         if isinstance(source, Mapping)
         else (f"the run of {source.name!r}", _states(source, time))
@@ -251,7 +248,7 @@ def initial_state(source: View | States, mechanism: Mechanism, time: float | Non
     unknown = [name for name in states if name not in mechanism.bodies]
     if unknown or not states:
         raise ValueError(
-            f"{said} has the bodies {', '.join(states) or 'none'}; {mechanism.name!r} has"
+            f"{subject} has the bodies {', '.join(states) or 'none'}; {mechanism.name!r} has"
             f" {', '.join(mechanism.bodies)}"
         )
     position, velocity = first_guess(mechanism), np.zeros((len(names), 3))

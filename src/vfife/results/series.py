@@ -1,8 +1,8 @@
 """Series of a result by the names that measures have: ``C.force`` of ``C.force.max``, ``crank.torque`` of
 ``crank.torque.max``.
 
-:class:`Series` is the one way from a name to numbers. Datasets of a joint or body, tables, exports, spectra
-and reductions are made of its columns.
+A :class:`Channel` holds the values of all joints or bodies; a :class:`SeriesColumn` is one of them.
+:class:`Series` finds it by name. Tables, exports, spectra and reductions are selections of these columns.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from ..errors import VfifeError, kind_of, shown, suggestion
 from .channels import Channel, entities
 
 if TYPE_CHECKING:
-    import pandas
     import xarray
 
     from .view import View
@@ -39,9 +38,11 @@ FINE = ("element", "particle")  # of which a body may have thousands
 
 
 @dataclass(frozen=True)
-class Column:
-    """One series of a result: ``owner`` is the joint, body, spring ... that has it, empty for the whole
-    mechanism; ``index`` its place along the dimension of the channel, which ``variable`` names.
+class SeriesColumn:
+    """One series of a result: the channel ``variable`` of its ``owner`` (a joint, body, spring ...), empty
+    for the whole mechanism.
+
+    ``index`` is the place of the owner along the dimension of the channel.
     """
 
     variable: str
@@ -51,30 +52,27 @@ class Column:
 
     @property
     def entity(self) -> str | None:
-        """The dimension of the channel."""
+        """Dimension of the channel."""
         return self.channel.entity
 
     @property
     def short(self) -> str:
-        """The variable without its dimension: ``force`` of ``joint_force``."""
+        """Variable without its dimension: ``force`` of ``joint_force``."""
         return self.variable.removeprefix(PREFIXES.get(self.entity or "", ""))
 
     @property
     def quantity(self) -> str:
-        """The same in tables, where elements and particles, which may be called as their body is, keep the
-        dimension.
+        """The same in tables, where elements and particles keep the dimension, because they may have the name
+        of their body.
         """
         return self.variable if self.entity in FINE else self.short
 
     @property
     def name(self) -> str:
-        """``C.force`` in tables."""
-        return f"{self.owner}.{self.quantity}" if self.owner else of_the_ground(self.variable)
-
-    @property
-    def titled(self) -> str:
-        """Name and unit, ``C.force [N]``."""
-        return self.name if self.unit == "1" else f"{self.name} [{self.unit}]"
+        """Name in tables, ``C.force``; ``ground.shaking_force`` for a variable of the ground."""
+        if self.owner:
+            return f"{self.owner}.{self.quantity}"
+        return self.variable.replace("_", ".", 1) if self.variable.startswith("ground_") else self.variable
 
     @property
     def unit(self) -> str:
@@ -82,9 +80,9 @@ class Column:
         return self.channel.unit
 
     @property
-    def meaning(self) -> str:
-        """What the values are."""
-        return self.channel.meaning
+    def metadata(self) -> dict[str, str]:
+        """Unit and meaning of the values."""
+        return {"units": self.channel.unit, "long_name": self.channel.meaning}
 
     @property
     def values(self) -> NDArray[Any]:
@@ -93,26 +91,26 @@ class Column:
 
 
 class Series(Mapping[str, "xarray.DataArray"]):
-    """The series of a result: ``<joint, body ...>.<quantity>``, or the quantity alone where it is one of the
+    """Series of a result by name: ``<joint, body ...>.<quantity>``, or the quantity alone for one of the
     whole mechanism.
 
-    ``result.series["C.force"]`` is ``result.data["joint_force"].sel(joint="C")``; the measure of its largest
-    value is ``C.force.max``.
+    ``result.series["C.force"]`` is ``result.data["joint_force"].sel(joint="C")``; the measure of its maximum
+    is ``C.force.max``.
     """
 
     def __init__(self, view: View) -> None:
-        self._view, self._columns = view, dict[str, Column]()
+        self._view, self._columns = view, dict[str, SeriesColumn]()
         names = entities(view.record)
-        self.every: list[Column] = []
+        self.every: list[SeriesColumn] = []
         for variable, channel in view.channels.items():
-            if channel.entity is None:
-                self.every.append(Column(variable, "", None, channel))
-            else:
-                self.every += [
-                    Column(variable, owner, k, channel) for k, owner in enumerate(names[channel.entity])
-                ]
-        for one in self.every:
-            self._columns.setdefault(f"{one.owner}.{one.short}" if one.owner else one.name, one)
+            owners = ("",) if channel.entity is None else names[channel.entity]
+            self.every += [
+                SeriesColumn(variable, owner, k if owner else None, channel) for k, owner in enumerate(owners)
+            ]
+        for column in self.every:
+            self._columns.setdefault(
+                f"{column.owner}.{column.short}" if column.owner else column.name, column
+            )
 
     def __getitem__(self, name: str) -> xarray.DataArray:
         if name not in self._columns:
@@ -120,12 +118,12 @@ class Series(Mapping[str, "xarray.DataArray"]):
                 f"there is no series {name!r}."
                 f" {suggestion(str(name), self._columns, 'Their names are those of result.series')}"
             )
-        one = self._columns[name]
-        found = self._view.data[one.variable]
-        return found if one.entity is None else found.sel({one.entity: one.owner})
+        column = self._columns[name]
+        values = self._view.data[column.variable]
+        return values if column.entity is None else values.sel({column.entity: column.owner})
 
-    def column(self, name: str) -> Column:
-        """A series with its place in the data and its plain values. Raises KeyError."""
+    def column(self, name: str) -> SeriesColumn:
+        """Return a series with its place in the data and its plain values. Raises KeyError."""
         return self._columns[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -138,22 +136,17 @@ class Series(Mapping[str, "xarray.DataArray"]):
         return f"<{len(self)} series: {', '.join(list(self)[:6])} ...>"
 
 
-def of_the_ground(variable: str) -> str:
-    """A variable of the ground with the ground as its owner: ``ground.shaking_force``."""
-    return variable.replace("_", ".", 1) if variable.startswith("ground_") else variable
+def belongs(one: str, name: str) -> bool:
+    """Whether a name is another one, or that of its numbered part: ``rod.3`` of ``rod``."""
+    return one == name or (one.startswith(f"{name}.") and one[len(name) + 1 :].isdigit())
 
 
-def is_part(one: str, name: str) -> bool:
-    """Whether a name is that of a numbered part: ``rod.3`` of ``rod``."""
-    return one.startswith(f"{name}.") and one[len(name) + 1 :].isdigit()
-
-
-# ---------------------------------------------------------------------------------------------------------
-# tables of series
+# ----------------------------------------------------------------------------------------------------
+# selections of series
 
 
 def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
-    """All series of one joint, body or spring, each by its quantity.
+    """Dataset of one joint, body or spring, by quantity.
 
     A block in a guide keeps its four corners, a body its elements and particles, as dimensions.
     """
@@ -162,10 +155,7 @@ def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
     for variable, values in data.data_vars.items():
         for entity in [one for one in values.dims if one in dimensions or (kind == "body" and one in FINE)]:
             names = [str(one) for one in data[entity].values]
-            exact, parts = (
-                entity not in FINE and name in names,
-                [one for one in names if one == name or is_part(one, name)],
-            )
+            exact, parts = entity not in FINE and name in names, [one for one in names if belongs(one, name)]
             if exact or parts:
                 quantity = (
                     str(variable)
@@ -181,19 +171,18 @@ def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
             f"there is no {kind} {shown(name)} in this result:"
             f" {suggestion(str(name), known, f'name a {kind}')}"
         )
-    made: xarray.Dataset = type(data)(found, attrs={**data.attrs, kind: name})
-    return made
+    dataset: xarray.Dataset = type(data)(found, attrs={**data.attrs, kind: name})
+    return dataset
 
 
-def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list[Column]:
-    """The series of a result, or of the joints, bodies and springs that are named; ``fine``: elements and
-    particles as well.
+def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list[SeriesColumn]:
+    """Series of some joints, bodies and springs, by default of all; ``fine``: with elements and particles.
 
     Time (or the load factor) and the crank's angle come first, those of the whole mechanism last. Raises
-    VfifeError for a name that nothing has.
+    VfifeError for an unknown name.
     """
     known = dict.fromkeys(
-        one for entity, every in entities(view.record).items() if entity not in FINE for one in every
+        one for entity, owners in entities(view.record).items() if entity not in FINE for one in owners
     )
     for name in names:
         if not isinstance(name, str):
@@ -201,42 +190,30 @@ def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list
                 f"{shown(name)} is {kind_of(name)}, no name of a joint, body or spring; write them one by"
                 ' one, as in to_dataframe("C", "crank")'
             )
-        if name not in known and not any(is_part(one, name) for one in known):
+        if not any(belongs(one, name) for one in known):
             raise VfifeError(
                 f"there is no joint, body or spring {shown(name)} in this result:"
                 f" {suggestion(str(name), known, 'name one')}"
             )
-    time = (
-        Channel(view.time, None, "1", "load factor")
-        if view.record.static
-        else Channel(view.time, None, "s", "time")
+    variable, unit, meaning = (
+        ("load_factor", "1", "load factor") if view.record.static else ("time", "s", "time")
     )
-    first = [Column("load_factor" if view.record.static else "time", "", None, time)]
+    first = [SeriesColumn(variable, "", None, Channel(view.time, None, unit, meaning))]
     if view.crank_angle is not None:
-        said = f"angle of {view.crank}, not reduced to one turn"
-        first.append(Column("crank_angle", "", None, Channel(view.crank_angle, None, "deg", said)))
-    of_owners: dict[str, dict[str, Column]] = {}
-    for one in view.series.every:
-        wanted = not names or any(one.owner == name or is_part(one.owner, name) for name in names)
-        if wanted and (fine or one.entity not in FINE):
-            of_owners.setdefault(one.owner, {}).setdefault(one.quantity, one)
-    of_all = of_owners.pop("", {})
-    return first + [one for found in of_owners.values() for one in found.values()] + list(of_all.values())
-
-
-def frame(view: View, names: Collection[str], units: bool, fine: bool) -> pandas.DataFrame:
-    """One table: a row an output, a column a series, over time. ``attrs`` has units and meanings by column."""
-    import xarray
-
-    first, *others = columns(view, names, fine)
-    index, *keys = (one.titled if units else one.name for one in (first, *others))
-    held = {key: (index, np.asarray(one.values)) for key, one in zip(keys, others, strict=True)}
-    found = xarray.Dataset(held, {index: first.values}).to_dataframe()
-    found.attrs = {
-        "units": {key: one.unit for key, one in zip(keys, others, strict=True)},
-        "meanings": {key: one.meaning for key, one in zip(keys, others, strict=True)},
-    }
-    return found
+        angle = Channel(view.crank_angle, None, "deg", f"angle of {view.crank}, not reduced to one turn")
+        first.append(SeriesColumn("crank_angle", "", None, angle))
+    of_owners: dict[str, dict[str, SeriesColumn]] = {}
+    for column in view.series.every:
+        if (not names or any(belongs(column.owner, name) for name in names)) and (
+            fine or column.entity not in FINE
+        ):
+            of_owners.setdefault(column.owner, {}).setdefault(column.quantity, column)
+    of_mechanism = of_owners.pop("", {})
+    return (
+        first
+        + [column for owned in of_owners.values() for column in owned.values()]
+        + list(of_mechanism.values())
+    )
 
 
 # ------------------------------------------------------------------------------------------------------------- reductions

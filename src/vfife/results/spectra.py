@@ -8,39 +8,43 @@ impacts have several outputs each.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import VfifeError, suggestion
-from ..files import write_rows
-from ..measures.spectral import (
-    SHORTEST,
-    analytic,
-    averaged,
-    frequencies_of,
-    resolution_of,
-    samples,
-    short_time,
-)
+from ..files import DataTable
+from ..measures import spectral
 from ..solvers.repeating import outputs_of_a_turn
+from .table import TableColumn, table_rows
 
 if TYPE_CHECKING:
     from .view import View
 
 Array = NDArray[np.float64]
-PARTS = 16  # of a series: the length of a spectrogram's windows, unless said
+PARTS = 16  # windows side by side in a spectrogram
+
+
+class SeriesLabel(TypedDict, total=False):
+    """What is known of a series: ``turn`` (s) of a crank of constant speed, ``start`` (s) of its first
+    sample, name and unit.
+    """
+
+    turn: float | None
+    start: float
+    name: str
+    unit: str
 
 
 @dataclass(frozen=True, kw_only=True)
-class Transformed:
-    """What is known of all of them: ``name`` and ``unit`` of the series, ``spacing`` (s) of its samples,
-    ``turn`` (s) of a crank that turns evenly.
+class Transformed(DataTable):
+    """A transformed series: its ``name`` and ``unit``, the ``spacing`` (s) of its samples, the ``turn`` (s)
+    of a crank of constant speed.
 
-    Windows are ``length`` samples long and overlap by ``overlap`` (1); ``frequencies`` (Hz), shape (places,).
+    Windows are ``length`` samples long and overlap by ``overlap`` (1).
     """
 
     name: str
@@ -50,16 +54,22 @@ class Transformed:
     window: str
     length: int
     overlap: float
-    frequencies: Array
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies (Hz), shape (frequencies,)."""
+        return spectral.frequencies_of(self.length, self.spacing)
 
     @property
     def resolution(self) -> float:
         """Equivalent noise bandwidth (Hz): two waves nearer than this are seen as one."""
-        return resolution_of(self.window, self.length * self.spacing)
+        return spectral.resolution_of(self.window, self.length * self.spacing)
 
     @property
     def orders(self) -> Array:
-        """Frequencies in turns of the crank (1). Raises VfifeError where nothing turns evenly."""
+        """Frequencies in cycles a turn of the crank (1). Raises VfifeError where no crank has a constant
+        speed.
+        """
         if self.turn is None:
             raise VfifeError("there are no orders here: no crank turns at constant speed; take frequencies")
         return np.asarray(self.frequencies * self.turn, dtype=float)
@@ -79,8 +89,8 @@ class Transformed:
 
 @dataclass(frozen=True, kw_only=True)
 class Spectrum(Transformed):
-    """``amplitudes`` of waves over ``frequencies``, in the unit of the series, the root of the mean square
-    over ``windows``; shape (places,).
+    """``amplitudes`` over ``frequencies``, the root of the mean square over ``windows``, in the unit of the
+    series; shape (frequencies,).
 
     ``density``: power spectral density (unit^2/Hz), whose sum times the distance of frequencies is the mean
     square of the series (Parseval).
@@ -90,42 +100,45 @@ class Spectrum(Transformed):
     density: Array
     windows: int
 
-    def write_csv(self, path: str | Path) -> None:
-        """Writes a row for each frequency: frequency, order where a crank turns evenly, amplitude, density.
-        Raises OSError.
-        """
-        orders = [] if self.turn is None else [("order [1]", self.orders)]
-        last = (
-            (titled(self.name, self.unit), self.amplitudes),
-            (f"density [({self.unit or '1'})^2/Hz]", self.density),
+    def table(self) -> Iterator[Sequence[Any]]:
+        """A row for each frequency: frequency, order where a crank has a constant speed, amplitude, density."""
+        orders = [] if self.turn is None else [TableColumn("order [1]", self.orders)]
+        density = TableColumn(f"density [({self.unit or '1'})^2/Hz]", self.density)
+        return table_rows(
+            [
+                TableColumn("frequency", self.frequencies, "Hz"),
+                *orders,
+                values_column(self.name, self.unit, self.amplitudes),
+                density,
+            ]
         )
-        table(path, [("frequency [Hz]", self.frequencies), *orders, *last])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spectrogram(Transformed):
-    """``amplitudes`` of waves over ``frequencies`` around ``times`` (s), the middles of the windows; shape
-    (times, frequencies).
+    """``amplitudes`` over ``frequencies`` around ``times`` (s), the middles of the windows; shape (times,
+    frequencies).
     """
 
     times: Array
     amplitudes: Array
 
-    def write_csv(self, path: str | Path) -> None:
-        """Writes a row for each time, a column for each frequency. Raises OSError."""
+    def table(self) -> Iterator[Sequence[Any]]:
+        """A row for each time, a column for each frequency."""
         columns = [
-            (f"{frequency:.9g} Hz", self.amplitudes[:, k]) for k, frequency in enumerate(self.frequencies)
+            TableColumn(f"{frequency:.9g} Hz", self.amplitudes[:, k])
+            for k, frequency in enumerate(self.frequencies)
         ]
-        table(path, [("time [s]", self.times), *columns])
+        return table_rows([TableColumn("time", self.times, "s"), *columns])
 
 
 @dataclass(frozen=True, kw_only=True)
-class Envelope:
-    """Size ``values`` of what vibrates within ``band`` (Hz), and what vibrates, ``filtered``, at ``times``
-    (s); all shape (samples,).
+class Envelope(DataTable):
+    """Envelope ``values`` of the vibration within ``band`` (Hz), and that vibration, ``filtered``, at
+    ``times`` (s); all shape (samples,).
 
-    The mean is taken off first. ``spectrum``: that of the envelope, which shows how often what vibrates is
-    struck.
+    The mean is subtracted first. ``spectrum``: that of the envelope, which shows how often the vibration is
+    excited.
     """
 
     name: str
@@ -142,73 +155,93 @@ class Envelope:
         band = "all frequencies" if self.band is None else f"{self.band[0]:g} to {self.band[1]:g} Hz"
         return f"{band}; {self.spectrum.words}"
 
-    def write_csv(self, path: str | Path) -> None:
-        """Writes a row for each time: time, what vibrates, its envelope. Raises OSError."""
-        table(
-            path,
-            [
-                ("time [s]", self.times),
-                (titled(self.name, self.unit), self.filtered),
-                (titled("envelope", self.unit), self.values),
-            ],
+    def table(self) -> Iterator[Sequence[Any]]:
+        """A row for each time: time, vibration, envelope."""
+        both = (
+            values_column(self.name, self.unit, self.filtered),
+            values_column("envelope", self.unit, self.values),
         )
+        return table_rows([TableColumn("time", self.times, "s"), *both])
+
+
+def values_column(name: str, unit: str, values: Array) -> TableColumn:
+    """Column of a series whose unit is always in the head."""
+    return TableColumn(f"{name or 'values'} [{unit or '1'}]", values)
 
 
 def spectrum(
-    values: ArrayLike, spacing: float, *, window: str = "hann", length: int | None = None, overlap: float = 0.5, turn: float | None = None,
-    name: str = "", unit: str = "",
-) -> Spectrum:  # fmt: skip
+    values: ArrayLike,
+    spacing: float,
+    *,
+    window: str = "hann",
+    length: int | None = None,
+    overlap: float = 0.5,
+    **label: Unpack[SeriesLabel],
+) -> Spectrum:
     """Amplitudes of a series of samples ``spacing`` (s) apart, averaged over windows of ``length`` samples
-    (Welch 1967), all of them unless said.
+    (Welch 1967), by default all.
 
-    ``window``: "hann", "hamming", "blackman", "flat-top" (true heights) or "rectangular" (of whole periods).
-    ``turn`` (s) is that of a crank, for orders. Raises VfifeError for what cannot be.
+    ``window``: "hann", "hamming", "blackman", "flat-top" (exact heights) or "rectangular" (for whole
+    periods). ``turn`` (s) is that of a crank, for orders; ``name`` and ``unit`` are for tables. Raises
+    VfifeError for arguments out of range.
     """
-    given, length, hop = samples(np.asarray(values, dtype=float), spacing, length, overlap, np.size(values))
-    starts = np.arange(0, len(given) - length + 1, hop, dtype=np.int64)
-    amplitudes, density = averaged(given, spacing, starts, window, length)
+    parts = spectral.windows_of(np.asarray(values, dtype=float), spacing, length, overlap, np.size(values))
+    found = spectral.averaged(parts, spacing, window)
     return Spectrum(
-        name=name, unit=unit, spacing=spacing, turn=turn, window=window, length=length, overlap=overlap,
-        frequencies=frequencies_of(length, spacing), amplitudes=amplitudes, density=density, windows=len(starts),
+        name=label.get("name", ""), unit=label.get("unit", ""), turn=label.get("turn"), spacing=spacing, window=window, length=parts.length,
+        overlap=overlap, amplitudes=found.amplitudes, density=found.density, windows=len(parts.starts),
     )  # fmt: skip
 
 
 def spectrogram(
-    values: ArrayLike, spacing: float, *, window: str = "hann", length: int | None = None, overlap: float = 0.75, turn: float | None = None,
-    start: float = 0.0, name: str = "", unit: str = "",
-) -> Spectrogram:  # fmt: skip
-    """Short-time Fourier transform: amplitudes in windows of ``length`` samples, a sixteenth of all unless
-    said.
+    values: ArrayLike,
+    spacing: float,
+    *,
+    window: str = "hann",
+    length: int | None = None,
+    overlap: float = 0.75,
+    **label: Unpack[SeriesLabel],
+) -> Spectrogram:
+    """Short-time Fourier transform: amplitudes in windows of ``length`` samples, by default a sixteenth of
+    all.
 
-    ``start`` (s) is the time of the first sample. Whatever repeats within a window is told apart in
-    frequency, what takes longer in time. Raises VfifeError for what cannot be.
+    ``start`` (s) is the time of the first sample. Vibrations that repeat within a window are separated in
+    frequency, slower changes in time. Raises VfifeError for arguments out of range.
     """
-    given, length, hop = samples(
-        np.asarray(values, dtype=float), spacing, length, overlap, max(SHORTEST, np.size(values) // PARTS)
+    parts = spectral.windows_of(
+        np.asarray(values, dtype=float),
+        spacing,
+        length,
+        overlap,
+        max(spectral.SHORTEST, np.size(values) // PARTS),
     )
-    starts = np.arange(0, len(given) - length + 1, hop, dtype=np.int64)
+    times = label.get("start", 0.0) + (parts.starts + 0.5 * (parts.length - 1)) * spacing
     return Spectrogram(
-        name=name, unit=unit, spacing=spacing, turn=turn, window=window, length=length, overlap=overlap,
-        frequencies=frequencies_of(length, spacing), times=np.asarray(start + (starts + 0.5 * (length - 1)) * spacing, dtype=float),
-        amplitudes=short_time(given, starts, window, length),
+        name=label.get("name", ""), unit=label.get("unit", ""), turn=label.get("turn"), spacing=spacing, window=window, length=parts.length,
+        overlap=overlap, times=np.asarray(times, dtype=float), amplitudes=spectral.short_time(parts.values, parts.starts, window, parts.length),
     )  # fmt: skip
 
 
 def envelope(
-    values: ArrayLike, spacing: float, *, band: tuple[float, float] | None = None, turn: float | None = None, start: float = 0.0,
-    name: str = "", unit: str = "",
-) -> Envelope:  # fmt: skip
-    """Envelope by Hilbert's transform: the size of the analytic signal, within a ``band`` of frequencies (Hz)
-    if that is said.
+    values: ArrayLike,
+    spacing: float,
+    *,
+    band: tuple[float, float] | None = None,
+    **label: Unpack[SeriesLabel],
+) -> Envelope:
+    """Envelope by Hilbert's transform: the magnitude of the analytic signal, within a ``band`` of frequencies
+    (Hz) if there is one.
 
-    The series is taken to repeat itself after its end; where it does not, the first and the last few waves
-    are wrong. Raises VfifeError.
+    The series is assumed to be periodic; where it is not, the first and the last few waves are wrong. Raises
+    VfifeError.
     """
-    given, length, _ = samples(np.asarray(values, dtype=float), spacing, None, 0.0, np.size(values))
-    signal = analytic(given, spacing, band)
-    size = np.abs(signal)
-    of = spectrum(size, spacing, turn=turn, name=f"envelope of {name}".strip(), unit=unit)
-    times = np.asarray(start + np.arange(length) * spacing, dtype=float)
+    series = spectral.windows_of(np.asarray(values, dtype=float), spacing, None, 0.0, np.size(values)).values
+    signal = spectral.analytic(series, spacing, band)
+    size, name, unit = np.abs(signal), label.get("name", ""), label.get("unit", "")
+    of_envelope = spectrum(
+        size, spacing, turn=label.get("turn"), name=f"envelope of {name}".strip(), unit=unit
+    )
+    times = np.asarray(label.get("start", 0.0) + np.arange(len(series)) * spacing, dtype=float)
     return Envelope(
         name=name,
         unit=unit,
@@ -216,22 +249,36 @@ def envelope(
         times=times,
         values=size,
         filtered=np.asarray(signal.real),
-        spectrum=of,
+        spectrum=of_envelope,
     )
 
 
 @dataclass(frozen=True)
-class Sampled:
-    """A series of a run at its outputs after the start, and how it is sampled."""
+class SampledSeries:
+    """A series of a run at its outputs after the start, shape (outputs - 1,), ``spacing`` (s) apart."""
 
     values: Array
     spacing: float
-    start: float
-    turn: float | None
-    unit: str
+    label: SeriesLabel
+
+    def length(self, seconds: float | None, turns: float | None) -> int | None:
+        """Samples of a window that is so long. Raises VfifeError where both are given, and for turns without
+        a crank of constant speed.
+        """
+        if seconds is not None and turns is not None:
+            raise VfifeError("a window has a length in seconds or in turns, not both")
+        if turns is not None:
+            if not 0.0 < turns < math.inf:
+                raise VfifeError(f"a window of {turns:g} turns: give a finite number above 0")
+            if (turn := self.label["turn"]) is None:
+                raise VfifeError(
+                    "no crank turns at constant speed; give the length of the windows in seconds"
+                )
+            seconds = turns * turn
+        return None if seconds is None else round(seconds / self.spacing)
 
 
-def sampled(view: View, name: str) -> Sampled:
+def sampled(view: View, name: str) -> SampledSeries:
     """A series of a run by its name. Raises VfifeError for a name that none has, for statics, and where
     outputs are missing.
     """
@@ -244,47 +291,12 @@ def sampled(view: View, name: str) -> Sampled:
             f" {suggestion(name, list(view.series), 'their names are those of result.series')}"
         )
     steps = np.diff(record.steps[1:])
-    if len(steps) < SHORTEST or (steps != steps[0]).any():
+    if len(steps) < spectral.SHORTEST or (steps != steps[0]).any():
         raise VfifeError(
-            f"a spectrum takes {SHORTEST + 1} outputs at even times; this run has {len(record.steps)}, or"
+            f"a spectrum takes {spectral.SHORTEST + 1} outputs at even times; this run has {len(record.steps)}, or"
             " some are lost"
         )
-    column = view.series.column(name)
-    choice = record.assembly.choice
+    column, choice = view.series.column(name), record.assembly.choice
     turn = choice.turn if outputs_of_a_turn(record.assembly) is not None else None
-    return Sampled(
-        np.asarray(column.values[1:], dtype=float),
-        float(steps[0]) * choice.step,
-        float(view.time[1]),
-        turn,
-        column.unit,
-    )
-
-
-def length_of(one: Sampled, seconds: float | None, turns: float | None) -> int | None:
-    """Samples of a window that is so long. Raises VfifeError where both are said, and for turns where nothing
-    turns evenly.
-    """
-    if seconds is not None and turns is not None:
-        raise VfifeError("a window has a length in seconds or in turns, not both")
-    if turns is not None:
-        if not 0.0 < turns < math.inf:
-            raise VfifeError(f"a window of {turns:g} turns: give a finite number above 0")
-        if one.turn is None:
-            raise VfifeError("no crank turns at constant speed; give the length of the windows in seconds")
-        seconds = turns * one.turn
-    return None if seconds is None else round(seconds / one.spacing)
-
-
-def titled(name: str, unit: str) -> str:
-    """A column's head."""
-    return f"{name or 'values'} [{unit or '1'}]"
-
-
-def table(path: str | Path, columns: list[tuple[str, Array]]) -> None:
-    """Writes columns as CSV, numbers to the last bit; a file that is there gives way when the new one is
-    whole. Raises OSError.
-    """
-    write_rows(
-        path, [[name for name, _ in columns], *zip(*(values.tolist() for _, values in columns), strict=True)]
-    )
+    label = SeriesLabel(turn=turn, start=float(view.time[1]), name=name, unit=column.unit)
+    return SampledSeries(np.asarray(column.values[1:], dtype=float), float(steps[0]) * choice.step, label)

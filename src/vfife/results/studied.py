@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, shown, suggestion
-from ..measures.measured import UNITS as UNITS
-from ..measures.measured import unit_of as unit_of
+from ..files import DataTable
 from ..solvers.status import Status
 from ..store.member_errors import NOT_ESTIMATED, MemberError, member_errors
 from ..store.store import warn_of_damage
 from ..store.studyfile import WHAT, StudyCase, StudyFile
+from .table import TableColumn, data_frame, table_rows
 
 if TYPE_CHECKING:
     import pandas
@@ -48,7 +48,7 @@ class Varied:
         return self.kind in ("values", "range")
 
 
-class Study:
+class Study(DataTable):
     """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads
     xarray.
 
@@ -268,13 +268,13 @@ class Study:
         status[self._along] = [str(self.outcomes[one.number]["status"]) for one in self.done]
         units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
         found: dict[str, Any] = {
-            name: (dims, values, {"units": units[name], **self.said_error(name)})
+            name: (dims, values, {"units": units[name], **self.error_attributes(name)})
             for name, values in arrays.items()
         }
         found["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})
         return xarray.Dataset(found, self._coordinates(), self.attributes)
 
-    def said_error(self, measure: str) -> dict[str, float | str]:
+    def error_attributes(self, measure: str) -> dict[str, float | str]:
         """Numerical error of a member as attributes of a measure in a file; nothing of what is no measure."""
         if measure not in self.measures:
             return {}
@@ -340,22 +340,42 @@ class Study:
         """Writes a row a member as CSV or Parquet, the dataset as NetCDF, as the file's ending says. Raises
         VfifeError for another, OSError.
         """
-        from .export import export_study
+        from .export import STUDY_FORMATS, export
 
-        export_study(self, Path(path))
+        export(self, Path(path), STUDY_FORMATS, "no study is")
+
+    def table(self) -> Iterator[Sequence[Any]]:
+        """Yield the heads and a row for each member, with units."""
+        return table_rows(self.table_columns())
+
+    def table_columns(self) -> list[TableColumn]:
+        """One row a member: its number, parameters, measures with their numerical errors, and how it ended."""
+        rows, units = (
+            self.rows(),
+            {**{one.name: one.unit for one in self.parameters}, **self.measures, "step": "s"},
+        )
+        kinds: dict[str, type] = dict.fromkeys(("member", "turns", "settled"), int) | dict.fromkeys(
+            ("status", "reason"), str
+        )
+        kinds |= dict.fromkeys((*self.measures, "step"), float)
+        return [
+            TableColumn(
+                name,
+                [row[name] for row in rows],
+                units.get(name, "1"),
+                self._error_texts(name),
+                kinds.get(name),
+            )
+            for name in self.columns
+        ]
+
+    def _error_texts(self, measure: str) -> dict[str, str]:
+        return {key: str(value) for key, value in self.error_attributes(measure).items()}
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """One table for pandas, a row a member."""
-        import xarray
-
-        rows = self.rows()
-        columns = {
-            name: ("member", np.array([row[name] for row in rows])) for name in rows[0] if name != "member"
-        }
-        found: pandas.DataFrame = xarray.Dataset(
-            columns, {"member": [row["member"] for row in rows]}
-        ).to_dataframe()
-        return found
+        """Return one table for pandas, a row a member."""
+        index, *others = self.table_columns()
+        return data_frame(others, index=index)
 
 
 def load_study(path: str | Path) -> Study:

@@ -1,4 +1,4 @@
-"""A run as its readers see it: channels, one dataset with units, measures, the energy ledger."""
+"""Data of a run: channels, a dataset with units, measures, the energy ledger, spectra."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from ..assembly.assembled import Assembly
 from ..errors import VfifeError
 from ..measures import Ledger, Measures, last_turn, ledger, ranged
 from ..measures.contacts import Around, Impacts, around, impacts
-from ..measures.elastic import along
-from ..measures.guides import PointMotion, point_motion
-from ..measures.motion import times
-from ..measures.ranges import counted
+from ..measures.elastic import element_places
+from ..measures.error_ranges import evaluated_turns
+from ..measures.motion import PointMotion, point_motion, times
 from ..measures.turns import Turns, part_of
 from ..modelfile import dump
 from ..solvers.record import Record, recorded_rows
 from ..solvers.repeating import LONGEST, outputs_of_a_turn
 from ..store.provenance import sources, versions
 from .channels import Channel, channels, entities
-from .series import REDUCED, REDUCTION, Series, dataset_of, frame, joined
-from .spectra import Envelope, Spectrogram, Spectrum, envelope, length_of, sampled, spectrogram, spectrum
+from .series import REDUCED, REDUCTION, Series, columns, dataset_of, joined
+from .spectra import Envelope, Spectrogram, Spectrum, envelope, sampled, spectrogram, spectrum
+from .table import data_frame, titled
 
 if TYPE_CHECKING:
     import pandas
@@ -35,9 +35,13 @@ LONGEST_ATTRIBUTE = 60000  # bytes; HDF5 takes no attribute beyond 64 KiB
 
 
 class View:
-    """What a run gives. All of it is built when it is first asked for, and only ``data`` loads xarray.
+    """Data of a run, each built when it is first used; only ``data`` loads xarray.
 
-    ``record`` holds the rows, ``reference`` is the result of the ideal mechanism or None.
+    ``record`` holds the rows, ``reference`` is the view of the ideal mechanism or None. All series come from
+    :attr:`channels`:
+    :attr:`series` finds one by the name of its measure, ``data`` and ``turns`` are datasets of them,
+    :meth:`joint`, :meth:`body`,
+    :meth:`spring` and :meth:`to_dataframe` selections.
     """
 
     def __init__(self, record: Record, reference: View | None = None) -> None:
@@ -74,7 +78,7 @@ class View:
 
     @property
     def crank(self) -> str | None:
-        """The body that is driven, the first one if there are several."""
+        """Name of the driven body, the first of several."""
         return next((body.name for body in self.record.assembly.bodies.values() if body.driven == 0), None)
 
     @property
@@ -87,7 +91,7 @@ class View:
 
     @property
     def last_turn(self) -> NDArray[np.bool_]:
-        """Outputs of the last full crank turn, over which maxima are taken; all outputs without a crank."""
+        """Outputs of the last full crank turn, shape (outputs,); all outputs without a crank."""
         return last_turn(self.record)
 
     @cached_property
@@ -97,11 +101,11 @@ class View:
 
     @cached_property
     def measures(self) -> Measures:
-        """Flat map of the numbers a run is judged by; see :func:`vfife.measures.catalogue.measures`.
+        """Measures by name; see :mod:`vfife.measures.catalogue`.
 
-        Of which turns they are says :attr:`motion`. Each is a number with ``low`` and ``high``, its range
-        over run and companions, and ``lowest`` and ``highest``, those of its turns:
-        :class:`~vfife.measures.measured.Measured`.
+        Each is a number with its uncertainty, ``low`` to ``high``, and its scatter over turns, ``lowest`` to
+        ``highest`` (:class:`~vfife.measures.measured.Measured`). :attr:`motion` names the turns that they are
+        of.
         """
         return ranged(self.record, None if self.reference is None else self.reference.measures)
 
@@ -109,56 +113,60 @@ class View:
 
     @cached_property
     def channels(self) -> dict[str, Channel]:
-        """Series by name, as plain arrays with unit and meaning."""
+        """Series by name, as arrays with unit and meaning."""
         return channels(self.record, self.ledger)
 
     def point(self, name: str) -> PointMotion:
-        """Position, velocity and acceleration of a pin ``body.pin`` at the outputs, global axes;
-        ``.along(direction)`` of a direction of space.
+        """Position, velocity and acceleration of a pin ``body.pin`` in global axes, or ``.along(direction)``.
 
-        Raises ValueError with the names there are.
+        Raises ValueError, which lists the pins.
         """
         return point_motion(self.record, name)
 
     @cached_property
     def impacts(self) -> Impacts:
-        """The contacts that began, one by one as far as the outputs tell them apart: see
+        """Contacts that began, one by one as far as outputs separate them; see
         :func:`vfife.measures.contacts.impacts`.
         """
         return impacts(self.record)
 
     def around(self, side: str = "bearing", bins: int = 72, last_turn: bool = False) -> Around:
-        """Time in contact, impulse and friction over the angle of each bearing, or "journal", in the frame of
-        its body, in all or of the last turn: see :func:`vfife.measures.contacts.around`.
+        """Time in contact, impulse and friction over the angle of each bearing or journal, of all of the run
+        or its last turn.
+
+        See :func:`vfife.measures.contacts.around`.
         """
         return around(self.record, side, bins, self.last_turn if last_turn else None)
 
     @cached_property
     def data(self) -> xarray.Dataset:
-        """All channels over time and the names of joints, bodies, elements and particles, with units and long
-        names.
+        """Dataset of all channels over time and the names of joints, bodies, elements and particles, with
+        units.
         """
         import xarray
 
-        told = (
+        time = (
             {"units": "1", "long_name": "load factor"}
             if self.record.static
             else {"units": "s", "long_name": "time"}
         )
-        coords: dict[str, Any] = {"time": ("time", self.time, told)}
+        coords: dict[str, Any] = {"time": ("time", self.time, time)}
         coords |= {entity: (entity, np.array(names)) for entity, names in entities(self.record).items()}
         if self.crank_angle is not None:
-            said = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
-            coords["crank_angle"] = ("time", self.crank_angle, said)
+            angle = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
+            coords["crank_angle"] = ("time", self.crank_angle, angle)
         if "element" in coords:
-            said = {
+            place = {
                 "units": "m",
                 "long_name": (
                     "middle of the element along its link from the start, or along its member of a frame"
                 ),
             }
-            coords["element_position"] = ("element", along(self.record).mean(axis=1), said)
-        variables = {name: (one.dims, one.values, one.attributes) for name, one in self.channels.items()}
+            coords["element_position"] = ("element", element_places(self.record).mean(axis=1), place)
+        variables = {
+            name: (channel.dims, channel.values, channel.attributes)
+            for name, channel in self.channels.items()
+        }
         data = xarray.Dataset(variables, coords, self.attributes)
         if "mode" in data:
             data["mode"].attrs |= {
@@ -169,22 +177,20 @@ class View:
 
     @cached_property
     def turns(self) -> xarray.Dataset:
-        """The latest turns laid over each other, over ``turn`` and ``crank_angle``: see
+        """Dataset of the latest turns over ``turn`` and ``crank_angle``; see
         :func:`vfife.results.view.latest_turns`.
         """
         return latest_turns(self)
 
     @cached_property
     def motion(self) -> Turns | None:
-        """Whether the turns of the run repeat, from which one on, with which period, and which of them its
-        measures are of; None without turns.
-        """
-        return counted(self.record)
+        """Class of the motion, its period, and the turns that measures are of; None without turns."""
+        return evaluated_turns(self.record)
 
     @cached_property
     def series(self) -> Series:
-        """The channels by the names that measures have: ``result.series["C.force"]`` over time, of which
-        ``C.force.max`` is a measure.
+        """Series by the names of measures: ``result.series["C.force"]`` over time, of which ``C.force.max``
+        is a measure.
         """
         return Series(self)
 
@@ -197,20 +203,14 @@ class View:
         turns: float | None = None,
         overlap: float = 0.5,
     ) -> Spectrum:
-        """Amplitudes over frequency and order of a series, ``C.force``: see :func:`vfife.spectrum`.
+        """Amplitudes over frequency and order of a series such as ``C.force``; see :func:`vfife.spectrum`.
 
-        Windows are so many ``seconds`` or ``turns`` long, or as the run. Raises VfifeError for what cannot
-        be.
+        ``seconds`` or ``turns``: length of the windows, by default that of the run. Raises VfifeError.
         """
-        one = sampled(self, name)
-        given = {"turn": one.turn, "name": name, "unit": one.unit}
+        series = sampled(self, name)
+        length = series.length(seconds, turns)
         return spectrum(
-            one.values,
-            one.spacing,
-            window=window,
-            length=length_of(one, seconds, turns),
-            overlap=overlap,
-            **given,  # type: ignore[arg-type]
+            series.values, series.spacing, window=window, length=length, overlap=overlap, **series.label
         )
 
     def spectrogram(
@@ -222,65 +222,63 @@ class View:
         turns: float | None = None,
         overlap: float = 0.75,
     ) -> Spectrogram:
-        """Amplitudes over time and frequency, or order, of a series, ``C.force``: see
+        """Amplitudes over time and frequency, or order, of a series such as ``C.force``; see
         :func:`vfife.spectrogram`.
 
-        Windows are so many ``seconds`` or ``turns`` long, or a sixteenth of the run. Raises VfifeError for
-        what cannot be.
+        ``seconds`` or ``turns``: length of the windows, by default a sixteenth of the run. Raises VfifeError.
         """
-        one = sampled(self, name)
-        given = {"turn": one.turn, "name": name, "unit": one.unit, "start": one.start}
+        series = sampled(self, name)
+        length = series.length(seconds, turns)
         return spectrogram(
-            one.values,
-            one.spacing,
-            window=window,
-            length=length_of(one, seconds, turns),
-            overlap=overlap,
-            **given,  # type: ignore[arg-type]
+            series.values, series.spacing, window=window, length=length, overlap=overlap, **series.label
         )
 
     def envelope(self, name: str, *, band: tuple[float, float] | None = None) -> Envelope:
-        """Size of what vibrates in a series, within a ``band`` of frequencies (Hz), and its spectrum: see
+        """Envelope of a series within a ``band`` of frequencies (Hz), and its spectrum; see
         :func:`vfife.envelope`.
         """
-        one = sampled(self, name)
-        return envelope(
-            one.values, one.spacing, band=band, turn=one.turn, start=one.start, name=name, unit=one.unit
-        )
+        series = sampled(self, name)
+        return envelope(series.values, series.spacing, band=band, **series.label)
 
     def joint(self, name: str) -> xarray.Dataset:
-        """All about one joint over time, by quantity: ``result.joint("C").force``. Raises VfifeError for a
-        name that no joint has.
+        """Dataset of one joint by quantity: ``result.joint("C").force``. Raises VfifeError for an unknown
+        name.
         """
         return dataset_of(self, name, "joint")
 
     def body(self, name: str) -> xarray.Dataset:
-        """All about one body over time, by quantity, its elements and particles with it. Raises VfifeError
-        for a name that no body has.
+        """Dataset of one body by quantity, with its elements and particles. Raises VfifeError for an unknown
+        name.
         """
         return dataset_of(self, name, "body")
 
     def spring(self, name: str) -> xarray.Dataset:
-        """All about one spring, stop or bushing over time, by quantity. Raises VfifeError for a name that
-        none has.
-        """
+        """Dataset of one spring, stop or bushing by quantity. Raises VfifeError for an unknown name."""
         return dataset_of(self, name, "spring")
 
     def to_dataframe(self, *names: str, units: bool = True, fine: bool = False) -> pandas.DataFrame:
-        """One table for pandas: a row an output, the time as its index, a column a series, ``C.force [N]``;
-        without ``units``, ``C.force``.
+        """Table for pandas: a row an output, the time as index, a column a series, ``C.force [N]``, or
+        ``C.force`` without ``units``.
 
-        ``names``: joints, bodies and springs; all of them unless some are named. ``fine``: elements and
-        particles too. Units and meanings by column are in ``attrs``. Raises VfifeError for a name that
-        nothing has.
+        ``names``: joints, bodies and springs, by default all. ``fine``: elements and particles too. ``attrs``
+        has units and meanings by column. Raises VfifeError for an unknown name.
         """
-        return frame(self, names, units, fine)
+        index, *others = columns(self, names, fine)
+        frame, heads = (
+            data_frame(others, index, units),
+            [titled(column) if units else column.name for column in others],
+        )
+        for key, attribute in (("units", "units"), ("meanings", "long_name")):
+            frame.attrs[key] = {
+                head: column.metadata[attribute] for head, column in zip(heads, others, strict=True)
+            }
+        return frame
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Where the data come from: model, step, loop, version, laws with their sources."""
+        """Provenance of the data: model, step, loop, version, laws with their sources."""
         mechanism = self.record.assembly.mechanism
-        found: dict[str, Any] = {
+        attributes: dict[str, Any] = {
             "model": mechanism.name,
             "note": mechanism.note.strip(),
             "step": self.record.assembly.choice.step,
@@ -291,74 +289,75 @@ class View:
         try:
             text = dump(mechanism)
         except (TypeError, ValueError):  # a mechanism that no model file can hold still has data
-            return found
-        found["laws"] = "\n".join(f"{name}: {source}" for name, source in sources(mechanism).items())
+            return attributes
+        attributes["laws"] = "\n".join(f"{name}: {source}" for name, source in sources(mechanism).items())
         if len(text.encode()) < LONGEST_ATTRIBUTE:
-            found["model_file"] = text
-        return found
+            attributes["model_file"] = text
+        return attributes
 
 
 def standing(assembly: Assembly) -> View:
-    """A mechanism as it starts, of which nothing was run."""
+    """View of a mechanism at its start, without a run."""
     kept = recorded_rows(assembly)
     return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept))
 
 
 def latest_turns(view: View) -> xarray.Dataset:
-    """The channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of a turn, ...): the
-    turns that its measures are of, and the last eight at least, as far as there are so many.
+    """Dataset of the channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of a turn,
+    ...).
 
-    A turn is counted from 1 and ends where the next one begins; its angle (degrees) is that from the last
-    whole turn of the crank before its begin. Raises VfifeError where there is no whole turn of a crank at
-    constant speed, or the step does not divide it.
+    The turns are those that measures are of, and at least the last eight. Turns count from 1; angles
+    (degrees) count from the last full turn of the crank before a turn begins. Raises VfifeError without a
+    full turn of a crank at constant speed, or where the step does not divide it.
     """
-    said, outputs, angle = view.motion, outputs_of_a_turn(view.record.assembly), view.crank_angle
-    if said is None or outputs is None or angle is None:
+    motion, outputs, angle = view.motion, outputs_of_a_turn(view.record.assembly), view.crank_angle
+    if motion is None or outputs is None or angle is None:
         raise VfifeError(
             f"{view.name}: there are no turns to lay over each other: that takes a crank at constant speed, a"
             ' run of a turn at the least, and a step that divides a turn ("auto" does); result.data has all'
             " of the run over time"
         )
-    first = min(said.first, max(1, said.count - LONGEST + 1))
-    numbers = np.arange(first, said.count + 1)
-    window = slice((first - 1) * outputs + 1, said.count * outputs + 1)
-    begin = angle[(said.count - 1) * outputs]
-    over = angle[(said.count - 1) * outputs + 1 : said.count * outputs + 1] - 360.0 * np.floor(
-        begin / 360.0 + 1e-6
-    )
+    first = min(motion.first, max(1, motion.count - LONGEST + 1))
+    numbers, begin = np.arange(first, motion.count + 1), (motion.count - 1) * outputs
+    window, shape = slice((first - 1) * outputs + 1, motion.count * outputs + 1), (len(numbers), outputs)
+    over = angle[begin + 1 : begin + outputs + 1] - 360.0 * np.floor(angle[begin] / 360.0 + 1e-6)
     data = view.data.isel(time=window).drop_vars(("time", "crank_angle"), errors="ignore")
-    time = view.time[window].reshape(len(numbers), outputs)
-    shaped = {name: one for name, one in data.variables.items() if "time" in one.dims}
+    dims = ("turn", "crank_angle")
+    variables = {
+        str(name): ((*dims, *series.dims[1:]), series.values.reshape(*shape, *series.shape[1:]), series.attrs)
+        for name, series in data.variables.items()
+        if "time" in series.dims
+    }
     found = data.drop_dims("time").assign_coords(
         turn=("turn", numbers, {"units": "1", "long_name": "turn of the run, counted from 1"}),
         crank_angle=("crank_angle", over, {"units": "deg", "long_name": f"angle of {view.crank}"}),
-        time=(("turn", "crank_angle"), time, {"units": "s", "long_name": "time"}),
+        time=(dims, view.time[window].reshape(shape), {"units": "s", "long_name": "time"}),
     )
-    dims = ("turn", "crank_angle")
-    found = found.assign({
-        str(name): ((*dims, *one.dims[1:]), one.values.reshape(len(numbers), outputs, *one.shape[1:]), one.attrs) for name, one in shaped.items()
-    })  # fmt: skip
-    return found.assign_attrs(motion=said.motion, measures_of=part_of(view.record, said))
+    return found.assign(variables).assign_attrs(
+        motion=motion.motion, measures_of=part_of(view.record, motion)
+    )
 
 
 class Reductions:
-    """Those of some names that are reductions: what each takes of which channel."""
+    """The reductions among some names, as in ``max(C.force)``: each is a statistic of a channel."""
 
     def __init__(self, names: Sequence[str]) -> None:
-        self.asked = {name: (found[1], found[2]) for name in names if (found := REDUCTION.fullmatch(name))}
+        self.requested = {
+            name: (found[1], found[2]) for name in names if (found := REDUCTION.fullmatch(name))
+        }
 
     def over(self, turns: Sequence[Record]) -> dict[str, float]:
-        """Each over all the turns together, records of which the next begins with the last output of the one
+        """Compute each over all turns, records of which the next begins with the last output of the one
         before.
 
-        Of a record that is longer than a turn its last turn counts. What happens between two outputs is not
-        seen. A channel that a mechanism does not have is left out, and so is what is not finite.
+        Of a record that is longer than a turn the last turn counts. Extremes between two outputs are not
+        seen. A channel that a mechanism does not have is left out, and so are values that are not finite.
         """
         parts = [View(one) for one in turns]
         own = [turn_of(one) for one in turns]
         time = joined([times(one)[at:] for one, at in zip(turns, own, strict=True)])
         found: dict[str, float] = {}
-        for name, (how, channel) in self.asked.items():
+        for name, (how, channel) in self.requested.items():
             if channel in parts[0].series and len(time) > 1:
                 values = [
                     np.asarray(one.series.column(channel).values[at:], dtype=float)
@@ -369,5 +368,5 @@ class Reductions:
 
 
 def turn_of(record: Record) -> int:
-    """The output with which the last turn of a record begins."""
+    """Number of the output with which the last turn of a record begins."""
     return max(int(np.argmax(last_turn(record))) - 1, 0)

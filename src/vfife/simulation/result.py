@@ -13,7 +13,7 @@ from ..results.view import View
 from ..solvers.record import Estimate, Record, Rows, lasting_rows
 from ..store.connections import unwritten
 from ..store.provenance import (
-    beside,
+    companion_rows_of,
     final_state,
     keep_reference,
     kept_companions,
@@ -71,11 +71,11 @@ class Result(View):
         ``.pdf``, ``.png``; ``figure`` names one, as :meth:`plot` does, where the file is not called by its
         name. Raises VfifeError for another ending or figure, OSError.
         """
-        from ..results.export import RESULT_FORMATS, export_result
+        from ..results.export import RESULT_FORMATS, export
 
         path = Path(path)
         if path.suffix.lower() in RESULT_FORMATS and figure is None:
-            export_result(self, path)
+            export(self, path, RESULT_FORMATS, "no data are")
             return
         from ..plots import save_one
 
@@ -105,7 +105,9 @@ class Result(View):
         missing = slice(file.outputs_so_far, None)
         if missing.start < len(record.steps):
             file.append(
-                record.steps[missing], record.rows[missing], beside(record) if missing.start == 0 else None
+                record.steps[missing],
+                record.rows[missing],
+                companion_rows_of(record) if missing.start == 0 else None,
             )
         if record.final is not None and (file.last_checkpoint() or (None,))[0] != record.steps[-1]:
             file.checkpoint(int(record.steps[-1]), record.final[lasting_rows(record.assembly.layout)])
@@ -144,7 +146,7 @@ class Result(View):
     def of(cls, file: RunFile) -> Result:
         """The result that an open run file holds."""
         where, meta, last = str(file.path), file.meta, file.last_checkpoint()
-        alone = file.steps_alone()
+        alone = file.ended_steps()
         result = cls(
             restored(meta, *file.outputs(), where)
             if alone is None

@@ -18,8 +18,9 @@ from ..errors import Fault, ModelError
 from ..job.cost import BRIEF, run_cost
 from ..job.job import Job, job_of
 from ..measures.energy import drifting, too_open
-from ..measures.meshes import mesh_estimate
-from ..measures.ranges import estimate, finer, own_ranges, window
+from ..measures.error_ranges import estimate, own_ranges, window
+from ..measures.statics import mesh_estimate
+from ..measures.trust import finer
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..modelfile import dump

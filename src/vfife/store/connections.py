@@ -1,5 +1,5 @@
-"""Connections to sealed files: one that writes, one that reads whatever a killed writer left; messages on
-damage and full disks.
+"""Connections to sealed files for writing and for reading what a killed writer left; messages on damage and
+full disks.
 """
 
 from __future__ import annotations
@@ -13,12 +13,14 @@ from ..errors import RunFileError
 from ..files import free_bytes
 from .schemas import RUN, RUN_FILE, SCHEMAS, Schema
 
-BEAT = 1_000_000  # instructions of SQLite's machine between two looks at the budget, some 20 ms
-# about two minutes; the longest statement of ours, a read of all rows of a study of a million members, takes
-# 40
+# A file may be made to trap its reader. A statement is ended after about two minutes: MOST_BEATS times BEAT
+# instructions of
+# SQLite's machine, of 20 ms. The longest of ours, a read of a study of a million members, takes 40 beats.
+BEAT = 1_000_000
 MOST_BEATS = 5_000
-# what is complete is on the disk before a run goes on, though the machine should lose its power
-SYNCHRONOUS = "NORMAL"
+SYNCHRONOUS = (  # a transaction is on the disk before a run continues, even if the machine loses its power
+    "NORMAL"
+)
 STORAGE = (
     "full",
     "disk i/o",
@@ -28,13 +30,11 @@ STORAGE = (
     "permission",
     "locked",
     "too big",
-)  # in what SQLite says
+)  # in errors of SQLite
 
 
 class Connection(sqlite3.Connection):
-    """A connection that runs only short statements: one that needs more than MOST_BEATS, as a file made to
-    trap us might, fails.
-    """
+    """A connection that ends statements after MOST_BEATS."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -43,7 +43,7 @@ class Connection(sqlite3.Connection):
         self.set_progress_handler(self.beat, BEAT)
 
     def execute(self, *args: Any) -> sqlite3.Cursor:
-        """Run a statement, with the whole budget before it."""
+        """Run a statement with a new budget."""
         self.beats = 0
         return super().execute(*args)
 
@@ -54,8 +54,8 @@ class Connection(sqlite3.Connection):
 
 
 def refuse_schema(connection: sqlite3.Connection) -> None:
-    """Raise sqlite3.DatabaseError for a file with views, triggers or virtual tables: none of ours has any,
-    and they run statements of their own.
+    """Raise sqlite3.DatabaseError for views, triggers and virtual tables, which run statements; our files
+    have none.
     """
     for kind, name, root in connection.execute("SELECT type, name, rootpage FROM sqlite_master"):
         if kind not in ("table", "index") or not root:  # a virtual table has no page of its own
@@ -63,7 +63,7 @@ def refuse_schema(connection: sqlite3.Connection) -> None:
 
 
 def writable(path: Path) -> sqlite3.Connection:
-    """A connection that writes."""
+    """Open a connection that writes."""
     connection = sqlite3.connect(path, timeout=60.0, isolation_level=None, factory=Connection)
     try:
         refuse_schema(connection)
@@ -76,10 +76,9 @@ def writable(path: Path) -> sqlite3.Connection:
 
 
 def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
-    """A connection that can read the file; the journal of a killed writer is rolled back first.
+    """Open a connection that reads; the journal of a killed writer is rolled back first.
 
-    That needs to write: where it cannot be done in place, it is done on a copy that vanishes. Raises
-    RunFileError.
+    SQLite writes for that. Where it may not, the file is read through a temporary copy. Raises RunFileError.
     """
     try:
         connection = sqlite3.connect(
@@ -118,8 +117,8 @@ def readable(path: Path, kind: str = "run") -> sqlite3.Connection:
 
 
 def located(schema: Schema, path: Path) -> Path:
-    """The file of a schema that a path means; of a run also its folder. Raises RunFileError where there is
-    none that this version reads.
+    """File of a schema at a path, which may be the folder of a run. Raises RunFileError if this version reads
+    none there.
     """
     if schema is RUN and path.is_dir():
         path = path / RUN_FILE
@@ -151,14 +150,14 @@ def is_of_storage(error: Exception) -> bool:
 
 
 def damaged(path: Path | str, what: str, kind: str) -> str:
-    """The sentence about a damaged file."""
+    """Sentence about a damaged file."""
     again = "run the model again" if kind == "run" else f"make the {kind} again"
     return f"{path}: this {kind} file is damaged ({what}); {again}, or take a copy of the file"
 
 
 def unwritten(path: Path | str, what: str, needed: int = 0) -> str:
-    """The sentence about a file that could not be written: what the system says, and bytes that were needed
-    and are free where it may be these.
+    """Sentence about a file that could not be written: the system's reason, and bytes needed and free if
+    these may be it.
     """
     if any(word in what.lower() for word in ("readonly", "read-only", "permi")):
         return f"{path}: {what}; you may not write to this file or its folder."

@@ -1,8 +1,8 @@
-"""Where a run is kept: a folder of its own, never one that holds something else; what in it is ours, and what
-is not.
+"""Run folders: each run has a folder of its own, and files that no run wrote are never replaced or removed.
 
-A run begins in a folder beside its place, and moves in when its first output is there. Until then nothing is
-touched.
+A run begins in a temporary folder beside its place and moves in with its first output, so that a run that
+fails at its start leaves an earlier one as it was. Whether a file was written by a run is decided by its
+content, because names can be reused.
 """
 
 from __future__ import annotations
@@ -23,35 +23,28 @@ from .schemas import RUN_FILE, is_run_file
 MODEL, SUMMARY, FIGURES = "model.toml", "summary.json", "figures"
 SQLITE_TRACES = tuple(f"{RUN_FILE}{end}" for end in ("-wal", "-shm", "-journal"))
 SUMMARY_KEYS = {"status", "step", "steps", "measures"}
-FIGURE_NAMES = (
-    "mechanism",
-    "orbits",
-    "guides",
-    "forces",
-    "moments",
-    "accelerations",
-)  # that a run draws with --figures
-PICTURES = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}  # how they begin
-HEAD = 5000  # bytes in which a figure says who made it
-DRAWN_BY = (b"vfife", b"Matplotlib")  # in the head of a figure; the second by versions before 0.3
-STAGE = ".new-"  # in the name of a folder in which a run begins
+FIGURE_NAMES = ("mechanism", "orbits", "guides", "forces", "moments", "accelerations")  # that --figures draws
+PICTURES = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}  # first bytes of figures
+HEAD = 5000  # bytes in which a figure names its program
+DRAWN_BY = (b"vfife", b"Matplotlib")  # programs in the head of a figure; the second of versions before 0.3
+STAGE = ".new-"  # part of the name of a folder in which a run begins
 
 
 def numbered(first: Path) -> Iterator[Path]:
-    """A name, and those with the next numbers."""
+    """Yield a path, and the same with the numbers 2, 3, ..."""
     yield first
     for number in count(2):
         yield first.with_name(f"{first.name}-{number}")
 
 
 def entries(folder: Path) -> list[Path]:
-    """What lies in a folder, without locks and folders in which runs began."""
+    """List the content of a folder without locks and temporary folders of runs."""
     return [path for path in folder.iterdir() if path.name != LOCK and STAGE not in path.name]
 
 
 def refuse_foreign(asked: Path | None, trace: str = RUN_FILE, what: str = "run") -> None:
-    """Raises ValueError for a folder that is given and holds something else: not the ``trace`` that a run, or
-    ``what`` is meant, leaves.
+    """Raise ValueError for a folder with files but without the ``trace`` that a run, or another ``what``,
+    leaves.
     """
     if asked is None or not asked.exists():
         return
@@ -66,9 +59,7 @@ def refuse_foreign(asked: Path | None, trace: str = RUN_FILE, what: str = "run")
 
 
 def own_files(folder: Path, model: str | None) -> list[Path]:
-    """Files in a run folder that a run left there, as their content tells; ``model`` is the text that its run
-    file has.
-    """
+    """Files in a run folder whose content shows that a run wrote them; ``model`` is the text in its run file."""
     found = [
         path
         for path in (folder / RUN_FILE, folder / MODEL, folder / SUMMARY)
@@ -84,7 +75,7 @@ def own_files(folder: Path, model: str | None) -> list[Path]:
 
 
 def in_the_way(folder: Path, model: str | None) -> list[Path]:
-    """Files that a run would write and that are not ours."""
+    """Files that a run would replace and that no run wrote."""
     names = [RUN_FILE, *SQLITE_TRACES, MODEL, SUMMARY, *(f"{FIGURES}/{name}.png" for name in FIGURE_NAMES)]
     own = set(own_files(folder, model))
     return [folder / name for name in names if (folder / name).exists() and folder / name not in own]
@@ -112,7 +103,7 @@ def is_own(path: Path, model: str | None) -> bool:
 
 
 def model_of(folder: Path) -> str | None:
-    """The text of the model that a folder's run file has; None where it cannot be read."""
+    """Text of the model in a folder's run file; None if it cannot be read."""
     from .runfile import RunFile
 
     with suppress(RunFileError), RunFile.open(folder) as file:
@@ -122,7 +113,7 @@ def model_of(folder: Path) -> str | None:
 
 
 def tidy(parent: Path, name: str) -> None:
-    """Removes folders in which runs of a name began whose processes are gone."""
+    """Remove temporary folders of runs whose processes have ended."""
     if not parent.is_dir():
         return
     for path in parent.glob(f"{name}{STAGE}*"):
@@ -131,31 +122,33 @@ def tidy(parent: Path, name: str) -> None:
 
 
 def empty(stage: Path) -> None:
-    """Removes a folder in which a run began, with what it wrote."""
+    """Remove a temporary folder of a run with what the run wrote."""
     for name in (RUN_FILE, *SQLITE_TRACES, MODEL, SUMMARY, LOCK):
         with suppress(OSError):
             (stage / name).unlink(missing_ok=True)
-    with suppress(OSError):  # something that is not ours
+    with suppress(OSError):  # it holds a file of the user's
         stage.rmdir()
 
 
-OPEN_MOVES = os.name != "nt"  # whether a folder can be renamed in which a file is open: its lock
+OPEN_MOVES = os.name != "nt"  # whether a folder with an open file, its lock, can be renamed
 
 
 @dataclass
 class RunFolder:
-    """A run folder; ``notes`` say what becomes of an earlier run. ``path`` is where the run is now: beside
-    its place until it has settled there.
+    """A run folder; ``path`` is where the run is now, beside its ``target`` until it has ``settled`` there.
+
+    ``chosen``: the user named the folder; otherwise the next free name will do. ``notes`` mention an earlier
+    run. ``made`` are folders above it that were made for it.
     """
 
     target: Path
-    chosen: bool = True  # the name was given; else the next free one will do as well
+    chosen: bool = True
     replaces: bool = False
     notes: tuple[str, ...] = ()
     path: Path = field(default_factory=Path)
     lock: Lock | None = None
     settled: bool = False
-    made: tuple[Path, ...] = ()  # folders above it that were made for it
+    made: tuple[Path, ...] = ()
 
     @property
     def run_file(self) -> Path:
@@ -163,9 +156,7 @@ class RunFolder:
         return self.path / RUN_FILE
 
     def begin(self) -> None:
-        """Makes a folder beside the place, inside it where there is one already, and takes its lock. Raises
-        OSError.
-        """
+        """Make a temporary folder beside the place, or inside an existing one, and lock it. Raises OSError."""
         home = self.target.resolve()
         inside = home.is_dir()
         parent, name = (home, "") if inside else (home.parent, f".{home.name}")
@@ -179,9 +170,9 @@ class RunFolder:
         self.lock = Lock(self.path)
 
     def settle(self) -> Path:
-        """Moves the run to its place; its run file is closed. Returns where the run file is.
+        """Move the run, whose file is closed, to its place; return the path of the run file.
 
-        Raises HeldError or ValueError where somebody else has come there in the meantime; then the run stays
+        Raises HeldError or ValueError if another run has been put there in the meantime; then this one stays
         where it is.
         """
         home = self.target.resolve()
@@ -218,8 +209,8 @@ class RunFolder:
             self.lock = Lock(home)
 
     def _move_in(self, home: Path) -> None:
-        """File by file into a folder that is there; the run that it replaces has its run file until the new
-        one is there.
+        """Move file by file into an existing folder; the run that is replaced keeps its run file until the
+        new one is there.
         """
         lock = Lock(home)
         try:
@@ -239,7 +230,7 @@ class RunFolder:
             for path in old:
                 if path.name not in (RUN_FILE, MODEL):
                     path.unlink(missing_ok=True)
-            with suppress(OSError):  # something of the user's is in there
+            with suppress(OSError):  # it holds a file of the user's
                 (home / FIGURES).rmdir()
         except BaseException:
             lock.release()
@@ -250,9 +241,7 @@ class RunFolder:
         self.lock = lock
 
     def leave(self) -> None:
-        """Ends the work in the folder; a run that has not settled is gone, and so are folders that were made
-        for it.
-        """
+        """Release the lock; remove a run that has not settled, and folders that were made for it."""
         if self.lock is not None:
             self.lock.release()
             self.lock = None
@@ -264,12 +253,11 @@ class RunFolder:
 
 
 def placed(asked: Path | None, model: Path, *, replace: bool = False, start: Path | None = None) -> RunFolder:
-    """The place of a run, found without touching anything: the folder that is given, else runs/<model>, or
-    with the next free number.
+    """Choose the folder of a run without changing anything: the given one, else runs/<model>, or with the
+    next free number.
 
-    Raises ValueError where it holds something else or, unless ``replace``, a run already, where ``start`` is
-    the run in it, or where files are in the way that are not ours; HeldError where another process writes
-    into it.
+    Raises ValueError if it holds something else or, unless ``replace``, a run, if the run in it is the
+    ``start``, or if files of the user's would be replaced; HeldError if another process writes into it.
     """
     if asked is None:
         first = Path("runs") / model.stem
@@ -305,9 +293,7 @@ def placed(asked: Path | None, model: Path, *, replace: bool = False, start: Pat
 
 
 def refuse_in_the_way(folder: Path, model: str | None) -> None:
-    """Raises ValueError for files that a run would write over and that no run left there, or that were
-    changed since.
-    """
+    """Raise ValueError for files that a run would replace and that no run wrote, or that were changed since."""
     if ours_not := in_the_way(folder, model):
         names = ", ".join(str(path.relative_to(folder)) for path in ours_not)
         raise ValueError(
@@ -317,7 +303,5 @@ def refuse_in_the_way(folder: Path, model: str | None) -> None:
 
 
 def kept_run(path: Path) -> RunFolder:
-    """The place of a run that is there, to go on with, locked. Raises HeldError where another process writes
-    into it.
-    """
+    """Lock the folder of an existing run to continue it. Raises HeldError if another process writes into it."""
     return RunFolder(path, path=path, lock=Lock(path), settled=True)

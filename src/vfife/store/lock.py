@@ -1,5 +1,5 @@
-"""One writer at a time in a run folder, or of a file, by a lock that the system takes back when its process
-ends, however it ends.
+"""Locks: one process at a time writes into a run folder or a file. The system releases a lock however its
+process ends.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def _module(name: str) -> ModuleType | None:
         return None
 
 
-# POSIX has the one, Windows the other; where neither is there nobody is kept out.
+# POSIX has fcntl, Windows msvcrt; without either there is no lock.
 fcntl: Any = _module("fcntl")
 msvcrt: Any = _module("msvcrt") if fcntl is None else None
 
@@ -37,14 +37,15 @@ NO_LOCKS = {
     errno.ENOSYS,
     errno.EOPNOTSUPP,
     errno.EINVAL,
-}  # what a file system says that knows none
+}  # errors of a file system without locks
 
 
 class Lock:
     """The right to write into a folder, until :meth:`release` or the end of the process. Raises HeldError,
-    which names who has it.
+    which names the holder.
 
-    Of a single file in a folder the lock has a ``name`` of its own, and ``what`` says what is written there.
+    The lock of a single file in a folder has a ``name`` of its own; ``what`` names what is written, for
+    messages.
     """
 
     def __init__(self, folder: Path, name: str = LOCK, what: str = "a run here") -> None:
@@ -52,20 +53,20 @@ class Lock:
         self.stream: IO[str] | None = _held(self.path, what)
         self.stream.seek(0)
         self.stream.truncate()
-        told = {
+        holder = {
             "process": os.getpid(),
             "host": _host(),
             "since": datetime.now(UTC).isoformat(timespec="seconds"),
         }
-        self.stream.write(json.dumps(told))
+        self.stream.write(json.dumps(holder))
         self.stream.flush()
 
     def moved(self, folder: Path) -> None:
-        """The folder has another name now, the file in it with it."""
+        """Follow the folder to its new name."""
         self.path = folder / LOCK
 
     def release(self) -> None:
-        """Gives the right back; the file goes with it."""
+        """Release the lock and remove its file."""
         if self.stream is None:
             return
         stays = False
@@ -98,7 +99,7 @@ def _host() -> str:
 
 
 def holder(folder: Path, name: str = LOCK) -> str | None:
-    """Who writes into a folder and since when, in words; None where nobody does."""
+    """Name the process that writes into a folder, and since when; None without any."""
     path = folder / name
     try:
         with open(path, "r+", encoding="utf-8", opener=_opened) as stream:
@@ -112,7 +113,11 @@ def holder(folder: Path, name: str = LOCK) -> str | None:
 
 
 def _held(path: Path, what: str) -> IO[str]:
-    """The lock file, locked: one that was unlinked meanwhile by its former holder is not it."""
+    """Open and lock the lock file.
+
+    Its former holder may unlink it between both; then the locked file is no longer the one of this name, and
+    the next is tried.
+    """
     while True:
         stream = open(path, "a+", encoding="utf-8", opener=_opened)  # noqa: SIM115 - the lock holds it
         try:
@@ -129,9 +134,7 @@ def _held(path: Path, what: str) -> IO[str]:
 
 
 def _opened(path: str, flags: int) -> int:
-    """Open a lock file, but no link that somebody has planted, whose target would be cut off, and no pipe.
-    Raises OSError.
-    """
+    """Open a lock file, but no link, whose target would be truncated, and no pipe. Raises OSError."""
     descriptor = os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0), 0o666)
     try:
         require_regular(os.fstat(descriptor), path)
@@ -147,12 +150,12 @@ def _refusal(path: Path, what: str) -> str:
 
 
 def _taken(stream: IO[str]) -> bool:
-    """Tries to lock a file; True where another one has it. A file system without locks lets everyone in."""
+    """Try to lock a file; True if another process holds it. A file system without locks lets everyone in."""
     try:
         if fcntl is not None:
             fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         elif msvcrt is not None:
-            stream.seek(2**20)  # far behind what is written, which others can read then
+            stream.seek(2**20)  # far behind the content, which others can then read
             msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)
     except OSError as error:
         return error.errno not in NO_LOCKS
@@ -160,9 +163,9 @@ def _taken(stream: IO[str]) -> bool:
 
 
 def _who(path: Path) -> str:
-    """The holder in words, as far as its file says."""
+    """Name the holder as far as the lock file does."""
     try:
-        told = json.loads(read_bytes(path, LARGEST))
-        return f"process {int(told['process'])} on {told['host']}, since {told['since']},"
+        holder = json.loads(read_bytes(path, LARGEST))
+        return f"process {int(holder['process'])} on {holder['host']}, since {holder['since']},"
     except (OSError, ValueError, KeyError, TypeError):
         return "another process"

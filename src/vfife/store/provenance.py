@@ -1,9 +1,8 @@
-"""What a run file keeps of a run: where it comes from, its assembly, its companions; and a record made again
-from that.
+"""Conversion of a run to the meta of its file and back: its origin, its assembly, its companions.
 
-The assembled mechanism is kept by names, integers, parameters and its start, so that reading a run assembles
-nothing. The state is kept block by block under the blocks' names: a later order of rows, and blocks that come
-or go, do not matter.
+The assembly is stored as names, integers, parameters and its start state, so that reading a run parses no
+model and assembles nothing. States are stored block by block under the names of the blocks, so that another
+order of rows, new blocks and blocks that no longer exist do not matter.
 """
 
 from __future__ import annotations
@@ -42,14 +41,14 @@ OF_LAWS = (
     "friction_laws",
     "contact_form",
     "friction_form",
-)  # follow from the laws that the model names
+)  # these follow from the laws of the model
 
 # --------------------------------------------------------------------------------------------------------
 # what is written
 
 
 def versions(loop: str = "generated") -> dict[str, str]:
-    """Versions of what computes a run by a loop; no large library is imported for it."""
+    """Versions of the programs that compute a run by a loop; no large library is imported for it."""
     from .. import __version__
 
     return {
@@ -63,12 +62,10 @@ def versions(loop: str = "generated") -> dict[str, str]:
 def provenance(
     assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: str | None = None
 ) -> dict[str, Any]:
-    """What a run file's meta should hold to read the run again, and to run it again; of the user's own laws
-    also the text of their files.
+    """Meta of a run file, from which the run can be read and repeated, with the files of the user's own laws.
 
-    ``kept`` is stored by the names of blocks, so that a later order of rows does not matter. ``model`` is the
-    text of the mechanism where it is written already. Raises ValueError for a mechanism that no model file
-    can hold.
+    ``model`` is the text of the mechanism, if known. Raises ValueError for a mechanism that no model file can
+    hold.
     """
     return {
         "model": dump(assembly.mechanism) if model is None else model,
@@ -81,12 +78,12 @@ def provenance(
         "laws": sources(assembly.mechanism),
         "notes": list(assembly.notes),
         "own_laws": own_laws(assembly.mechanism),
-        **kept_assembly(assembly),
+        **assembly_meta(assembly),
     }
 
 
 def own_laws(mechanism: Mechanism) -> list[dict[str, Any]]:
-    """The user's own laws in a mechanism, with the text of their files."""
+    """User laws of a mechanism, with the text of their files."""
     joints = mechanism.contacts.values()
     return kept_laws(
         [(law, surfaces(mechanism, joint)) for joint in joints for law in (joint.contact, joint.friction)]
@@ -102,7 +99,9 @@ def sources(mechanism: Mechanism) -> dict[str, str]:
 
 
 def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, tuple[int, int]]]:
-    """The kept rows as runs of a block: its name, the first of its rows and how many follow one another."""
+    """Recorded rows as runs of a block: its name, its first row and the number of rows that follow one
+    another.
+    """
     layout = assembly.layout
     names = list(BY_NAME)
     block, entity = np.zeros(layout.rows, dtype=int), np.zeros(layout.rows, dtype=int)
@@ -120,15 +119,17 @@ def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, 
     return [(names[b[at]], (int(e[at]), int(count))) for at, count in zip(starts, counts, strict=True)]
 
 
-def kept_assembly(assembly: Assembly) -> dict[str, Any]:
-    """What a run file's meta keeps of an assembly: ``assembly`` for JSON, ``start`` and ``tables`` as arrays."""
+def assembly_meta(assembly: Assembly) -> dict[str, Any]:
+    """Entries of a run file's meta for an assembly: ``assembly`` for JSON, ``start`` and ``tables`` as
+    arrays.
+    """
     mobility, blocks = assembly.mobility, lasting_blocks(assembly.layout)
     topology = {
         field.name: getattr(assembly.topology, field.name)
         for field in dataclasses.fields(Topology)
         if field.name not in OF_LAWS
     }
-    told = {
+    entries = {
         "topology": topology,
         "blocks": [(name, len(rows)) for name, rows in blocks],
         "bodies": [dataclasses.asdict(body) for body in assembly.bodies.values()],
@@ -136,7 +137,7 @@ def kept_assembly(assembly: Assembly) -> dict[str, Any]:
         **{name: getattr(assembly, name) for name in NAMES},
     }
     return {
-        "assembly": told,
+        "assembly": entries,
         "start": assembly.state[lasting_rows(assembly.layout)],
         "tables": assembly.tables,
     }
@@ -148,8 +149,8 @@ def kept_companions(
     earlier: Mapping[str, tuple[float, float]],
     rows: NDArray[np.uint32] | None = None,
 ) -> dict[str, Any]:
-    """The entry of a run file's meta, with the names of ``rows``, those of today unless given; nothing
-    without companions.
+    """Entry of a run file's meta for its companions, with the names of their ``rows``; nothing without
+    companions.
     """
     if not len(counts):
         return {}
@@ -157,25 +158,19 @@ def kept_companions(
     return {"companions": {"counts": [int(one) for one in counts], "kept": kept, "earlier": dict(earlier)}}
 
 
-def beside(record: Record) -> CompanionOutputs | None:
-    """What the companions of a record left, for a run file that is written at its end."""
-    found = record.companions
-    if found is None:
+def companion_rows_of(record: Record) -> CompanionOutputs | None:
+    """Rows of the companions of a record, for a run file that is written at its end."""
+    companions = record.companions
+    if companions is None:
         return None
     choice, outputs = record.assembly.choice, outputs_of_a_turn(record.assembly)
     steps = 0 if outputs is None else outputs * choice.outputs_every
-    return CompanionOutputs(
-        found.rows,
-        found.findings,
-        oldest_needed(record.assembly, int(record.steps[-1])),
-        found.turns,
-        1,
-        steps,
-    )
+    oldest = oldest_needed(record.assembly, int(record.steps[-1]))
+    return CompanionOutputs(companions.rows, companions.findings, oldest, companions.turns, 1, steps)
 
 
 def keep_reference(file: RunFile, record: Record) -> None:
-    """Stores the record of the ideal mechanism beside the run."""
+    """Write the record of the ideal mechanism into the file of the run."""
     meta = provenance(record.assembly, record.kept, record.loop) | {
         "status": record.status,
         "wall": record.wall,
@@ -190,11 +185,11 @@ def keep_reference(file: RunFile, record: Record) -> None:
 def restored(
     meta: Mapping[str, Any], steps: NDArray[np.int64], rows: Rows | Callable[[], Rows], where: str
 ) -> Record:
-    """The record of which a file kept the meta, the steps and the rows, or what reads them; ``where`` names
-    the file in messages.
+    """Make a record of the meta, the steps and the rows of a file, or a function that reads these; ``where``
+    names the file.
 
-    The model is read and not assembled. Raises RunFileError where the model cannot be read by this version,
-    or was recorded with quantities it does not know.
+    The model is read and not assembled. Raises RunFileError if this version cannot read the model or does not
+    know a recorded quantity.
     """
     if missing := [
         key for key in ("model", "choice", "kept", "assembly", "start", "tables") if key not in meta
@@ -239,12 +234,12 @@ def restored(
 
 
 def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, where: str) -> Rows:
-    """S of a checkpoint."""
+    """State S of a checkpoint."""
     return state_of(assembly.layout, meta["assembly"]["blocks"], values, where)
 
 
 def status_of(meta: Mapping[str, Any], where: str) -> Status:
-    """How the run of a file ended. Raises RunFileError for a word that this version does not know."""
+    """Status with which the run of a file ended. Raises RunFileError for one that this version does not know."""
     text = str(meta.get("status", Status.COMPLETE))
     try:
         status = Status(text)
@@ -257,7 +252,7 @@ def status_of(meta: Mapping[str, Any], where: str) -> Status:
 
 
 def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], where: str) -> NDArray[np.uint32]:
-    """Rows of S of runs of a block, as :func:`named_rows` gives them."""
+    """Rows of S, from the runs of blocks of :func:`named_rows`."""
     layout = assembly.layout
     rows = {name: layout.rows_of(name) for name in BY_NAME}
     unknown = sorted({name for name, (first, count) in runs if first + count > len(rows.get(name, ()))})
@@ -271,25 +266,25 @@ def rows_named(assembly: Assembly, runs: list[tuple[str, tuple[int, int]]], wher
 
 
 def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoice, where: str) -> Assembly:
-    """The assembly of which a file kept the parts; ``where`` names the file in messages. Raises RunFileError
-    where they do not fit.
+    """Make an assembly of its entries in a file; ``where`` names the file. Raises RunFileError if they do not
+    fit.
     """
-    told = _tuples(meta["assembly"])
-    joints = [mechanism.contacts[name] for name in told["contact_joints"]]
+    entries = _tuples(meta["assembly"])
+    joints = [mechanism.contacts[name] for name in entries["contact_joints"]]
     contact = forms(ContactLaw, [joint.contact for joint in joints])
     friction = forms(FrictionLaw, [joint.friction for joint in joints])
     topology = Topology(
-        **_known(Topology, told["topology"]),
+        **_known(Topology, entries["topology"]),
         contact_laws=contact,
         friction_laws=friction,
         contact_form=tuple(contact.index(joint.contact.form()) for joint in joints),
         friction_form=tuple(friction.index(joint.friction.form()) for joint in joints),
     )
     layout = Layout(topology)
-    bodies = {body["name"]: BodyMap(**_known(BodyMap, body)) for body in told["bodies"]}
-    mobility = None if told["mobility"] is None else Mobility(**_known(Mobility, told["mobility"]))
-    names = {name: told.get(name, ()) for name in NAMES}
-    state = state_of(layout, told["blocks"], meta["start"], where)
+    bodies = {body["name"]: BodyMap(**_known(BodyMap, body)) for body in entries["bodies"]}
+    mobility = None if entries["mobility"] is None else Mobility(**_known(Mobility, entries["mobility"]))
+    names = {name: entries.get(name, ()) for name in NAMES}
+    state = state_of(layout, entries["blocks"], meta["start"], where)
     return Assembly(
         mechanism, topology, layout, state, meta["tables"], bodies, choice=choice, mobility=mobility, **names
     )
@@ -298,7 +293,7 @@ def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoic
 def state_of(
     layout: Layout, blocks: Iterable[tuple[str, int]], values: NDArray[np.float64], where: str
 ) -> NDArray[np.float64]:
-    """S from its blocks; a block of today that was not there is zero, one that is not there any more is left
+    """State S from its blocks; a block that the file does not have is zero, one that no longer exists is left
     out.
     """
     state, at = np.zeros(layout.rows), 0
@@ -316,20 +311,20 @@ def state_of(
 
 
 def _known(kind: type[Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values of the fields that a class has today."""
+    """Values of the fields that a class has in this version."""
     return {field.name: values[field.name] for field in dataclasses.fields(kind) if field.name in values}
 
 
 def _tuples(value: Any) -> Any:
-    """JSON's lists as the tuples that they were."""
+    """Turn lists of JSON into tuples."""
     if isinstance(value, list):
         return tuple(_tuples(one) for one in value)
     return {key: _tuples(one) for key, one in value.items()} if isinstance(value, dict) else value
 
 
 def restored_companions(file: RunFile, record: Record) -> Companions | None:
-    """The companions of a record that was read from a file, None where none are kept. Raises RunFileError
-    where they do not fit the run.
+    """Companions of a record that was read from a file, None without any. Raises RunFileError if they do not
+    fit the run.
     """
     kept, meta = file.companions(), file.meta.get("companions")
     if kept is None or meta is None:
@@ -364,7 +359,7 @@ def refuse_displaced(meta: Mapping[str, Any], where: str) -> None:
 
 
 def counts_of(meta: Mapping[str, Any], assembly: Assembly) -> NDArray[np.int64]:
-    """Steps of each companion between two outputs, from the entry of a file's meta."""
+    """Steps of each companion between two outputs, shape (companions,), from the entry of a file's meta."""
     if "counts" in meta:
         return np.array(meta["counts"], dtype=np.int64)
     return np.full(len(meta.get("shifts", ())), assembly.choice.outputs_every, dtype=np.int64)

@@ -1,9 +1,12 @@
-"""A file of a run: model, start, versions, history, checkpoints, events, companions, reference.
+"""Run files: model, start, versions, history, checkpoints, events, companions, reference.
 
-Rows of S are stored chunk by chunk, each in one transaction with the checkpoint that goes on from its end,
-and are read into memory or, where they are many, into a mapped file of no name. Every entry of the meta, and
-the first output, from which energies count, has a copy elsewhere in the file: damage to one place loses none
-of them.
+Outputs are stored in chunks. Each chunk is one transaction with the checkpoint from which the run can
+continue after it, so a killed process loses what it computed since the last one and nothing else. Chunks are
+read into memory or, where they are many, into a mapped file without a name.
+
+Every entry of the meta has a copy elsewhere in the file, and so has the first output, from which energies are
+counted: a page that is damaged loses none of them. Other rows have no copy, because one of the history would
+double the file; outputs that are damaged are left out and named.
 """
 
 from __future__ import annotations
@@ -32,19 +35,20 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Steps = NDArray[np.int64]
 CHECKPOINTS = 2  # the latest ones are kept
-LARGE = 10**8  # bytes of a file whose outputs are read when they are asked for
-PART_BYTES = 2**26  # of the reference's rows in one block
-ARRAY = "array."  # of the meta, among the parts of a reference
-KEYS = "*"  # the entry that names all others
-FIRST = "first output"  # its copy
-COUNTED = "counted"  # what a run that ended left: where all of a table is damaged, nothing else tells of it
-NOT_COPIED = {"summary"}  # what can be told again from the rest
+LARGE = 10**8  # bytes of a file above which its outputs are read when they are first used
+PART_BYTES = 2**26  # bytes of the reference's rows in one block
+ARRAY = "array."  # prefix of arrays of the meta among the parts of a reference
+KEYS = "*"  # entry of the meta that names all others, so that a missing one is noticed
+FIRST = "first output"  # key of the copy of the first output
+# entry with the numbers of rows of a run that ended, so that a table without any row is noticed
+COUNTED = "counted"
+NOT_COPIED = {"summary"}  # entries that can be computed again
 META = (("meta", "json"), ("arrays", "data"))  # tables of entries and their columns
 
 
 class StoredRecord(NamedTuple):
-    """Rows of companions or of the ideal reference, shape (outputs, kept), their steps, shape (outputs,), and
-    what is known of them.
+    """Rows of companions or of the ideal reference, shape (outputs, kept), steps, shape (outputs,), and their
+    meta, ``told``.
     """
 
     told: dict[str, Any]
@@ -53,8 +57,8 @@ class StoredRecord(NamedTuple):
 
 
 class Chunk(NamedTuple):
-    """Outputs that were written at once: place of the first one, steps, shape (outputs,), and rows, shape
-    (outputs, kept).
+    """Outputs of one transaction: number of the first one, steps, shape (outputs,), and rows, shape (outputs,
+    kept).
     """
 
     first: int
@@ -63,7 +67,7 @@ class Chunk(NamedTuple):
 
 
 class RunFile(Store):
-    """A run file. ``lost`` says, after reading, what was damaged and is left out."""
+    """A run file. ``lost`` names what was found damaged while reading, which is left out."""
 
     schema: ClassVar[Schema] = RUN
 
@@ -71,9 +75,9 @@ class RunFile(Store):
         super().__init__(path, connection)
         self._gather = 0.0
         self._lost: dict[str, None] = {}
-        self._next: dict[str, Any] = {}  # the meta of a try whose first output is still to come
+        self._next: dict[str, Any] = {}  # meta of a try that has not written its first output
         self.arrive: Callable[[], Path] | None = (
-            None  # moves the file to its place, once its first outputs are in it
+            None  # moves the file to its place once its first outputs are in it
         )
 
     @classmethod
@@ -81,12 +85,12 @@ class RunFile(Store):
         cls, path: str | Path, meta: Mapping[str, Any] | None = None, fill: Callable[[Self], object] | None = None, *, replace: bool = False,
         gather: float = 0.0,
     ) -> Self:  # fmt: skip
-        """A new run file with ``meta``: anything JSON can say, and arrays; best from
-        :func:`~vfife.store.provenance.provenance`.
+        """Make a run file with ``meta``: arrays and what JSON can express, as
+        :func:`~vfife.store.provenance.provenance` has it.
 
-        What is written within ``gather`` seconds becomes one transaction, which ends with a checkpoint; each
-        is one of its own by default. Raises StorageError where the file cannot be made, RunFileError where it
-        is there already and ``replace`` is false, or is no run file.
+        What is written within ``gather`` seconds becomes one transaction, which ends with a checkpoint.
+        Raises StorageError where the file cannot be made, RunFileError where it is there already and
+        ``replace`` is false, or is no run file.
         """
         path = Path(path)
         if path.exists():
@@ -106,7 +110,7 @@ class RunFile(Store):
 
     @classmethod
     def write(cls, path: str | Path, *, gather: float = 0.0) -> Self:
-        """A run file that is there, to go on with. Raises RunFileError, StorageError."""
+        """Open an existing run file for writing. Raises RunFileError, StorageError."""
         file = super().write(path)
         file._gather = gather
         with file.reported():
@@ -114,8 +118,8 @@ class RunFile(Store):
         return file
 
     def examine(self) -> None:
-        """Read the meta, so that a damaged file is reported here, not at its first use. The other rows are
-        checked when they are read.
+        """Read the meta, so that a damaged file is reported now. The other rows are checked when they are
+        read.
         """
         _ = self.meta
 
@@ -123,13 +127,15 @@ class RunFile(Store):
     # writing
 
     def begin(self, meta: Mapping[str, Any]) -> None:
-        """Start the run anew, as after a try with too large a step: ``meta`` is replaced key by key, and what
-        was computed gives way, once the first output of the new try is there.
+        """Start the run again, as after a try with too large a step.
+
+        ``meta`` is replaced key by key, and what was computed is removed, with the first output of the new
+        try.
         """
         self._next = {"status": "running", **meta}
-        if self._counts_so_far() == (0, 0):
+        if self._present_counts() == (0, 0):
             with self.transaction():
-                self._anew()
+                self._restart()
 
     def append(
         self,
@@ -138,9 +144,11 @@ class RunFile(Store):
         companions: CompanionOutputs | None = None,
         checkpoint: Checkpoint | None = None,
     ) -> None:
-        """Add outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept). Step 0
-        starts anew. ``companions`` has those of companions; of theirs only those still needed stay.
-        ``checkpoint`` is the state at their end.
+        """Add outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept); step 0
+        starts the run again.
+
+        ``companions``: rows of companions at the last of these outputs; older ones that are no longer needed are
+        removed. ``checkpoint``: the state after these outputs.
         """
         if len(steps) == 0 and checkpoint is None:
             return
@@ -154,9 +162,9 @@ class RunFile(Store):
 
     def _append(self, steps: Steps, rows: Array, companions: CompanionOutputs | None) -> None:
         if int(steps[0]) == 0:
-            self._anew()
+            self._restart()
             self.insert("copies", FIRST, packed(rows[:1]))
-        chunk, first = self._counts_so_far()
+        chunk, first = self._present_counts()
         self.insert("history", chunk, first, len(steps), steps.astype(float), rows)
         if companions is not None:
             outputs = len(companions.rows)
@@ -175,10 +183,10 @@ class RunFile(Store):
                 self.insert("turns", turn, turn * companions.steps, values)
 
     def checkpoint(self, step: int, state: Array, more: Mapping[str, Any] | None = None) -> None:
-        """Write the state after ``step``, from which a run can go on, in the order of the blocks of the
-        start, shape (rows,) or (rows, lanes).
+        """Write the state after ``step``, from which a run can continue, in the order of the blocks of the
+        start.
 
-        ``more``: what the solver needs beside it, for JSON.
+        ``state``: shape (rows,) or (rows, lanes). ``more``: what the solver needs besides, for JSON.
         """
         with self.transaction(self._gather):
             self._checkpoint(Checkpoint(step, state, more or {}))
@@ -187,7 +195,7 @@ class RunFile(Store):
         self.insert(
             "checkpoints",
             int(checkpoint.step),
-            *self._counts_so_far(),
+            *self._present_counts(),
             dict(checkpoint.more),
             checkpoint.values,
         )
@@ -198,7 +206,7 @@ class RunFile(Store):
         self._connection.execute(old, (CHECKPOINTS,))
 
     def rewind(self, checkpoint: Checkpoint) -> None:
-        """Remove what was written after a checkpoint, from which the run goes on."""
+        """Remove what was written after a checkpoint, from which the run continues."""
         with self.transaction():
             for table, column in (("checkpoints", "step"), ("companions", "last"), ("turns", "last")):
                 self._connection.execute(f"DELETE FROM {table} WHERE {column} > ?", (checkpoint.step,))
@@ -213,7 +221,7 @@ class RunFile(Store):
 
     def keep_reference(self, meta: Mapping[str, Any], steps: Steps, rows: Array) -> None:
         """Write the record of the ideal mechanism beside the run."""
-        entries, arrays = _parted(meta)
+        entries, arrays = _split_arrays(meta)
         some = max(1, PART_BYTES // max(8 * rows.shape[1], 1))
         parts = {"steps": packed(steps.astype(float))}
         parts |= {
@@ -235,7 +243,7 @@ class RunFile(Store):
                 table: self.query(f"SELECT count(*) FROM {table}")[0]
                 for table in ("checkpoints", "companions", "reference", "events")
             }
-            counted |= {"history": self._counts_so_far(), "steps": _seal_of_steps(self._blobs_of_steps())}
+            counted |= {"history": self._present_counts(), "steps": _steps_seal(self._stored_steps())}
             self._put(
                 {
                     "status": status,
@@ -250,7 +258,7 @@ class RunFile(Store):
         return not self._gather or self.arrive is not None or super()._due(patience)
 
     def _move(self, move: Callable[[], Path]) -> None:
-        """Bring the file to its place and go on there."""
+        """Move the file to its place and continue there."""
         self.flush()
         self._connection.close()
         self.arrive = None
@@ -260,7 +268,7 @@ class RunFile(Store):
             self._connection = writable(self.path)
 
     def _put(self, meta: Mapping[str, Any]) -> None:
-        entries, arrays = _parted(meta)
+        entries, arrays = _split_arrays(meta)
         if not meta:
             return
         known = self._entry("meta", KEYS)
@@ -275,8 +283,8 @@ class RunFile(Store):
                         packed(value) if table == "arrays" else json.dumps(value).encode(),
                     )
 
-    def _anew(self) -> None:
-        """Remove what was computed, and write what is computed next."""
+    def _restart(self) -> None:
+        """Remove what was computed, and write the meta of the next try."""
         for table in ("history", "checkpoints", "companions", "turns"):
             self._connection.execute(f"DELETE FROM {table}")
         self._put({**self._next, COUNTED: None})
@@ -286,18 +294,18 @@ class RunFile(Store):
 
     @property
     def lost(self) -> tuple[str, ...]:
-        """What was found damaged so far, and is left out."""
+        """What was found damaged so far and is left out."""
         return tuple(self._lost)
 
-    def _lose(self, what: str) -> None:
+    def _report_lost(self, what: str) -> None:
         self._lost[what] = None
 
     @property
     def meta(self) -> dict[str, Any]:
-        """What is known of the run: model text, start, versions, step, loop, kept rows, laws, status,
-        summary. Raises RunFileError.
+        """Model text, start, versions, step, loop, kept rows, laws, status and summary of the run. Raises
+        RunFileError.
         """
-        found: dict[str, Any] = {}
+        entries: dict[str, Any] = {}
         lost: set[str] = set()
         copies = [str(key) for key in self.keys("copies")]
         with self.reported():
@@ -311,16 +319,16 @@ class RunFile(Store):
                     if value is None:
                         lost.add(str(key))
                     else:
-                        found[str(key)] = json.loads(value) if table == "meta" else unpacked(value)
-        names = found.pop(KEYS, None)
-        if names is None and (found or lost):
-            self._lose("the list of what it says")
-        for name in sorted((lost | set(names or ())) - set(found) - {KEYS}):
-            self._lose(f"its {name}" if name.isprintable() else "an entry of what it says")
-        found.pop(COUNTED, None)
-        if not found:
+                        entries[str(key)] = json.loads(value) if table == "meta" else unpacked(value)
+        names = entries.pop(KEYS, None)
+        if names is None and (entries or lost):
+            self._report_lost("the list of what it says")
+        for name in sorted((lost | set(names or ())) - set(entries) - {KEYS}):
+            self._report_lost(f"its {name}" if name.isprintable() else "an entry of what it says")
+        entries.pop(COUNTED, None)
+        if not entries:
             raise RunFileError(self.damaged("nothing is left of what it says"))
-        return found
+        return entries
 
     def _entry(self, table: str, key: Any) -> Any:
         """An entry or its copy, as stored; None where both are lost or there is none."""
@@ -328,8 +336,8 @@ class RunFile(Store):
         return None if row is None else row.values[1]
 
     def _counted(self, table: str) -> Any:
-        """How many rows of a table there were when the run ended, chunks and outputs of the history; zero
-        before, or where nobody knows.
+        """Number of rows of a table when the run ended, of the history its chunks and outputs; zero before or
+        if unknown.
         """
         with self.reported():
             found = json.loads(self._entry("meta", COUNTED) or "null")
@@ -343,31 +351,29 @@ class RunFile(Store):
         """Step numbers of the outputs, shape (outputs,)."""
         return self.outputs(only_steps=True)[0]
 
-    def steps_alone(self) -> Steps | None:
-        """The same of a large file of a run that ended, soon, for no output is read, nor its damage seen;
-        None of any other.
-        """
+    def ended_steps(self) -> Steps | None:
+        """Step numbers of a large file whose run ended, without reading its outputs; None for any other file."""
         if self.path.stat().st_size <= LARGE:
             return None
         try:
-            blobs = self._blobs_of_steps()
+            blobs = self._stored_steps()
         except (sqlite3.DatabaseError, UnicodeDecodeError, TypeError):
             return None
-        if not blobs or _seal_of_steps(blobs) != self._counted("steps"):
+        if not blobs or _steps_seal(blobs) != self._counted("steps"):
             return None
         with self.reported():
             return np.concatenate([unpacked(data) for data in blobs]).astype(np.int64)
 
-    def _blobs_of_steps(self) -> list[bytes]:
-        """Step numbers of all chunks, as they are stored; what stands behind them in their rows is not read."""
+    def _stored_steps(self) -> list[bytes]:
+        """Step numbers of all chunks, as they are stored; the outputs in the same rows are not read."""
         return [
             bytes(data) for (data,) in self._connection.execute("SELECT steps FROM history ORDER BY chunk")
         ]
 
     @property
     def outputs_so_far(self) -> int:
-        """How many outputs were written."""
-        return self._counts_so_far()[1]
+        """Number of outputs that were written."""
+        return self._present_counts()[1]
 
     @property
     def rows(self) -> Array:
@@ -375,44 +381,44 @@ class RunFile(Store):
         return self.outputs()[1]
 
     def outputs(self, only_steps: bool = False) -> tuple[Steps, Array]:
-        """Steps of the outputs, shape (outputs,), and their rows, shape (outputs, kept); those that are
-        damaged are left out, and noted.
+        """Steps of the outputs, shape (outputs,), and rows, shape (outputs, kept); damaged ones are left out
+        and noted.
         """
-        chunks, total = self._planned()
+        chunks, total = self._expected_counts()
         steps, rows, filled, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
         for first, own, values in self._chunks(chunks, only_steps):
             if first > at:
-                self._lose(missing(at, first))
+                self._report_lost(missing(at, first))
             if not only_steps and rows.size == 0:
                 rows = room_for_rows(total, values.shape[1])
             if len(own) > total - filled or not (only_steps or values.shape == (len(own), rows.shape[1])):
-                self._lose(missing(first, first + len(own)))
+                self._report_lost(missing(first, first + len(own)))
                 continue
             steps[filled : filled + len(own)] = own
             if not only_steps:
                 rows[filled : filled + len(own)] = values
             filled, at = filled + len(own), first + len(own)
         if at < total:
-            self._lose(missing(at, total))
+            self._report_lost(missing(at, total))
         return steps[:filled], rows[:filled]
 
     def later(self) -> Callable[[], Array]:
-        """What reads the rows of the outputs when they are asked for, also after this file is closed."""
+        """Return a function that reads the rows of the outputs, also after this file is closed."""
         self.flush()
         return partial(rows_of, self.path.absolute())
 
-    def _counts_so_far(self) -> tuple[int, int]:
-        """Chunks and outputs there are."""
+    def _present_counts(self) -> tuple[int, int]:
+        """Numbers of chunks and outputs in the file."""
         row = self.query("SELECT chunk + 1, first + outputs FROM history ORDER BY chunk DESC LIMIT 1")
         return (0, 0) if row is None else (int(row[0]), int(row[1]))
 
-    def _planned(self) -> tuple[int, int]:
-        """Chunks and outputs that there should be."""
+    def _expected_counts(self) -> tuple[int, int]:
+        """Numbers of chunks and outputs that should be in the file: the largest that any sound row names."""
         chunks, outputs = self._counted("history")
         counts = [(int(chunks), int(outputs))]
         counts += [
             (int(row["chunks"]), int(row["outputs"]))
-            for _, row in self.each("checkpoints")
+            for _, row in self.read("checkpoints")
             if row is not None
         ]
         for chunk in reversed(self.keys("history")):
@@ -423,7 +429,7 @@ class RunFile(Store):
         return max(chunks for chunks, _ in counts), max(outputs for _, outputs in counts)
 
     def _chunks(self, chunks: int, only_steps: bool) -> Iterator[Chunk]:
-        """Each chunk that is whole; of the first one, where it is not, at least its first output."""
+        """Sound chunks; if the first one is damaged, at least the copy of its first output."""
         last = -1
         for chunk in range(chunks):
             part = self._chunk(chunk, last, only_steps)
@@ -439,7 +445,7 @@ class RunFile(Store):
                 yield part
 
     def _chunk(self, chunk: int, last: int, only_steps: bool) -> Chunk | None:
-        """A chunk; None where it is damaged, or its steps do not rise from ``last`` on."""
+        """A chunk; None if it is damaged, or its steps do not increase from ``last`` on."""
         row = self.row("history", chunk)
         if row is None:
             return None
@@ -451,20 +457,20 @@ class RunFile(Store):
     # ---------------------------------------------------------------------------------------- what belongs to
     # a history
 
-    def _every(self, table: str, what: str) -> list[Row] | None:
-        """All rows of a table; None where some are damaged or missing, which is noted."""
-        found = [row for _, row in self.each(table)]
+    def _sound_rows(self, table: str, what: str) -> list[Row] | None:
+        """All rows of a table; None if some are damaged or missing, which is noted."""
+        found = [row for _, row in self.read(table)]
         rows = [row for row in found if row is not None]
         if len(rows) == len(found) >= self._counted(table):
             return rows
-        self._lose(what)
+        self._report_lost(what)
         return None
 
     def companions(self) -> StoredRecord | None:
-        """What companions left, rows of shape (outputs, kept times companions); None without any, or where
-        they are damaged.
+        """Rows of the companions, shape (outputs, kept times companions); None without any, or if they are
+        damaged.
         """
-        chunks = self._every("companions", "the companions")
+        chunks = self._sound_rows("companions", "the companions")
         if not chunks:
             return None
         steps, parts = [row["steps"].astype(np.int64) for row in chunks], [row["data"] for row in chunks]
@@ -477,34 +483,34 @@ class RunFile(Store):
             for one, other in zip(chunks, chunks[1:], strict=False)
         )
         if not (fit and follow):
-            self._lose("the companions")
+            self._report_lost("the companions")
             return None
         return StoredRecord(chunks[-1]["told"], np.concatenate(steps), np.concatenate(parts))
 
     def turns(self) -> Array:
-        """What companions leave of each whole turn, shape (turns, kept, companions); without any where they
-        are damaged, or there are none.
+        """Extremes of the companions in each full turn, shape (turns, kept, companions); no turns if they are
+        damaged.
         """
-        rows = [row for _, row in self.each("turns")]  # a table that is missing has no rows
+        rows = [row for _, row in self.read("turns")]  # a table that is missing has no rows
         parts = [row["data"] for row in rows if row is not None]
         if [row and row["turn"] for row in rows] != list(range(1, len(rows) + 1)) or len(
             {part.shape for part in parts}
         ) > 1:
-            self._lose("the companions' turns")
+            self._report_lost("the companions' turns")
             return np.zeros((0, 0, 0))
         return np.array(parts) if parts else np.zeros((0, 0, 0))
 
     def latest(self) -> Checkpoint | None:
-        """The latest checkpoint that is whole, from which the run can go on; None where there is none."""
-        found = list(self.each("checkpoints"))
+        """Latest sound checkpoint, from which the run can continue; None without any."""
+        found = list(self.read("checkpoints"))
         if len(found) < self._counted("checkpoints"):
-            self._lose("a checkpoint")
+            self._report_lost("a checkpoint")
         for step, row in reversed(found):
             if row is not None:
                 return Checkpoint(
                     int(row["step"]), row["state"], row["more"], int(row["chunks"]), int(row["outputs"])
                 )
-            self._lose(f"the checkpoint of step {step:,}")
+            self._report_lost(f"the checkpoint of step {step:,}")
         return None
 
     def last_checkpoint(self) -> tuple[int, Array] | None:
@@ -522,9 +528,9 @@ class RunFile(Store):
     @property
     def events(self) -> list[tuple[int, str, str]]:
         """Step, time (UTC) and text of the events, in their order."""
-        found = [row.values[1:] for _, row in self.each("events") if row is not None]
+        found = [row.values[1:] for _, row in self.read("events") if row is not None]
         if len(found) < self._counted("events"):
-            self._lose("some of its events")
+            self._report_lost("some of its events")
         return [(step, time, text) for step, time, text in found]
 
     @property
@@ -533,19 +539,19 @@ class RunFile(Store):
         return self.query("SELECT 1 FROM reference LIMIT 1") is not None
 
     def reference(self) -> StoredRecord | None:
-        """Meta, steps and rows of the ideal mechanism's record; None where there is none, or it is damaged."""
-        rows = self._every("reference", "the ideal reference")
+        """Meta, steps and rows of the ideal mechanism's record; None without any, or if it is damaged."""
+        rows = self._sound_rows("reference", "the ideal reference")
         if not rows:
             return None
         with self.reported():
             found = _reference_of({row["part"]: row["data"] for row in rows})
         if found is None:
-            self._lose("the ideal reference")
+            self._report_lost("the ideal reference")
         return found
 
 
 def _reference_of(parts: Mapping[str, bytes]) -> StoredRecord | None:
-    """The record of rows of its table; None where some of them are missing."""
+    """Record of the rows of its table; None if some of them are missing."""
     blocks = sorted(
         (key for key in parts if key.startswith("rows")), key=lambda key: int(key.partition(".")[2] or 0)
     )
@@ -560,19 +566,19 @@ def _reference_of(parts: Mapping[str, bytes]) -> StoredRecord | None:
     return StoredRecord(meta, steps, rows) if len(steps) == len(rows) else None
 
 
-def _parted(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Array]]:
-    """What JSON can say, and arrays."""
+def _split_arrays(meta: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Separate arrays from what JSON can express."""
     arrays = {key: value for key, value in meta.items() if isinstance(value, np.ndarray)}
     return {key: value for key, value in meta.items() if key not in arrays}, arrays
 
 
-def _seal_of_steps(blobs: list[bytes]) -> str:
-    """The seal of all step numbers together."""
+def _steps_seal(blobs: list[bytes]) -> str:
+    """Seal of all step numbers."""
     return seal("steps", *blobs).hex()
 
 
 def missing(first: int, end: int) -> str:
-    """Outputs that are lost, in words."""
+    """Name outputs that are lost."""
     return f"output {first:,}" if end == first + 1 else f"outputs {first:,} to {end - 1:,}"
 
 

@@ -1,17 +1,20 @@
-"""One sealed SQLite file for runs, studies, maps, wear and fits; :mod:`~vfife.store.schemas` says what is in
+"""Sealed SQLite files of runs, studies, maps, wear and fits; :mod:`~vfife.store.schemas` lists what is in
 each.
 
-Seals. Each row has a seal, a hash of its values. A row that was changed is left out and reported, the others
-are used.
+Seals. Each row ends with a hash of its values. SQLite does not check the content of its pages, so a bit that
+flips in a file would otherwise become a wrong number. A row whose seal does not fit is left out and reported;
+the other rows are used.
 
-Tally. A seal cannot show that a row is gone. The meta of a file therefore has a tally: for each table the
-number of rows and the exclusive or of their seals, which does not depend on their order. It is written in the
-transaction that writes the rows, and has a seal itself. Runs, whose tables are too large to be counted at
+Tally. A seal cannot show that a row is missing. The meta of a file therefore has a tally: for each table the
+number of its rows and the exclusive or of their seals. The exclusive or does not depend on the order of the
+rows, and is updated for an inserted, replaced or removed row without reading the others; a sum of hashes
+would serve as well, a hash of all rows would have to be computed again in every transaction. It is written in
+the transaction that writes the rows, and is sealed itself. Runs, whose tables are too large to be counted at
 every opening, are counted when they end.
 
-Transactions. What is written while something runs is whole on the disk or not there; several transactions may
+Transactions. What is written while something runs is whole on the disk or not there. Several transactions may
 be gathered into one, because each waits several times for the disk. SQLite keeps its rollback journal (no
-write-ahead log), so that a file is one file, and is read while it grows.
+write-ahead log), so that a file is one file, and can be read while it grows.
 """
 
 from __future__ import annotations
@@ -35,10 +38,10 @@ from .connections import damaged, is_of_storage, located, readable, unwritten, w
 from .packing import SEAL_BYTES, packed, seal, unpacked
 from .schemas import Columns, Schema
 
-TALLY = "tally"  # its key in the meta
-SINCE = 2  # the format of a file that must have a tally
+TALLY = "tally"  # key of the tally in the meta
+TALLY_FORMAT = 2  # first format of files that must have a tally
 Values = tuple[Any, ...]
-Counts = dict[str, tuple[int, int]]  # rows of a table and the exclusive or of their seals
+Counts = dict[str, tuple[int, int]]  # number of rows of a table and the exclusive or of their seals
 ERRORS = (sqlite3.Error, zlib.error, json.JSONDecodeError, UnicodeDecodeError)
 
 
@@ -86,14 +89,14 @@ class Store:
     def create(
         cls, path: Path, meta: Mapping[str, Any] | None = None, fill: Callable[[Self], object] | None = None
     ) -> Self:
-        """A new file with entries of its meta and what ``fill`` writes; it is there whole or not at all, and
-        one of this name gives way.
+        """Make a new file with entries of its meta and what ``fill`` writes, whole or not at all; it replaces
+        one of this name.
 
         Raises StorageError.
         """
         try:
-            with replacement(path) as part:
-                connection = writable(part)
+            with replacement(path) as temporary:
+                connection = writable(temporary)
                 try:
                     connection.execute(f"PRAGMA application_id = {cls.schema.application}")
                     connection.execute(f"PRAGMA user_version = {cls.schema.format}")
@@ -112,7 +115,7 @@ class Store:
 
     @classmethod
     def write(cls, path: str | Path) -> Self:
-        """A file that is there, to go on with. Raises RunFileError for any other, StorageError."""
+        """Open an existing file for writing. Raises RunFileError for a file of another kind, StorageError."""
         path = located(cls.schema, Path(path))
         try:
             return cls(path, writable(path))
@@ -121,7 +124,7 @@ class Store:
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
-        """A file for reading, with its damage; also one whose writer was killed or is still at work. Raises
+        """Open a file for reading and examine it; its writer may have been killed, or may be at work. Raises
         RunFileError.
         """
         path = located(cls.schema, Path(path))
@@ -135,7 +138,9 @@ class Store:
 
     @classmethod
     def resume(cls, path: Path, spec: Mapping[str, Any]) -> Self:
-        """A new file, or one with the same specification. Raises VfifeError where there is one with another."""
+        """Make a file, or open one with the same specification. Raises VfifeError where its specification is
+        another.
+        """
         kind = cls.schema.kind
         if not path.exists():
             return cls.create(path, {kind: spec})
@@ -155,7 +160,7 @@ class Store:
         self.close()
 
     def close(self) -> None:
-        """Close the file; what was gathered goes to the disk first."""
+        """Write what was gathered, and close the file."""
         try:
             if self._waiting:
                 self.flush()
@@ -167,8 +172,8 @@ class Store:
 
     @contextmanager
     def transaction(self, patience: float = 0.0) -> Iterator[None]:
-        """A transaction, or more of the one that gathers: it ends unless the last ended less than
-        ``patience`` seconds ago.
+        """Begin a transaction, or continue the one that gathers; it is committed if ``patience`` seconds have
+        passed since the last.
         """
         with self.reported(), self._gathered(patience):
             yield
@@ -184,20 +189,20 @@ class Store:
             if self._due(patience):
                 self._settle()
         except BaseException:
-            self._waiting, self._counts = False, None  # what is rolled back does not count
+            self._waiting, self._counts = False, None  # the tally is counted anew after a rollback
             if self._connection.in_transaction:
                 self._connection.rollback()
             raise
 
     def insert(self, table: str, *values: Any) -> None:
-        """Write a row with its seal in the place of one with its key, inside a transaction."""
+        """Write a row with its seal, inside a transaction; it replaces one with its key."""
         kinds = self.schema.tables[table].values()
         stored = tuple(_encoded(kind, value) for kind, value in zip(kinds, values, strict=True))
         sealed = seal(table, *stored)
         if self.schema.rows:
             counts = self._tally()
             before = self.row(table, stored[0]) if self.knows(table, stored[0]) else None
-            count, seals = counts.get(table, (0, 0))  # a file of format 1 gets a table that it lacks
+            count, seals = counts.get(table, (0, 0))  # none of a table that a file of format 1 has just got
             if before is not None:
                 count, seals = count - 1, seals ^ _number(before.seal)
             counts[table] = count + 1, seals ^ _number(sealed)
@@ -220,12 +225,12 @@ class Store:
             self.insert("meta", key, value)
 
     def complete(self) -> None:
-        """Make the tables that a file lacks, because it is new or was written before there were any."""
+        """Make the tables that a new file, or one of an older format, lacks."""
         for statement in self.schema.statements:
             self._connection.execute(statement)
 
     def flush(self) -> None:
-        """Bring to the disk what was gathered."""
+        """Commit what was gathered."""
         with self.reported():
             self._settle()
 
@@ -244,9 +249,9 @@ class Store:
                 self._connection.execute(
                     "INSERT OR REPLACE INTO meta VALUES (?, ?, ?)", (*stored, seal("meta", *stored))
                 )
-                if self.version < SINCE:
-                    self._connection.execute(f"PRAGMA user_version = {SINCE}")
-                    self.version = SINCE
+                if self.version < TALLY_FORMAT:
+                    self._connection.execute(f"PRAGMA user_version = {TALLY_FORMAT}")
+                    self.version = TALLY_FORMAT
             self._connection.commit()
         self._waiting, self._committed = False, time.monotonic()
 
@@ -261,30 +266,28 @@ class Store:
     @property
     def meta(self) -> dict[str, Any]:
         """Entries of the meta. Raises RunFileError where its specification is damaged."""
-        found = {key: row["json"] for key, row in self.read("meta") if row is not None}
-        if self.schema.kind not in found:
-            raise RunFileError(self.damaged("nothing is left of what it asks"))
-        return found
+        entries = {key: row["json"] for key, row in self.read("meta") if row is not None}
+        return entries | {self.schema.kind: self.spec}
 
     @property
     def spec(self) -> dict[str, Any]:
-        """What was to be computed. Raises RunFileError where that is damaged."""
-        found: dict[str, Any] | None = self.get("meta", self.schema.kind, "json")
-        if found is None:
+        """Specification of what is computed. Raises RunFileError where it is damaged."""
+        spec: dict[str, Any] | None = self.get("meta", self.schema.kind, "json")
+        if spec is None:
             raise RunFileError(self.damaged("nothing is left of what it asks"))
-        return found
+        return spec
 
     def row(self, table: str, key: Any) -> Row | None:
         """A row by its key; None where it is missing, cannot be read, or is not what was written."""
         name = next(iter(self.schema.tables[table]))
         try:
-            found = self._connection.execute(f"SELECT * FROM {table} WHERE {name} = ?", (key,)).fetchone()
+            values = self._connection.execute(f"SELECT * FROM {table} WHERE {name} = ?", (key,)).fetchone()
         except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             if is_of_storage(error):
                 raise self.fault(error) from error
             return None
         # A damaged index leads to the row of another key, which is whole itself.
-        return None if found is None or found[0] != key else self._sound(table, found)
+        return None if values is None or values[0] != key else self._sound(table, values)
 
     def get(self, table: str, key: Any, column: str) -> Any:
         """A value of a row; None where the row is missing or damaged."""
@@ -293,33 +296,29 @@ class Store:
 
     def keys(self, table: str) -> list[Any]:
         """Keys of a table in their order, as far as they can be read; none of a table that the file lacks."""
-        found: list[Any] = []
+        keys: list[Any] = []
         try:
             for (key,) in self._connection.execute(
                 f"SELECT {next(iter(self.schema.tables[table]))} FROM {table} ORDER BY 1"
             ):
-                found.append(key)
+                keys.append(key)
         except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             if is_of_storage(error):
                 raise self.fault(error) from error
-        return found
-
-    def each(self, table: str) -> Iterator[tuple[Any, Row | None]]:
-        """Keys and rows of a table in the order of the keys, one at a time, None for a row that is damaged."""
-        for key in self.keys(table):
-            yield key, self.row(table, key)
+        return keys
 
     def read(self, table: str) -> list[tuple[Any, Row | None]]:
-        """The same at once, for a table of many small rows; row by row where the file is so damaged that it
-        cannot be read through.
+        """Keys and rows of a table in the order of the keys, None for a damaged row.
+
+        Where pages of the file are damaged, the table is read row by row as far as that is possible.
         """
         try:
-            found = self._connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()
+            rows = self._connection.execute(f"SELECT * FROM {table} ORDER BY 1").fetchall()
         except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             if is_of_storage(error):
                 raise self.fault(error) from error
-            return list(self.each(table))
-        return [(row[0], self._sound(table, row)) for row in found]
+            return [(key, self.row(table, key)) for key in self.keys(table)]
+        return [(row[0], self._sound(table, row)) for row in rows]
 
     def sequence(self, table: str) -> Iterator[Row]:
         """Rows numbered from 0, up to one that is missing or damaged."""
@@ -329,7 +328,7 @@ class Store:
             number += 1
 
     def has(self, table: str) -> bool:
-        """Whether the file has a table: one that was written before there was any lacks it."""
+        """Whether the file has a table, which one of an older format may lack."""
         return self.query("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", table) is not None
 
     def knows(self, table: str, key: Any) -> bool:
@@ -340,13 +339,13 @@ class Store:
         )
 
     def query(self, statement: str, *values: Any) -> Any:
-        """The first row that a statement gives, None without any."""
+        """First row of a statement's result, None without any."""
         with self.reported():
             return self._connection.execute(statement, values).fetchone()
 
-    def _sound(self, table: str, found: Values) -> Row | None:
-        """The row without its seal; None where the seal is that of another one."""
-        *values, sealed = found
+    def _sound(self, table: str, stored: Values) -> Row | None:
+        """The row if its seal fits, else None."""
+        *values, sealed = stored
         return (
             Row(self, self.schema.tables[table], tuple(values), sealed)
             if seal(table, *values) == sealed
@@ -357,34 +356,32 @@ class Store:
     # damage
 
     def examine(self) -> None:
-        """Compare all rows with their seals and with the tally, in one snapshot of the file, and note the
-        damage.
-        """
+        """Compare all rows with their seals and the tally, in one snapshot of the file, and note the damage."""
         with self.reported():
             self._connection.execute("BEGIN")
             try:
-                said = self._structure()
+                damage = self._structure()
                 tally = self.get("meta", TALLY, "json")
-                found = {table: self._counted(table) for table in self._names() if self.has(table)}
+                counted = {table: self._counted(table) for table in self._names() if self.has(table)}
             finally:
                 self._connection.rollback()
-        said += [f"{lost:,} {self._names()[table]} are damaged" for table, (_, lost) in found.items() if lost]
-        if tally is None and self.version >= SINCE:
-            said.append(
+        damage += [
+            f"{lost:,} {self._names()[table]} are damaged" for table, (_, lost) in counted.items() if lost
+        ]
+        if tally is None and self.version >= TALLY_FORMAT:
+            damage.append(
                 f"the number of {' and '.join(self.schema.rows.values())} is damaged, so that some may be"
                 " missing"
             )
         if tally is not None:
-            said += self._missing(tally, found)
-        self.damage = tuple(said)
+            damage += self._missing(tally, counted)
+        self.damage = tuple(damage)
 
     def _names(self) -> dict[str, str]:
         return {**self.schema.rows, "meta": "entries"}
 
     def _tally(self) -> Counts:
-        """The tally of the sound rows, counted once; rows that are damaged are to be computed again and do
-        not count.
-        """
+        """Tally of the sound rows, counted once; damaged rows are computed again and do not count."""
         if self._counts is None:
             self._counts = {table: self._counted(table)[0] for table in self._names() if self.has(table)}
         return self._counts
@@ -408,42 +405,42 @@ class Store:
         is there.
         """
         try:
-            found = self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
+            answer = self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
         except sqlite3.DatabaseError as error:
-            found = str(error)
-        return [] if found == "ok" else [f"its pages do not fit together ({' '.join(str(found).split())})"]
+            answer = str(error)
+        return [] if answer == "ok" else [f"its pages do not fit together ({' '.join(str(answer).split())})"]
 
     def _missing(
-        self, tally: Mapping[str, Any], found: Mapping[str, tuple[tuple[int, int], int]]
+        self, tally: Mapping[str, Any], counted: Mapping[str, tuple[tuple[int, int], int]]
     ) -> list[str]:
-        """Sentences on rows that the tally has and the file has not, beyond those that are damaged."""
-        said = []
+        """Sentences on rows that are in the tally but not in the file, beyond those that are damaged."""
+        missing = []
         for table, name in self._names().items():
-            counts, lost = found.get(table, ((0, 0), 0))
+            counts, lost = counted.get(table, ((0, 0), 0))
             count, seals = tally.get(table, [0, "0"])
             gone = int(count) - counts[0] - lost
             if gone > 0:
-                said.append(f"{gone:,} {name} are missing")
+                missing.append(f"{gone:,} {name} are missing")
             elif not lost and counts != (int(count), int(seals, 16)):
-                said.append(f"the {name} are not those that were written")
-        return said
+                missing.append(f"the {name} are not those that were written")
+        return missing
 
     @contextmanager
     def reported(self) -> Iterator[None]:
-        """Turn what SQLite, zlib and json say about a damaged file or a full disk into a sentence."""
+        """Turn errors of SQLite, zlib and json about a damaged file or a full disk into ours."""
         try:
             yield
         except ERRORS as error:
             raise self.fault(error) from error
 
     def fault(self, error: Exception) -> VfifeError:
-        """The error of the package for one of SQLite, zlib or json."""
+        """Error of the package for one of SQLite, zlib or json."""
         if is_of_storage(error):
             return StorageError(unwritten(self.path, str(error), self.size))
         return RunFileError(self.damaged(str(error)))
 
     def damaged(self, what: str) -> str:
-        """The sentence about this file, which is damaged."""
+        """Sentence about this damaged file."""
         return damaged(self.path, what, self.schema.kind)
 
 
@@ -458,14 +455,15 @@ def _number(sealed: bytes) -> int:
 
 
 def now() -> str:
-    """The present time (UTC)."""
+    """Present time (UTC)."""
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 def warn_of_damage(path: Path | None, kind: str, damage: tuple[str, ...], remedy: str) -> None:
-    """Warn that a file is damaged, with what computes again what is gone; nothing where it is sound.
+    """Warn of a damaged file, with the ``remedy`` that computes the missing rows again; a sound file gets no
+    warning.
 
-    The line that is blamed is the one of the user which called the package.
+    The warning names the line of the user's code that called the package.
     """
     if not damage:
         return

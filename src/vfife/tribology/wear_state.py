@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..files import DataTable
 from ..laws.materials import coefficient
-from ..measures.wear import PLACES, SIDES, areas, around, rubbed
+from ..measures.wear import PLACES, SIDES, areas, rubbing, work_around
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..model.wear import depth_at
@@ -267,8 +267,8 @@ def rates(record: Record, surfaces: Sequence[Surface], turns: int) -> tuple[Arra
     depth, spread = np.zeros((len(surfaces), PLACES)), []
     for row, surface in enumerate(surfaces):
         contact = record.assembly.contact_joints.index(surface.joint)
-        part, side = rubbed(record, contact, surface.side), SIDES.index(surface.side)
-        depth[row] = surface.k / areas(record, contact)[side] * around(part) / turns
+        part, side = rubbing(record, contact, surface.side), SIDES.index(surface.side)
+        depth[row] = surface.k / areas(record, contact)[side] * work_around(part) / turns
         each = part.work.reshape(turns, -1).sum(axis=1)
         mean = float(each.mean())
         spread.append(float(each.std(ddof=1) / math.sqrt(turns) / mean) if turns > 1 and mean > 0.0 else 0.0)

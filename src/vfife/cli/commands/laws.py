@@ -225,7 +225,7 @@ def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[
     """Numbers of steady sliding through a friction law, and what to draw of it."""
     import numpy as np
 
-    from ...measures.impact import breakaway, presliding, remembers, steady_sliding
+    from ...measures.impact import breakaway, presliding, steady_sliding
 
     positive_ = np.geomspace(1e-5, 1.0, 81)
     speeds = np.concatenate([-positive_[::-1], [0.0], positive_])
@@ -236,7 +236,7 @@ def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[
         "steady": [{"speed": v, "force": 0.0 - float(f)} for v, f in zip(SPEEDS, at, strict=True)],
     }
     loops = {}
-    if remembers(law, pair, normal):
+    if law.memory:
         found["breakaway"] = reach = breakaway(law, pair, normal)
         loops = {f"{share:g}": presliding(law, pair, normal, share * reach) for share in (0.5, 1.0, 3.0)}
     title = f"{law.name}: normal force {normal:g} N"

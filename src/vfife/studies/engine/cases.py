@@ -24,8 +24,8 @@ from ...assembly.timestep import StepRequest
 from ...compiler.runtime.cuda import WITHOUT, card
 from ...errors import DeviceError, VfifeError
 from ...kinematics.initial import attempt
-from ...measures.catalogue import PEAKS, WantedMeasures, last_turn, over_turn
-from ...measures.turns import each_turn
+from ...measures.catalogue import PEAKS, RequestedMeasures, over_turn
+from ...measures.turns import each_turn, last_turn
 from ...model.joints import Contact
 from ...model.mechanism import Mechanism
 from ...model.validation import Checks, across
@@ -96,7 +96,7 @@ class Cases:
         self.base, self.wanted = dataclasses.replace(base, settings=settings), wanted
         self.text = dump(self.base)
         reduced = Reductions(wanted.measures)
-        self.measures = WantedMeasures(wanted.measures, reduced.over if reduced.asked else None)
+        self.measures = RequestedMeasures(wanted.measures, reduced.over if reduced.requested else None)
         self.parameters: dict[str, Parameter | None] = {}
         self.clearances: dict[str, ClearanceNumber | None] = {}
         self.models: dict[ModelKey, CaseModel | VfifeError | None] = {}

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...assembly.assembled import Assembly, limited_rows
-from ...measures.catalogue import WantedMeasures
+from ...measures.catalogue import RequestedMeasures
 from ...measures.energy import ledger
-from ...measures.ranges import DEEP_HALVINGS
+from ...measures.trust import DEEP_HALVINGS
 from ...model.mechanism import Mechanism
 from ...solvers.arguments import Loop
 from ...solvers.companions import measured_rows
@@ -53,7 +53,7 @@ class Plan:
     handed out as one output.
     """
 
-    def __init__(self, assembly: Assembly, wanted: CaseSpec, measures: WantedMeasures) -> None:
+    def __init__(self, assembly: Assembly, wanted: CaseSpec, measures: RequestedMeasures) -> None:
         self.wanted, self.measures = wanted, measures
         self.recorded = recorded_rows(assembly)
         self.fine = wanted.settle is not None or not measures.by_turn

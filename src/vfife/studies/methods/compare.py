@@ -26,7 +26,7 @@ from ...errors import RunFileError, VfifeError, suggestion
 from ...job.cost import LANES, LIBRARIES, WORTH, Forecast, cores, run_cost, timed_step
 from ...job.job import Job, job_of
 from ...laws import ContactLaw, FrictionLaw, Law
-from ...measures.ranges import finer
+from ...measures.trust import finer
 from ...model.mechanism import Mechanism
 from ...options import Run, Watch, with_options
 from ...results.comparison import Comparison

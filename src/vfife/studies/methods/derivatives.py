@@ -21,14 +21,15 @@ from ...errors import Fault, ModelError, VfifeError, suggestion
 from ...job.amounts import counted
 from ...job.cost import LANES, Forecast, cores, run_cost, timed
 from ...job.job import Interrupted, job_of
-from ...measures.catalogue import INFLUENCE, MOMENT, OVER_TURN, PEAKS, Measure, compared, last_turn, over_turn
-from ...measures.ranges import over_tries, ranged
+from ...measures.catalogue import INFLUENCE, OVER_TURN, PEAKS, UNITS, Groups, compared, over_turn, unit_of
+from ...measures.error_ranges import over_tries, ranged
+from ...measures.statics import MOMENT
+from ...measures.turns import last_turn
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
 from ...modelfile.parameter import numbers
 from ...options import Length, Watch, with_options
 from ...results.derivatives import Derivative, Sensitivity
-from ...results.studied import UNITS, unit_of
 from ...results.view import standing
 from ...simulation.result import Result
 from ...simulation.simulate import Prepared, carry_out, prepare
@@ -398,7 +399,7 @@ def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]
     return {name: value for name, value in values.items() if any(fnmatchcase(name, one) for one in patterns)}
 
 
-def doubtful(result: Result, names: Iterable[str], measures: tuple[Measure, ...]) -> frozenset[str]:
+def doubtful(result: Result, names: Iterable[str], measures: Groups) -> frozenset[str]:
     """Return the measures on which companions disagree by more than a run may that is not sensitive: their
     derivatives mean nothing.
     """

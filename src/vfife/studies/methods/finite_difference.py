@@ -17,7 +17,8 @@ from ...assembly.assemble import assemble
 from ...assembly.assembled import Assembly
 from ...assembly.reassemble import reassembled
 from ...errors import VfifeError
-from ...measures.catalogue import BY_TURN, Measure, compared, last_turn, over_turn
+from ...measures.catalogue import BY_TURN, Groups, compared, over_turn
+from ...measures.turns import last_turn
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import loads
@@ -147,7 +148,7 @@ class LastTurn:
     ``reference``.
     """
 
-    measures: tuple[Measure, ...]
+    measures: Groups
 
     @property
     def extremes(self) -> bool:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ...assembly.assemble import assemble
 from ...errors import Fault, ModelError, Path, StepError, VfifeError, article, kind_of, shown, suggestion
-from ...measures.catalogue import measures, of_whole_runs
+from ...measures.catalogue import UNITS, measures, of_whole_runs, unit_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
@@ -20,7 +20,6 @@ from ...modelfile.jsonschema import DIALECT, noun_table
 from ...modelfile.read import load, raw_of, text_of
 from ...modelfile.tables import Raw, Table
 from ...results.series import REDUCTION
-from ...results.studied import UNITS, unit_of
 from ...results.view import View, standing
 from ...schema import Field, Reading, meaning_of
 from .case_rows import with_cases

@@ -1,0 +1,197 @@
+"""Measures of a static analysis, and their errors by mesh and residual, from analyses with other numbers of
+elements.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..numerics.elementwise import hypot
+from ..solvers.record import Estimate, Record
+from ..solvers.refinement import FOUR_TIMES, HALF, TWICE
+from ..solvers.relaxation import extent
+from .forces import joint_force, joint_moment, joint_rows
+from .measured import Measured
+from .motion import is_free, times
+from .turns import named
+
+Array = NDArray[np.float64]
+MOMENT = ".moment.max"
+
+# Roache's grid convergence index: with two meshes three times an error of second order, which is four times
+# the
+# difference to the finer mesh; with three meshes 1.25 times the error that they show.
+TWO_MESHES = 4.0
+THREE_MESHES = 1.25
+# Ratio of a difference to the one before it, from one halving to the next: second order, and hardly any
+# convergence.
+FASTEST, SLOWEST = 0.25, 0.75
+# Share of the largest relative error below which none is taken to be: two meshes may agree by chance.
+FLOOR = 0.1
+# Values below this share of the largest of their kind are compared with that share.
+LEAST = 0.1
+# A joint carries nothing if its force is below this multiple of the unbalanced force.
+IDLE = 100.0
+EXACT = ("load_factor", "iterations", "unbalanced.max")  # these describe the analysis and have no error
+MOVED = "displacement.max"
+KINDS = (MOVED, "force.max", "moment.max", "torque.max", "penetration.max")
+TURNING = (".moment.max", ".torque.max")
+
+
+def displacement(record: Record) -> Array:
+    """Largest distance of a free particle from its start (m), shape (outputs,)."""
+    free = is_free(record)
+    x, y = (
+        record.block(f"particle_{axis}") - record.assembly.state[record.assembly.layout[f"particle_{axis}"]]
+        for axis in "xy"
+    )
+    return np.asarray(hypot(x, y)[:, free].max(axis=1, initial=0.0), dtype=float)
+
+
+def equilibria(record: Record) -> list[dict[str, Any]]:
+    """For each output: load factor, iterations, unbalanced force over the largest, displacement (m), joint
+    reactions (N, N, N m).
+    """
+    moved, force, moment, factors = (
+        displacement(record),
+        joint_force(record),
+        joint_moment(record),
+        times(record),
+    )
+    return [
+        {
+            "load_factor": float(factors[k]),
+            "iterations": int(record.block("iterations")[k, 0]),
+            "unbalanced": float(record.block("unbalanced")[k, 0]),
+            "displacement": float(moved[k]),
+            "reactions": {
+                name: {
+                    "force_x": float(force[k, j, 0]),
+                    "force_y": float(force[k, j, 1]),
+                    "moment": float(moment[k, j]),
+                }
+                for j, name in enumerate(joint_rows(record))
+            },
+        }
+        for k in range(len(factors))
+    ]
+
+
+def static_measures(record: Record) -> dict[str, float]:
+    """Compute the largest absolute values over all load factors.
+
+    ``displacement.max`` (m), ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m),
+    ``<contact>.penetration.max`` (m), ``<driven body>.torque.max`` (N m), ``iterations`` of all factors,
+    ``unbalanced.max`` (1), and the last ``load_factor`` that was reached.
+    """
+    found = {
+        "load_factor": float(times(record)[-1]),
+        MOVED: float(displacement(record).max()),
+        "iterations": float(record.block("iterations").sum()),
+        "unbalanced.max": float(record.block("unbalanced").max()),
+    }
+    force, moment = joint_force(record), np.abs(joint_moment(record))
+    for k, name in enumerate(joint_rows(record)):
+        found[f"{name}.force.max"] = float(hypot(force[:, k, 0], force[:, k, 1]).max())
+        if moment[:, k].any():
+            found[f"{name}{MOMENT}"] = float(moment[:, k].max())
+    found |= named(
+        record.assembly.contacts, {"penetration.max": record.block("contact_penetration").max(axis=0)}
+    )
+    driven = {body.name: body.driven for body in record.assembly.bodies.values() if body.driven is not None}
+    torques = np.abs(record.block("driven_torque")).max(axis=0)
+    found |= named(driven, {"torque.max": torques[list(driven.values())]})
+    return {name: value for name, value in found.items() if math.isfinite(value)}
+
+
+# ------------------------------------------------------------------------------------------------------
+# errors by mesh
+
+
+def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | None:
+    """Estimate the errors of static measures from those on other meshes; None without the one of twice the
+    elements.
+
+    ``others``: by their share of the elements, see :func:`~vfife.solvers.refinement.other_meshes`. No error
+    is taken to be smaller than the unbalanced forces allow, nor than FLOOR times that of the value with the
+    largest relative error.
+    """
+    if TWICE not in others:
+        return None
+    own, found = static_measures(record), {share: static_measures(other) for share, other in others.items()}
+    names = [
+        name for name in own if name in found[TWICE] or name.endswith(MOMENT)
+    ]  # a moment of zero has no measure
+    errors = {
+        name: error_of(own[name], {share: other.get(name, 0.0) for share, other in found.items()})
+        for name in names
+    }
+    # The largest displacement may lie between nodes, which two meshes may miss alike.
+    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - found[TWICE][MOVED]))
+    size = sizes(record, own)
+    floor = FLOOR * max((errors[name] / value for name, value in size.items() if name in errors), default=0.0)
+    residual, lever = (
+        record.assembly.mechanism.settings.residual,
+        extent(record.assembly, record.assembly.state),
+    )
+    load = largest_load(own, lever)
+    for name, error in errors.items():
+        left = residual * load * (lever if name.endswith(TURNING) else name.endswith(".force.max"))
+        errors[name] = 0.0 if name in EXACT else max(error, floor * size.get(name, abs(own[name])), left)
+    return Estimate(None, errors)
+
+
+def error_of(own: float, others: Mapping[float, float]) -> float:
+    """Error of a value from those with other shares of the elements, twice as many among them.
+
+    Differences continue as a geometric series, whose ratio is that of the two, between FASTEST and SLOWEST. A
+    second difference that is small by chance counts as what the first lets expect.
+    """
+    change = abs(own - others[TWICE])
+    if HALF in others:
+        first, second, known = abs(others[HALF] - own), change, 0.0
+        expected = first * FASTEST / (1.0 - FASTEST)
+    elif FOUR_TIMES in others:
+        first, second, known = change, abs(others[TWICE] - others[FOUR_TIMES]), abs(own - others[FOUR_TIMES])
+        expected = first / (1.0 - FASTEST)
+    else:
+        return TWO_MESHES * change
+    ratio = min(max(second / first if first > 0.0 else SLOWEST, FASTEST), SLOWEST)
+    left = second / (1.0 - ratio) if HALF in others else known + second * ratio / (1.0 - ratio)
+    return THREE_MESHES * max(left, expected)
+
+
+def largest_load(found: Mapping[str, float], lever: float) -> float:
+    """Largest force (N) of the joints, with moments over a ``lever`` (m)."""
+    moments = max((value for name, value in found.items() if name.endswith(TURNING)), default=0.0)
+    return max(moments / lever, *(value for name, value in found.items() if name.endswith(".force.max")), 0.0)
+
+
+def sizes(record: Record, found: Mapping[str, float]) -> dict[str, float]:
+    """Size with which the error of each largest value is compared: itself, or a tenth of the largest of its
+    kind.
+
+    A joint that carries nothing has none.
+    """
+    lever = extent(record.assembly, record.assembly.state)
+    idle = IDLE * record.assembly.mechanism.settings.residual * largest_load(found, lever)
+    limits = {"force.max": idle, "moment.max": idle * lever, "torque.max": idle * lever}
+    result = {}
+    for kind in KINDS:
+        same = {name: value for name, value in found.items() if name == kind or name.endswith(f".{kind}")}
+        floor = LEAST * max(same.values(), default=0.0)
+        result.update(
+            {name: max(value, floor) for name, value in same.items() if value > limits.get(kind, 0.0)}
+        )
+    return result
+
+
+def spreads(record: Record, found: Mapping[str, Measured]) -> dict[str, float]:
+    """Width of the range of each largest value over its size (1), by name."""
+    size = sizes(record, {name: measure.value for name, measure in found.items()})
+    return {name: found[name].width / value for name, value in size.items() if found[name].estimated}

@@ -1,0 +1,137 @@
+"""Is the step of a run fine enough? What companions or an error estimate say of it, and the step to try next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..solvers.companions import SENSITIVE, Parting
+from ..solvers.record import Record
+from ..solvers.status import Status
+from .catalogue import PEAKS
+from .energy import ledger, own_floor
+from .error_ranges import over_tries, ranged, spreads
+from .measured import Measured
+from .statics import spreads as static_spreads
+from .turns import turns
+
+# How often an automatic step is halved at the most: for companions that diverge, and for a smooth run with
+# large errors.
+HALVINGS = 2
+SMOOTH_HALVINGS = 3
+# For first contacts that land too deep: from the step of a run without companions, and from that of one with
+# them.
+DEEP_HALVINGS = 3, 4
+# For an energy ledger that does not close, or a motion that is not periodic: without companions, and with
+# them, where a run
+# begins with twice the step.
+OPEN_HALVINGS = 2, 1
+# Share of the largest energy by which a ledger may be open before the step is halved.
+OPEN = 1e-3
+
+
+@dataclass(frozen=True)
+class Trust:
+    """Judgement of a run by its companions, or by runs at half the step.
+
+    ``measure`` has the largest uncertainty: its values at all step sizes differ by the share ``apart`` of its
+    size (1), and ``low`` to ``high`` is the range that estimates its error. ``parting`` is where companions
+    diverge; ``lost`` of the ``companions`` have infinite numbers. For a smooth or static run, which has none,
+    ``apart`` is the estimated error, ``order`` that of the step, and ``converges`` is False where runs at
+    smaller steps do not converge.
+    """
+
+    companions: int
+    measure: str
+    apart: float
+    low: float
+    high: float
+    parting: Parting | None
+    lost: int
+    order: float | None = None
+    converges: bool = True
+
+    @property
+    def sensitive(self) -> bool:
+        """Whether the steps decide the motion."""
+        return self.apart > SENSITIVE or not self.converges
+
+
+def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | None:
+    """Judge a run by its companions or its estimate, None without any; ``found`` are its measures where they
+    are known.
+    """
+    companions, estimate = record.companions, record.estimate
+    if companions is None and estimate is None:
+        return None
+    found = ranged(record, groups=PEAKS) if found is None else found
+    if record.static:
+        widths = static_spreads(record, found)
+    else:
+        widths = spreads(
+            found if companions is None else over_tries(record, groups=PEAKS), record.assembly.choice.step
+        )
+    name, apart = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
+    low, high = (found[name].low, found[name].high) if name else (0.0, 0.0)
+    if companions is None:
+        return Trust(
+            0,
+            name,
+            0.5 * apart,
+            low,
+            high,
+            None,
+            0,
+            *(() if estimate is None else (estimate.order, estimate.converges)),
+        )
+    return Trust(
+        len(companions.counts),
+        name,
+        1.0 if companions.lost else apart,
+        low,
+        high,
+        companions.parting,
+        len(companions.lost),
+    )
+
+
+def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
+    """Return the tries of an automatic step so far, with this run, if half its step should be tried next;
+    None if not.
+
+    A step is halved for measures that its companions disagree on by more than the tolerance; for first
+    contacts that land deeper than their joints allow; and for an energy ledger that does not close. It is not
+    halved again and again, because no step brings the companions of a motion together that is not periodic.
+    """
+    choice = record.assembly.choice
+    if not choice.automatic or record.status not in (Status.COMPLETE, Status.DIVERGED, Status.ENERGY):
+        return None
+    judgement, diverged = trust(record), record.status == Status.DIVERGED
+    apart = 0.0 if judgement is None else 1.0 if diverged or not judgement.converges else judgement.apart
+    accompanied = record.companions is not None
+    open_halvings = OPEN_HALVINGS[accompanied]
+    most = open_halvings if not_periodic(record) else HALVINGS if accompanied else SMOOTH_HALVINGS
+    if (
+        apart > record.assembly.mechanism.settings.tolerance
+        and sum(share is not None for _, share in choice.tried) < most
+    ):
+        return (*choice.tried, (choice.step, apart))
+    if diverged:
+        return None
+    may_close = len(choice.tried) < open_halvings and not own_floor(record)
+    is_open = (accompanied or record.status == Status.ENERGY) and may_close and ledger(record).error > OPEN
+    if is_open or (too_deep(record) and len(choice.tried) < DEEP_HALVINGS[judgement is not None]):
+        return (*choice.tried, (choice.step, None))
+    return None
+
+
+def not_periodic(record: Record) -> bool:
+    """Whether measures are means over turns of a motion that is not periodic."""
+    found = turns(record)
+    return found is not None and found.motion == "not periodic"
+
+
+def too_deep(record: Record) -> bool:
+    """Whether a first contact landed deeper than its joint allows."""
+    return record.final is not None and bool(np.any(record.final[record.assembly.layout["contact_deep"]]))
