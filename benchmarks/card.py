@@ -13,7 +13,7 @@ from vfife import load_model
 from vfife.assembly.assemble import assemble, reassembled
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
 from vfife.compiler.runtime.cuda import DeviceStream, card
-from vfife.compiler.runtime.runner import Begun, Starter, Stream
+from vfife.compiler.runtime.runner import Started, Starter, Stream
 from vfife.errors import DeviceError
 from vfife.solvers.record import recorded_rows
 
@@ -68,7 +68,7 @@ def filled(
         base.topology, members, "generated", kept[:1], 1, kept, limited_rows(base), base.tables.size, parts
     )
     starter = Starter(base.topology, 1, "generated", base.tables.size, parts)
-    begun: list[Begun] = [starter.begun(one.state, one.tables, np.stack(bounds(one))) for one in made]
+    begun: list[Started] = [starter.started(one.state, one.tables, np.stack(bounds(one))) for one in made]
     for lane in range(stream.lanes):
         stream.put(lane, begun[lane % len(begun)], 2**40, 1)
     stream.advance(SETTLED)

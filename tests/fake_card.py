@@ -173,7 +173,7 @@ def rows_on_card(assembly: Assembly, driver: Any = None, lane: int = 0) -> np.nd
         recorded_rows(assembly),
         assembly.mechanism.settings.parts,
     )
-    first = Starter(topology, 1, "generated", assembly.tables.size, parts).begun(
+    first = Starter(topology, 1, "generated", assembly.tables.size, parts).started(
         assembly.state, assembly.tables, np.stack(bounds(assembly))
     )
     own = Card(driver or FakeDriver(topology))

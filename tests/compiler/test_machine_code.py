@@ -84,10 +84,10 @@ def test_a_step_is_compiled_in_two_pieces(width, hurried, monkeypatch):
         for mechanism in (journal_in_bearing(), four_bar("BC"))
     ]
     one, other = (pieces(topology, width) for topology in topologies)
-    assert one.often != other.often
+    assert one.frequent != other.frequent
     assert one.hurried == hurried
-    made = native.machine(native.SELDOM if hurried else native.EFFORT).emit_assembly(
-        llvm.parse_assembly(one.seldom)
+    made = native.machine(native.LEAST_EFFORT if hurried else native.EFFORT).emit_assembly(
+        llvm.parse_assembly(one.rare)
     )
     assert sum(instructions(made, "full_step")[name] for name in ("vmulsd", "mulsd", "vmulpd", "mulpd")) > 20
     assert not FUSED.search(made)

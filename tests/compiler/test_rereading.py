@@ -86,9 +86,9 @@ def start(step: Trace) -> list[float]:
 @pytest.mark.parametrize("step", STEPS.values(), ids=STEPS)
 def test_rows_that_are_read_again_are_what_was_kept(step: Trace, twice: bool):
     lines = (
-        schedule.apart(step, schedule.ordered(step, False))
+        schedule.double_buffered(step, schedule.ordered(step, False))
         if twice
-        else schedule.woven(step, schedule.ordered(step))
+        else schedule.in_place(step, schedule.ordered(step))
     )
     again = schedule.reread(lines)
     assert sum(isinstance(line, schedule.Again) for line in again) > 20
@@ -111,8 +111,8 @@ def test_what_is_computed_before_the_first_step_is_the_same_in_each(step: Trace)
                 *(known[o] if isinstance(o, str) else o for o in line.operands)
             )
     for _ in range(2):
-        expected = done(schedule.apart(step, schedule.ordered(step, False)), rows, True, {})
-        found = done(schedule.apart(short, schedule.ordered(short, False)), rows, True, known)
+        expected = done(schedule.double_buffered(step, schedule.ordered(step, False)), rows, True, {})
+        found = done(schedule.double_buffered(short, schedule.ordered(short, False)), rows, True, known)
         assert [same.get(row, number) for row, number in enumerate(found)] == expected
         rows = expected
 

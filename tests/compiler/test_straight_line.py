@@ -92,7 +92,7 @@ def test_elements_are_made_one_after_the_other():
 
 @pytest.mark.parametrize("step", STEPS.values(), ids=STEPS)
 def test_rows_are_read_before_they_are_written_and_nothing_is_written_before_the_test(step: Trace):
-    lines = schedule.woven(step, schedule.ordered(step))
+    lines = schedule.in_place(step, schedule.ordered(step))
     tests = [k for k, line in enumerate(lines) if isinstance(line, schedule.Test)]
     assert len(tests) == (step.rare is not False)
     written: set[int] = set()

@@ -64,7 +64,10 @@ class Filled:
             k = self.inside[lane] = self.queue.pop(0)
             one = self.assemblies[k]
             self.stream.put(
-                lane, self.starter.begun(one.state, one.tables, np.stack(bounds(one))), 20 + 7 * k, 3 + k % 3
+                lane,
+                self.starter.started(one.state, one.tables, np.stack(bounds(one))),
+                20 + 7 * k,
+                3 + k % 3,
             )
         else:
             self.stream.leave(lane)
@@ -116,7 +119,7 @@ def test_a_lane_that_breaks_ends_the_call_and_no_other_lane() -> None:
     wild[:] = [[1.0], [2.0]]  # no number of it lies there
     for lane, one in enumerate(assemblies):
         limits = np.stack(bounds(one)) if lane == 0 else wild
-        filled.stream.put(lane, filled.starter.begun(one.state, one.tables, limits), 10**6, 1)
+        filled.stream.put(lane, filled.starter.started(one.state, one.tables, limits), 10**6, 1)
     filled.stream.advance(10_000)
     assert filled.stream.done == STREAM_LOOK
     assert filled.stream.broken.tolist() == [0.0, STREAM_LOOK]
@@ -134,10 +137,12 @@ def test_a_lane_is_looked_at_after_as_many_steps_of_its_own_whenever_it_came() -
     filled = Filled(assemblies, 2)
     wild = np.array([[1.0], [2.0]]) * np.ones(len(limited_rows(filled.first)))
     for lane, one in enumerate(assemblies):
-        filled.stream.put(lane, filled.starter.begun(one.state, one.tables, np.stack(bounds(one))), 10**6, 1)
+        filled.stream.put(
+            lane, filled.starter.started(one.state, one.tables, np.stack(bounds(one))), 10**6, 1
+        )
     filled.stream.advance(3 * STREAM_LOOK + 7)
     filled.stream.advance(filled.stream.beat)
     one = assemblies[1]
-    begun = filled.stream.put(1, filled.starter.begun(one.state, one.tables, wild), 10**6, 1)
+    begun = filled.stream.put(1, filled.starter.started(one.state, one.tables, wild), 10**6, 1)
     filled.stream.advance(10_000)
     assert filled.stream.broken[1] - begun == STREAM_LOOK

@@ -17,24 +17,24 @@ from vfife.kernels.elementary import turned
 from vfife.kernels.topology import (
     ACROSS,
     ALONG,
-    APART,
     FREE,
     GEARED,
-    KEPT,
+    LOCKED,
     NOWHERE,
     ON_PATH,
     PINNED,
+    SPACED,
     Topology,
 )
 
 KINDS = (
     (PINNED, FREE),
-    (ACROSS, KEPT),
+    (ACROSS, LOCKED),
     (ALONG, FREE),
     (ON_PATH, FREE),
-    (APART, FREE),
+    (SPACED, FREE),
     (NOWHERE, GEARED),
-    (PINNED, KEPT),
+    (PINNED, LOCKED),
 )
 MOVED = (2, 4, 6)  # joints with a function
 AIM, FROM, TO = 0.03, 0.11, 0.16  # offset of all, value of their function at t_n and at t_(n+1)
@@ -113,10 +113,10 @@ def measured(q: np.ndarray, joint: int) -> list[float]:
     apart = complex(*q[2, :2]) + journal * turns[2] - pin
     seen = apart / turns[1]
     kept = {
-        PINNED: [apart.real, apart.imag], ACROSS: [(seen / along).imag], ALONG: [(seen / along).real], APART: [abs(apart)],
+        PINNED: [apart.real, apart.imag], ACROSS: [(seen / along).imag], ALONG: [(seen / along).real], SPACED: [abs(apart)],
         ON_PATH: [RADIUS - abs(seen - 1j * RADIUS)], NOWHERE: [],
     }[place]  # fmt: skip
-    relative = q[2, 2] - q[1, 2] if turn == KEPT else (q[2, 2] - q[3, 2]) - RATIO * (q[1, 2] - q[3, 2])
+    relative = q[2, 2] - q[1, 2] if turn == LOCKED else (q[2, 2] - q[3, 2]) - RATIO * (q[1, 2] - q[3, 2])
     return kept + ([] if turn == FREE else [relative])
 
 
@@ -127,7 +127,7 @@ def test_what_a_joint_opens_by(model, joint):
     before, after = measured(AT, joint), measured(AT + BY, joint)
     place, turn = KINDS[joint]
     for c, (old, new) in enumerate(zip(before, after, strict=True)):
-        aimed = place in (ALONG, APART) or (turn != FREE and c == len(before) - 1)
+        aimed = place in (ALONG, SPACED) or (turn != FREE and c == len(before) - 1)
         aim, move = (AIM + FROM * (joint in MOVED), (TO - FROM) * (joint in MOVED)) if aimed else (0.0, 0.0)
         expected = new if place == ON_PATH else new - old - move + GAIN * (old - aim)
         assert model.S[model.y[joint] + c] == pytest.approx(expected, rel=1e-12, abs=1e-15)

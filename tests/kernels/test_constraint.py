@@ -10,7 +10,7 @@ from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, CONTACT_
 from vfife.kernels.constraint import Row, apply_response, joint_compliance, levers
 from vfife.kernels.contact import apply_contact_force
 from vfife.kernels.factors import factor, fill
-from vfife.kernels.topology import KEPT, PINNED, Topology
+from vfife.kernels.topology import LOCKED, PINNED, Topology
 from vfife.laws import Frictionless, LankaraniNikravesh
 
 H, NORMAL, FRICTION = 2e-5, 300.0, -80.0
@@ -22,7 +22,7 @@ def test_velocities_and_forces_change_as_one():
     """
     topology = Topology(
         particles=4, free=(1, 2, 3), trig=(1, 2, 3), joint_bearing=(0, 0, 2), joint_journal=(1, 3, 3), joint_place=(PINNED,) * 3,
-        joint_turn=(0, 0, KEPT), contact_bearing=(1,), contact_journal=(2,), contact_form=(0,), friction_form=(0,),
+        joint_turn=(0, 0, LOCKED), contact_bearing=(1,), contact_journal=(2,), contact_form=(0,), friction_form=(0,),
         contact_laws=(LankaraniNikravesh,), friction_laws=(Frictionless,),
     )  # fmt: skip
     integers, layout, rows = tables(topology)

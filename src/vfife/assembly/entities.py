@@ -146,7 +146,7 @@ class Ideal:
         return (
             topology.GEARED
             if row.ratio != 1.0 or (self.place == topology.NOWHERE and self.function < 0)
-            else topology.KEPT
+            else topology.LOCKED
         )  # a gear's ratio is data, also at 1
 
     @property

@@ -48,9 +48,9 @@ class Memory(NamedTuple):
 
     S (rows x lanes) is the state; Q, R (as S) and C (3 x lanes) are scratch; T holds the tables of functions,
     I the topology of the data-driven loop, N the numbers of a run. ``shares`` (lanes) are first steps, as
-    parts of one, that come beside those that are counted. The rows ``kept`` are recorded; ``extremes`` are
+    parts of one, that come beside those that are counted. The rows ``recorded`` are recorded; ``extremes`` are
     rows that start from zero before each output. A number of the rows ``limited`` lies between two of
-    ``limits`` (limited x 2 x lanes), and those that are kept are finite, or the lane breaks: ``broken``
+    ``limits`` (limited x 2 x lanes), and those that are recorded are finite, or the lane breaks: ``broken``
     (lanes) is then the step at which that was found. It is 0 before, and negative in lanes that are not
     watched.
     """
@@ -63,7 +63,7 @@ class Memory(NamedTuple):
     I: Integers
     N: Counts
     shares: Numbers
-    kept: Integers
+    recorded: Integers
     extremes: Integers
     limited: Integers
     limits: Numbers
@@ -74,7 +74,7 @@ class Outputs(NamedTuple):
     """Outputs of a stream, lane by lane: the step of the next one, steps between two, outputs so far, and
     that with which the stream ends.
 
-    ``out`` (lanes x room x kept) takes them. Rows ``sound`` have to be finite: those that the outputs, or a
+    ``out`` (lanes x room x recorded) takes them. Rows ``sound`` have to be finite: those that the outputs, or a
     checkpoint, are made of.
     """
 
@@ -87,15 +87,15 @@ class Outputs(NamedTuple):
 
 
 def advance(m: Memory, anew: int, until: int, n0: int, count: int, outputs: int, out: Numbers):
-    """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``kept`` after each ``count``
-    in ``out`` (outputs, kept, lanes).
+    """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``recorded`` after each ``count``
+    in ``out`` (outputs, recorded, lanes).
 
     Extremes start from zero before each output where ``anew`` is not 0. Nothing is recorded into an empty
     ``out``. Right after the start lane w takes a step of ``shares[w]`` of one, where that is not zero. Lanes
     are checked ``until`` steps from n0 and every ``look`` steps from there; when no lane is left that is
     sound and watched, the rest is left out.
     """
-    S, N, kept, extremes, broken = m.S, m.N, m.kept, m.extremes, m.broken
+    S, N, recorded, extremes, broken = m.S, m.N, m.recorded, m.extremes, m.broken
     lanes, stride = N[RUN.lanes], N[RUN.stride]
     n = n0
     check = n0 + until
@@ -114,53 +114,53 @@ def advance(m: Memory, anew: int, until: int, n0: int, count: int, outputs: int,
                 n = proceed(m, n, min(last, check))
             if n == check:
                 check += N[RUN.look]
-                if not sound_lanes(m, kept, n) and failed_lanes(broken, lanes):
+                if not sound_lanes(m, recorded, n) and failed_lanes(broken, lanes):
                     return
         if len(out) > 0:
-            for q in range(len(kept)):
-                place = (output * len(kept) + q) * lanes
+            for q in range(len(recorded)):
+                place = (output * len(recorded) + q) * lanes
                 if lanes == 4:
-                    copy_four(out, place, S, kept[q] * stride)
+                    copy_four(out, place, S, recorded[q] * stride)
                 else:
-                    copy_numbers(out, place, S, kept[q] * stride, lanes)
+                    copy_numbers(out, place, S, recorded[q] * stride, lanes)
 
 
 def stream(m: Memory, o: Outputs, room: int, until: int, n0: int, count: int) -> int:
     """Take up to ``count`` steps from step n0, which is not 0; every lane records outputs of its own.
 
-    After step ``due[w]`` the rows ``kept`` of lane w are recorded as output ``at[w]``, its extremes start
+    After step ``due[w]`` the rows ``recorded`` of lane w are recorded as output ``at[w]``, its extremes start
     from zero, and it is due again ``every[w]`` steps later. Lanes are checked as :func:`advance` does. It
     ends when a lane has reached its output ``stop[w]`` or is found broken, so that the caller can put another
     simulation there; returns the number of steps made since the very start.
     """
-    S, N, kept, extremes, broken = m.S, m.N, m.kept, m.extremes, m.broken
+    S, N, recorded, extremes, broken = m.S, m.N, m.recorded, m.extremes, m.broken
     due, every, at, stop, out = o.due, o.every, o.at, o.stop, o.out
     lanes, stride = N[RUN.lanes], N[RUN.stride]
     last = n0 + count
     check = n0 + until
     n = n0
-    ended = False
-    while n < last and not ended:
+    is_over = False
+    while n < last and not is_over:
         soonest = last
         for w in range(lanes):
             soonest = min(soonest, due[w])
-        while n < soonest and not ended:
+        while n < soonest and not is_over:
             n = proceed(m, n, min(soonest, check))
             if n == check:
                 check += N[RUN.look]
                 sound_lanes(m, o.sound, n)
-                ended = failed_lanes(broken, lanes)
-        if not ended:
+                is_over = failed_lanes(broken, lanes)
+        if not is_over:
             for w in range(lanes):
                 if due[w] == n:
-                    place = (w * room + at[w]) * len(kept)
-                    for q in range(len(kept)):
-                        out[place + q] = S[kept[q] * stride + w]
+                    place = (w * room + at[w]) * len(recorded)
+                    for q in range(len(recorded)):
+                        out[place + q] = S[recorded[q] * stride + w]
                     for q in range(len(extremes)):
                         S[extremes[q] * stride + w] = 0.0
                     at[w] += 1
                     due[w] += every[w]
-                    ended = at[w] >= stop[w] or ended
+                    is_over = at[w] >= stop[w] or is_over
     return n
 
 

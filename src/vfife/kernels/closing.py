@@ -65,7 +65,7 @@ from .factors import (
 )
 from .frame import chord
 from .geometry import arm, unlikely
-from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
+from .topology import ALONG, FREE, GEARED, NOWHERE, ON_PATH, PINNED, SPACED
 
 # share of what is open at t_n that a step closes; in coarse steps all of it, because rounding over dt^2 is
 # small there
@@ -262,7 +262,7 @@ def guide_residual(S, I, r, gain, aim, move, pins: Pins):
         dnx = mx - nx
         dny = my - ny
         S[y] = measured
-    elif place == APART:
+    elif place == SPACED:
         # l_(n+1) - l_n = (l_(n+1)^2 - l_n^2)/(l_(n+1) + l_n), where the difference of squares follows from
         # the increments.
         length = ex * nx + ey * ny
@@ -271,12 +271,12 @@ def guide_residual(S, I, r, gain, aim, move, pins: Pins):
         dny = my - ny
         S[y] = ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (after + length) - move + gain * (length - aim)
     else:
-        apart = ex * nx + ey * ny
+        distance = ex * nx + ey * ny
         opens = (dx * (nx + dnx) + dy * (ny + dny)) + (ex * dnx + ey * dny)
         if place == ALONG:
-            apart = apart - aim
+            distance = distance - aim
             opens = opens - move
-        S[y] = opens + gain * apart
+        S[y] = opens + gain * distance
     rx = (S[k + PARTICLE.x] + kx) - S[b + PARTICLE.x]
     ry = (S[k + PARTICLE.y] + ky) - S[b + PARTICLE.y]
     mx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + dkx

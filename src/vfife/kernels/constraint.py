@@ -24,7 +24,7 @@ from .central_difference import larger
 from .factors import solve
 from .frame import chord
 from .geometry import arm, from_path
-from .topology import ALONG, APART, FREE, GEARED, NOWHERE, ON_PATH, PINNED
+from .topology import ALONG, FREE, GEARED, NOWHERE, ON_PATH, PINNED, SPACED
 
 
 class Row(NamedTuple):
@@ -91,7 +91,7 @@ def guide_row(S, guide: Guide, c, s, ex, ey):
     if guide.place == ON_PATH:
         measured, nx, ny = from_path(S, guide.piece, guide.pieces, c * ex + s * ey, c * ey - s * ex)
         nx, ny = arm(c, s, nx, ny)
-    elif guide.place == APART:
+    elif guide.place == SPACED:
         measured, _, nx, ny = chord(ex, ey)
     else:
         ux, uy = arm(c, s, guide.dx, guide.dy)

@@ -37,7 +37,7 @@ from .constraint import Row, apply_response, bodies, joint_compliance
 from .geometry import arm, eccentricity, in_slot, normal_force, onset_speed, unlikely
 from .tabled import tabled_law, turned_slowness
 from .topology import LINE, ROUND, SLOT
-from .wear import rub, worn
+from .wear import profile_geometry, rub
 
 STICKS = 1e-9  # share of a free velocity that a set-valued law leaves to rounding
 
@@ -308,7 +308,7 @@ def locate_contact(S, I, r):
     if I[r + CONTACT_INDEX.bearing_count] + I[r + CONTACT_INDEX.journal_count] != 0:
         # A worn surface shifts the place of contact, and the law sees the penetration stretched along the
         # normal.
-        depth, nx, ny, along, turns, stretch = worn(S, I, r, depth, nx, ny)
+        depth, nx, ny, along, turns, stretch = profile_geometry(S, I, r, depth, nx, ny)
         journal_wear = S[w + WEAR.journal] if I[r + CONTACT_INDEX.journal_count] != 0 else 0.0
         beyond = (nx * ex + ny * ey) - (depth + S[j + CONTACT.size]) - journal_wear
     # Friction acts at the surface, a radius from the pin's centre, which the penetration shifts by a share

@@ -57,9 +57,9 @@ def turned(angle):
     return angle - (angle * z) * less, versine
 
 
-def two_to(whole):
+def two_to(integer):
     """2**whole for an integer-valued |whole| < 128, two binary digits of whole + 128 at a time."""
-    a = whole + 128.0
+    a = integer + 128.0
     r, k = (5.421010862427522e-20, 64.0) if a >= 64.0 else (2.938735877055719e-39, 0.0)
     r, k = (1.0, 128.0) if a >= 128.0 else (r, k)
     r, k = (18446744073709551616.0, 192.0) if a >= 192.0 else (r, k)
@@ -92,9 +92,9 @@ def small_exp(y):
     return 1.0 + (y + z * (low + q * (middle + q * high)))
 
 
-def exp2(whole, part):
+def exp2(integer, part):
     """2**(whole + part) for an integer-valued |whole| < 128 and |part| <= 0.51."""
-    return two_to(whole) * small_exp(part * 0.6931471805599453)
+    return two_to(integer) * small_exp(part * 0.6931471805599453)
 
 
 def exp(x):
@@ -102,9 +102,9 @@ def exp(x):
 
     The multiple of ln 2 is taken off in two parts (msun, e_exp.c).
     """
-    whole = nearest(x * 1.4426950408889634)
-    return two_to(whole) * small_exp(
-        (x - whole * 6.93147180369123816490e-01) - whole * 1.90821492927058770002e-10
+    integer = nearest(x * 1.4426950408889634)
+    return two_to(integer) * small_exp(
+        (x - integer * 6.93147180369123816490e-01) - integer * 1.90821492927058770002e-10
     )
 
 
@@ -172,12 +172,12 @@ def logarithmic(level):
     y = 2.0 * (level - 1.0)
     t = math.sqrt(y)
     q = y * y
-    above = t * (
+    numerator = t * (
         (0.9999999999933714 + 0.7527993300181866 * t)
         + y * (0.2471674906572691 + 0.041001996094361455 * t)
         + q * ((0.0032967857332578242 + 0.00010057199699388455 * t) + y * 6.738543262373831e-07)
     )
-    below = (
+    denominator = (
         (1.0 + 0.9194659965492309 * t)
         + y * (0.37263404665249034 + 0.08127064821988474 * t)
         + q
@@ -186,7 +186,7 @@ def logarithmic(level):
             + y * (1.217158267344985e-05 + 5.296604246656522e-08 * t)
         )
     )
-    return level * below + above, below
+    return level * denominator + numerator, denominator
 
 
 def power(x, exponent):
@@ -203,16 +203,16 @@ def power(x, exponent):
     y = z * z
     q = y * y
     series = (1.0 / 3.0 + z * 0.2) + y * (1.0 / 7.0 + z * (1.0 / 9.0))
-    more = (
+    further = (
         (1.0 / 11.0 + z * (1.0 / 13.0))
         + y * (1.0 / 15.0 + z * (1.0 / 17.0))
         + q * (1.0 / 19.0 + z * (1.0 / 21.0))
     )
-    log2m = 2.8853900817779268 * (s + s * z * (series + q * more))
+    log2m = 2.8853900817779268 * (s + s * z * (series + q * further))
     coarse = (exponent + 6442450944.0) - 6442450944.0
     rest = (exponent - coarse) * e + exponent * log2m
-    whole = nearest(coarse * e + rest)
-    r = exp2(whole, (coarse * e - whole) + rest)
+    integer = nearest(coarse * e + rest)
+    r = exp2(integer, (coarse * e - integer) + rest)
     return 0.0 if tiny else r
 
 

@@ -31,7 +31,7 @@ AT_ALL = 2.0
 SINGULAR = 16.0  # share of the pivots there, in squared turns of a step: that of four steps away
 LARGEST_SHARE = 1e-2
 FLOOR = 1e-8  # share of the pivots where joints are redundant
-LOST = 1e-12  # pivot, of what it was before elimination, that is nothing but rounding
+ROUNDING = 1e-12  # pivot, of what it was before elimination, that is nothing but rounding
 TURN = CONSTRAINT.turn_b - CONSTRAINT.jb  # from a lever to its change
 LEAST = 1e-9  # pivot, of the diagonal, that is not divided by
 # share of the diagonal where joints are redundant: they are so only where they are closed, and there is no
@@ -113,7 +113,7 @@ def factor(S, I, share):
             ratio = value * S[inverse + c]
             left -= value * ratio
             S[at + c] = ratio
-        pivot = 1.0 / left if left > LOST * diagonal else 0.0
+        pivot = 1.0 / left if left > ROUNDING * diagonal else 0.0
         S[inverse + r] = pivot
         if I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.closing] != 0:
             stiff = stiff * (diagonal * pivot)
@@ -228,11 +228,11 @@ def add_turned(S, I, r, on, to, low):
     cx = S[c + CONSTRAINT.nx]
     cy = S[c + CONSTRAINT.ny]
     along = ax * cx + ay * cy
-    below = along + (S[a + CONSTRAINT.turn_x] * cx + S[a + CONSTRAINT.turn_y] * cy)
-    above = along + (S[c + CONSTRAINT.turn_x] * ax + S[c + CONSTRAINT.turn_y] * ay)
+    lower = along + (S[a + CONSTRAINT.turn_x] * cx + S[a + CONSTRAINT.turn_y] * cy)
+    upper = along + (S[c + CONSTRAINT.turn_x] * ax + S[c + CONSTRAINT.turn_y] * ay)
     high = low + I[HEADER.profile_count]
-    S[low] += im * below + ii * ((S[x] + S[x + TURN]) * S[y])
-    S[high] += im * above + ii * ((S[y] + S[y + TURN]) * S[x])
+    S[low] += im * lower + ii * ((S[x] + S[x + TURN]) * S[y])
+    S[high] += im * upper + ii * ((S[y] + S[y + TURN]) * S[x])
 
 
 def factor_turned(S, I, share):

@@ -278,7 +278,7 @@ def tiles(S, I, renew, d, central: Central):
     """Step elements, with the plain particles around them drifting just before and kicked just after, while
     they are in the cache.
     """
-    lost = 0.0
+    damping = 0.0
     zeta = S[SYSTEM.damping]
     damped = I[HEADER.damped] != 0
     for r in range(I[HEADER.tile], I[HEADER.tile_end], TILE_INDEX.SIZE):
@@ -295,16 +295,16 @@ def tiles(S, I, renew, d, central: Central):
         for i in range(I[r + TILE_INDEX.kick], I[r + TILE_INDEX.kick_end], PLAIN):
             un, vn, wn = kick(S, i, central)
             if damped:
-                lost += damping_power(S, i, zeta, un, vn, wn)
+                damping += damping_power(S, i, zeta, un, vn, wn)
     if damped:
-        S[SYSTEM.damping_power] = lost
+        S[SYSTEM.damping_power] = damping
 
 
 def settle(S, I, span, central: Central):
     """Kick the bound particles; store the power of damping, of time-dependent loads and of prescribed travels
     at t_n.
     """
-    lost = 0.0
+    damping = 0.0
     zeta = S[SYSTEM.damping]
     damped = I[HEADER.damped] != 0
     worked = I[HEADER.worked] != 0
@@ -316,11 +316,11 @@ def settle(S, I, span, central: Central):
             S[i + PARTICLE.vv] = vn
             S[i + PARTICLE.vw] = wn
         if damped:
-            lost += damping_power(S, i, zeta, un, vn, wn)
+            damping += damping_power(S, i, zeta, un, vn, wn)
     if damped:
-        lost += S[SYSTEM.damping_power]
-        S[SYSTEM.damping_work] += span * lost
-        S[SYSTEM.damping_power] = lost
+        damping += S[SYSTEM.damping_power]
+        S[SYSTEM.damping_work] += span * damping
+        S[SYSTEM.damping_power] = damping
     if worked:
         power = external_power(S, I)
         S[SYSTEM.external_work] += span * power

@@ -42,7 +42,7 @@ def profile(S, first, count, body, nx, ny):
     return depth, slope
 
 
-def worn(S, I, r, depth, nx, ny):
+def profile_geometry(S, I, r, depth, nx, ny):
     """Penetration, normal, and levers of the profiles on bearing and journal of contact r, which was met as
     if it were round.
 
@@ -56,17 +56,17 @@ def worn(S, I, r, depth, nx, ny):
     on_journal = 0.0
     count = I[r + CONTACT_INDEX.bearing_count]
     if count != 0:
-        worn_b, on_bearing = profile(
+        bearing_depth, on_bearing = profile(
             S, I[r + CONTACT_INDEX.bearing_first], count, I[r + CONTACT_INDEX.bearing], nx, ny
         )
-        depth -= worn_b
+        depth -= bearing_depth
     count = I[r + CONTACT_INDEX.journal_count]
     if count != 0:
-        worn_k, on_journal = profile(
+        journal_depth, on_journal = profile(
             S, I[r + CONTACT_INDEX.journal_first], count, I[r + CONTACT_INDEX.journal], nx, ny
         )
-        depth -= worn_k
-        S[w + WEAR.journal] = worn_k
+        depth -= journal_depth
+        S[w + WEAR.journal] = journal_depth
     slope = inverse * (on_bearing + on_journal)
     stretch = math.sqrt(1.0 + slope * slope)
     share = 1.0 / stretch

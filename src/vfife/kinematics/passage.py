@@ -17,7 +17,7 @@ from ..model.bodies import Link
 from ..model.mechanism import Mechanism
 from ..model.rows import Apart, place_row
 from ..numerics.products import dot
-from ..numerics.scalar import log10, whole_power
+from ..numerics.scalar import integer_power, log10
 from .drives import rigid_system
 from .follower import TURN, Follower, Passage, Way, followed, ways_of
 from .forces import Datum
@@ -227,7 +227,7 @@ def _first_jam(mechanism: Mechanism, duration: float) -> tuple[bool, tuple[Follo
 
 def rounded(length: float, change: float) -> float:
     """The length to four digits, away from where it came from, unless it is as good as those already."""
-    unit = whole_power(10.0, math.floor(log10(abs(length))) - DIGITS + 1) if length > 0.0 else 1.0
+    unit = integer_power(10.0, math.floor(log10(abs(length))) - DIGITS + 1) if length > 0.0 else 1.0
     parts = length / unit
     return (math.ceil(parts - 1e-3) if change > 0.0 else math.floor(parts + 1e-3)) * unit
 

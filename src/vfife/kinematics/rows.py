@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ..kernels import constraint, geometry
 from ..kernels.constraint import Guide
-from ..kernels.topology import ACROSS, ALONG, APART, NOWHERE, ON_PATH, PINNED
+from ..kernels.topology import ACROSS, ALONG, NOWHERE, ON_PATH, PINNED, SPACED
 from ..model.rows import Across, Along, Apart, Coincide, OnPath
 from ..numerics.elementwise import sincos
 from .constraints import Constraint
@@ -37,7 +37,7 @@ PLACE_KINDS = {
     Coincide: PINNED,
     Across: ACROSS,
     Along: ALONG,
-    Apart: APART,
+    Apart: SPACED,
     OnPath: ON_PATH,
 }
 SIGNS = np.array([[-1.0], [1.0]])  # of what a row measures, on bodies a and b
@@ -324,7 +324,7 @@ class ConstraintRows:
                 for at in np.ndindex(ex.shape)
             ]
             return tuple(np.array(result, dtype=float).reshape(*ex.shape, 3)[..., k] for k in range(3))  # type: ignore[return-value]
-        if kind == APART:
+        if kind == SPACED:
             ex = np.where(
                 (ex == 0.0) & (ey == 0.0), SOMEWHERE * self.aims.place[..., own], ex
             )  # any direction leads apart

@@ -105,7 +105,7 @@ def by_python(single: Single, states: Rows) -> Rows:
     answer, False.
     """
     part, function = PARTS[single.part], plain_function(single)
-    found: list[list[float | None]] = []
+    rows: list[list[float | None]] = []
     memories = len(single.law.memory) if single.part == "friction" else 0
     for state in states.tolist():
         slots = tuple(state[part.slots : part.slots + len(single.law.slots)])
@@ -116,14 +116,14 @@ def by_python(single: Single, states: Rows) -> Rows:
         try:
             answer: Any = function(*arguments, slots)
         except (ArithmeticError, ValueError):
-            found.append([None] * len(single.answers))
+            rows.append([None] * len(single.answers))
             continue
         if single.part == "friction":
             force, memory = answer
             left = memory if memories > 1 else (memory,) * memories
             answer = (force, *(one if state[part.arguments[0]] > 0.0 else 0.0 for one in left))
-        found.append([float(one) for one in (answer if isinstance(answer, tuple) else (answer,))])
-    return np.array(found, dtype=object)
+        rows.append([float(one) for one in (answer if isinstance(answer, tuple) else (answer,))])
+    return np.array(rows, dtype=object)
 
 
 def same(first: Rows, second: Rows) -> NDArray[np.bool_]:
@@ -167,7 +167,7 @@ def compared(
     loops: Loops, slots: Sequence[Sequence[float]], count: int, javascript: bool, seed: int = 1
 ) -> Agreement:
     """Compares laws in all loops with Python."""
-    faults, said = [], "JavaScript: not compared here"
+    faults, javascript_note = [], "JavaScript: not compared here"
     states = [
         states_of(one, trace, numbers, count, seed)
         for one, trace, numbers in zip(loops.singles, loops.traces, slots, strict=True)
@@ -177,16 +177,16 @@ def compared(
     }
     if javascript:
         try:
-            runs["JavaScript"], said = node_answers(loops, states), "JavaScript: compared in node"
+            runs["JavaScript"], javascript_note = node_answers(loops, states), "JavaScript: compared in node"
         except FileNotFoundError:
-            said = NO_NODE
+            javascript_note = NO_NODE
         except (OSError, subprocess.SubprocessError, ValueError) as error:
-            said = f"JavaScript: not compared, because node did not run ({type(error).__name__})"
+            javascript_note = f"JavaScript: not compared, because node did not run ({type(error).__name__})"
     for k, single in enumerate(loops.singles):
-        fault = first_difference(single, states[k], {name: found[k] for name, found in runs.items()})
+        fault = first_difference(single, states[k], {name: rows[k] for name, rows in runs.items()})
         if fault:
             faults.append(fault)
-    return Agreement(tuple(runs), count * len(loops.singles), said, tuple(faults))
+    return Agreement(tuple(runs), count * len(loops.singles), javascript_note, tuple(faults))
 
 
 def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str:
@@ -218,31 +218,31 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
             at = int(wrong[0])
             k = int(np.flatnonzero(~equal[at])[0])
             other = "the other loops have" if raises[at] else "Python computes"
-            given = ", ".join(f"{value!r}" for value in states[at].tolist())
+            numbers = ", ".join(f"{value!r}" for value in states[at].tolist())
             return (
                 f"function {plain_function(single).__name__}: {other} {float(reference[at, k])!r} and the"
-                f" loop {name!r} {float(found[at, rows[k]])!r} as answer {k + 1} (at the state {given}). This"
+                f" loop {name!r} {float(found[at, rows[k]])!r} as answer {k + 1} (at the state {numbers}). This"
                 " is a fault of vfife: report it with the law's text, and do not use the law until then"
             )
     return ""
 
 
 # Of each class; a study assembles thousands of members with one law.
-_KNOWN: WeakKeyDictionary[type, dict[tuple[str, bool], Agreement]] = WeakKeyDictionary()
+_CACHE: WeakKeyDictionary[type, dict[tuple[str, bool], Agreement]] = WeakKeyDictionary()
 
 
 def forget(law: type) -> None:
     """Drops what was found of a law."""
-    _KNOWN.pop(law, None)
+    _CACHE.pop(law, None)
 
 
 def agreement_of(part: str, law: type, slots: tuple[float, ...], javascript: bool = False) -> Agreement:
     """Compares one part of a law, once. Raises LawError where a loop cannot be made of it."""
-    known = _KNOWN.setdefault(law, {})
-    found = known.get((part, True)) or known.get((part, javascript))
-    if found is None:
-        found = known[part, javascript] = _agreement(Single(part, law), slots, javascript)
-    return found
+    cached = _CACHE.setdefault(law, {})
+    agreement = cached.get((part, True)) or cached.get((part, javascript))
+    if agreement is None:
+        agreement = cached[part, javascript] = _agreement(Single(part, law), slots, javascript)
+    return agreement
 
 
 def _agreement(single: Single, slots: tuple[float, ...], javascript: bool) -> Agreement:
@@ -251,13 +251,13 @@ def _agreement(single: Single, slots: tuple[float, ...], javascript: bool) -> Ag
     except SourceError as error:
         what = str(error)
     except (ArithmeticError, ValueError) as error:
-        said = (
+        reason = (
             "numbers of its text are divided by zero"
             if isinstance(error, ZeroDivisionError)
             else f"numbers of its text give none ({error})"
         )
         what = (
-            f"line {line_of(error, plain_function(single))}: {said}; both arms of `a if condition else b` are"
+            f"line {line_of(error, plain_function(single))}: {reason}; both arms of `a if condition else b` are"
             " computed: work it out in parameters()"
         )
     except RecursionError:

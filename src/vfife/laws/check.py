@@ -52,16 +52,18 @@ def parts_of(law: Any, kind: str) -> list[Part]:
             if rows < 2
             else f"the friction force (N) and a tuple of {rows} numbers to remember"
         )
-        found = [Part("force", (NUMBER, NUMBER, NUMBER, memory, NUMBER, slots), (1, max(rows, 1)), what)]
+        problems = [Part("force", (NUMBER, NUMBER, NUMBER, memory, NUMBER, slots), (1, max(rows, 1)), what)]
         return (
-            [*found, Part("regime", (NUMBER, slots), (1,), "one number")] if law.regime is not None else found
+            [*problems, Part("regime", (NUMBER, slots), (1,), "one number")]
+            if law.regime is not None
+            else problems
         )
     what = "two numbers, the elastic force (N) and the damping coefficient (N s/m)"
-    found = [Part("force", (NUMBER, NUMBER, slots), (1, 1), what)]
+    problems = [Part("force", (NUMBER, NUMBER, slots), (1, 1), what)]
     return (
-        [*found, Part("film_force", (NUMBER,) * 3 + (slots,), (1,) * 5, "five finite numbers")]
+        [*problems, Part("film_force", (NUMBER,) * 3 + (slots,), (1,) * 5, "five finite numbers")]
         if law.film
-        else found
+        else problems
     )
 
 
@@ -125,90 +127,94 @@ def try_out(
 def _try_out(
     own: Sequence[tuple[Law, Pair]], contacts: tuple[type, ...], frictions: tuple[type, ...]
 ) -> None:
-    found: list[str] = []
+    problems: list[str] = []
     for kind in dict.fromkeys(type(law) for law, _ in own):
-        found += faults_of_class(kind)
-    if not found:
+        problems += faults_of_class(kind)
+    if not problems:
         for law, pair in own:
-            found += faults_of_numbers(law, pair)
-    if not found:
+            problems += faults_of_numbers(law, pair)
+    if not problems:
         for law, pair in own:
-            found += faults_of_loops(law, pair)
-    if not found and contacts:
+            problems += faults_of_loops(law, pair)
+    if not problems and contacts:
         try:
             data_driven(contacts, frictions)
         except SourceError as error:
-            found.append(f"{place(type(own[0][0]))}: {error}")
-    if found:
-        raise LawError("\n".join(dict.fromkeys(found)))
+            problems.append(f"{place(type(own[0][0]))}: {error}")
+    if problems:
+        raise LawError("\n".join(dict.fromkeys(problems)))
 
 
 def faults_of_class(law: type[Law]) -> list[str]:
     """How the class is made, and how its function is written."""
     where, kind = place(law), kind_of(law)
-    found = []
+    problems = []
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", law.name):
-        found.append(
+        problems.append(
             f"{where}: a law's name is made of small letters, digits and hyphens, as in lankarani-nikravesh"
         )
-    fields = [name for name, said in inspect.get_annotations(law).items() if "ClassVar" not in str(said)]
+    fields = [name for name, text in inspect.get_annotations(law).items() if "ClassVar" not in str(text)]
     if fields and "__dataclass_params__" not in law.__dict__:
-        found.append(
+        problems.append(
             f"{where}: the class has fields ({', '.join(fields)}) and is no dataclass; write"
             " @dataclass(frozen=True, kw_only=True)"
         )
     room = CONTACT_SLOTS if kind == "contact" else FRICTION_SLOTS
     slots: Any = law.slots
     if not isinstance(slots, tuple) or not all(isinstance(slot, str) for slot in slots):
-        found.append(
+        problems.append(
             f'{where}: slots is a tuple of names, as in slots: ClassVar[tuple[str, ...]] = ("stiffness",)'
         )
     elif len(law.slots) > room:
-        found.append(
+        problems.append(
             f"{where}: {len(law.slots)} slots; a {kind} law may have {room}: work out in parameters() what"
             " does not change in a run"
         )
     memory: Any = law.memory if kind == "friction" else ()  # type: ignore[attr-defined]
     if not isinstance(memory, tuple) or len(memory) > FRICTION_MEMORY:
-        found.append(
+        problems.append(
             f"{where}: memory is a tuple of at most {FRICTION_MEMORY} names, as in memory:"
             ' ClassVar[tuple[str, ...]] = ("bend (m)",)'
         )
-    function, wanted = law.force, ARGUMENTS[kind]  # type: ignore[attr-defined]
+    function, expected = law.force, ARGUMENTS[kind]  # type: ignore[attr-defined]
     if not isinstance(inspect.getattr_static(law, "force"), staticmethod):
         return [
-            *found,
+            *problems,
             (
                 f"{where}: force is a static function; write @staticmethod above it and no self among its"
                 " arguments"
             ),
         ]
-    given = [name for name, one in inspect.signature(function).parameters.items() if one.default is one.empty]
-    if len(inspect.signature(function).parameters) != len(wanted) or len(given) != len(wanted):
-        count = f"{len(given)} argument{'s' * (len(given) != 1)} ({', '.join(given)})"
-        found.append(f"{where}: force takes {count}; a {kind} law takes {len(wanted)}: {', '.join(wanted)}")
+    required = [
+        name for name, one in inspect.signature(function).parameters.items() if one.default is one.empty
+    ]
+    if len(inspect.signature(function).parameters) != len(expected) or len(required) != len(expected):
+        count = f"{len(required)} argument{'s' * (len(required) != 1)} ({', '.join(required)})"
+        problems.append(
+            f"{where}: force takes {count}; a {kind} law takes {len(expected)}: {', '.join(expected)}"
+        )
     film: Any = getattr(law, "film_force", None) if kind == "contact" and law.film else None  # type: ignore[attr-defined]
     if kind == "contact" and law.film and (film is None or len(inspect.signature(film).parameters) != 4):  # type: ignore[attr-defined]
-        found.append(
+        problems.append(
             f"{where}: a law with film = True has a static function film_force(penetration, turning,"
             " sense, p)"
         )
-        return found
-    return found or [f"{where}: {fault}" for fault in faults_of_functions(law, kind)]
+        return problems
+    return problems or [f"{where}: {fault}" for fault in faults_of_functions(law, kind)]
 
 
 def faults_of_functions(law: Any, kind: str) -> list[str]:
     """What the language of laws does not have in the functions of a law."""
-    found: list[str] = []
+    problems: list[str] = []
     for part in parts_of(law, kind):
         try:
-            found += faults_of_text(getattr(law, part.name), part)
+            problems += faults_of_text(getattr(law, part.name), part)
         except (OSError, TypeError):
-            found.append(
+            problems.append(
                 "the text of its function cannot be read; write the law in a file, as the compiler needs its"
                 " text"
             )
-    return found
+    return problems
 
 
 def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
@@ -239,9 +245,9 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
     for state in states:
         fault = fault_at(law, kind, state, p)
         if fault:
-            said = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
+            text = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
             at = ", ".join(
-                f"{name} {value:g} {unit}" for name, value, unit in said if isinstance(value, float)
+                f"{name} {value:g} {unit}" for name, value, unit in text if isinstance(value, float)
             )
             return [f"{where}, function force: {fault} (at {at})"]
     return [*faults_of_film(law, pair, p), *faults_of_energy(law, pair, p)] if kind == "contact" else []
@@ -366,10 +372,10 @@ def comparison(laws: Sequence[tuple[Law, Pair]]) -> dict[str, str]:
     Raises LawError where a loop differs from Python.
     """
     own = {law.name: (law, pair) for law, pair in laws if not built_in(type(law))}
-    if found := [
+    if problems := [
         fault for law, pair in own.values() for fault in faults_of_loops(law, pair, javascript=True)
     ]:
-        raise LawError("\n".join(found))
+        raise LawError("\n".join(problems))
     return {name: agreements(law, pair, javascript=True)[0].words() for name, (law, pair) in own.items()}
 
 
@@ -423,8 +429,8 @@ def needed(law: type[Law]) -> list[str]:
 
 def faults(law: type[Law], pair: Pair | None = None) -> list[str]:
     """All that can be said of a law before it is used in a model: with default parameters, where it has them."""
-    found: list[Any] = faults_of_class(law)
-    if found or needed(law):
-        return found
+    problems: list[Any] = faults_of_class(law)
+    if problems or needed(law):
+        return problems
     pair = pair or USUAL
     return faults_of_numbers(law(), pair) or faults_of_loops(law(), pair, javascript=True)

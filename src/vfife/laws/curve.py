@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, TypeAlias
 
 from ..numerics import splines
-from ..numerics.scalar import whole_power
+from ..numerics.scalar import integer_power
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,14 +29,14 @@ class Branches:
     """Pieces as the kernels have them: begin (m), four coefficients of the branches' mean, four of half their
     distance, constant first.
 
-    ``used`` of ``given`` places of both curves are knots; the curve through these misses a point by
+    ``used`` of ``available`` places of both curves are knots; the curve through these misses a point by
     ``missed`` of the largest force. ``levelled``: by how much of it points were moved so that loading does
     not fall and unloading is not above it. ``end``: the last penetration (m).
     """
 
     pieces: tuple[tuple[float, ...], ...]
     used: int
-    given: int
+    available: int
     missed: float
     levelled: float
     end: float
@@ -45,7 +45,7 @@ class Branches:
         """The pieces with factors of penetrations and forces."""
         if place == force == 1.0:
             return self.pieces
-        powers = tuple(force / whole_power(place, k) for k in range(4)) * 2
+        powers = tuple(force / integer_power(place, k) for k in range(4)) * 2
         return tuple(
             (place * piece[0], *(c * power for c, power in zip(piece[1:], powers, strict=True)))
             for piece in self.pieces
@@ -102,7 +102,7 @@ def _curve(places: Array, values: Array) -> Callable[[Array], Array]:
     import numpy as np
 
     starts, rows = places.tolist(), splines.monotone(places.tolist(), values.tolist())
-    return lambda wanted: np.array([splines.value_at(starts, rows, x) for x in wanted.tolist()])
+    return lambda at: np.array([splines.value_at(starts, rows, x) for x in at.tolist()])
 
 
 def from_nothing(points: Points) -> tuple[Array, Array]:

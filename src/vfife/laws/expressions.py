@@ -20,11 +20,11 @@ from .grammar import (
     RESERVED,
     TRUTH,
     UNKNOWN,
+    Integer,
     Kind,
     Several,
-    Whole,
     category,
-    known,
+    is_known,
     numeric,
     size,
     words,
@@ -66,7 +66,7 @@ class Expressions:
             return self.fault(node, f"`{shown(node)}` cannot be compiled into the step. {REMEDY}")
         return method(node, depth + 1)
 
-    def number(self, node: ast.expr, depth: int, whole: ast.expr) -> Kind:
+    def number(self, node: ast.expr, depth: int, integer: ast.expr) -> Kind:
         """Kind of an operand of ``whole``, which takes numbers."""
         kind = self.kind(node, depth)
         if numeric(kind):
@@ -74,20 +74,20 @@ class Expressions:
         if kind == TRUTH:
             return self.fault(
                 node,
-                f"`{shown(node)}` in `{shown(whole)}` is a truth value; write `1.0 if {shown(node)} else"
+                f"`{shown(node)}` in `{shown(integer)}` is a truth value; write `1.0 if {shown(node)} else"
                 " 0.0`",
             )
         return self.fault(
             node,
-            f"`{shown(node)}` in `{shown(whole)}` is {words(kind)}; take it apart first, as in `a, b = p`",
+            f"`{shown(node)}` in `{shown(integer)}` is {words(kind)}; take it apart first, as in `a, b = p`",
         )
 
-    def truth(self, node: ast.expr, depth: int, whole: ast.expr) -> None:
+    def truth(self, node: ast.expr, depth: int, integer: ast.expr) -> None:
         """Looks at a condition of ``whole``."""
         kind = self.kind(node, depth)
         if kind not in (TRUTH, UNKNOWN):
-            said = f"`{shown(node)}` in `{shown(whole)}` is {words(kind)} and no condition"
-            self.fault(node, f"{said}; write `{shown(node)} != 0.0`")
+            text = f"`{shown(node)}` in `{shown(integer)}` is {words(kind)} and no condition"
+            self.fault(node, f"{text}; write `{shown(node)} != 0.0`")
 
     def _constant(self, node: ast.Constant, depth: int) -> Kind:
         return self.constant(node, node.value, shown(node))
@@ -97,7 +97,7 @@ class Expressions:
         if type(value) is bool:
             return TRUTH
         if type(value) is int:
-            return self.within(node, Whole(value, value), text)
+            return self.within(node, Integer(value, value), text)
         if type(value) is not float:
             return self.fault(node, f"{value!r} is no number")
         return (
@@ -106,7 +106,7 @@ class Expressions:
             else self.fault(node, f"{text} is not a number; choose by `a if condition else b` instead")
         )
 
-    def within(self, node: ast.AST, kind: Whole, text: str) -> Kind:
+    def within(self, node: ast.AST, kind: Integer, text: str) -> Kind:
         """A whole number, which has to be a double as well."""
         if max(-kind.low, kind.high) <= LARGEST:
             return kind
@@ -213,7 +213,7 @@ class Expressions:
             )
         self.cost += 1
         kind = self.number(node.operand, depth, node)
-        return Whole(-kind.high, -kind.low) if isinstance(kind, Whole) else kind
+        return Integer(-kind.high, -kind.low) if isinstance(kind, Integer) else kind
 
     def _binop(self, node: ast.BinOp, depth: int) -> Kind:
         self.cost += 1
@@ -226,14 +226,14 @@ class Expressions:
         if UNKNOWN in (left, right):
             return UNKNOWN
         if isinstance(node.op, ast.Div):
-            if isinstance(right, Whole) and right.low <= 0 <= right.high:
+            if isinstance(right, Integer) and right.low <= 0 <= right.high:
                 return self.fault(
                     node,
                     f"`{shown(node)}` divides by zero; Python ends there, so choose by `a if condition"
                     " else b`",
                 )
             return NUMBER
-        if not isinstance(left, Whole) or not isinstance(right, Whole):
+        if not isinstance(left, Integer) or not isinstance(right, Integer):
             return NUMBER
         return self.within(node, combined(node.op, left, right), shown(node))
 
@@ -245,15 +245,15 @@ class Expressions:
             if isinstance(one, ast.Constant) and type(one.value) is int
         ]
         if len(values) < 2:
-            said = (
+            text = (
                 "`**` differs between machines in its last bits; write x * x, or power(x, n) of"
                 " vfife.kernels.elementary"
             )
-            return self.fault(node, said)
+            return self.fault(node, text)
         base, exponent = values
         if exponent > LARGEST_POWER:
-            return self.within(node, Whole(LARGEST + 1, LARGEST + 1), shown(node))
-        return self.within(node, Whole(base**exponent, base**exponent), shown(node))
+            return self.within(node, Integer(LARGEST + 1, LARGEST + 1), shown(node))
+        return self.within(node, Integer(base**exponent, base**exponent), shown(node))
 
     def _compare(self, node: ast.Compare, depth: int) -> Kind:
         self.cost += 1
@@ -302,18 +302,18 @@ class Expressions:
         self.cost += 1
         self.truth(node.test, depth, node)
         kinds = [self.kind(one, depth) for one in (node.body, node.orelse)]
-        if not all(known(kind) for kind in kinds):
+        if not all(is_known(kind) for kind in kinds):
             return UNKNOWN
         for arm, kind in zip((node.body, node.orelse), kinds, strict=True):
             inner = kind.kinds if isinstance(kind, Several) else (kind,)
-            if any(isinstance(one, Whole) for one in inner):
-                said = f"`{shown(arm)}` in `{shown(node)}` is a whole number, and others are not"
+            if any(isinstance(one, Integer) for one in inner):
+                text = f"`{shown(arm)}` in `{shown(node)}` is a whole number, and others are not"
                 return self.fault(
                     arm,
                     (
-                        f"{said}; write it with a point, as in 1.0"
+                        f"{text}; write it with a point, as in 1.0"
                         if not isinstance(kind, Several)
-                        else f"{said}; write 1.0 for 1"
+                        else f"{text}; write 1.0 for 1"
                     ),
                 )
             if any(isinstance(one, Several) for one in inner):
@@ -355,15 +355,15 @@ class Expressions:
     def _subscript(self, node: ast.Subscript, depth: int) -> Kind:
         kind = self.kind(node.value, depth)
         if not isinstance(kind, Several):
-            said = f"`{shown(node)}`: {shown(node.value)} is {words(kind)} and has no parts"
-            return UNKNOWN if kind == UNKNOWN else self.fault(node, f"{said}; leave the brackets out")
+            text = f"`{shown(node)}`: {shown(node.value)} is {words(kind)} and has no parts"
+            return UNKNOWN if kind == UNKNOWN else self.fault(node, f"{text}; leave the brackets out")
         index, sign = node.slice, 1
         if isinstance(index, ast.UnaryOp) and isinstance(index.op, ast.USub):
             index, sign = index.operand, -1
         if not isinstance(index, ast.Constant) or type(index.value) is not int:
-            said = f"`{shown(node)}` takes a part whose place is no literal"
+            text = f"`{shown(node)}` takes a part whose place is no literal"
             return self.fault(
-                node, f"{said}; take the tuple apart, `a, b = p`, or loop over it, `for x in p:`"
+                node, f"{text}; take the tuple apart, `a, b = p`, or loop over it, `for x in p:`"
             )
         place = sign * index.value
         if not -len(kind.kinds) <= place < len(kind.kinds):
@@ -406,7 +406,7 @@ class Expressions:
             return self.fault(node, "range stands in `for k in range(4):` alone")
         function = self.outside(node.func)
         kinds = tuple(self.kind(one, depth) for one in node.args)
-        if function is None or not all(known(kind) for kind in kinds):
+        if function is None or not all(is_known(kind) for kind in kinds):
             return UNKNOWN
         if not isinstance(function, FunctionType):
             return self.fault(node, f"`{shown(node)}` calls {name}, which is no function")
@@ -417,11 +417,11 @@ class Expressions:
         if len(node.args) != 1:
             return self.fault(node, f"`{shown(node)}`: {name} takes one number")
         kind = self.number(node.args[0], depth, node)
-        if not isinstance(kind, Whole):
+        if not isinstance(kind, Integer):
             return kind
         if name == "abs":
             ends = abs(kind.low), abs(kind.high)
-            return Whole(0 if kind.low <= 0 <= kind.high else min(ends), max(ends))
+            return Integer(0 if kind.low <= 0 <= kind.high else min(ends), max(ends))
         if kind.low < 0:
             return self.fault(
                 node,
@@ -442,11 +442,11 @@ def plain(value: Any) -> Any:
     return bool(value) if isinstance(value, bool) else int(value) if isinstance(value, int) else float(value)
 
 
-def combined(operator: ast.operator, left: Whole, right: Whole) -> Whole:
+def combined(operator: ast.operator, left: Integer, right: Integer) -> Integer:
     """Limits of a sum, difference or product."""
     if isinstance(operator, ast.Add):
-        return Whole(left.low + right.low, left.high + right.high)
+        return Integer(left.low + right.low, left.high + right.high)
     if isinstance(operator, ast.Sub):
-        return Whole(left.low - right.high, left.high - right.low)
+        return Integer(left.low - right.high, left.high - right.low)
     products = [a * b for a in left for b in right]
-    return Whole(min(products), max(products))
+    return Integer(min(products), max(products))

@@ -27,7 +27,7 @@ UNKNOWN = "unknown"  # of what has a fault already: nothing more is said of it
 LARGEST = 2**53  # up to here every whole number is a double, and comparing, adding and converting commute
 
 
-class Whole(NamedTuple):
+class Integer(NamedTuple):
     """A whole number between two others."""
 
     low: int
@@ -41,7 +41,7 @@ class Several(NamedTuple):
     slots: bool = False
 
 
-Kind = str | Whole | Several
+Kind = str | Integer | Several
 
 
 def category(kind: Kind) -> object:
@@ -50,7 +50,7 @@ def category(kind: Kind) -> object:
     """
     if isinstance(kind, Several):
         return tuple(category(one) for one in kind.kinds)
-    return "a whole number" if isinstance(kind, Whole) else kind
+    return "a whole number" if isinstance(kind, Integer) else kind
 
 
 def size(kind: Kind) -> int:
@@ -58,21 +58,21 @@ def size(kind: Kind) -> int:
     return sum(map(size, kind.kinds)) if isinstance(kind, Several) else 1
 
 
-def known(kind: Kind) -> bool:
+def is_known(kind: Kind) -> bool:
     """Whether nothing in a kind is unknown."""
-    return all(known(one) for one in kind.kinds) if isinstance(kind, Several) else kind != UNKNOWN
+    return all(is_known(one) for one in kind.kinds) if isinstance(kind, Several) else kind != UNKNOWN
 
 
 def numeric(kind: Kind) -> bool:
     """Whether arithmetic takes it."""
-    return kind in (NUMBER, UNKNOWN) or isinstance(kind, Whole)
+    return kind in (NUMBER, UNKNOWN) or isinstance(kind, Integer)
 
 
 def words(kind: Kind) -> str:
     """A kind in words."""
     if isinstance(kind, Several):
         return f"a tuple of {len(kind.kinds)}"
-    return "a whole number" if isinstance(kind, Whole) else kind
+    return "a whole number" if isinstance(kind, Integer) else kind
 
 
 ELEMENTARY = tuple(

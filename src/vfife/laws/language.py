@@ -37,11 +37,11 @@ from .grammar import (
     RESERVED,
     TRUTH,
     UNKNOWN,
+    Integer,
     Kind,
     Several,
-    Whole,
     category,
-    known,
+    is_known,
     numeric,
     words,
 )
@@ -86,14 +86,16 @@ class Language:
             ] = None
             return list(self.faults)
         if cost > LONGEST:
-            said = (
+            text = (
                 f"function {function.__name__} takes {cost:,} operations in every step; at most {LONGEST:,}:"
                 " use fewer rounds of its loops"
             )
-            self.faults[said] = None
-        wanted = shape(numbers)
-        if not self.faults and not fits(kind, wanted):
-            self.faults[f"function {function.__name__} returns {told(kind)}; it has to return {what}"] = None
+            self.faults[text] = None
+        expected = shape(numbers)
+        if not self.faults and not fits(kind, expected):
+            self.faults[
+                f"function {function.__name__} returns {answer_words(kind)}; it has to return {what}"
+            ] = None
         return list(self.faults)
 
 
@@ -103,18 +105,18 @@ def shape(numbers: tuple[int, ...]) -> Kind:
     return parts[0] if len(parts) == 1 else Several(parts)
 
 
-def told(kind: Kind) -> str:
+def answer_words(kind: Kind) -> str:
     """An answer in words."""
     return " and ".join(words(one) for one in kind.kinds) if isinstance(kind, Several) else words(kind)
 
 
-def fits(kind: Kind, wanted: Kind) -> bool:
+def fits(kind: Kind, expected: Kind) -> bool:
     """Whether an answer is of a shape."""
-    if isinstance(wanted, Several):
+    if isinstance(expected, Several):
         return (
             isinstance(kind, Several)
-            and len(kind.kinds) == len(wanted.kinds)
-            and all(map(fits, kind.kinds, wanted.kinds))
+            and len(kind.kinds) == len(expected.kinds)
+            and all(map(fits, kind.kinds, expected.kinds))
         )
     return numeric(kind)
 
@@ -133,7 +135,7 @@ class Function(Expressions):
     def fault(self, node: ast.AST, text: str) -> Kind:
         """Says what is wrong with a node."""
         line = getattr(node, "lineno", 1) + self.function.__code__.co_firstlineno - 1
-        if any(isinstance(kind, Whole) for kind in self.kinds):
+        if any(isinstance(kind, Integer) for kind in self.kinds):
             text += f" (a call hands a whole number to {self.function.__name__}: write 1.0 for 1 there)"
         self.language.faults[f"function {self.function.__name__}, line {line}: {text}"] = None
         return UNKNOWN
@@ -165,7 +167,7 @@ class Function(Expressions):
 
     def signature(self, tree: ast.FunctionDef) -> bool:
         """Looks at the arguments; whether the body can be looked at."""
-        name, given = self.function.__name__, tree.args
+        name, arguments = self.function.__name__, tree.args
         if not self.function.__module__.startswith("vfife.") and changed(self.function):
             self.fault(
                 tree, f"the text of {name} is not what Python runs: the file has changed since; load it again"
@@ -175,21 +177,21 @@ class Function(Expressions):
             self.fault(
                 tree, f"{name} has a decorator, which the step would leave out; write a plain function"
             )
-        elif given.vararg or given.kwarg or given.kwonlyargs or given.posonlyargs:
+        elif arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.posonlyargs:
             self.fault(
                 tree, f"{name} has arguments behind `*` or `/`; write plain ones, as in def {name}(a, b)"
             )
-        elif given.defaults:
+        elif arguments.defaults:
             self.fault(tree, f"{name} has arguments with defaults; hand all of them over, as in {name}(a, b)")
-        elif len(given.args) != len(self.kinds):
+        elif len(arguments.args) != len(self.kinds):
             if len(self.language.stack) > 1:  # of the law's own function the class is told
                 self.fault(
                     tree,
-                    f"{name} takes {len(given.args)} arguments and is given {len(self.kinds)}; correct the"
+                    f"{name} takes {len(arguments.args)} arguments and is given {len(self.kinds)}; correct the"
                     " call",
                 )
         else:
-            for argument, kind in zip(given.args, self.kinds, strict=True):
+            for argument, kind in zip(arguments.args, self.kinds, strict=True):
                 self.store(argument, argument.arg, kind)
             return True
         return False
@@ -208,7 +210,7 @@ class Function(Expressions):
         if not isinstance(function, FunctionType):
             return self.fault(node, f"{name} is no plain function; write it as a `def` in the file")
         own = not function.__module__.startswith("vfife.")
-        if not own and any(isinstance(kind, Whole) for kind in kinds):
+        if not own and any(isinstance(kind, Integer) for kind in kinds):
             return self.fault(
                 node, f"`{shown(node)}` hands over a whole number; write it with a point, as in 2.0"
             )
@@ -232,12 +234,12 @@ class Function(Expressions):
                 " front",
             )
         former = self.place.get(name, kind)
-        if category(former) != category(kind) and known(former) and known(kind):
-            said = f"{name} is {words(former)} before and {words(kind)} here"
-            whole = isinstance(former, Whole) or isinstance(kind, Whole)
+        if category(former) != category(kind) and is_known(former) and is_known(kind):
+            text = f"{name} is {words(former)} before and {words(kind)} here"
+            integer = isinstance(former, Integer) or isinstance(kind, Integer)
             self.fault(
                 node,
-                f"{said}; {'write whole numbers with a point, as in 1.0' if whole else 'take two names'}",
+                f"{text}; {'write whole numbers with a point, as in 1.0' if integer else 'take two names'}",
             )
             kind = UNKNOWN
         self.place[name] = kind
@@ -322,8 +324,8 @@ class Function(Expressions):
         for name, former in before.items():
             now = self.place[name]
             if (
-                isinstance(former, Whole)
-                and isinstance(now, Whole)
+                isinstance(former, Integer)
+                and isinstance(now, Integer)
                 and now != former
                 and name != node.target.id
             ):
@@ -367,7 +369,7 @@ class Function(Expressions):
             kind = self.kind(one)
             if kind == UNKNOWN:
                 return 1, UNKNOWN
-            if not isinstance(kind, Whole) or kind.low != kind.high:
+            if not isinstance(kind, Integer) or kind.low != kind.high:
                 self.fault(
                     one,
                     f"`{shown(over)}`: {shown(one)} is no whole number that is known here; write one, as in"
@@ -383,11 +385,11 @@ class Function(Expressions):
                 " 8, 2)",
             )
             return 1, UNKNOWN
-        found = range(*values)
-        if not found:
+        result = range(*values)
+        if not result:
             self.fault(over, f"`{shown(over)}` has no rounds; leave the loop out")
             return 1, UNKNOWN
-        return len(found), Whole(min(found[0], found[-1]), max(found[0], found[-1]))
+        return len(result), Integer(min(result[0], result[-1]), max(result[0], result[-1]))
 
 
 @lru_cache(maxsize=8)
@@ -398,20 +400,20 @@ def codes(text: str) -> dict[tuple[int, str], CodeType]:
             waiting = [compile(text, "<laws>", "exec", dont_inherit=True)]
     except (SyntaxError, ValueError):
         return {}
-    found: dict[tuple[int, str], CodeType] = {}
+    result: dict[tuple[int, str], CodeType] = {}
     while waiting:
         code = waiting.pop()
-        found[code.co_firstlineno, code.co_name] = code
+        result[code.co_firstlineno, code.co_name] = code
         waiting += [one for one in code.co_consts if isinstance(one, CodeType)]
-    return found
+    return result
 
 
 def changed(function: FunctionType) -> bool:
     """Whether Python runs another text than that which can be read, as where a file has changed since."""
     code = function.__code__
-    found = codes("".join(linecache.getlines(code.co_filename, function.__globals__)))
-    own = found.get((code.co_firstlineno, code.co_name))
-    return bool(found) and (own is None or text_of(own) != text_of(code))
+    result = codes("".join(linecache.getlines(code.co_filename, function.__globals__)))
+    own = result.get((code.co_firstlineno, code.co_name))
+    return bool(result) and (own is None or text_of(own) != text_of(code))
 
 
 def text_of(code: CodeType) -> tuple[Any, ...]:

@@ -146,14 +146,14 @@ class Law:
         super().__init_subclass__(**kwargs)
         if not register or not cls.__dict__.get("name"):
             return
-        known = cls.registry.get(cls.name)
+        former = cls.registry.get(cls.name)
         if (
-            known is not None
-            and built_in(known)
-            and (cls.__module__, cls.__qualname__) != (known.__module__, known.__qualname__)
+            former is not None
+            and built_in(former)
+            and (cls.__module__, cls.__qualname__) != (former.__module__, former.__qualname__)
         ):
             raise ValueError(
-                f"the name {cls.name!r} is taken by a law that vfife brings, {known.__name__}; call"
+                f"the name {cls.name!r} is taken by a law that vfife brings, {former.__name__}; call"
                 f" {cls.__qualname__} otherwise"
             )
         cls.registry[cls.name] = cls
@@ -234,7 +234,7 @@ _STANDING_IN: ContextVar[tuple[type[Law], ...]] = ContextVar("standing_in", defa
 
 
 @contextmanager
-def known_here(laws: Sequence[type[Law]]) -> Iterator[None]:
+def registered_here(laws: Sequence[type[Law]]) -> Iterator[None]:
     """Makes laws known by their names while a text is read, in this thread only; no registry changes."""
     token = _STANDING_IN.set((*_STANDING_IN.get(), *laws))
     try:
@@ -290,10 +290,10 @@ class ContactLaw(Law):
 
     def units(self, pair: Pair) -> dict[str, str]:
         """Units of the slots; that of a stiffness follows from the exponent."""
-        found = super().units(pair)
-        if found.get("stiffness", "N/m") in ("", "N/m^n"):
-            found["stiffness"] = f"N/m^{self.exponent_at(0.05 * pair.clearance, pair):.4g}".removesuffix("^1")
-        return found
+        units = super().units(pair)
+        if units.get("stiffness", "N/m") in ("", "N/m^n"):
+            units["stiffness"] = f"N/m^{self.exponent_at(0.05 * pair.clearance, pair):.4g}".removesuffix("^1")
+        return units
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """Energy (J) stored at a penetration (m), of any shape: integral of the elastic force."""

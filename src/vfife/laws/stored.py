@@ -15,8 +15,8 @@ from contextlib import AbstractContextManager
 from typing import Any, ClassVar
 
 from ..errors import LawError
-from ..numerics.scalar import whole_power
-from .law import ContactLaw, FrictionLaw, Law, Pair, built_in, known_here
+from ..numerics.scalar import integer_power
+from .law import ContactLaw, FrictionLaw, Law, Pair, built_in, registered_here
 from .user import file_of, text_of
 
 POINTS = 401  # of a table, closer together at small depths
@@ -24,11 +24,11 @@ POINTS = 401  # of a table, closer together at small depths
 Entry = dict[str, Any]
 
 
-def kept(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
+def law_entries(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
     """What JSON can keep of every law that is not built in: name, file and its text, fields, slots, and a
     table a joint.
     """
-    found: dict[tuple[str, str], Entry] = {}
+    entries: dict[tuple[str, str], Entry] = {}
     for law, pair in laws:
         kind = type(law)
         if built_in(kind) and not issubclass(kind, Recorded):
@@ -43,7 +43,9 @@ def kept(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
             "slots": list(law.slots),
             "joints": [],
         }
-        entry = found.setdefault((what, law.name), {**entry, "file": origin["file"], "text": origin["text"]})
+        entry = entries.setdefault(
+            (what, law.name), {**entry, "file": origin["file"], "text": origin["text"]}
+        )
         joint: Entry = {
             "fields": fields(law),
             "pair": described(pair),
@@ -55,7 +57,7 @@ def kept(laws: Sequence[tuple[Law, Pair]]) -> list[Entry]:
             )
         if joint not in entry["joints"]:
             entry["joints"].append(joint)
-    return list(found.values())
+    return list(entries.values())
 
 
 def fields(law: Law) -> dict[str, Any]:
@@ -67,15 +69,15 @@ def described(pair: Pair) -> Entry:
     """A pair of surfaces as far as laws know it: of hardness none does, and files of former versions have
     none.
     """
-    found = dataclasses.asdict(pair)
+    entries = dataclasses.asdict(pair)
     for side in ("bearing", "journal"):
-        del found[side]["hardness"]
-    return found
+        del entries[side]["hardness"]
+    return entries
 
 
 def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]]:
     """Depths (m) up to twice the clearance, elastic forces (N) and energies (J) at them."""
-    depths = [2.0 * pair.clearance * whole_power(k / (POINTS - 1), 3) for k in range(POINTS)]
+    depths = [2.0 * pair.clearance * integer_power(k / (POINTS - 1), 3) for k in range(POINTS)]
     forces = [float(law.force(depth, 0.0, p)[0]) for depth in depths]
     try:
         energies = [float(law.elastic_energy(depth, p)) for depth in depths]
@@ -123,13 +125,11 @@ class RecordedContact(Recorded, ContactLaw, register=False):
         share = (depth - depths[k - 1]) / (depths[k] - depths[k - 1])
         step = share * (depths[k] - depths[k - 1])
         force = forces[k - 1] + share * (forces[k] - forces[k - 1])
-        whole = (depths[k] - depths[k - 1]) * 0.5 * (forces[k] + forces[k - 1])
+        area = (depths[k] - depths[k - 1]) * 0.5 * (forces[k] + forces[k - 1])
         part = (
             step * 0.5 * (forces[k - 1] + force)
         )  # the straight force's own work, stretched to that of the interval
-        return force, energies[k - 1] + (
-            part * (energies[k] - energies[k - 1]) / whole if whole > 0.0 else 0.0
-        )
+        return force, energies[k - 1] + (part * (energies[k] - energies[k - 1]) / area if area > 0.0 else 0.0)
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """Energy (J) from the table, for a depth or an array of them."""
@@ -170,8 +170,8 @@ def stand_in(entry: Entry) -> type[Law]:
     )
     if contact:
         law.force = staticmethod(lambda penetration, slowness, p: (law.row(penetration, p)[0], 0.0))  # type: ignore[attr-defined]
-    made: type[Law] = dataclasses.dataclass(frozen=True, kw_only=True)(law)
-    return made
+    law_class: type[Law] = dataclasses.dataclass(frozen=True, kw_only=True)(law)
+    return law_class
 
 
 def refuse_recorded(laws: Sequence[type]) -> None:
@@ -189,7 +189,7 @@ def standing_in(entries: Sequence[Entry]) -> AbstractContextManager[None]:
     """Makes the laws that a run file tells of known while its model is read; a law that is loaded and has the
     same text stands for itself.
     """
-    return known_here([stand_in(entry) for entry in entries if not _loaded(entry)])
+    return registered_here([stand_in(entry) for entry in entries if not _loaded(entry)])
 
 
 def _loaded(entry: Entry) -> bool:

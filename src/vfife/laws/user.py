@@ -66,7 +66,7 @@ def _late(number: int, frame: FrameType | None) -> NoReturn:
 
 
 REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
-LOADING = threading.RLock()  # one file at a time: what a file defines is told from what was there before
+LOADING = threading.RLock()  # one file at a time: what a file defines is sentence from what was there before
 
 
 def load_laws(path: str | Path) -> list[type[Law]]:
@@ -99,22 +99,22 @@ def load_laws(path: str | Path) -> list[type[Law]]:
                             f"{path}: there is a law {law.name!r} already, from {file_of(old)}; rename one of"
                             " them"
                         )
-            found = [fault for law in laws for fault in faults_of_class(law)]
-            if found:
-                raise LawError("\n".join(found))
+            faults = [fault for law in laws for fault in faults_of_class(law)]
+            if faults:
+                raise LawError("\n".join(faults))
         except BaseException:
-            for registry, known in zip(REGISTRIES, before, strict=True):
-                forgotten(registry, known)
+            for registry, former in zip(REGISTRIES, before, strict=True):
+                forgotten(registry, former)
             raise
     return laws
 
 
-def forgotten(registry: dict[str, type[Law]], known: dict[str, type[Law]]) -> None:
+def forgotten(registry: dict[str, type[Law]], former: dict[str, type[Law]]) -> None:
     """Takes back what a file has put into a registry; what was there before is never missing, for threads
     beside this one.
     """
-    registry.update(known)
-    for name in [name for name in registry if name not in known]:
+    registry.update(former)
+    for name in [name for name in registry if name not in former]:
         del registry[name]
 
 
@@ -161,12 +161,12 @@ def executed(path: Path, text: str) -> ModuleType:
         )
         raise LawError(f"{path}, line {line_of(error, path)}: {error}; {what}") from None
     except (Exception, SystemExit) as error:
-        said = str(error) or "nothing said"
-        told = (
+        message = str(error) or "nothing said"
+        sentence = (
             f"{path}, line {line_of(error, path)}:"
-            f" {said if isinstance(error, ValueError) else f'{type(error).__name__}: {said}'}"
+            f" {message if isinstance(error, ValueError) else f'{type(error).__name__}: {message}'}"
         )
-        raise LawError(told) from None
+        raise LawError(sentence) from None
     return module
 
 

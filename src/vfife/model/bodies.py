@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 
 from ..errors import Fault, ModelError, shown, suggestion
 from ..laws.law import Material
-from ..numerics.scalar import distance, whole_power
+from ..numerics.scalar import distance, integer_power
 from ..schema import (
     PLACE,
     Choice,
@@ -99,7 +99,7 @@ class Section:
     def round(cls, diameter: float) -> Section:
         """Solid circle (m)."""
         return cls(
-            math.pi * (diameter * diameter) / 4.0, math.pi * whole_power(diameter, 4) / 64.0, 0.5 * diameter
+            math.pi * (diameter * diameter) / 4.0, math.pi * integer_power(diameter, 4) / 64.0, 0.5 * diameter
         )
 
     @classmethod
@@ -107,7 +107,7 @@ class Section:
         """Hollow circle of outer and inner diameter (m)."""
         return cls(
             math.pi * (outer * outer - inner * inner) / 4.0,
-            math.pi * (whole_power(outer, 4) - whole_power(inner, 4)) / 64.0,
+            math.pi * (integer_power(outer, 4) - integer_power(inner, 4)) / 64.0,
             0.5 * outer,
         )
 

@@ -8,7 +8,7 @@ the bits that it has alone.
 
 - :mod:`~vfife.numerics.scalar`: functions of one number, ``sin``, ``cos``, ``sincos``, ``tan``, ``atan``,
   ``atan2``, ``asin``, ``acos``, ``exp``, ``expm1``, ``log``, ``log1p``, ``log10``, ``power``, ``hypot``,
-  ``distance``, ``whole_power``; error about 1 ulp. Imports no NumPy.
+  ``distance``, ``integer_power``; error about 1 ulp. Imports no NumPy.
 - :mod:`~vfife.numerics.elementwise`: the same of numbers and arrays, element by element, and ``interpolate``
   in place of ``np.interp``.
 - :mod:`~vfife.numerics.products`: ``dot``, ``times`` (matrix times vector), ``product`` (matrix times

@@ -53,11 +53,11 @@ def solve(matrix: Any, right: Any) -> Any:
     b = np.asarray(right, dtype=np.float64)
     vector = b.ndim == len(lead) + 1
     b = b[..., None] if vector else b
-    found, signs = np.array(np.broadcast_to(b, (*lead, *b.shape[-2:])), order="C"), np.empty(len(own))
-    call("eliminate", own, found.reshape(len(own), *found.shape[-2:]), signs)
+    x, signs = np.array(np.broadcast_to(b, (*lead, *b.shape[-2:])), order="C"), np.empty(len(own))
+    call("eliminate", own, x.reshape(len(own), *x.shape[-2:]), signs)
     if not (signs != 0.0).all():
         raise np.linalg.LinAlgError("Singular matrix")
-    return found[..., 0] if vector else found
+    return x[..., 0] if vector else x
 
 
 class Solved(NamedTuple):
@@ -70,10 +70,10 @@ class Solved(NamedTuple):
 def solve_with_determinant(matrix: Array, right: Array) -> Solved:
     """x (..., n, columns) of A x = b by elimination with partial pivoting, and the determinant of each A."""
     own, lead = _stack(matrix, square=True)
-    found, signs = np.array(right, dtype=np.float64, order="C"), np.empty(len(own))
-    call("eliminate", own, found.reshape(len(own), *found.shape[-2:]), signs)
+    x, signs = np.array(right, dtype=np.float64, order="C"), np.empty(len(own))
+    call("eliminate", own, x.reshape(len(own), *x.shape[-2:]), signs)
     diagonal = np.diagonal(own, axis1=-2, axis2=-1)
-    return Solved(found, (signs * np.abs(np.multiply.reduce(diagonal, axis=-1))).reshape(lead))
+    return Solved(x, (signs * np.abs(np.multiply.reduce(diagonal, axis=-1))).reshape(lead))
 
 
 def determinant_sign(matrix: Any) -> Any:

@@ -47,15 +47,15 @@ def _each(
         return function(*(float(one) for one in values))
     parts, shape = _parts(values)
     sound = easy(*parts)
-    found = np.empty(parts[0].shape)
+    result = np.empty(parts[0].shape)
     if sound.all():
-        call(name, *parts, found)
+        call(name, *parts, result)
     else:
         some = [np.where(sound, one, 1.0) for one in parts]
-        call(name, *some, found)
+        call(name, *some, result)
         for k in np.flatnonzero(~sound).tolist():
-            found[k] = _quiet(function, [float(one[k]) for one in parts])
-    return found.reshape(shape)
+            result[k] = _quiet(function, [float(one[k]) for one in parts])
+    return result.reshape(shape)
 
 
 def _quiet(function: Callable[..., float], values: list[float]) -> float:
@@ -127,17 +127,17 @@ def power(x: Any, exponent: Any) -> Any:
         )
 
     if not _plain((x,)) and _plain((exponent,)):
-        whole = float(exponent)
-        if whole == int(whole) and abs(whole) <= 16.0:
-            return whole_power(np.asanyarray(x, dtype=np.float64), int(whole))
-        if whole == 0.5:
+        integer = float(exponent)
+        if integer == int(integer) and abs(integer) <= 16.0:
+            return integer_power(np.asanyarray(x, dtype=np.float64), int(integer))
+        if integer == 0.5:
             return np.sqrt(x)
     return _each(scalar.power, "raise_all", (x, exponent), easy)
 
 
-def whole_power(x: Any, exponent: int) -> Any:
+def integer_power(x: Any, exponent: int) -> Any:
     """x**exponent for a small whole exponent, by squaring."""
-    return scalar.whole_power(x, exponent)
+    return scalar.integer_power(x, exponent)
 
 
 def atan2(y: Any, x: Any) -> Any:
@@ -156,15 +156,15 @@ def hypot(*sides: Any) -> Any:
         squares = parts[0] * parts[0]
         for side in parts[1:]:
             squares = squares + side * side
-    found = np.sqrt(squares)
+    result = np.sqrt(squares)
     unusual = ~((squares > 1e-290) & (squares < 1e300))
     if unusual.any():
         unusual &= (
             sum(np.abs(side) for side in parts) != 0.0
         )  # zeros are what they are: a joint that does not touch has many
     for k in np.flatnonzero(unusual).tolist() if unusual.any() else ():
-        found[k] = scalar.hypot(*(float(one[k]) for one in parts))
-    return found.reshape(shape)
+        result[k] = scalar.hypot(*(float(one[k]) for one in parts))
+    return result.reshape(shape)
 
 
 def interpolate(x: Any, places: Any, values: Any) -> Any:
@@ -181,11 +181,11 @@ def interpolate(x: Any, places: Any, values: Any) -> Any:
     left = np.clip(np.searchsorted(xs, at, side="right") - 1, 0, len(xs) - 2)
     run = np.clip(at, xs[0], xs[-1]) - xs[left]
     with np.errstate(all="ignore"):
-        found = (ys[left + 1] - ys[left]) / (xs[left + 1] - xs[left]) * run + ys[left]
-    found = np.where(
-        at >= xs[-1], ys[-1], np.where(at <= xs[0], ys[0], np.where(run == 0.0, ys[left], found))
+        result = (ys[left + 1] - ys[left]) / (xs[left + 1] - xs[left]) * run + ys[left]
+    result = np.where(
+        at >= xs[-1], ys[-1], np.where(at <= xs[0], ys[0], np.where(run == 0.0, ys[left], result))
     )
-    return found if at.ndim else float(found)
+    return result if at.ndim else float(result)
 
 
 def sqrt(x: Any) -> Any:

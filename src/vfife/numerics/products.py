@@ -37,9 +37,9 @@ def product(first: Any, second: Any) -> Any:
     if a.shape[-1] != b.shape[-2]:
         raise ValueError(f"matrices of shapes {a.shape} and {b.shape} have no product")
     lead = a.shape[:-2] if a.shape[:-2] == b.shape[:-2] else np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
-    found = np.empty((math.prod(lead), a.shape[-2], b.shape[-1]))
-    call("multiply", stacked(a, lead, 2), stacked(b, lead, 2), found)
-    return found.reshape(*lead, *found.shape[1:])
+    result = np.empty((math.prod(lead), a.shape[-2], b.shape[-1]))
+    call("multiply", stacked(a, lead, 2), stacked(b, lead, 2), result)
+    return result.reshape(*lead, *result.shape[1:])
 
 
 def times(matrix: Any, vector: Any) -> Any:
@@ -50,9 +50,9 @@ def times(matrix: Any, vector: Any) -> Any:
     if a.size <= SMALL:
         return _sums(a * x[..., None, :])
     lead = a.shape[:-2] if a.shape[:-2] == x.shape[:-1] else np.broadcast_shapes(a.shape[:-2], x.shape[:-1])
-    found = np.empty((math.prod(lead), a.shape[-2]))
-    call("multiply_vectors", stacked(a, lead, 2), stacked(x, lead, 1), found)
-    return found.reshape(*lead, a.shape[-2])
+    result = np.empty((math.prod(lead), a.shape[-2]))
+    call("multiply_vectors", stacked(a, lead, 2), stacked(x, lead, 1), result)
+    return result.reshape(*lead, a.shape[-2])
 
 
 def _sums(terms: Array) -> Array:
@@ -65,8 +65,8 @@ def dot(first: Any, second: Any) -> Any:
     a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
     if a.shape[-1] != b.shape[-1]:
         raise ValueError(f"vectors of shapes {a.shape} and {b.shape} have no product")
-    found = _sums(a * b)
-    return found if found.ndim else float(found)
+    result = _sums(a * b)
+    return result if result.ndim else float(result)
 
 
 def norm(vector: Any, axis: int | None = None) -> Any:
@@ -78,5 +78,5 @@ def norm(vector: Any, axis: int | None = None) -> Any:
         own = flat(vector)
         return math.sqrt(dot(own, own))
     own = np.moveaxis(np.asanyarray(vector), axis, -1)
-    found = np.sqrt(dot(own, own))
-    return found if np.ndim(found) else float(found)
+    result = np.sqrt(dot(own, own))
+    return result if np.ndim(result) else float(result)

@@ -31,8 +31,8 @@ def _near(angle: float) -> tuple[float, float]:
     """Those of an angle that is not large; known ones, because velocities, accelerations and ranks are found
     at the position that was closed.
     """
-    found: tuple[float, float] = elementary.sincos(angle)
-    return found
+    result: tuple[float, float] = elementary.sincos(angle)
+    return result
 
 
 def _far(angle: float) -> tuple[float, float]:
@@ -51,12 +51,12 @@ def _rounded(numerator: int, denominator: int) -> float:
     return numerator / denominator
 
 
-_KNOWN: dict[str, int] = {}
+_CACHE: dict[str, int] = {}
 
 
 def _pi() -> int:
     """pi 2**PI_BITS, rounded, by Machin's formula in whole numbers."""
-    if "pi" not in _KNOWN:
+    if "pi" not in _CACHE:
         one = 1 << PI_BITS + 32
 
         def inverse_arctangent(n: int) -> int:
@@ -68,8 +68,8 @@ def _pi() -> int:
                 total += term // k
             return total
 
-        _KNOWN["pi"] = (16 * inverse_arctangent(5) - 4 * inverse_arctangent(239)) >> 32
-    return _KNOWN["pi"]
+        _CACHE["pi"] = (16 * inverse_arctangent(5) - 4 * inverse_arctangent(239)) >> 32
+    return _CACHE["pi"]
 
 
 def sin(angle: float) -> float:
@@ -120,10 +120,10 @@ def exp(x: float) -> float:
     """e**x; OverflowError beyond the largest double."""
     if math.isnan(x):
         return math.nan
-    found = float(exponential(float(x)))
-    if math.isinf(found) and not math.isinf(x):
+    result = float(exponential(float(x)))
+    if math.isinf(result) and not math.isinf(x):
         raise OverflowError("math range error")
-    return found
+    return result
 
 
 def expm1(x: float) -> float:
@@ -152,21 +152,21 @@ def log1p(x: float) -> float:
 def log10(x: float) -> float:
     """Logarithm to base 10; whole numbers for whole powers of ten up to 1e22."""
     first = log(x)
-    found = first * 0.4342944819032518
-    whole = round(found)
-    return float(whole) if 0 <= whole <= 22 and x == whole_power(10.0, whole) else found
+    result = first * 0.4342944819032518
+    integer = round(result)
+    return float(integer) if 0 <= integer <= 22 and x == integer_power(10.0, integer) else result
 
 
-def whole_power(x: float, exponent: int) -> float:
+def integer_power(x: float, exponent: int) -> float:
     """x**exponent for a whole exponent, by squaring."""
-    found, square, left = 1.0, x, abs(exponent)
+    result, square, left = 1.0, x, abs(exponent)
     while left:
         if left & 1:
-            found = found * square
+            result = result * square
         left >>= 1
         if left:
             square = square * square
-    return 1.0 / found if exponent < 0 else found
+    return 1.0 / result if exponent < 0 else result
 
 
 def power(x: float, exponent: float) -> float:
@@ -175,14 +175,14 @@ def power(x: float, exponent: float) -> float:
     """
     x, exponent = float(x), float(exponent)
     if exponent == math.floor(exponent) and abs(exponent) <= 16.0:
-        return whole_power(x, int(exponent))
+        return integer_power(x, int(exponent))
     if math.isnan(x) or math.isnan(exponent):
         return math.nan
     if x > 0.0 and math.isfinite(x) and math.isfinite(exponent):
-        found = math.sqrt(x) if exponent == 0.5 else float(raised(x, exponent))
-        if math.isinf(found):
+        result = math.sqrt(x) if exponent == 0.5 else float(raised(x, exponent))
+        if math.isinf(result):
             raise OverflowError("math range error")
-        return found
+        return result
     if x == 0.0 or math.isinf(x) or math.isinf(exponent):
         return float(math.pow(x, exponent))  # a limit, exact: zero, one or infinity
     if exponent != math.floor(exponent):

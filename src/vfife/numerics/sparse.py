@@ -33,9 +33,14 @@ class Sparse:
     @classmethod
     def like(cls, other: Sparse, values: Array) -> Sparse:
         """A matrix with its entries in the same places."""
-        found = cls.__new__(cls)
-        found.shape, found.rows, found.columns, found.values = other.shape, other.rows, other.columns, values
-        return found
+        result = cls.__new__(cls)
+        result.shape, result.rows, result.columns, result.values = (
+            other.shape,
+            other.rows,
+            other.columns,
+            values,
+        )
+        return result
 
     def times(self, vector: Array) -> Array:
         """Matrix times vector."""
@@ -76,15 +81,15 @@ class Sparse:
 
     def toarray(self) -> Array:
         """As a dense matrix."""
-        found = np.zeros(self.shape)
-        found[self.rows, self.columns] = self.values
-        return found
+        result = np.zeros(self.shape)
+        result[self.rows, self.columns] = self.values
+        return result
 
     def diagonal(self) -> Array:
         """The entries of the diagonal."""
-        found, own = np.zeros(min(self.shape)), self.rows == self.columns
-        found[self.rows[own]] = self.values[own]
-        return found
+        result, own = np.zeros(min(self.shape)), self.rows == self.columns
+        result[self.rows[own]] = self.values[own]
+        return result
 
     def solver(self, added: float) -> Callable[[Array], Array]:
         """What solves (A + added I) x = b, for a symmetric A without negative eigenvalues and a positive
@@ -104,9 +109,9 @@ class Sparse:
                 return np.stack([solution(one) for one in right.T], axis=1)
             x = right[order]
             call("substitute_back", factors, start, first, x, size)
-            found = np.empty(size)
-            found[order] = x
-            return found
+            result = np.empty(size)
+            result[order] = x
+            return result
 
         return solution
 
@@ -114,22 +119,22 @@ class Sparse:
         """The rows of each part into which a symmetric matrix falls, in rising order."""
         neighbours = _neighbours(self.shape[0], self.rows, self.columns)
         met: set[int] = set()
-        found = []
+        result = []
         for node in range(self.shape[0]):
             if node not in met:
                 part = [one for level in _levels(neighbours, node) for one in level]
                 met |= set(part)
-                found.append(np.array(sorted(part), dtype=np.intp))
-        return found
+                result.append(np.array(sorted(part), dtype=np.intp))
+        return result
 
 
 def _neighbours(size: int, rows: Places, columns: Places) -> list[list[int]]:
     """Which nodes each node of a symmetric pattern is joined to, in rising order."""
-    found: list[list[int]] = [[] for _ in range(size)]
+    result: list[list[int]] = [[] for _ in range(size)]
     for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
         if row != column:
-            found[row].append(column)
-    return found
+            result[row].append(column)
+    return result
 
 
 def _levels(neighbours: list[list[int]], node: int) -> list[list[int]]:

@@ -36,11 +36,11 @@ def periodic(places: Places, values: Places) -> list[Row]:
     if n == 1:
         return _rows(closed, h, slopes, [0.0, 0.0])
     if n == 2:  # both entries beside the diagonal lie in one place
-        beside = h[0] + h[1]
-        scale = diagonal[0] * diagonal[1] - beside * beside
+        off_diagonal = h[0] + h[1]
+        scale = diagonal[0] * diagonal[1] - off_diagonal * off_diagonal
         first, second = (
-            (right[0] * diagonal[1] - right[1] * beside) / scale,
-            (right[1] * diagonal[0] - right[0] * beside) / scale,
+            (right[0] * diagonal[1] - right[1] * off_diagonal) / scale,
+            (right[1] * diagonal[0] - right[0] * off_diagonal) / scale,
         )
         return _rows(closed, h, slopes, [first, second, first])
     corner = h[n - 1]
@@ -68,11 +68,11 @@ def monotone(places: Places, values: Places) -> list[Row]:
         else:
             rates.append(0.0)
     rates.append(_end(h[-1], h[-2], slopes[-1], slopes[-2]))
-    found = []
+    rows = []
     for k in range(len(h)):
         bend = (rates[k] + rates[k + 1] - 2.0 * slopes[k]) / h[k]
-        found.append((float(values[k]), rates[k], (slopes[k] - rates[k]) / h[k] - bend, bend / h[k]))
-    return found
+        rows.append((float(values[k]), rates[k], (slopes[k] - rates[k]) / h[k] - bend, bend / h[k]))
+    return rows
 
 
 def value_at(starts: Places, rows: Sequence[Row], x: float) -> float:
@@ -94,31 +94,31 @@ def _steps(places: Places, values: Places) -> tuple[list[float], list[float]]:
 
 def _end(h: float, beyond: float, slope: float, after: float) -> float:
     """Slope at an end from three points, held to what keeps the piece monotone."""
-    found = ((2.0 * h + beyond) * slope - h * after) / (h + beyond)
-    if found * slope <= 0.0:
+    rows = ((2.0 * h + beyond) * slope - h * after) / (h + beyond)
+    if rows * slope <= 0.0:
         return 0.0
-    return 3.0 * slope if slope * after <= 0.0 and abs(found) > 3.0 * abs(slope) else found
+    return 3.0 * slope if slope * after <= 0.0 and abs(rows) > 3.0 * abs(slope) else rows
 
 
-def _tridiagonal(diagonal: Places, beside: Places, right: Places) -> list[float]:
+def _tridiagonal(diagonal: Places, off_diagonal: Places, right: Places) -> list[float]:
     """Solution of a symmetric matrix of three diagonals, of which the middle one is the largest in each row."""
     pivots, sums = [*diagonal], [*right]
     for k in range(1, len(pivots)):
-        factor = beside[k - 1] / pivots[k - 1]
-        pivots[k] = pivots[k] - factor * beside[k - 1]
+        factor = off_diagonal[k - 1] / pivots[k - 1]
+        pivots[k] = pivots[k] - factor * off_diagonal[k - 1]
         sums[k] = sums[k] - factor * sums[k - 1]
     for k in range(len(pivots) - 1, -1, -1):
-        after = beside[k] * sums[k + 1] if k < len(pivots) - 1 else 0.0
+        after = off_diagonal[k] * sums[k + 1] if k < len(pivots) - 1 else 0.0
         sums[k] = (sums[k] - after) / pivots[k]
     return sums
 
 
 def _rows(values: Places, h: Places, slopes: Places, curvature: Places) -> list[Row]:
     """Coefficients from values and second derivatives."""
-    found = []
+    rows = []
     for k, step in enumerate(h):
         a, b = curvature[k], curvature[k + 1]
-        found.append(
+        rows.append(
             (float(values[k]), slopes[k] - step * (2.0 * a + b) / 6.0, 0.5 * a, (b - a) / (6.0 * step))
         )
-    return found
+    return rows

@@ -339,7 +339,7 @@ class Lanes:
         for lane, member in self.next.items():
             if member is not None:
                 assembly = member.assembly
-                simulation = self.starter.begun(assembly.state, assembly.tables, np.stack(bounds(assembly)))
+                simulation = self.starter.started(assembly.state, assembly.tables, np.stack(bounds(assembly)))
                 member.start(simulation.state + 0.0)
                 self.members[lane], self.begins[lane] = (
                     member,

@@ -24,7 +24,7 @@ from ..kernels.blocks import BY_NAME
 from ..kernels.topology import Topology
 from ..kinematics.mobility import Mobility
 from ..laws import ContactLaw, FrictionLaw
-from ..laws.stored import kept as kept_laws
+from ..laws.stored import law_entries as kept_laws
 from ..laws.stored import standing_in
 from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces

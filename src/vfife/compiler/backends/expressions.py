@@ -12,7 +12,7 @@ from .llvm import BINARY, ORDER, literal
 INTEGER = {"+": "add nsw", "-": "sub nsw", "*": "mul nsw"}
 SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 COMPARED = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
-WHOLE = {">": "sgt", "<": "slt", ">=": "sge", "<=": "sle", "==": "eq", "!=": "ne"}
+INTEGER_ORDER = {">": "sgt", "<": "slt", ">=": "sge", "<=": "sle", "==": "eq", "!=": "ne"}
 
 
 TURNED = {">": "<", "<": ">", ">=": "<=", "<=": ">="}  # the same with its sides exchanged
@@ -23,9 +23,9 @@ class Blocks:
 
     def __init__(self, name: str) -> None:
         self.name, self.line = name, 1
-        self.begin_anew()
+        self.restart()
 
-    def begin_anew(self) -> None:
+    def restart(self) -> None:
         """Nothing is written yet."""
         self.first: list[str] = []
         self.out: list[str] = []
@@ -103,9 +103,9 @@ class Expressions(Blocks):
 
     places: dict[str, Value]
     bound: dict[str, Value]
-    given: set[str]  # names that have a value on every way to here
+    assigned: set[str]  # names that have a value on every way to here
 
-    def known(
+    def resolve(
         self, node: ast.AST, name: str, kinds: tuple[Kind, ...]
     ) -> tuple[str, Kind | None] | External | None:
         """Name in LLVM's text of another function, and the kind of its answer; None where there is no such
@@ -162,7 +162,7 @@ class Expressions(Blocks):
     def _name(self, node: ast.Name) -> Value:
         if node.id in self.bound:
             return self.bound[node.id]
-        if node.id not in self.given:
+        if node.id not in self.assigned:
             self.refuse(node, f"{node.id} may be used before it has a value")
         return self.load(self.places[node.id])
 
@@ -205,10 +205,10 @@ class Expressions(Blocks):
 
     def item(self, kind: str, place: str) -> Value:
         """What lies at an address."""
-        found = self.fresh(f"load {TYPES[kind]}, ptr {place}")
+        result = self.fresh(f"load {TYPES[kind]}, ptr {place}")
         if kind == "u":
-            return Value("i", (self.fresh(f"zext i32 {found} to i64"),))
-        return Value("i" if kind == "l" else kind, (found,))
+            return Value("i", (self.fresh(f"zext i32 {result} to i64"),))
+        return Value("i" if kind == "l" else kind, (result,))
 
     def _unaryop(self, node: ast.UnaryOp) -> Value:
         if isinstance(node.op, ast.Not):
@@ -243,8 +243,8 @@ class Expressions(Blocks):
     ) -> Value:
         """One operation on two numbers; an integer beside a number becomes one, as in Python."""
         sign = SIGNS.get(type(operator))
-        whole = left.kind == right.kind == "i"
-        if sign is not None and whole and sign != "/":
+        integers = left.kind == right.kind == "i"
+        if sign is not None and integers and sign != "/":
             return Value("i", (self.fresh(f"{INTEGER[sign]} i64 {left.parts[0]}, {right.parts[0]}"),))
         if sign is not None:
             return Value(
@@ -253,7 +253,7 @@ class Expressions(Blocks):
             )
         if not isinstance(operator, ast.FloorDiv | ast.Mod):
             self._unknown(node)
-        if not whole or not positive(divisor):
+        if not integers or not positive(divisor):
             self.refuse(
                 node,
                 "// and % are of integers, by one that is written there or by max(..., 1), so that it is"
@@ -263,18 +263,18 @@ class Expressions(Blocks):
         a, b = left.parts[0], right.parts[0]
         quotient, rest = self.fresh(f"sdiv i64 {a}, {b}"), self.fresh(f"srem i64 {a}, {b}")
         below = self.fresh(f"icmp slt i64 {rest}, 0")
-        found, other = (
+        result, other = (
             (quotient, f"add i64 {quotient}, -1")
             if isinstance(operator, ast.FloorDiv)
             else (rest, f"add i64 {rest}, {b}")
         )
-        return Value("i", (self.fresh(f"select i1 {below}, i64 {self.fresh(other)}, i64 {found}"),))
+        return Value("i", (self.fresh(f"select i1 {below}, i64 {self.fresh(other)}, i64 {result}"),))
 
     def _compare(self, node: ast.Compare) -> Value:
         """In a chain Python leaves out what follows a comparison that fails; here all is computed, so that
         has to be without effect.
         """
-        left, found = self.value(node.left), ""
+        left, result = self.value(node.left), ""
         for k, (operator, other) in enumerate(zip(node.ops, node.comparators, strict=True)):
             if k and not isinstance(other, ast.Name | ast.Constant) and not _length(other):
                 self.refuse(node, "the last part of a chain is a name or a number; write `a < b and b < c`")
@@ -285,31 +285,33 @@ class Expressions(Blocks):
                 left,
                 right,
             )
-            found = self.fresh(f"and i1 {found}, {one}") if found else one
+            result = self.fresh(f"and i1 {result}, {one}") if result else one
             left = right
-        return Value("b", (found,))
+        return Value("b", (result,))
 
     def compared(self, node: ast.AST, sign: str, left: Value, right: Value) -> str:
         """Whether two numbers compare so."""
         if left.kind == right.kind and left.kind in ("b", "i"):
             if left.kind == "b" and sign not in ("==", "!="):
                 self.refuse(node, "truths are equal or not, and neither is the larger")
-            return self.fresh(f"icmp {WHOLE[sign]} {TYPES[str(left.kind)]} {left.parts[0]}, {right.parts[0]}")
+            return self.fresh(
+                f"icmp {INTEGER_ORDER[sign]} {TYPES[str(left.kind)]} {left.parts[0]}, {right.parts[0]}"
+            )
         if left.kind == "d" and right.kind == "i":
             return self.compared(node, TURNED.get(sign, sign), right, left)
         if left.kind == "i" and right.kind == "d" and not small(left):
             return self._exactly(sign, left.parts[0], right.parts[0])
         return self.fresh(f"fcmp {ORDER[sign]} double {self.number(node, left)}, {self.number(node, right)}")
 
-    def _exactly(self, sign: str, whole: str, number: str) -> str:
+    def _exactly(self, sign: str, integers: str, number: str) -> str:
         """Whether an integer and a number compare so, as Python has it: where the integer rounds to the
         number, what it rounds to decides.
         """
-        rounded = self.fresh(f"sitofp i64 {whole} to double")
+        rounded = self.fresh(f"sitofp i64 {integers} to double")
         back = self.fresh(f"call i64 @llvm.fptosi.sat.i64.f64(double {rounded})")
         equal, tie = (
             self.fresh(f"fcmp oeq double {rounded}, {number}"),
-            self.fresh(f"icmp {WHOLE[sign]} i64 {whole}, {back}"),
+            self.fresh(f"icmp {INTEGER_ORDER[sign]} i64 {integers}, {back}"),
         )
         if sign == "!=":
             return self.fresh(f"or i1 {self.fresh(f'xor i1 {equal}, true')}, {tie}")
@@ -334,9 +336,11 @@ class Expressions(Blocks):
             (truth,) = value.parts
             self.store(place, value)
             if k < len(node.values) - 1:
-                more = self.label("more")
-                self.fork(truth, *((more, after) if isinstance(node.op, ast.And) else (after, more)))
-                self.begin(more)
+                following = self.label("more")
+                self.fork(
+                    truth, *((following, after) if isinstance(node.op, ast.And) else (after, following))
+                )
+                self.begin(following)
         self.go(after)
         self.begin(after)
         return self.load(place)
@@ -363,8 +367,8 @@ class Expressions(Blocks):
         return self.load(place)
 
     def _call(self, node: ast.Call) -> Value:
-        found = self.call(node)
-        return found if found is not None else self.refuse(node, "this function returns nothing")
+        result = self.call(node)
+        return result if result is not None else self.refuse(node, "this function returns nothing")
 
     def call(self, node: ast.Call) -> Value | None:
         """Calls a function; None where it returns nothing."""
@@ -372,18 +376,20 @@ class Expressions(Blocks):
         if node.keywords:
             self.refuse(node, "arguments are given by their place, not by name")
         values = [self.value(one) for one in node.args]
-        found = self.known(node, name, tuple(value.kind for value in values))
-        if isinstance(found, External):
+        result = self.resolve(node, name, tuple(value.kind for value in values))
+        if isinstance(result, External):
             parts = [part for value in values for part in value.parts]
             types = [one for value in values for one in types_of(value.kind)]
-            return self._called(name, found.answer, ", ".join(f"{types[k]} {parts[k]}" for k in found.passed))
-        if found is not None:
-            given = ", ".join(
+            return self._called(
+                name, result.answer, ", ".join(f"{types[k]} {parts[k]}" for k in result.passed)
+            )
+        if result is not None:
+            arguments = ", ".join(
                 f"{one} {part}"
                 for value in values
                 for one, part in zip(types_of(value.kind), value.parts, strict=True)
             )
-            return self._called(*found, given)
+            return self._called(*result, arguments)
         if name in ("min", "max") and len(values) > 1:
             return self._best(node, ">" if name == "max" else "<", values)
         if name not in ("len", "float", "int", "abs", "math.sqrt") or len(values) != 1:
@@ -432,15 +438,15 @@ class Expressions(Blocks):
             )
         return best
 
-    def _called(self, symbol: str, answer: Kind | None, given: str) -> Value | None:
+    def _called(self, symbol: str, answer: Kind | None, arguments: str) -> Value | None:
         if answer is None:
-            self.out.append(f"  call void @{symbol}({given})")
+            self.out.append(f"  call void @{symbol}({arguments})")
             return None
-        whole, size = self.fresh(f"call {answered(answer)} @{symbol}({given})"), len(types_of(answer))
+        integers, size = self.fresh(f"call {answered(answer)} @{symbol}({arguments})"), len(types_of(answer))
         if size == 1:
-            return Value(answer, (whole,))
+            return Value(answer, (integers,))
         return Value(
-            answer, tuple(self.fresh(f"extractvalue {answered(answer)} {whole}, {k}") for k in range(size))
+            answer, tuple(self.fresh(f"extractvalue {answered(answer)} {integers}, {k}") for k in range(size))
         )
 
 

@@ -28,7 +28,7 @@ TILE = 32
 # a run, as the driver takes them.
 SHARED = None
 ARGUMENTS: dict[str, str | None] = {
-    "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "", "kept": SHARED, "keeping": "",
+    "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "", "recorded": SHARED, "keeping": "",
     "extremes": SHARED, "resetting": "", "sound": SHARED, "finite": "", "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1",
     "due": "1", "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
 }  # fmt: skip
@@ -37,7 +37,7 @@ ARGUMENTS: dict[str, str | None] = {
 # loop, and ``shares`` are of the start, which is taken elsewhere.
 LENGTHS = {
     "T": "%stride",
-    "kept": "%keeping",
+    "recorded": "%keeping",
     "extremes": "%resetting",
     "sound": "%finite",
     "limited": "%limiting",
@@ -78,18 +78,18 @@ class Thread(Lane):
         self.out.append(f"  {name} = phi double [ {first}, %{blocks[0]} ], [ {second}, %{blocks[1]} ]")
 
 
-def fast_steps(step: Trace, found: list[Function], layout: Layout) -> str:
+def fast_steps(step: Trace, functions: list[Function], layout: Layout) -> str:
     """``fast_steps(S, Q, T, numbers, n0, count)`` as that of ``llvm.py``, with rows in registers: read before the
     first step, written after the last.
     """
     w = Thread(TILE)
     own = {
-        row for f in found for row in f.rows
+        row for f in functions for row in f.rows
     }  # made before a step, not by it: of these, %p is what the step before had
     after = {row: f"%v{row}" for row in own} | {row: w.value(value) for row, value in step.stores.items()}
     before = {row: f"%{'p' if row in own else 'v'}{row}" for row in after}
     names = {
-        *rows_used([*step.operations, *(o for f in found for o in f.operations)]),
+        *rows_used([*step.operations, *(o for f in functions for o in f.operations)]),
         *filter(is_row, step.stores.values()),
     }
     still = {int(str(name)[1:]) for name in names} - after.keys() | {layout.row("step"), layout.row("shift")}
@@ -98,7 +98,7 @@ def fast_steps(step: Trace, found: list[Function], layout: Layout) -> str:
     w.out += ["  br label %body", "body:", "  %step = phi i64 [ %n0, %entry ], [ %next, %common ]"]
     for row in after:
         w.phi(before[row], f"%e{row}", after[row], ("entry", "common"))
-    _search(w, found, layout)
+    _search(w, functions, layout)
     w.truths = frozenset(step.truths)
     for operation in streamed(step, False):
         w.operation(operation)
@@ -126,17 +126,17 @@ entry:
 """
 
 
-def _search(w: Thread, found: list[Function], layout: Layout) -> None:
+def _search(w: Thread, functions: list[Function], layout: Layout) -> None:
     """Number of the step, and functions there."""
     w.out += [f"  %{STEP_NUMBER} = sitofp i64 %step to double"]
-    if not found:
+    if not functions:
         return
     dt, shift = (f"%v{layout.row(name)}" for name in ("step", "shift"))
     ahead = w.fresh(f"sitofp i64 {w.fresh('add i64 %step, 1')} to double")
     for name, n in (("time", f"%{STEP_NUMBER}"), ("after", ahead)):
         w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double {n}, {shift}')}, {dt}")
     w.out += [f"  %ahead = select i1 true, double {dt}, double 0.0"]
-    for number, f in enumerate(found):
+    for number, f in enumerate(functions):
         w.mark = f"f{number}"
         for row, value in zip(f.rows, w.function(f), strict=True):
             w.out.append(f"  %v{row} = select i1 true, double {value}, double 0.0")
@@ -162,9 +162,9 @@ def member(layout: Layout) -> str:
         else:
             lines.append(f"  %{name}.first = mul i64 %m, {rows}")
         lines.append(f"  %{name}.own = getelementptr double, ptr %{name}, i64 %{name}.first")
-    given = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
+    arguments = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
     body = "\n".join(lines)
-    return f"""define void @member({given}, i64 %m) {{
+    return f"""define void @member({arguments}, i64 %m) {{
 entry:
 {body}
   %has = load i64, ptr %at.own, align 8
@@ -207,17 +207,17 @@ def module(topology: Topology, driver: str) -> str:
 
 def kernel() -> str:
     """``simulate(...)``: ``member`` for each thread."""
-    given = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
+    arguments = ", ".join(f"{kind(size)} %{name}" for name, size in ARGUMENTS.items())
     return f"""declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
 declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
-define ptx_kernel void @simulate({given}) {{
+define ptx_kernel void @simulate({arguments}) {{
   %block = call i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
   %thread = call i32 @llvm.nvvm.read.ptx.sreg.tid.x()
   %block.long = zext i32 %block to i64
   %thread.long = zext i32 %thread to i64
   %before = mul i64 %block.long, {TILE}
   %m = add i64 %before, %thread.long
-  call void @member({given}, i64 %m)
+  call void @member({arguments}, i64 %m)
   ret void
 }}
 """

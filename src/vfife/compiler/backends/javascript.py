@@ -22,7 +22,7 @@ from typing import NoReturn
 from ...errors import SourceError
 from ...kernels.arrays import Layout
 from ...kernels.topology import Topology
-from ..trace.schedule import Line, Load, Store, Test, ordered, streamed, woven
+from ..trace.schedule import Line, Load, Store, Test, in_place, ordered, streamed
 from ..trace.straight_line import Function, steps_of
 from ..trace.tape import Operand, rows_used
 from .expressions import written as written_integer
@@ -221,14 +221,14 @@ def line(one: Line) -> str:
     return f"const {one.name} = {pattern.format(*map(operand, one.operands))};"
 
 
-def time_functions(found: list[Function], layout: Layout) -> Iterable[str]:
+def time_functions(functions: list[Function], layout: Layout) -> Iterable[str]:
     """Functions at step n, as the data-driven loop has them."""
     step, shift = (layout.row(name) for name in ("step", "shift"))
     yield (
         f"const dt = S[{step}], ahead = n === 0 ? 0 : dt, time = (n + S[{shift}]) * dt, after = (n + 1 +"
         f" S[{shift}]) * dt;"
     )
-    for f in found:
+    for f in functions:
         yield "{"
         yield from (f"const {name} = S[{name[1:]}];" for name in rows_used(f.operations))
         yield from map(line, f.operations)
@@ -249,13 +249,13 @@ def module(topology: Topology, also: Iterable[int] = ()) -> str:
     ``also`` are scratch rows that it leaves.
     """
     steps = steps_of(topology, tuple(also))
-    fast, full = steps.fast, woven(steps.full, streamed(steps.full))
-    change = map(line, woven(steps.resize, streamed(steps.resize)))
+    fast, full = steps.fast, in_place(steps.full, streamed(steps.full))
+    change = map(line, in_place(steps.resize, streamed(steps.resize)))
     parts = [
         script(driver_source("advance") + ONE_LANE, (*STEPS, "fast_step")),
         definition("functions(S, T, I, n)", time_functions(steps.functions, Layout(topology))),
         definition("resize(S, I, C)", ["const [size, shift, repeated] = C;", *change]),
-        definition("fast_step(S, n)", [*map(line, woven(fast, ordered(fast))), "return true;"]),
+        definition("fast_step(S, n)", [*map(line, in_place(fast, ordered(fast))), "return true;"]),
         definition("full_step(S, T, I, n)", ["functions(S, T, I, n);", *map(line, full)]),
     ]
     return "\n".join(parts)

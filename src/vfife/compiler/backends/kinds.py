@@ -72,12 +72,12 @@ def types_of(kind: Kind) -> list[str]:
 
 def members(value: Value) -> list[Value]:
     """The values of a tuple."""
-    found, place = [], 0
+    values, place = [], 0
     for kind in value.kind if isinstance(value.kind, tuple) else ():
         size = len(types_of(kind))
-        found.append(Value(kind, value.parts[place : place + size]))
+        values.append(Value(kind, value.parts[place : place + size]))
         place += size
-    return found
+    return values
 
 
 def joined(values: list[Value]) -> Value:
@@ -126,15 +126,15 @@ def listed(arguments: str) -> list[str]:
 
 def kinds_of(arguments: str) -> list[Any]:
     """The kinds that words stand for."""
-    found: list[Any] = []
+    kinds: list[Any] = []
     for word in arguments.removeprefix("->").replace("(", "( ").replace(")", " )").split():
         if word == "(":
-            outer, found = found, []
+            outer, kinds = kinds, []
         elif word == ")":
-            found = [*outer, tuple(found)]
+            kinds = [*outer, tuple(kinds)]
         else:
-            found.append(Array(ITEMS[word[0]], int(word[1:])) if word[0] in ITEMS else word)
-    return found
+            kinds.append(Array(ITEMS[word[0]], int(word[1:])) if word[0] in ITEMS else word)
+    return kinds
 
 
 # The loop driver's functions, and the kinds of their arguments.

@@ -17,13 +17,13 @@ from ..trace.schedule import (
     Load,
     Store,
     Test,
-    apart,
+    double_buffered,
+    in_place,
     ordered,
     reread,
     settled,
     steady,
     streamed,
-    woven,
 )
 from ..trace.straight_line import Function
 from ..trace.tangent import Tangents, named, of_time
@@ -239,7 +239,7 @@ def fast_steps(step: Trace, width: int, changing: Collection[int], arranged: boo
     before, w.out = "\n".join(w.out), []
     w.begin(bool(changing))
     order = list(step.operations) if arranged else ordered(step, not twice)
-    last = w.lines(reread(apart(step, order) if twice else woven(step, order)))
+    last = w.lines(reread(double_buffered(step, order) if twice else in_place(step, order)))
     body, w.out = "\n".join(w.out), []
     for row, value in same.items():
         w.store(row, value)
@@ -296,7 +296,7 @@ def full_step(step: Trace, width: int, searching: bool, fast: bool, stride: int 
     w = Writer(width, step.truths, stride=stride)
     care = f"noinline{w.framed}" if fast else "noinline optnone"
     w.begin(searching)
-    w.lines(reread(woven(step, ordered(step))) if fast else woven(step, streamed(step)))
+    w.lines(reread(in_place(step, ordered(step))) if fast else in_place(step, streamed(step)))
     body = "\n".join(w.out)
     return f"""define internal void @full_step(ptr noalias %S, ptr noalias %T, i64 %numbers, i64 %step) {care} {{
   %going = icmp sge i64 %step, 0
@@ -309,7 +309,7 @@ never:
 
 
 def time_functions(
-    found: list[Function],
+    functions: list[Function],
     width: int,
     layout: Layout,
     moving: Iterable[int],
@@ -322,7 +322,7 @@ def time_functions(
     With ``directions`` the tables of a lane are followed by those of their derivatives, and these by the
     derivatives of its numbers in each.
     """
-    if not found:
+    if not functions:
         return f"define internal {FUNCTIONS} alwaysinline {{\n  ret void\n}}\n"
     w = Lane(stride or width, moving)
     if directions:
@@ -333,7 +333,7 @@ def time_functions(
     for name, n in (("time", "nd"), ("after", "md")):
         w.out.append(f"  %{name} = fmul double {w.fresh(f'fadd double %{n}, {shift}')}, {dt}")
     w.out.append(f"  %ahead = select i1 %start, double 0.0, double {dt}")
-    for number, f in enumerate(found):
+    for number, f in enumerate(functions):
         run = Tangents(layout.rows, directions)
         run.slopes |= of_time(layout.row("step"))(run) if directions else {}
         run.run(f.operations)
@@ -357,14 +357,12 @@ def time_functions(
             own = w.fresh(f"add i64 {table}, {w.fresh(f'mul i64 %length, {k + 2}')}")
             slope, after = (w.value(named(one[k])) for one in slopes)
             parts = w.polynomial(own, argument)
-            found_slopes = [
+            rates = [
                 w.along(part, rate, slope)
                 for part, rate in zip(parts[:3], (values[1], values[2], third), strict=True)
             ]
-            next_slope = (
-                w.along(w.polynomial(own, "%after")[0], later[1], after) if f.of_time else found_slopes[0]
-            )
-            for row, value in zip(f.rows, (*found_slopes, w.value(0.0), next_slope), strict=True):
+            next_slope = w.along(w.polynomial(own, "%after")[0], later[1], after) if f.of_time else rates[0]
+            for row, value in zip(f.rows, (*rates, w.value(0.0), next_slope), strict=True):
                 w.out.append(f"  store double {value}, ptr {w.row(row + (k + 1) * layout.rows)}, align 8")
     body = "\n".join(w.out)
     return f"""define internal {FUNCTIONS} noinline {{
@@ -395,7 +393,7 @@ def resize(change: Trace, width: int, stride: int = 0) -> str:
     w = Writer(width, change.truths, stride=stride)
     for row, name in enumerate(("size", "shift", "repeated")):
         w.out.append(f"  %{name} = load {w.number}, ptr {w.row(row, 'C')}, align {8 * width}")
-    w.lines(woven(change, streamed(change)))
+    w.lines(in_place(change, streamed(change)))
     body = "\n".join(w.out)
     return f"""define internal void @resize(ptr noalias %S, ptr noalias %C) noinline optnone {{
   %going = icmp ne ptr %S, null

@@ -76,25 +76,25 @@ def processor_driver() -> str:
 class Pieces(NamedTuple):
     """Two modules: what every step needs, and what few do; whether the last is made with the least effort."""
 
-    often: str
-    seldom: str
+    frequent: str
+    rare: str
     hurried: bool
 
 
 def pieces(topology: Topology, width: int, directions: int = 0) -> Pieces:
     """The modules of a step; with ``directions``, of a state that has its derivatives behind it."""
     steps = derived(topology, directions)
-    often, seldom = often_needed(topology, steps, width, directions), seldom_needed(steps, width)
-    return Pieces(_module(width, often), _module(width, [FUNCTIONS, *seldom]), not is_short(steps))
+    frequent, rare = frequent_texts(topology, steps, width, directions), rare_texts(steps, width)
+    return Pieces(_module(width, frequent), _module(width, [FUNCTIONS, *rare]), not is_short(steps))
 
 
 def module(topology: Topology, width: int, directions: int = 0) -> str:
     """All of a step as one module, to read it."""
     steps = derived(topology, directions)
-    return _module(width, [*often_needed(topology, steps, width, directions), *seldom_needed(steps, width)])
+    return _module(width, [*frequent_texts(topology, steps, width, directions), *rare_texts(steps, width)])
 
 
-def often_needed(topology: Topology, steps: Steps, width: int, directions: int = 0) -> list[str]:
+def frequent_texts(topology: Topology, steps: Steps, width: int, directions: int = 0) -> list[str]:
     """What every step needs: functions of time, where there are any, and the fast step."""
     layout = Layout(topology)
     rows = {row + k * layout.rows for f in steps.functions for row in f.rows for k in range(directions + 1)}
@@ -104,7 +104,7 @@ def often_needed(topology: Topology, steps: Steps, width: int, directions: int =
     ]
 
 
-def seldom_needed(steps: Steps, width: int) -> list[str]:
+def rare_texts(steps: Steps, width: int) -> list[str]:
     """What few steps need: the full step, and the change of a step's size."""
     return [full_step(steps.full, width, bool(steps.functions), is_short(steps)), resize(steps.resize, width)]
 

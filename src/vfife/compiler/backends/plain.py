@@ -24,7 +24,7 @@ from .expressions import Expressions, written
 from .kinds import TYPES, Array, External, Kind, Value, answered, members, named, types_of
 
 # Called from several places: written into each, they would be compiled as often.
-APART = (
+NOINLINE = (
     "step",
     "functions",
     "resize",
@@ -75,10 +75,10 @@ class Module:
             raise SourceError(f"{name} calls itself")
         if (name, kinds) not in self.known:
             self.under_way.append(name)
-            made = Function(self, name, kinds, f'"{name}.{len(self.known) + len(self.under_way)}"')
+            function = Function(self, name, kinds, f'"{name}.{len(self.known) + len(self.under_way)}"')
             self.under_way.pop()
-            self.texts.append(made.text())
-            self.known[name, kinds] = made.symbol, made.answer
+            self.texts.append(function.text())
+            self.known[name, kinds] = function.symbol, function.answer
         return self.known[name, kinds]
 
 
@@ -102,9 +102,9 @@ def library_text(
             "void" if kind is None else answered(kind),
             ", ".join(place.replace(" noalias", "") for place in places),
         )
-        given, back = ("", "void") if kind is None else ("%x = ", f"{answer} %x")
+        parameters, back = ("", "void") if kind is None else ("%x = ", f"{answer} %x")
         head = f'define {answer} @{entry}({", ".join(places)}) "stackrealign" {attributes}'
-        calls.append(f"{head} {{\n  {given}call {answer} @{symbol}({names})\n  ret {back}\n}}\n")
+        calls.append(f"{head} {{\n  {parameters}call {answer} @{symbol}({names})\n  ret {back}\n}}\n")
     return "\n".join(
         [DECLARED, *(one.declared(name) for name, one in module.external.items()), *module.texts, *calls]
     )
@@ -123,7 +123,7 @@ class Function(Expressions):
 
     def text(self) -> str:
         """Its definition."""
-        inlined = "noinline" if self.name in APART else "alwaysinline"
+        inlined = "noinline" if self.name in NOINLINE else "alwaysinline"
         answer = "void" if self.answer is None else answered(self.answer)
         return (
             f"define internal {answer} @{self.symbol}({self.arguments}) {inlined} {self.module.attributes}"
@@ -134,19 +134,21 @@ class Function(Expressions):
         self.places: dict[str, Value] = {}
         self.bound: dict[str, Value] = {}  # arrays, which are never assigned again
         self.loops: list[tuple[str, str]] = []
-        self.given: set[str] = set()
-        given, form = self.tree.args.args, self.tree.args
+        self.assigned: set[str] = set()
+        parameters, form = self.tree.args.args, self.tree.args
         if form.vararg or form.kwarg or form.kwonlyargs or form.posonlyargs or form.defaults:
             self.refuse(form, "a function takes plain arguments without defaults")
-        if len(given) != len(self.kinds):
-            self.refuse(form, f"{self.name} takes {len(given)} arguments and was given {len(self.kinds)}")
-        apart, texts = self.name in APART, []
-        for argument, kind in zip(given, self.kinds, strict=True):
+        if len(parameters) != len(self.kinds):
+            self.refuse(
+                form, f"{self.name} takes {len(parameters)} arguments and was given {len(self.kinds)}"
+            )
+        separate, texts = self.name in NOINLINE, []
+        for argument, kind in zip(parameters, self.kinds, strict=True):
             parts = []
             for one in types_of(kind):
                 self.count += 1
                 parts.append(f"%a{self.count}")
-                texts.append(f"{one} {'noalias ' if one == 'ptr' and apart else ''}%a{self.count}")
+                texts.append(f"{one} {'noalias ' if one == 'ptr' and separate else ''}%a{self.count}")
             self.assign(argument, argument.arg, Value(kind, tuple(parts)))
         self.arguments = ", ".join(texts)
         self.block(self.tree.body)
@@ -160,7 +162,7 @@ class Function(Expressions):
         self.first.append(f"  br label %{self.label('start')}")
         self.out.insert(0, f"{self.first[-1].rpartition('%')[2]}:")
 
-    def known(
+    def resolve(
         self, node: ast.AST, name: str, kinds: tuple[Kind, ...]
     ) -> tuple[str, Kind | None] | External | None:
         """A function of the same text or of another module."""
@@ -176,7 +178,7 @@ class Function(Expressions):
             for one, kind in zip(getattr(node, "args", []), kinds, strict=True)
             if isinstance(kind, Array)
         ]
-        if name in APART and len(set(arrays)) < len(arrays):
+        if name in NOINLINE and len(set(arrays)) < len(arrays):
             self.refuse(
                 node,
                 "the same array is given twice, and the function is compiled for arrays that do not overlap",
@@ -262,20 +264,20 @@ class Function(Expressions):
             self.places[name] = self.room(value.kind)
         self.same(node, self.places[name].kind, value.kind)
         self.store(self.places[name], value)
-        self.given.add(name)
+        self.assigned.add(name)
 
     def _if(self, statement: ast.If) -> None:
         yes, no, after = (self.label(name) for name in ("then", "else", "after"))
         self.fork(self.truth(statement.test), yes, no)
-        before, given = set(self.given), []
+        before, parameters = set(self.assigned), []
         for label, statements in ((yes, statement.body), (no, statement.orelse)):
-            self.given = set(before)
+            self.assigned = set(before)
             self.begin(label)
             self.block(statements)
-            given += [] if self.ended else [self.given]
+            parameters += [] if self.ended else [self.assigned]
             self.go(after)
-        if given:
-            self.given = set.intersection(*given)
+        if parameters:
+            self.assigned = set.intersection(*parameters)
             self.begin(after)
 
     def _while(self, statement: ast.While) -> None:
@@ -284,9 +286,9 @@ class Function(Expressions):
         self.begin(again)
         self.fork(self.truth(statement.test), body, after)
         self.begin(body)
-        before = set(self.given)
+        before = set(self.assigned)
         self._body(statement, again, after)
-        self.given = before
+        self.assigned = before
         self.begin(after)
 
     def _body(self, statement: ast.While | ast.For, again: str, after: str) -> None:
@@ -315,13 +317,13 @@ class Function(Expressions):
         now = self.load(place).parts[0]
         self.fork(self.fresh(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {end}"), body, after)
         self.begin(body)
-        before = set(self.given)
+        before = set(self.assigned)
         self.give(statement.target, item(now))
         self._body(statement, again, after)
         # A loop with a first turn, and no way around what its body says, leaves values in its names.
         turns = _digits(start) and _digits(end) and len(range(int(start), int(end), step)) > 0
-        self.given = (
-            self.given
+        self.assigned = (
+            self.assigned
             if turns and not any(isinstance(node, ast.Break | ast.Continue) for node in ast.walk(statement))
             else before
         )
@@ -336,11 +338,16 @@ class Function(Expressions):
         if isinstance(over, ast.Call) and isinstance(over.func, ast.Name) and over.func.id == "range":
             if over.keywords or not 1 <= len(over.args) <= 3:
                 self.refuse(over, "a range has one to three arguments")
-            first, *more = [self.integer(one) for one in over.args[:2]]
+            first, *others = [self.integer(one) for one in over.args[:2]]
             step = written(over.args[2]) if len(over.args) == 3 else 1
             if not step:
                 return self.refuse(over, "the step of a range is an integer that is written there, and not 0")
-            return first if more else "0", more[0] if more else first, step, lambda now: Value("i", (now,))
+            return (
+                first if others else "0",
+                others[0] if others else first,
+                step,
+                lambda now: Value("i", (now,)),
+            )
         value = self.value(over)
         if isinstance(value.kind, Array) and value.kind.dimensions == 1:
             return "0", value.parts[1], 1, self._items(value.kind.item, value.parts[0])
@@ -382,12 +389,12 @@ class Function(Expressions):
             self.out.append("  ret void")
             return
         types = types_of(kind)
-        whole = value.parts[0]
+        result = value.parts[0]
         if len(types) > 1:
-            whole = "poison"
+            result = "poison"
             for k, (one, part) in enumerate(zip(types, value.parts, strict=True)):
-                whole = self.fresh(f"insertvalue {answered(kind)} {whole}, {one} {part}, {k}")
-        self.out.append(f"  ret {answered(kind)} {whole}")
+                result = self.fresh(f"insertvalue {answered(kind)} {result}, {one} {part}, {k}")
+        self.out.append(f"  ret {answered(kind)} {result}")
 
 
 def _digits(text: str) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 from ...kernels.arrays import Layout
 from ...kernels.topology import Topology
-from ..trace.schedule import Line, Load, Store, Test, ordered, streamed, woven
+from ..trace.schedule import Line, Load, Store, Test, in_place, ordered, streamed
 from ..trace.straight_line import Function, steps_of
 from ..trace.tape import Operand, rows_used
 from .kinds import ENTRIES
@@ -42,12 +42,12 @@ def line(one: Line) -> str:
     )
 
 
-def time_functions(found: list[Function], layout: Layout) -> Iterable[str]:
+def time_functions(functions: list[Function], layout: Layout) -> Iterable[str]:
     """Functions at step n, as the data-driven loop has them."""
     yield f"dt, shift = S[{layout.row('step')}], S[{layout.row('shift')}]"
     yield "ahead = 0.0 if n == 0 else dt"
     yield "time, after = (n + shift) * dt, (n + 1 + shift) * dt"
-    for f in found:
+    for f in functions:
         yield from (f"{name} = S[{name[1:]}]" for name in rows_used(f.operations))
         yield from map(line, f.operations)
         value, rate, acceleration, kinks, following = (f"S[{row}]" for row in f.rows)
@@ -63,14 +63,14 @@ def definition(head: str, lines: Iterable[str]) -> str:
 def module(topology: Topology) -> str:
     """Text with ``advance`` and ``stream``; it wants ``sqrt``."""
     steps = steps_of(topology)
-    fast, full = steps.fast, woven(steps.full, streamed(steps.full))
-    change = map(line, woven(steps.resize, streamed(steps.resize)))
+    fast, full = steps.fast, in_place(steps.full, streamed(steps.full))
+    change = map(line, in_place(steps.resize, streamed(steps.resize)))
     parts = [
         driver_source(*ENTRIES),
         ONE_LANE,
         definition("functions(S, T, I, n)", time_functions(steps.functions, Layout(topology))),
         definition("resize(S, I, C)", ["size, shift, repeated = C[0], C[1], C[2]", *change]),
-        definition("fast_step(S, n)", [*map(line, woven(fast, ordered(fast))), "return True"]),
+        definition("fast_step(S, n)", [*map(line, in_place(fast, ordered(fast))), "return True"]),
         definition("full_step(S, T, I, n)", ["functions(S, T, I, n)", *map(line, full)]),
     ]
     return "\n\n".join(parts)

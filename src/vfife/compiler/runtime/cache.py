@@ -62,15 +62,15 @@ def _fault(folder: Path) -> str:
     ):  # without a home, or so named: it would be another one in each working folder, and anybody's
         return "the folder of the cache has to have an absolute path (VFIFE_CACHE, XDG_CACHE_HOME or HOME)"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    found = folder.lstat()
-    if not stat.S_ISDIR(found.st_mode):
+    status = folder.lstat()
+    if not stat.S_ISDIR(status.st_mode):
         return "this is no folder"
     if hasattr(os, "geteuid"):
-        if found.st_uid != os.geteuid():
+        if status.st_uid != os.geteuid():
             return "this folder belongs to another user"
-        if found.st_mode & 0o022:
+        if status.st_mode & 0o022:
             return "others can write into this folder"
-        if found.st_mode & 0o077:
+        if status.st_mode & 0o077:
             folder.chmod(0o700)
     return ""
 
@@ -91,11 +91,11 @@ def read(name: str) -> bytes | None:
     if not private(folder):
         return None
     try:
-        found = (folder / name).read_bytes()
+        stored = (folder / name).read_bytes()
     except OSError:
         return None
-    content = found[len(MAGIC) + 65 :]
-    if found != sealed(name, content):
+    content = stored[len(MAGIC) + 65 :]
+    if stored != sealed(name, content):
         return None
     with contextlib.suppress(OSError):
         os.utime(
@@ -106,8 +106,8 @@ def read(name: str) -> bytes | None:
 
 def missed() -> None:
     """Tells who wants to know that something is compiled now, which takes its time."""
-    for told in MISSED:
-        told()
+    for listener in MISSED:
+        listener()
 
 
 def keep(name: str, content: bytes) -> None:
@@ -142,16 +142,16 @@ def _prune(folder: Path, fresh: Path) -> None:
     """Removes files of the cache, those first that were not used for the longest time, until there is room
     again; never the one just made.
     """
-    found = []
+    files = []
     for path in folder.iterdir():
         with contextlib.suppress(OSError):
-            told = path.lstat()
-            if stat.S_ISREG(told.st_mode):
-                found.append((told.st_atime_ns, told.st_size, path))
-    size = sum(one for _, one, _ in found)
+            status = path.lstat()
+            if stat.S_ISREG(status.st_mode):
+                files.append((status.st_atime_ns, status.st_size, path))
+    size = sum(one for _, one, _ in files)
     if size <= MOST_BYTES:
         return
-    for _, one, path in sorted(found):
+    for _, one, path in sorted(files):
         if path != fresh and KINDS.match(path.name):
             with contextlib.suppress(OSError):
                 path.unlink()
@@ -162,10 +162,10 @@ def _prune(folder: Path, fresh: Path) -> None:
 
 def digest(parts: Iterable[bytes]) -> str:
     """Name made from all that decides a content."""
-    whole = hashlib.sha256()
+    total = hashlib.sha256()
     for part in parts:
-        whole.update(len(part).to_bytes(8, "little") + part)
-    return whole.hexdigest()[:40]
+        total.update(len(part).to_bytes(8, "little") + part)
+    return total.hexdigest()[:40]
 
 
 @lru_cache(maxsize=1)

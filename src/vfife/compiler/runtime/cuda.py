@@ -21,9 +21,9 @@ from ...kernels.arrays import Numbers as Rows
 from ...kernels.topology import Topology
 from ..backends.gpu import ARGUMENTS, LEAST, TILE
 from .ptx import program
-from .runner import PARTS, STREAM_LOOK, Begun
+from .runner import PARTS, STREAM_LOOK, Started
 
-SAID = {
+REASONS = {
     2: "its memory is full; run fewer members at once, or end what else runs on it",
     100: (
         "the driver sees no card; nvidia-smi lists those there are, and CUDA_VISIBLE_DEVICES says which of"
@@ -94,10 +94,10 @@ class Card:
         if int(code):
             word = self.driver.cuGetErrorName(code)[1]
             word = word.decode() if isinstance(word, bytes) else str(word)
-            said = SAID.get(
+            reason = REASONS.get(
                 int(code), "it is not known why; update the driver, and see whether nvidia-smi answers"
             )
-            raise DeviceError(f"device cuda: the card could not do {name} ({word}): {said}; {WITHOUT}")
+            raise DeviceError(f"device cuda: the card could not do {name} ({word}): {reason}; {WITHOUT}")
         return values[0] if values else None
 
     def enter(self) -> None:
@@ -219,14 +219,14 @@ class DeviceStream:
         numbers = np.array([1, TILE, rows, parts, STREAM_LOOK], dtype=np.int64)
         shared: dict[str, NDArray[Any]] = {
             "N": numbers,
-            "kept": handed,
+            "recorded": handed,
             "extremes": self.extremes,
             "sound": sound,
             "limited": limited,
         }
-        for name, given in shared.items():
-            self.places[name] = self.card.memory(given.nbytes)
-            self.card.put(self.places[name], given)
+        for name, array in shared.items():
+            self.places[name] = self.card.memory(array.nbytes)
+            self.card.put(self.places[name], array)
         self.numbers = {
             "stride": tables, "keeping": len(handed), "resetting": len(self.extremes), "look": STREAM_LOOK, "finite": len(sound),
             "limiting": len(limited), "room": room,
@@ -255,7 +255,7 @@ class DeviceStream:
             )
         return int(min(SHARE * free, max(MOST, tile)) / tile)
 
-    def put(self, lane: int, simulation: Begun, every: int, outputs: int) -> int:
+    def put(self, lane: int, simulation: Started, every: int, outputs: int) -> int:
         """A simulation that begins in a lane; 0 steps were made there before its own."""
         tile, at = divmod(lane, TILE)
         state = self._tile(tile)[:, at]
@@ -291,8 +291,8 @@ class DeviceStream:
             self.card.enter()
             self.card.fetch(self.places["out"] + tile * self.handed[tile].nbytes, self.handed[tile])
             self.told[tile] = True
-        found: Rows = self.handed[tile, at, : self.at[lane]] + 0.0
-        return found
+        rows: Rows = self.handed[tile, at, : self.at[lane]] + 0.0
+        return rows
 
     def _tile(self, tile: int) -> Rows:
         """States of a tile."""
@@ -300,8 +300,8 @@ class DeviceStream:
             self.card.enter()
             self.card.fetch(self.places["S"] + tile * self.S[tile].nbytes, self.S[tile])
             self.known[tile] = True
-        found: Rows = self.S[tile]
-        return found
+        rows: Rows = self.S[tile]
+        return rows
 
     def advance(self, count: int) -> None:
         """So many steps of each lane, or fewer: up to where it has its outputs, or breaks."""
@@ -314,8 +314,8 @@ class DeviceStream:
         for name in COUNTS:
             there.put(self.places[name], getattr(self, name))
         before = self.reached.copy()
-        given = self.numbers | {"count": count} | self.places
-        there.launch(self.kernel, self.lanes // TILE, TILE, [given[name] for name in ARGUMENTS])
+        array = self.numbers | {"count": count} | self.places
+        there.launch(self.kernel, self.lanes // TILE, TILE, [array[name] for name in ARGUMENTS])
         for name in COUNTS:
             there.fetch(self.places[name], getattr(self, name))
         self.done += int((self.reached - before).max())

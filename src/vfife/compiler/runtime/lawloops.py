@@ -20,7 +20,7 @@ from ..backends import javascript, python
 from ..backends.gpu import TILE
 from ..backends.llvm import full_step, operators
 from ..trace.functiontext import WRITING
-from ..trace.schedule import ordered, streamed, woven
+from ..trace.schedule import in_place, ordered, streamed
 from ..trace.source import Gathered, choices
 from ..trace.straight_line import give_laws_of
 from ..trace.tape import Rows as TracedRows
@@ -180,7 +180,7 @@ class Loops:
         for trace in self.traces:
             space: dict[str, Any] = {"sqrt": math.sqrt, "nearest": nearest}
             text = python.definition(
-                "full_step(S, n)", [*map(python.line, woven(trace, ordered(trace))), "return True"]
+                "full_step(S, n)", [*map(python.line, in_place(trace, ordered(trace))), "return True"]
             )
             exec(
                 compile(text, "<vfife law>", "exec"), space
@@ -191,7 +191,7 @@ class Loops:
     def javascript(self) -> str:
         """Text of functions ``law0(S)``, ``law1(S)`` ... as pages have them."""
         texts = [
-            javascript.definition(f"law{k}(S)", map(javascript.line, woven(trace, streamed(trace))))
+            javascript.definition(f"law{k}(S)", map(javascript.line, in_place(trace, streamed(trace))))
             for k, trace in enumerate(self.traces)
         ]
         return "\n".join(texts)
@@ -228,14 +228,14 @@ def _listed(function: Callable[..., Any]) -> Callable[[int, Rows], Rows]:
     """Plain Python, state by state; NaN in all rows of one at which Python raises."""
 
     def run(place: int, states: Rows) -> Rows:
-        found = []
+        answers = []
         for state in states.tolist():
             try:
                 function(state, place, len(state), 1)
-                found.append(state)
+                answers.append(state)
             except (ArithmeticError, ValueError):
-                found.append([np.nan] * len(state))
-        return np.array(found)
+                answers.append([np.nan] * len(state))
+        return np.array(answers)
 
     return run
 

@@ -60,7 +60,7 @@ def memory_of(
     lanes: int,
     tables: Numbers,
     parts: int,
-    kept: Integers,
+    recorded: Integers,
     extremes: Integers,
     *,
     limited: Integers = NONE,
@@ -79,7 +79,7 @@ def memory_of(
         NONE,
         numbers,
         aligned(lanes),
-        kept,
+        recorded,
         extremes,
         limited,
         bounds,
@@ -87,7 +87,7 @@ def memory_of(
     )
 
 
-# (n0, steps, out, anew, look): len(out) times so many steps from step n0, out[m] filled with the rows kept
+# (n0, steps, out, anew, look): len(out) times so many steps from step n0, out[m] filled with the rows recorded
 # after each, or of no rows; whether extremes begin anew before each; lanes are checked where look divides the
 # number of steps made.
 Take = Callable[..., None]
@@ -122,7 +122,7 @@ class Stepped:
 
 def straight(code: bytes) -> Stepped:
     """Straight-line code in memory, of :func:`step_code`."""
-    memory = native.Code(driver_code(), *_apart(code))
+    memory = native.Code(driver_code(), *_split(code))
     return Stepped({name: Called(memory, name, kinds) for name, kinds in ENTRIES.items()})
 
 
@@ -160,9 +160,9 @@ class DataDriven:
                 if own.broken[0] > 0.0:
                     continue
                 own.S[:rows] = states[:, lane]
-                found = np.zeros((*out.shape[:2], 1))
-                advance(n0, steps, found, anew, look)
-                states[:, lane], out[:, :, lane] = own.S[:rows], found[:, :, 0]
+                records = np.zeros((*out.shape[:2], 1))
+                advance(n0, steps, records, anew, look)
+                states[:, lane], out[:, :, lane] = own.S[:rows], records[:, :, 0]
 
         return take
 
@@ -173,9 +173,9 @@ class DataDriven:
 
         def take(n0: int, count: int) -> int:
             own.S[:rows] = memory.S
-            made = stream(n0, count)
+            count_done = stream(n0, count)
             memory.S[:] = own.S[:rows]
-            return made
+            return count_done
 
         return take
 
@@ -217,7 +217,7 @@ def driver_code() -> bytes:
 
 
 @contextmanager
-def all_kept() -> Iterator[None]:
+def without_collection() -> Iterator[None]:
     """Nobody looks for what could be thrown away: a text is made of a hundred thousand small things that stay
     until it is done.
     """
@@ -233,20 +233,20 @@ def all_kept() -> Iterator[None]:
 def step_code(pieces: Pieces) -> bytes:
     """Object code of a step, each piece behind its length."""
     codes = (
-        native.object_code(pieces.often),
-        native.object_code(pieces.seldom, native.SELDOM if pieces.hurried else native.EFFORT),
+        native.object_code(pieces.frequent),
+        native.object_code(pieces.rare, native.LEAST_EFFORT if pieces.hurried else native.EFFORT),
     )
     return b"".join(len(code).to_bytes(8, "little") + code for code in codes)
 
 
-def _apart(code: bytes) -> list[bytes]:
+def _split(code: bytes) -> list[bytes]:
     """Object codes behind their lengths."""
-    found, at = [], 0
+    rows, at = [], 0
     while at < len(code):
         end = at + 8 + int.from_bytes(code[at : at + 8], "little")
-        found.append(code[at + 8 : end])
+        rows.append(code[at + 8 : end])
         at = end
-    return found
+    return rows
 
 
 def origin(topology: Topology) -> list[bytes]:
@@ -283,9 +283,9 @@ def straight_line(topology: Topology, width: int, directions: int = 0) -> Steppe
         from ..backends.modules import pieces
 
         cache.missed()
-        with all_kept():
-            made = pieces(topology, width, directions)
-        code = step_code(made)
+        with without_collection():
+            count_done = pieces(topology, width, directions)
+        code = step_code(count_done)
         cache.keep(name, code)
         return straight(code)
 

@@ -19,7 +19,7 @@ from ..backends.kinds import kinds_of, listed
 from ..trace.functiontext import WRITING
 from . import cache
 
-SELDOM = 0  # effort of LLVM's code generator for what few steps need
+LEAST_EFFORT = 0  # effort of LLVM's code generator for what few steps need
 EFFORT = 1  # of LLVM's code generator: the same code as with 2 in half the time; nothing of it changes a bit
 OPTIMISED = 2  # of the same, for loops
 
@@ -185,10 +185,10 @@ def library(
     def text() -> str:
         from ..backends.plain import library_text
 
-        known = {f"entry_{name}": (name, kinds_of(kinds)) for name, kinds in entries.items()}
-        return library_text(write() if write else body, known)
+        signatures = {f"entry_{name}": (name, kinds_of(kinds)) for name, kinds in entries.items()}
+        return library_text(write() if write else body, signatures)
 
-    code = stored_code((body, repr((entries, wide))), text, lambda found: optimised_code(found, wide))
+    code = stored_code((body, repr((entries, wide))), text, lambda text: optimised_code(text, wide))
     with WRITING:
         memory = Code(code)
         return {name: Called(memory, f"entry_{name}", arguments) for name, arguments in entries.items()}
@@ -243,11 +243,11 @@ class Called:
         long as a hundred steps.
         """
         own = spread(first)
-        known, rest = flat(self.kinds[: len(own)], own), self.kinds[len(own) :]
+        signatures, rest = flat(self.kinds[: len(own)], own), self.kinds[len(own) :]
 
         def call(*last: Any) -> Any:
             _ = own  # arrays live as long as somebody may call it
-            return self.function(*known, *flat(rest, last))
+            return self.function(*signatures, *flat(rest, last))
 
         return call
 
@@ -261,16 +261,16 @@ def spread(arguments: Sequence[Any]) -> list[Any]:
 
 def flat(kinds: list[tuple[str, int]], arguments: Sequence[Any]) -> list[Any]:
     """Numbers as they are, arrays as their addresses and shapes; TypeError for an array of another kind."""
-    given: list[Any] = []
+    values: list[Any] = []
     for (item, dimensions), value in zip(kinds, arguments, strict=True):
         if not item:
-            given.append(value)
+            values.append(value)
             continue
         if value.dtype != DTYPES[item] or value.ndim != dimensions or not value.flags.c_contiguous:
-            wanted = f"{item}{dimensions}"
+            expected = f"{item}{dimensions}"
             raise TypeError(
-                f"an array of {value.dtype} and shape {value.shape} was given where one of kind {wanted} is"
+                f"an array of {value.dtype} and shape {value.shape} was given where one of kind {expected} is"
                 " expected"
             )
-        given += (value.ctypes.data, *value.shape)
-    return given
+        values += (value.ctypes.data, *value.shape)
+    return values

@@ -53,9 +53,9 @@ def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
 def program(topology: Topology) -> str:
     """PTX of a topology for all cards, from the cache or written."""
     name = f"step-{cache.digest([*origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
-    found = cache.read(name)
-    if found is not None:
-        return found.decode()
+    stored = cache.read(name)
+    if stored is not None:
+        return stored.decode()
     cache.missed()
     text = ptx(module(topology, stream()))
     cache.keep(name, text.encode())

@@ -116,7 +116,7 @@ class Runner:
 STREAM_LOOK = 250  # steps between two looks at lanes that may break
 
 
-class Begun(NamedTuple):
+class Started(NamedTuple):
     """A simulation after its first step, ready for a lane: its state (rows,), tables, and bounds (2, limited)
     of the rows that are limited.
     """
@@ -137,14 +137,14 @@ class Starter:
             topology, np.zeros((rows, lanes)), np.zeros((lanes, tables)), loop, NONE, parts=parts
         )
 
-    def begun(self, state: Rows, tables: Rows, bounds: Rows) -> Begun:
+    def started(self, state: Rows, tables: Rows, bounds: Rows) -> Started:
         """A simulation after step 0."""
         runner = self.runner
         runner.states[:], runner.done = state[:, None], 0
         runner.states[runner.layout["c"]] = 1.0
         runner.functions.reshape(runner.lanes, -1)[:] = tables
         runner.advance(1, 1, record=False)
-        return Begun(runner.states[:, 0].copy(), tables, bounds)
+        return Started(runner.states[:, 0].copy(), tables, bounds)
 
 
 class Stream:
@@ -195,7 +195,7 @@ class Stream:
         """What a lane has handed out since it went on, (outputs, handed)."""
         return self.out[lane, : self.at[lane]] + 0.0
 
-    def put(self, lane: int, simulation: Begun, every: int, outputs: int) -> int:
+    def put(self, lane: int, simulation: Started, every: int, outputs: int) -> int:
         """A simulation that begins in a lane: an output after ``every`` of its steps (its first one counts
         for none), a halt after so many.
 

@@ -27,10 +27,10 @@ def function_text(function: Any) -> str:
     code = function.__code__
     with WRITING:
         lines = linecache.getlines(code.co_filename, function.__globals__)
-        known = _files.get(code.co_filename)
-        if known is None or known[0] is not lines:
-            known = _files[code.co_filename] = lines, _ends(lines)
-    end = known[1].get(code.co_firstlineno)
+        cached = _files.get(code.co_filename)
+        if cached is None or cached[0] is not lines:
+            cached = _files[code.co_filename] = lines, _ends(lines)
+    end = cached[1].get(code.co_firstlineno)
     text = inspect.getsource(function) if end is None else "".join(lines[code.co_firstlineno - 1 : end])
     return textwrap.dedent(text)
 

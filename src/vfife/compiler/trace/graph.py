@@ -132,7 +132,7 @@ def _closing(order: list[tuple[int, tuple[int, int]]], free: set[int]) -> tuple[
     representative closes a loop.
     """
     part: dict[int, int] = {}
-    found: list[bool] = []
+    closing: list[bool] = []
     for count, pair in order:
         first, second = (body if body in free else 0 for body in pair)
         while first in part:
@@ -141,8 +141,8 @@ def _closing(order: list[tuple[int, tuple[int, int]]], free: set[int]) -> tuple[
             second = part[second]
         if first != second:
             part[max(first, second)] = min(first, second)
-        found += [first == second] * count
-    return tuple(found)
+        closing += [first == second] * count
+    return tuple(closing)
 
 
 def _couples(sides: list[tuple[int, int, int]], free: set[int]) -> tuple[Couple, ...]:
@@ -168,29 +168,31 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     for joint, bodies in enumerate(joints):
         for body in bodies:
             at.setdefault(body, set()).add(joint)
-    beside = [set().union(*(at[body] for body in bodies)) - {joint} for joint, bodies in enumerate(joints)]
+    neighbours = [
+        set().union(*(at[body] for body in bodies)) - {joint} for joint, bodies in enumerate(joints)
+    ]
     waits = [0] * len(joints)
     after: list[list[int]] = [[] for _ in joints]  # joints of which this is the next that waits for them
     roots: list[int] = []
     place: dict[int, int] = {}
-    ready = [(len(others), 0, joint) for joint, others in enumerate(beside)]
+    ready = [(len(others), 0, joint) for joint, others in enumerate(neighbours)]
     heapq.heapify(ready)
     eliminated: list[int] = []
     # Entries of the heap are never removed: one whose degree or wait is no longer the joint's own is stale,
     # and a newer one is behind it.
     while ready:
         degree, waited, joint = heapq.heappop(ready)
-        if joint in place or (degree, waited) != (len(beside[joint]), waits[joint]):
+        if joint in place or (degree, waited) != (len(neighbours[joint]), waits[joint]):
             continue
         place[joint] = len(eliminated)
         eliminated.append(joint)
-        for other in beside[joint]:
-            beside[other] |= beside[joint]
-            beside[other] -= {joint, other}
+        for other in neighbours[joint]:
+            neighbours[other] |= neighbours[joint]
+            neighbours[other] -= {joint, other}
             waits[other] = max(waits[other], waits[joint] + 1)
-            heapq.heappush(ready, (len(beside[other]), waits[other], other))
+            heapq.heappush(ready, (len(neighbours[other]), waits[other], other))
     for joint in eliminated:
-        later = min(beside[joint], key=place.__getitem__, default=None)
+        later = min(neighbours[joint], key=place.__getitem__, default=None)
         (roots if later is None else after[later]).append(joint)
     return _behind(roots, after)
 
@@ -199,14 +201,14 @@ def _behind(roots: list[int], after: list[list[int]]) -> tuple[int, ...]:
     """Every joint behind all that it waits for, and these one chain after the other: a profile is as narrow
     as it can be then.
     """
-    found: list[int] = []
+    order: list[int] = []
     waiting = roots[::-1]
-    seen: set[int] = set()
+    entered: set[int] = set()
     while waiting:
         joint = waiting[-1]
-        if joint in seen:
-            found.append(waiting.pop())
+        if joint in entered:
+            order.append(waiting.pop())
         else:
-            seen.add(joint)
+            entered.add(joint)
             waiting += after[joint][::-1]
-    return tuple(found)
+    return tuple(order)

@@ -133,7 +133,7 @@ def ordered(trace: Trace, tested_first: bool = True) -> list[Operation]:
             if not missing[high]:
                 waiting.put(high, begin[high])
             high += 1
-        for k in waiting.taken(cycle):
+        for k in waiting.due(cycle):
             result.append(operations[k])
             there = cycle + takes[k]
             for user in users[k]:
@@ -162,7 +162,7 @@ class Waiting:
         """Operation k may begin at a cycle."""
         heapq.heappush(self.coming, (begin, k))
 
-    def taken(self, cycle: int) -> Iterator[int]:
+    def due(self, cycle: int) -> Iterator[int]:
         """Those that begin in a cycle."""
         while self.coming and self.coming[0][0] <= cycle:
             k = heapq.heappop(self.coming)[1]
@@ -212,15 +212,15 @@ def streamed(trace: Trace, tested_first: bool = True) -> list[Operation]:
 
 def _ahead(trace: Trace, place: dict[str, int]) -> set[int]:
     """The operations that the rare condition waits for, by their ``place``."""
-    found: set[int] = set()
+    result: set[int] = set()
     waiting = [trace.rare]
     while waiting:
         name = waiting.pop()
         k = place.get(name, -1) if isinstance(name, str) else -1
-        if k >= 0 and k not in found:
-            found.add(k)
+        if k >= 0 and k not in result:
+            result.add(k)
             waiting += trace.uses[str(name)]
-    return found
+    return result
 
 
 class Lines(list[Line]):
@@ -243,7 +243,7 @@ class Lines(list[Line]):
                 self.append(Load(int(name[1:])))
 
 
-def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
+def double_buffered(trace: Trace, operations: list[Operation]) -> list[Line]:
     """Operations with each row read where it is first used; what is written goes to another copy of the state
     as soon as it is known.
 
@@ -264,7 +264,7 @@ def apart(trace: Trace, operations: list[Operation]) -> list[Line]:
     return [*out, Test(trace.rare)] if isinstance(trace.rare, str) else out
 
 
-def woven(trace: Trace, operations: list[Operation]) -> list[Line]:
+def in_place(trace: Trace, operations: list[Operation]) -> list[Line]:
     """Operations with each row read where it is first used, and written, behind the test, as soon as its old
     value is no longer needed.
     """
@@ -343,16 +343,16 @@ def steady(step: Trace, changing: Collection[int]) -> tuple[list[Line | Again], 
     before each.
     """
     moving = {f"v{row}" for row in (*step.stores, *changing)}
-    found: dict[str, Operation] = {}
+    result: dict[str, Operation] = {}
     for operation in step.operations:
         if operation.name != step.rare and all(
-            name in found or (is_row(name) and name not in moving) for name in operation.uses
+            name in result or (is_row(name) and name not in moving) for name in operation.uses
         ):
-            found[operation.name] = operation
+            result[operation.name] = operation
     lines: list[Line | Again] = [
-        Again(f"s{name[1:]}", int(name[1:]), False) for name in rows_used(found.values())
+        Again(f"s{name[1:]}", int(name[1:]), False) for name in rows_used(result.values())
     ]
-    for name, operator, operands in found.values():
+    for name, operator, operands in result.values():
         lines.append(
             Operation(
                 name,
@@ -360,7 +360,7 @@ def steady(step: Trace, changing: Collection[int]) -> tuple[list[Line | Again], 
                 tuple(f"s{o[1:]}" if isinstance(o, str) and is_row(o) else o for o in operands),
             )
         )
-    return lines, Trace(tuple(o for o in step.operations if o.name not in found), step.stores, step.rare)
+    return lines, Trace(tuple(o for o in step.operations if o.name not in result), step.stores, step.rare)
 
 
 def settled(step: Trace, changing: Collection[int]) -> tuple[dict[int, Operand], Trace]:
@@ -368,11 +368,11 @@ def settled(step: Trace, changing: Collection[int]) -> tuple[dict[int, Operand],
     read = {*rows_used(step.operations), *(f"v{row}" for row in changing)} | {
         value for value in step.stores.values() if is_row(value)
     }
-    found: dict[int, Operand] = {
+    result: dict[int, Operand] = {
         row: value
         for row, value in step.stores.items()
         if not isinstance(value, str) and f"v{row}" not in read
     }
-    return found, Trace(
-        step.operations, {row: value for row, value in step.stores.items() if row not in found}, step.rare
+    return result, Trace(
+        step.operations, {row: value for row, value in step.stores.items() if row not in result}, step.rare
     )

@@ -63,9 +63,9 @@ class Gathered:
         if value is math or isinstance(value, Fields) or is_record(value):
             return
         if isinstance(value, FunctionType):
-            known = self.add(value)
-            if known != used:
-                self.texts[used] = f"{used} = {known}\n"
+            name_of_value = self.add(value)
+            if name_of_value != used:
+                self.texts[used] = f"{used} = {name_of_value}\n"
         elif not isinstance(value, (bool, int, float)):
             raise SourceError(
                 f"{function.__module__}.{function.__qualname__} uses {used!r}, a {type(value).__name__}; a"
@@ -107,21 +107,21 @@ def names_of(function: Callable[..., Any]) -> frozenset[str]:
 
 def definition(function: Callable[..., Any], name: str) -> str:
     """Source of a function as a definition called ``name``, without decorators, annotations and docstring."""
-    key = function_text(function), name, _said(function)
+    key = function_text(function), name, _decisive(function)
     if key not in _DEFINITIONS:
         _DEFINITIONS[key] = _definition(function, name)
     return _DEFINITIONS[key]
 
 
-def _said(function: Callable[..., Any]) -> tuple[object, ...]:
+def _decisive(function: Callable[..., Any]) -> tuple[object, ...]:
     """What a definition says beside its text: the numbers of the function's module, and whose rows its fields
     are.
     """
     space = function.__globals__
-    found = [(used, space[used]) for used in global_names(function)]
+    result = [(used, space[used]) for used in global_names(function)]
     return tuple(
         (used, value if isinstance(value, Fields) else repr(value))
-        for used, value in found
+        for used, value in result
         if not isinstance(value, FunctionType)
     )
 
@@ -165,8 +165,8 @@ class _Literal(ast.NodeTransformer):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
             else None
         )
-        found = called if isinstance(called, type) else getattr(called, "__annotations__", {}).get("return")
-        return found if is_record(found) else None
+        result = called if isinstance(called, type) else getattr(called, "__annotations__", {}).get("return")
+        return result if is_record(result) else None
 
     def visit_Assign(self, node: ast.Assign) -> ast.AST:
         record = self._record(node.value)
@@ -175,11 +175,11 @@ class _Literal(ast.NodeTransformer):
         return self.generic_visit(node)
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
-        made = self.generic_visit(node)
+        visited = self.generic_visit(node)
         return (
             ast.Tuple(node.args, ast.Load())
             if is_record(self.space.get(getattr(node.func, "id", "")))
-            else made
+            else visited
         )
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
@@ -205,14 +205,14 @@ class _Literal(ast.NodeTransformer):
         return node if node.value is None else ast.Assign([node.target], self.visit(node.value))
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
-        whole = [
+        integers = [
             one.value
             for one in (node.left, node.right)
             if isinstance(one, ast.Constant) and type(one.value) is int
         ]
         return (
-            ast.Constant(whole[0] ** whole[1])
-            if isinstance(node.op, ast.Pow) and len(whole) == 2
+            ast.Constant(integers[0] ** integers[1])
+            if isinstance(node.op, ast.Pow) and len(integers) == 2
             else self.generic_visit(node)
         )
 
@@ -238,9 +238,9 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
     surfaces together.
     """
     friction = kind == "friction"
-    given = "normal, free, mobility, dt" if friction else "depth, slowness"
+    signature = "normal, free, mobility, dt" if friction else "depth, slowness"
     lines = [
-        f"def {kind}_law(kind, {given}, S, base{', memory' if friction else ''}):",
+        f"def {kind}_law(kind, {signature}, S, base{', memory' if friction else ''}):",
         "    first = 0.0",
         "    second = 0.0",
     ]
@@ -253,7 +253,7 @@ def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
         slots = "".join(f"S[base + {k}], " for k in range(count))
         held = [f"S[memory + {k}]" for k in range(rows)]
         one = held[0] if rows == 1 else f"({', '.join(held)})" if held else "0.0"
-        arguments = f"normal, free, mobility, {one}, dt" if friction else given
+        arguments = f"normal, free, mobility, {one}, dt" if friction else signature
         lines += [
             f"    {'el' if number else ''}if kind == {number}:",
             f"        first, second = {name}({arguments}, ({slots}))",

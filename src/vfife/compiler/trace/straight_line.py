@@ -26,11 +26,11 @@ from .traceable import Traceable
 STEP = ("step_x", "step_y", "step_turn", "step_sine", "step_versine")
 
 
-def known_rows(topology: Topology, layout: Layout) -> dict[int, float]:
+def constant_rows(topology: Topology, layout: Layout) -> dict[int, float]:
     """Rows whose value follows from the topology: what never moves, and what a body without arms does not
     feel.
     """
-    known: dict[int, float] = {}
+    values: dict[int, float] = {}
     free, driven, armed, bound = (
         set(topology.free),
         set(topology.driven),
@@ -40,30 +40,30 @@ def known_rows(topology: Topology, layout: Layout) -> dict[int, float]:
     for i in range(topology.particles):
         base = layout.record("particle", i)
         if i in bound:
-            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("vu", "vv", "vw", "s", *STEP)}
-            known |= {base + getattr(PARTICLE, name): 1.0 for name in ("c",)}
+            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("vu", "vv", "vw", "s", *STEP)}
+            values |= {base + getattr(PARTICLE, name): 1.0 for name in ("c",)}
         if topology.weightless:
-            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("load_x", "load_y", "load_m")}
+            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("load_x", "load_y", "load_m")}
         if i not in free:
-            known |= {
+            values |= {
                 base + getattr(PARTICLE, name): 0.0
                 for name in ("inverse_mass", "inverse_inertia", "u", "v", "ax", "ay")
             }
         if i not in free | driven:
-            known |= {base + getattr(PARTICLE, name): 0.0 for name in ("x", "y", "theta", "w", "aw")}
+            values |= {base + getattr(PARTICLE, name): 0.0 for name in ("x", "y", "theta", "w", "aw")}
     if topology.weightless:
-        known |= {
+        values |= {
             layout.row(f"driven_weight_{axis}", k): 0.0 for k in range(len(topology.driven)) for axis in "xy"
         }
-    known |= _on_particles(topology, layout, armed)
-    return known
+    values |= _on_particles(topology, layout, armed)
+    return values
 
 
 def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[int, float]:
     """Arms of joints and springs that are zero because the particle itself is the pin; offsets of joints that
     have none.
     """
-    known: dict[int, float] = {}
+    values: dict[int, float] = {}
     pairs = (
         ("contact", "bearing"),
         ("contact", "journal"),
@@ -75,11 +75,11 @@ def _on_particles(topology: Topology, layout: Layout, armed: set[int]) -> dict[i
     for kind, side in pairs:
         for joint, body in enumerate(getattr(topology, f"{kind}_{side}")):
             if body not in armed and body != 0:
-                known |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
+                values |= {layout.row(f"{kind}_{side}_{axis}", joint): 0.0 for axis in "xy"}
     for joint, (place, turn) in enumerate(topology.held):
         if place not in AIMED and turn == FREE:
-            known[layout.row("joint_offset", joint)] = 0.0
-    return known
+            values[layout.row("joint_offset", joint)] = 0.0
+    return values
 
 
 class _Laws:
@@ -118,7 +118,7 @@ def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> T
         raise ValueError("path units of several steps use the data-driven loop")
     integers, layout, _ = tables(topology)
     tape = Tape()
-    rows = Rows(tape, known_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *also})
+    rows = Rows(tape, constant_rows(topology, layout), {*layout.of("state", "memory", "extreme"), *also})
     traceable = Traceable(tape, Unlikely(tape, rows, full))
     with WRITING:
         give_laws(traceable, topology)
@@ -139,7 +139,7 @@ def resizing(topology: Topology) -> Trace:
     tape = Tape()
     rows = Rows(
         tape,
-        known_rows(topology, layout),
+        constant_rows(topology, layout),
         {*layout.of("state", "memory", "extreme"), *(layout.row(name) for name in ("step", "shift"))},
     )
     with WRITING:
@@ -197,11 +197,11 @@ class Function:
 
 def functions(topology: Topology) -> list[Function]:
     """Functions of a topology; they are searched in tables, which is no straight line."""
-    layout, found = Layout(topology), []
+    layout, result = Layout(topology), []
     for f, start in enumerate(topology.function_start):
         kind, *bodies = topology.function_argument[f] if topology.function_argument else (TIME, 0, 0)
         tape = Tape()
-        rows = Rows(tape, known_rows(topology, layout), set())
+        rows = Rows(tape, constant_rows(topology, layout), set())
         first, second = (layout.record("particle", p) for p in bodies)
         record = layout.record("function", f)
         with WRITING:
@@ -210,12 +210,12 @@ def functions(topology: Topology) -> list[Function]:
         value, rate, acceleration, kinks, after = (
             layout.row(f"function_{name}", f) for name in ("value", "rate", "acceleration", "kinks", "next")
         )
-        found.append(
+        result.append(
             Function(
                 start, (value, rate, acceleration, kinks, after), kind == TIME, tape.needed([x]), _operand(x)
             )
         )
-    return found
+    return result
 
 
 class Steps(NamedTuple):

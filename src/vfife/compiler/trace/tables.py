@@ -67,15 +67,15 @@ def tiles(topology: Topology) -> list[tuple[int, int, int, int, int, int]]:
     drifted = np.maximum.accumulate(nodes.max(axis=1)) + 1
     needed = np.where(nodes >= 0, nodes, len(loose)).min(axis=1)
     waiting = np.minimum.accumulate(needed[::-1])[::-1]
-    found, drift, kick = [], 0, 0
+    result, drift, kick = [], 0, 0
     for low in range(0, count, TILE):
         high = min(low + TILE, count)
         last = high == count
         drift_end = len(loose) if last else max(drift, int(drifted[high - 1]))
         kick_end = len(loose) if last else max(kick, int(min(waiting[high], drift_end)))
-        found.append((drift, drift_end, low, high, kick, kick_end))
+        result.append((drift, drift_end, low, high, kick, kick_end))
         drift, kick = drift_end, kick_end
-    return found
+    return result
 
 
 class Lists:
@@ -110,15 +110,15 @@ class Lists:
             "jointed": self.graph.jointed,
             "pinned": self.graph.pinned,
         }
-        found: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
+        result: dict[str, Any] = {name: self.bodies(particles)[:, None] for name, particles in chosen.items()}
         plain = np.asarray(tiles(t), dtype=np.int64).reshape(-1, TILE_INDEX.SIZE)
         plain[:, PLAIN_RANGES] = self.layout.plain + PLAIN * plain[:, PLAIN_RANGES]
-        found["tile"] = plain
-        found["frame"] = records(
+        result["tile"] = plain
+        result["frame"] = records(
             FRAME_INDEX, row=self.layout.records["frame"], first=self.bodies(nodes[:, 0]), second=self.bodies(nodes[:, 1]),
             release=t.frame_release, unit=units, strain=t.strains,
         )  # fmt: skip
-        return found
+        return result
 
     def contacts(self) -> NDArray[np.int64]:
         """Contacts with what their laws ask for."""
@@ -153,14 +153,14 @@ class Lists:
 
     def profiles(self) -> list[list[int]]:
         """First row and number of the harmonics of each contact's bearing, and of its journal."""
-        found: list[list[int]] = [[], [], [], []]
+        result: list[list[int]] = [[], [], [], []]
         at = 0
         for counts in self.t.profiles or ((0, 0),) * len(self.t.contact_bearing):
             for side, count in enumerate(counts):
-                found[2 * side].append(self.layout.record("harmonic", at) if count else 0)
-                found[2 * side + 1].append(count)
+                result[2 * side].append(self.layout.record("harmonic", at) if count else 0)
+                result[2 * side + 1].append(count)
                 at += count
-        return found
+        return result
 
     def guides(self) -> list[tuple[int, int, int]]:
         """Blocks in guides with play, with the rows of the contacts that are their corners."""
@@ -173,9 +173,9 @@ class Lists:
 
     def paths(self, paths: tuple[int, ...], count: int) -> tuple[list[int], list[int]]:
         """First row and number of the pieces of the path of each joint or contact, 0 for none."""
-        found = self.t.pieces(paths, count)
-        return [self.layout.record("piece", first) if many else 0 for first, many in found], [
-            many for _, many in found
+        result = self.t.pieces(paths, count)
+        return [self.layout.record("piece", first) if many else 0 for first, many in result], [
+            many for _, many in result
         ]
 
     def constraints(self) -> dict[str, Any]:
@@ -277,13 +277,13 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     """The topology as the integer array of the data-driven loop, the layout of S, and the rows of S with that
     loop's scratch.
     """
-    made, t = Lists(topology), topology
+    lists_of, t = Lists(topology), topology
     lists = {
-        **made.particles(),
-        "contact": made.contacts(),
-        "guide": made.guides(),
-        **made.constraints(),
-        **made.others(),
+        **lists_of.particles(),
+        "contact": lists_of.contacts(),
+        "guide": lists_of.guides(),
+        **lists_of.constraints(),
+        **lists_of.others(),
     }
     integers = np.zeros(HEADER.SIZE + sum(int(np.size(values)) for values in lists.values()), dtype=np.uint32)
     at = HEADER.SIZE
@@ -294,10 +294,10 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
         integers[at : at + len(flat)] = flat
         at += len(flat)
         integers[getattr(HEADER, f"{name}_end")] = at
-    inverse, y, gn, gt = (made.low + made.graph.size + k * made.count for k in range(4))
+    inverse, y, gn, gt = (lists_of.low + lists_of.graph.size + k * lists_of.count for k in range(4))
     integers[[HEADER.profile, HEADER.profile_count, HEADER.inverse, HEADER.y, HEADER.gn, HEADER.gt]] = (
-        made.low,
-        made.graph.size,
+        lists_of.low,
+        lists_of.graph.size,
         inverse,
         y,
         gn,
@@ -305,19 +305,19 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     )
     worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
     watched = bool(t.contact_bearing or t.function_start or t.coarse or STOP in t.spring_kind)
-    turned = gt + made.count
+    turned = gt + lists_of.count
     flags = {
-        "plain": made.layout.plain, "plain_end": made.layout.plain + PLAIN * (t.particles - len(t.bound)),
+        "plain": lists_of.layout.plain, "plain_end": lists_of.layout.plain + PLAIN * (t.particles - len(t.bound)),
         "path_unit": t.path_unit, "damped": t.damped, "worked": worked,
-        "close_again": made.graph.close_again, "watched": watched, "closing": any(made.graph.closing), "redundant": t.redundant,
-        "coarse": t.coarse > 0, "simultaneous": any(made.graph.simultaneous), "turned": turned, "rows": made.layout.rows,
+        "close_again": lists_of.graph.close_again, "watched": watched, "closing": any(lists_of.graph.closing), "redundant": t.redundant,
+        "coarse": t.coarse > 0, "simultaneous": any(lists_of.graph.simultaneous), "turned": turned, "rows": lists_of.layout.rows,
         # Coarse steps correct the reactions more often; the coarsest use Newton's method in every step
         # instead.
         "corrections": 1 + t.coarse if t.coarse < COARSEST else 1, "velocity_corrections": 1 + 2 * t.coarse, "newton": t.coarse >= COARSEST,
     }  # fmt: skip
     for name, value in flags.items():
         integers[getattr(HEADER, name)] = value
-    return integers, made.layout, turned + 2 * made.graph.size + made.count
+    return integers, lists_of.layout, turned + 2 * lists_of.graph.size + lists_of.count
 
 
 def _argument(topology: Topology, k: int, body: NDArray[np.intp]) -> tuple[int, int, int]:

@@ -37,12 +37,16 @@ class Tangents:
     """
 
     def __init__(
-        self, rows: int, count: int, given: Mapping[str, Directions] | None = None, tape: Tape | None = None
+        self,
+        rows: int,
+        count: int,
+        slopes_of_names: Mapping[str, Directions] | None = None,
+        tape: Tape | None = None,
     ) -> None:
         self.tape, self.rows, self.count = tape or Tape(), rows, count
         self.zero: Directions = (0.0,) * count
         self.values: dict[str, Any] = {}
-        self.slopes: dict[str, Directions] = dict(given or {})
+        self.slopes: dict[str, Directions] = dict(slopes_of_names or {})
 
     def value(self, operand: Operand) -> Any:
         """A number, a truth or a symbol on the new tape."""
@@ -128,13 +132,16 @@ RULES: dict[str, Callable[[Any, list[Any], list[Directions]], Directions]] = {
 
 
 def tangent(
-    step: Trace, rows: int, count: int, given: Callable[[Tangents], Mapping[str, Directions]] | None = None
+    step: Trace,
+    rows: int,
+    count: int,
+    slopes_of_names: Callable[[Tangents], Mapping[str, Directions]] | None = None,
 ) -> Trace:
     """A trace with its derivatives in ``count`` directions, for a state of ``rows`` rows; ``given`` says
     those of names that are no rows.
     """
     run = Tangents(rows, count)
-    run.slopes |= given(run) if given else {}
+    run.slopes |= slopes_of_names(run) if slopes_of_names else {}
     run.run(step.operations)
     return with_slopes(run, step)
 
@@ -158,24 +165,24 @@ def named(value: Any) -> Operand:
 def of_size(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
     """Derivative of ``size``, which is a part of the size in row ``step``, or that size again."""
 
-    def given(run: Tangents) -> Mapping[str, Directions]:
+    def slopes_of_names(run: Tangents) -> Mapping[str, Directions]:
         ratio = run.value("size") / run.value(f"v{step}")
         return {"size": tuple(slope * ratio for slope in run.slope(f"v{step}"))}
 
-    return given
+    return slopes_of_names
 
 
 def of_time(step: int) -> Callable[[Tangents], Mapping[str, Directions]]:
     """Derivatives of times, which are multiples of the step in row ``step``."""
 
-    def given(run: Tangents) -> Mapping[str, Directions]:
+    def slopes_of_names(run: Tangents) -> Mapping[str, Directions]:
         each = 1.0 / run.value(f"v{step}")
         return {
             name: tuple(run.value(name) * (slope * each) for slope in run.slope(f"v{step}"))
             for name in ("time", "ahead", "after")
         }
 
-    return given
+    return slopes_of_names
 
 
 Sum: TypeAlias = "dict[str, Any]"  # weights, symbols or constants, by the name of what has the slope
@@ -193,8 +200,8 @@ class Node:
 class Elimination:
     """The sums that slopes are made of, for ``count`` directions."""
 
-    def __init__(self, run: Tangents, operations: Iterable[Operation], kept: set[str]) -> None:
-        self.run, self.kept = run, kept
+    def __init__(self, run: Tangents, operations: Iterable[Operation], outputs: set[str]) -> None:
+        self.run, self.outputs = run, outputs
         self.nodes: dict[str, Node] = {}
         self.chains: dict[str, tuple[str, Any]] = {}  # slopes that are multiples of one other, and which
         for operation in operations:
@@ -247,7 +254,7 @@ class Elimination:
         if both[0] is not None and both[1] is not None and both[0][0] == both[1][0]:
             return Node([{both[0][0]: choose(condition, both[0][1], both[1][1])}])
         (one,) = {arm for arm in arms if arm is not None} if arms.count(None) == 1 else (None,)
-        if one is not None and (is_row(one) or one in self.kept):
+        if one is not None and (is_row(one) or one in self.outputs):
             return Node([{one: choose(condition, *(0.0 if arm is None else 1.0 for arm in arms))}])
         return Node([{arm: 1.0} if arm is not None else {} for arm in arms], condition)
 
@@ -281,7 +288,7 @@ class Elimination:
     def _gain(self, name: str) -> int | None:
         """Operations saved by leaving a result out; None where it has to stay."""
         node = self.nodes.get(name)
-        if node is None or name in self.kept or node.condition is not None:
+        if node is None or name in self.outputs or node.condition is not None:
             return None
         (own,) = node.sums
         directions, shared = _cost(own), 0
@@ -331,14 +338,14 @@ class Elimination:
                 )
 
     def _sum(self, total: Sum) -> Directions:
-        found: list[Any] = [0.0] * self.run.count
+        sums: list[Any] = [0.0] * self.run.count
         for one, weight in total.items():
             for k, slope in enumerate(self.run.slope(one)):
-                if _unit(weight) or not isinstance(slope, Symbol) or not isinstance(found[k], Symbol):
-                    found[k] = found[k] - slope if _minus(weight) else found[k] + _scaled(weight, slope)
+                if _unit(weight) or not isinstance(slope, Symbol) or not isinstance(sums[k], Symbol):
+                    sums[k] = sums[k] - slope if _minus(weight) else sums[k] + _scaled(weight, slope)
                 else:
-                    found[k] = self.run.tape.emit("fused", weight, slope, found[k])
-        return tuple(found)
+                    sums[k] = self.run.tape.emit("fused", weight, slope, sums[k])
+        return tuple(sums)
 
 
 # directions, for which operations are counted: not their number, so that slopes do not depend on what is
@@ -398,17 +405,17 @@ def shared_tangent(step: Trace, rows: int, count: int) -> Trace:
     is read once for all of them.
     """
     run = Tangents(rows, count)
-    kept = {operand for operand in step.stores.values() if isinstance(operand, str)}
-    found = Elimination(run, step.operations, kept)
-    found.eliminate()
+    outputs = {operand for operand in step.stores.values() if isinstance(operand, str)}
+    sums = Elimination(run, step.operations, outputs)
+    sums.eliminate()
     shared = len(run.tape.operations)
-    found.slopes()
-    whole = with_slopes(run, step)
-    stores = {row: value for row, value in whole.stores.items() if row < rows}
+    sums.slopes()
+    total = with_slopes(run, step)
+    stores = {row: value for row, value in total.stores.items() if row < rows}
     values = run.tape.needed([run.value(operand) for operand in [*step.stores.values(), step.rare]])
-    first = ordered(Trace(values, stores, whole.rare))
+    first = ordered(Trace(values, stores, total.rare))
     slopes = [operation.name for operation in run.tape.operations[shared:]]
-    return Trace((*first, *_lazily(whole.operations, first, slopes)), whole.stores, whole.rare)
+    return Trace((*first, *_lazily(total.operations, first, slopes)), total.stores, total.rare)
 
 
 def _lazily(
@@ -417,17 +424,17 @@ def _lazily(
     """Operations that are not done ``first``: ``slopes`` in their order, each factor just before the first
     slope that needs it.
     """
-    made, done = {one.name: one for one in operations}, {one.name for one in first}
+    results, done = {one.name: one for one in operations}, {one.name for one in first}
     order: list[Operation] = []
     for name in slopes:
-        waiting = [name] if name in made and name not in done else []
+        waiting = [name] if name in results and name not in done else []
         while waiting:
             one = waiting[-1]
-            missing = [use for use in made[one].uses if use in made and use not in done]
+            missing = [use for use in results[one].uses if use in results and use not in done]
             waiting += reversed(missing)
             if not missing:
                 waiting.pop()
                 if one not in done:
                     done.add(one)
-                    order.append(made[one])
+                    order.append(results[one])
     return order

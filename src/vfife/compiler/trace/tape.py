@@ -55,7 +55,7 @@ class Trace:
     condition ``rare``.
 
     Names: ``v7`` is row 7 before the step, ``n`` the number of the step, ``t...`` the result of an operation.
-    Where ``rare`` is true, the step must not be taken; it is False where that cannot be.
+    Where ``rare`` is true, the step must not be written_out; it is False where that cannot be.
     """
 
     operations: tuple[Operation, ...]
@@ -70,12 +70,12 @@ class Trace:
     @property
     def truths(self) -> set[str]:
         """Names that are true or false; all others are numbers."""
-        found: set[str] = set()
+        names: set[str] = set()
         for name, operator, operands in self.operations:
-            chosen = operator == "select" and all(isinstance(o, bool) or o in found for o in operands[1:])
+            chosen = operator == "select" and all(isinstance(o, bool) or o in names for o in operands[1:])
             if chosen or operator in TRUTHS:
-                found.add(name)
-        return found
+                names.add(name)
+        return names
 
 
 def is_row(name: Operand) -> bool:
@@ -109,21 +109,21 @@ class Tape:
 
     def emit(self, operator: str, *operands: Any) -> Symbol:
         """A symbol for what an operator makes of its operands."""
-        given: tuple[Operand, ...] = tuple([o.name for o in operands if type(o) is Symbol])
-        key: tuple[Any, ...] = (operator, *given)
-        if len(given) < len(operands):
-            given = tuple(
+        names: tuple[Operand, ...] = tuple([o.name for o in operands if type(o) is Symbol])
+        key: tuple[Any, ...] = (operator, *names)
+        if len(names) < len(operands):
+            names = tuple(
                 [o.name if type(o) is Symbol else o if type(o) is bool else float(o) for o in operands]
             )
             key = (
                 operator,
-                *[o if o and o is not True else repr(o) for o in given],
+                *[o if o and o is not True else repr(o) for o in names],
             )  # 0.0 is not -0.0, 1.0 not True
         symbol = self.known.get(key)
         if symbol is None:
             name = f"t{len(self.operations)}"
             symbol = self.known[key] = Symbol(self, name)
-            self.operations.append(NEW(Operation, (name, operator, given)))
+            self.operations.append(NEW(Operation, (name, operator, names)))
         return symbol
 
     def load(self, row: int) -> Symbol:
@@ -132,16 +132,16 @@ class Tape:
             self.loads[row] = Symbol(self, f"v{row}")
         return self.loads[row]
 
-    def needed(self, wanted: Iterable[Any]) -> tuple[Operation, ...]:
+    def needed(self, results: Iterable[Any]) -> tuple[Operation, ...]:
         """The operations that ``wanted`` depends on."""
-        used = {value.name for value in wanted if isinstance(value, Symbol)}
-        kept: list[Operation] = []
+        used = {value.name for value in results if isinstance(value, Symbol)}
+        needed: list[Operation] = []
         for operation in reversed(self.operations):
             name, _, operands = operation
             if name in used:
                 used.update([o for o in operands if type(o) is str])
-                kept.append(operation)
-        return tuple(kept[::-1])
+                needed.append(operation)
+        return tuple(needed[::-1])
 
 
 def _tape(a: Any, b: Any) -> Tape:
@@ -266,8 +266,8 @@ class Symbol:
 class Rows:
     """The array S during a trace: the present value of each row, a symbol where it is only known in the run."""
 
-    def __init__(self, tape: Tape, known: dict[int, float], state: set[int]) -> None:
-        self.tape, self.values, self.state = tape, dict(known), state
+    def __init__(self, tape: Tape, values: dict[int, float], state: set[int]) -> None:
+        self.tape, self.values, self.state = tape, dict(values), state
 
     def __getitem__(self, row: int) -> Any:
         return self.values[row] if row in self.values else self.tape.load(row)
@@ -333,17 +333,17 @@ def either(a: Any, b: Any) -> Any:
 class Unlikely:
     """What stands for ``if unlikely(condition): ...`` in a trace.
 
-    Left out: the condition is noted on the tape. Written out: the branch is taken, and what it changed is
+    Left out: the condition is noted on the tape. Written out: the branch is written_out, and what it changed is
     kept where the condition holds.
     """
 
-    def __init__(self, tape: Tape, rows: Rows, taken: bool) -> None:
-        self.tape, self.rows, self.taken = tape, rows, taken
+    def __init__(self, tape: Tape, rows: Rows, written_out: bool) -> None:
+        self.tape, self.rows, self.written_out = tape, rows, written_out
         self.before: list[tuple[Any, dict[int, Any]]] = []
 
     def begin(self, condition: Any) -> bool:
         """Whether the branch is run through; where it is, :meth:`end` follows it."""
-        if isinstance(condition, Symbol) and not self.taken:
+        if isinstance(condition, Symbol) and not self.written_out:
             self.tape.rare.append(condition)
             return False
         if isinstance(condition, Symbol) or condition:

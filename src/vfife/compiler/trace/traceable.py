@@ -110,7 +110,7 @@ class Traceable:
         if function in self.made:
             return self.made[function]
         space = self._space()
-        made = self.made[function] = FunctionType(
+        result = self.made[function] = FunctionType(
             function_code(function), space, function.__name__, function.__defaults__
         )
         for name in function.__code__.co_names:
@@ -125,7 +125,7 @@ class Traceable:
                     if isinstance(value, FunctionType)
                     else value
                 )
-        return made
+        return result
 
     def written(self, text: str, calls: dict[str, Any]) -> Any:
         """The function that a text defines, which calls those given."""

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ...numerics.scalar import whole_power
+from ...numerics.scalar import integer_power
 from ..law import Pair
 from .cylinder import OVERVIEW
 from .line import LineContact
@@ -31,4 +31,6 @@ class DubowskyFreudenstein(LineContact):
         """alpha (m/N) and beta (N); see line.py."""
         self.inside(pair)
         s = 1.0 / (math.pi * pair.composite_modulus)
-        return s / pair.axial_length, math.e * whole_power(pair.axial_length, 3) / (pair.relative_radius * s)
+        return s / pair.axial_length, math.e * integer_power(pair.axial_length, 3) / (
+            pair.relative_radius * s
+        )

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...numerics.scalar import whole_power
+from ...numerics.scalar import integer_power
 from ..law import ContactLaw, Pair, quantity
 from .damping import lankarani_nikravesh
 
@@ -87,7 +87,7 @@ class Hydrodynamic(ContactLaw):
         scale = (
             self.viscosity
             * pair.journal_radius
-            * whole_power(pair.axial_length, 3)
+            * integer_power(pair.axial_length, 3)
             / (2.0 * (pair.clearance * pair.clearance))
         )
         thickness = self.film_thickness if self.film_thickness is not None else pair.clearance / 50.0

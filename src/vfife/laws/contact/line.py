@@ -56,8 +56,8 @@ class LineContact(Cylinder):
         alpha, scale, last, tangent, damping_factor = p
         beyond = penetration > last
         depth = last if beyond else penetration
-        above, below = logarithmic(-log(depth * scale))
-        elastic = depth * below / (alpha * above) + tangent * (penetration - depth)
+        high, below = logarithmic(-log(depth * scale))
+        elastic = depth * below / (alpha * high) + tangent * (penetration - depth)
         return elastic, elastic * damping_factor * slowness
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
@@ -76,14 +76,14 @@ class LineContact(Cylinder):
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
     ) -> tuple[str, ...]:
         """Beside the restitution: penetrations beyond which the relation has no force."""
-        found = super().cautions(pair, penetration, impact_speed)
+        cautions = super().cautions(pair, penetration, impact_speed)
         alpha, beta = self.relation(pair)
         fold = alpha * beta / math.e
         if penetration is None or penetration <= LAST * exp(1.0 - LAST) * fold:
-            return found
+            return cautions
         share = f"{fold / pair.radius_difference:.4f} dR" if not pair.external else "its largest penetration"
         return (
-            *found,
+            *cautions,
             (
                 f"a penetration of {1e6 * penetration:.4g} µm reaches {share} = {1e6 * fold:.4g} µm, beyond"
                 " which the relation has no force; from 0.9953 of it on, the force follows its tangent"

@@ -59,11 +59,11 @@ class Pereira(PowerLaw):
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
     ) -> tuple[str, ...]:
         """Beside the restitution: clearances outside the fit."""
-        gap, found = 1e3 * pair.clearance, super().cautions(pair, penetration, impact_speed)
+        gap, cautions = 1e3 * pair.clearance, super().cautions(pair, penetration, impact_speed)
         if pair.external or SMALLEST <= gap <= LARGEST:
-            return found
-        told = (
+            return cautions
+        speed_text = (
             f"the clearance of {gap:.4g} mm is outside the {SMALLEST:g} to {LARGEST:g} mm of the fit, whose"
             " formula is taken as it stands"
         )
-        return (*found, told)
+        return (*cautions, speed_text)

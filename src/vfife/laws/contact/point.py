@@ -59,12 +59,12 @@ class PointContact(Damped):
         """Beside the restitution: impacts so fast that metals flow, a hundred times faster than Hertz' theory
         allows.
         """
-        found = super().cautions(pair, penetration, impact_speed)
+        cautions = super().cautions(pair, penetration, impact_speed)
         limit = PLASTIC * pair.wave_speed
         if impact_speed is None or impact_speed <= limit:
-            return found
+            return cautions
         return (
-            *found,
+            *cautions,
             (
                 f"impacts of up to {impact_speed:.3g} m/s are faster than 1e-3 sqrt(E/rho) = {limit:.3g} m/s,"
                 " from where on metals yield all round the contact and keep a dent: an elastic force is too"

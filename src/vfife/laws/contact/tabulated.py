@@ -62,9 +62,9 @@ class Tabulated(ContactLaw):
 
     def disagreements(self) -> Iterator[Fault]:
         """Curves that are none, and an unloading one that would give energy."""
-        found = list(faults_of_points("loading", self.loading))
-        found += faults_of_points("unloading", self.unloading) if self.unloading is not None else ()
-        yield from found or faults_of_both(self.loading, self.unloading)
+        result = list(faults_of_points("loading", self.loading))
+        result += faults_of_points("unloading", self.unloading) if self.unloading is not None else ()
+        yield from result or faults_of_both(self.loading, self.unloading)
 
     @property
     def branches(self) -> Branches:
@@ -107,8 +107,8 @@ class Tabulated(ContactLaw):
 
     def slowness(self, speed: float, rate: float) -> float:
         """1/|rate| (s/m), at most that of the transition."""
-        found: float = turned_slowness(1.0 / speed, 1.0 / self.transition, rate)
-        return found
+        result: float = turned_slowness(1.0 / speed, 1.0 / self.transition, rate)
+        return result
 
     def elastic_energy(self, penetration: Any, p: tuple[float, ...]) -> Any:
         """Energy (J) of the branches' mean: what is stored, where nothing is lost yet."""
@@ -123,31 +123,31 @@ class Tabulated(ContactLaw):
             return x * (c[..., 0] + x * (c[..., 1] + x * (c[..., 2] + x * c[..., 3])))
 
         starts = rows[:, 0]
-        whole = np.concatenate([[0.0], np.cumsum(work(np.arange(len(rows) - 1), np.diff(starts)))])
+        total = np.concatenate([[0.0], np.cumsum(work(np.arange(len(rows) - 1), np.diff(starts)))])
         at = np.maximum(np.searchsorted(starts, depth, side="right") - 1, 0)
-        return whole[at] + work(at, depth - starts[at])
+        return total[at] + work(at, depth - starts[at])
 
     def cautions(
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
     ) -> tuple[str, ...]:
         """What was changed of a long table or a noisy one; and a run that went deeper than the table."""
-        found, made = [], self.branches
-        if made.used < made.given:
-            missed = f"{100.0 * made.missed:.2g} % of the largest force"
-            found.append(
-                f"{made.used} of {made.given} penetrations are used, the curve through which misses the"
+        result, curve = [], self.branches
+        if curve.used < curve.available:
+            missed = f"{100.0 * curve.missed:.2g} % of the largest force"
+            result.append(
+                f"{curve.used} of {curve.available} penetrations are used, the curve through which misses the"
                 f" others by up to {missed}"
             )
-        if made.levelled > NOISE:
-            moved = f"points were moved by up to {100.0 * made.levelled:.2g} % of the largest force"
-            found.append(f"{moved}, so that loading does not fall and unloading is not above it")
+        if curve.levelled > NOISE:
+            moved = f"points were moved by up to {100.0 * curve.levelled:.2g} % of the largest force"
+            result.append(f"{moved}, so that loading does not fall and unloading is not above it")
         if penetration is not None and penetration > self.end:
             deep = (
                 f"penetrations of up to {penetration:.4g} m are beyond the table, which ends at"
                 f" {self.end:.4g} m"
             )
-            found.append(f"{deep}: it goes on there along its last slope")
-        return tuple(found)
+            result.append(f"{deep}: it goes on there along its last slope")
+        return tuple(result)
 
 
 def _piece(p: tuple[float, ...], penetration: float) -> tuple[float, ...]:
@@ -198,8 +198,8 @@ def faults_of_points(name: str, points: Points) -> Iterator[Fault]:
 
 def faults_of_both(loading: Points, unloading: Points | None) -> Iterator[Fault]:
     """A loading curve that falls, or an unloading one above it, by more than noise."""
-    found = joined(loading, unloading).levelled
-    if found > MEET:
+    result = joined(loading, unloading).levelled
+    if result > MEET:
         over = joined(loading, None).levelled <= MEET
         what = (
             "it is above loading, where a contact would give energy"
@@ -213,7 +213,7 @@ def faults_of_both(loading: Points, unloading: Points | None) -> Iterator[Fault]
         )
         yield Fault(
             "unloading" if over else "loading",
-            f"{what}, by {100.0 * found:.3g} % of the largest",
+            f"{what}, by {100.0 * result:.3g} % of the largest",
             "",
             f"{100.0 * MEET:g} %",
             remedy,

@@ -63,5 +63,5 @@ class Ambrosio(FrictionLaw):
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
         """The ramps with the flat between them are 0, whole friction 1 or -1."""
-        whole = abs(sliding_velocity) > p[1] + p[2]
-        return (1.0 if sliding_velocity > 0.0 else -1.0) if whole else 0.0
+        full = abs(sliding_velocity) > p[1] + p[2]
+        return (1.0 if sliding_velocity > 0.0 else -1.0) if full else 0.0

@@ -30,19 +30,19 @@ def bend(
     most = most if most > stretch else stretch
     press = mobility * normal_force
     drag = damping / dt
-    whole = stiffness + drag
-    kept = drag * deflection
+    total = stiffness + drag
+    damped = drag * deflection
     viscid = 1.0 + press * viscous
-    over = free_velocity - press * (whole * start - kept)
-    under = viscid + press * whole * rise
+    over = free_velocity - press * (total * start - damped)
+    under = viscid + press * total * rise
     after = start * under + rise * over
     full = most * under
     down = after > full
     up = after < -full
-    over = free_velocity - press * (whole * most - kept) if down else over
-    over = free_velocity + press * (whole * most + kept) if up else over
+    over = free_velocity - press * (total * most - damped) if down else over
+    over = free_velocity + press * (total * most + damped) if up else over
     velocity = over / (viscid if down or up else under)
     bent = start + rise * velocity
     bent = most if down else bent
     bent = -most if up else bent
-    return -normal_force * (whole * bent - kept + viscous * velocity), (bent, velocity, last)
+    return -normal_force * (total * bent - damped + viscous * velocity), (bent, velocity, last)

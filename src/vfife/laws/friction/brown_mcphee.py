@@ -60,12 +60,12 @@ class BrownMcPhee(FrictionLaw):
         top = coefficient + excess
         speed = foreseen(free_velocity, unit * top, last, before)
         x = speed * inverse_speed
-        gone = approach(8.0 * x)
+        decay = approach(8.0 * x)
         square = 0.25 * x * x + 0.75
         # tanh 4x = gone/(2 - gone) and 1/square from one division
-        inverse = 1.0 / ((2.0 - gone) * square)
-        tanh = gone * square * inverse
-        fall = (2.0 - gone) * inverse
+        inverse = 1.0 / ((2.0 - decay) * square)
+        tanh = decay * square * inverse
+        fall = (2.0 - decay) * inverse
         bump = excess * fall * fall
         slope = inverse_speed * (4.0 * coefficient * (1.0 - tanh * tanh) + 0.75 * bump * fall * (1.0 - x * x))
         slope = slope if slope > 0.0 else 0.0

@@ -65,5 +65,5 @@ class Threlfall(FrictionLaw):
     @staticmethod
     def regime(sliding_velocity: float, p: tuple[float, ...]) -> float:
         """The rise is 0, whole friction 1 or -1."""
-        whole = abs(sliding_velocity) * p[2] > 1.0
-        return (1.0 if sliding_velocity > 0.0 else -1.0) if whole else 0.0
+        full = abs(sliding_velocity) * p[2] > 1.0
+        return (1.0 if sliding_velocity > 0.0 else -1.0) if full else 0.0

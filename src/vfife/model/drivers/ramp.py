@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...numerics.scalar import whole_power
+from ...numerics.scalar import integer_power
 from ...schema import quantity
 from ..geometry.polynomials import Polynomials
 from .driver import Driver
@@ -33,9 +33,9 @@ class Ramp(Driver):
             0.0,
             0.0,
             0.0,
-            2.5 * w / whole_power(t, 3),
-            -3.0 * w / whole_power(t, 4),
-            w / whole_power(t, 5),
+            2.5 * w / integer_power(t, 3),
+            -3.0 * w / integer_power(t, 4),
+            w / integer_power(t, 5),
         )
         return Polynomials((0.0, t), (rising, (offset + 0.5 * w * t, w)))
 

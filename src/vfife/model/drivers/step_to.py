@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...numerics.scalar import whole_power
+from ...numerics.scalar import integer_power
 from ...schema import quantity
 from ..geometry.polynomials import Polynomials
 from .driver import Driver
@@ -40,9 +40,9 @@ class StepTo(Driver):
             offset,
             0.0,
             0.0,
-            10.0 * r / whole_power(t, 3),
-            -15.0 * r / whole_power(t, 4),
-            6.0 * r / whole_power(t, 5),
+            10.0 * r / integer_power(t, 3),
+            -15.0 * r / integer_power(t, 4),
+            6.0 * r / integer_power(t, 5),
         )
         return Polynomials((self.begin - t, self.begin, self.begin + t), ((offset,), step, (offset + r,)))
 

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ...kernels.polynomial import polynomial
-from ...numerics.scalar import sin, whole_power
+from ...numerics.scalar import integer_power, sin
 from ...numerics.splines import natural
 
 if TYPE_CHECKING:
@@ -247,11 +247,11 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
     quarters = [0.5 * math.pi * order for _, order in ENDS]
     matrix = np.array(
         [
-            [math.perm(k, order) * whole_power(at, k - order) if k >= order else 0.0 for k in range(7)]
+            [math.perm(k, order) * integer_power(at, k - order) if k >= order else 0.0 for k in range(7)]
             for at, order in ENDS
         ]
     )
-    shares, scales, wanted = [at * h for at, _ in ENDS], [whole_power(h, order) for _, order in ENDS], []
+    shares, scales, wanted = [at * h for at, _ in ENDS], [integer_power(h, order) for _, order in ENDS], []
     for piece in range(HARMONIC_PIECES):
         begin = piece * h + phase
         wanted.append(
@@ -262,5 +262,5 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
         )
     c = amplitude * solve(matrix, np.array(wanted).T).T
     c[:, 0] += offset - amplitude * sin(phase)
-    rows = tuple(map(tuple, (c / [whole_power(time, k) for k in range(7)]).tolist()))
+    rows = tuple(map(tuple, (c / [integer_power(time, k) for k in range(7)]).tolist()))
     return Polynomials(tuple(piece * time for piece in range(HARMONIC_PIECES)), rows, 1.0 / frequency)

@@ -66,27 +66,27 @@ def francis(a, real, imaginary, m, n):
         for j in range(max(i - 1, 0), n):
             norm += abs(a[i, j])
     last = n - 1
-    lost = 0.0  # what shifts have taken off the diagonal
+    shift = 0.0  # what shifts have taken off the diagonal
     while last >= 0:
         step = 0
-        found = 0
-        while found == 0:
+        count = 0
+        while count == 0:
             l = cut(a, last, n, norm)
             x = a[last, last]
             if l == last:
-                real[m, last] = x + lost
+                real[m, last] = x + shift
                 imaginary[m, last] = 0.0
-                found = 1
+                count = 1
             elif l == last - 1:
-                pair(a, real, imaginary, m, last, lost)
-                found = 2
+                pair(a, real, imaginary, m, last, shift)
+                count = 2
             elif step == STEPS:
                 return 1.0
             else:
                 y = a[last - 1, last - 1]
                 w = a[last, last - 1] * a[last - 1, last]
                 if step % 10 == 9:
-                    lost = lost + x
+                    shift = shift + x
                     for i in range(last + 1):
                         a[i, i] -= x
                     s = abs(a[last, last - 1]) + abs(a[last - 1, last - 2])
@@ -95,7 +95,7 @@ def francis(a, real, imaginary, m, n):
                     w = -0.4375 * s * s
                 step = step + 1
                 double_step(a, l, last, n, x, y, w)
-        last = last - found
+        last = last - count
     return 0.0
 
 
@@ -110,7 +110,7 @@ def cut(a, last, n, norm):
     return 0
 
 
-def pair(a, real, imaginary, m, last, lost):
+def pair(a, real, imaginary, m, last, shift):
     """The two eigenvalues of the last two rows."""
     x = a[last, last]
     y = a[last - 1, last - 1]
@@ -118,7 +118,7 @@ def pair(a, real, imaginary, m, last, lost):
     p = 0.5 * (y - x)
     q = p * p + w
     z = math.sqrt(abs(q))
-    x = x + lost
+    x = x + shift
     if q >= 0.0:
         z = p + (z if p >= 0.0 else -z)
         real[m, last - 1] = x + z

@@ -22,14 +22,14 @@ def exponential(x):
     high = x - k * 6.93147180369123816490e-01
     low = k * 1.90821492927058770002e-10
     y = high - low
-    found = small_exp(y) - y_error(high, y, low)
+    result = small_exp(y) - y_error(high, y, low)
     while k > 120.0:
-        found = found * 1.329227995784916e36
+        result = result * 1.329227995784916e36
         k = k - 120.0
     while k < -120.0:
-        found = found * 7.52316384526264e-37
+        result = result * 7.52316384526264e-37
         k = k + 120.0
-    return found * two_to(k)
+    return result * two_to(k)
 
 
 def y_error(high, y, low):
@@ -125,8 +125,8 @@ def raised(x, exponent):
     if p < -1e4:
         return 0.0
     low = product_error(exponent, first, p) + exponent * rest
-    whole = exponential(p)
-    return whole if whole > 1e308 or whole == 0.0 else whole + whole * low
+    power = exponential(p)
+    return power if power > 1e308 or power == 0.0 else power + power * low
 
 
 def arctangent(x):
@@ -153,8 +153,8 @@ def arctangent(x):
     odd = z * (3.33333333333329318027e-01 + w * odd)
     even = -7.69187620504482999495e-02 + w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02)
     even = w * (-1.99999999998764832476e-01 + w * (-1.11111104054623557880e-01 + w * even))
-    found = t - t * (odd + even) if a < 0.4375 else high - ((t * (odd + even) - low) - t)
-    return -found if x < 0.0 else (x if x == 0.0 else found)
+    result = t - t * (odd + even) if a < 0.4375 else high - ((t * (odd + even) - low) - t)
+    return -result if x < 0.0 else (x if x == 0.0 else result)
 
 
 def half_turn(y, x):
@@ -186,26 +186,26 @@ def turn_all(angle, sine, cosine):
         sine[k], cosine[k] = sincos(angle[k])
 
 
-def raise_all(x, exponent, found):
+def raise_all(x, exponent, result):
     """Powers of positive numbers."""
     for k in range(len(x)):
-        found[k] = raised(x[k], exponent[k])
+        result[k] = raised(x[k], exponent[k])
 
 
-def exponentials(x, found):
+def exponentials(x, result):
     """e**x."""
     for k in range(len(x)):
-        found[k] = exponential(x[k])
+        result[k] = exponential(x[k])
 
 
-def logarithms(x, found):
+def logarithms(x, result):
     """Natural logarithms of positive numbers."""
     for k in range(len(x)):
-        found[k] = logarithm(x[k])
+        result[k] = logarithm(x[k])
 
 
-def directions_of(y, x, found):
+def directions_of(y, x, result):
     """Angles of directions (x, y), y other than zero."""
     for k in range(len(x)):
         angle = half_turn(abs(y[k]), x[k])
-        found[k] = -angle if y[k] < 0.0 else angle
+        result[k] = -angle if y[k] < 0.0 else angle

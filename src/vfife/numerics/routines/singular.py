@@ -74,8 +74,8 @@ def decompose(A, left, size, right, W, vectors):
             reflect(W, t, order, n, length, 1)
             for i in range(n):
                 for j in range(n):
-                    above = W[j * length + i] if i < j else 0.0
-                    W[M + i * n + j] = W[t + n + i] if i == j else above
+                    entry = W[j * length + i] if i < j else 0.0
+                    W[M + i * n + j] = W[t + n + i] if i == j else entry
                     W[J + i * n + j] = 1.0 if i == j else 0.0
             least = NOTHING * abs(W[t + n]) if n > 0 else 0.0
             orthogonalise(W, room, least)
@@ -248,7 +248,7 @@ def dot(W, first, second, count):
     b = 0.0
     c = 0.0
     d = 0.0
-    whole = count // 4 * 4
+    fours = count // 4 * 4
     for k in range(count // 4):
         i = first + 4 * k
         j = second + 4 * k
@@ -256,7 +256,7 @@ def dot(W, first, second, count):
         b += W[i + 1] * W[j + 1]
         c += W[i + 2] * W[j + 2]
         d += W[i + 3] * W[j + 3]
-    for k in range(whole, count):
+    for k in range(fours, count):
         a += W[first + k] * W[second + k]
     return (a + b) + (c + d)
 
@@ -295,11 +295,11 @@ def reflect(W, t, order, count, size, pivoted):
             W[t + k] = 0.0
             W[t + count + k] = head
         else:
-            whole = math.sqrt(head * head + rest)
-            whole = whole if first_sign(W, here, left) < 0.0 else -whole
-            W[t + k] = (whole - head) / whole
-            W[t + count + k] = whole
-            scale = 1.0 / (head - whole)
+            fours = math.sqrt(head * head + rest)
+            fours = fours if first_sign(W, here, left) < 0.0 else -fours
+            W[t + k] = (fours - head) / fours
+            W[t + count + k] = fours
+            scale = 1.0 / (head - fours)
             for j in range(1, left):
                 W[here + j] = W[here + j] * scale
         W[here] = 1.0
@@ -352,8 +352,8 @@ def factors(A, Q, R, W):
         reflect(W, t, order, columns, rows, 0)
         for i in range(R.shape[1]):
             for j in range(columns):
-                above = W[j * rows + i] if i < j else 0.0
-                R[m, i, j] = W[t + columns + j] if i == j else above
+                entry = W[j * rows + i] if i < j else 0.0
+                R[m, i, j] = W[t + columns + j] if i == j else entry
         for i in range(Q.shape[2]):
             for j in range(rows):
                 W[at + j] = 1.0 if i == j else 0.0

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 from ...compiler.runtime.cache import sources
 from ...errors import VfifeError
-from ...laws.stored import kept as stored_laws
+from ...laws.stored import law_entries as stored_laws
 from ...laws.user import load_laws
 from ...model.mechanism import Mechanism
 from ...model.surfaces import surfaces
