@@ -46,8 +46,9 @@ REFINED = 7.0  # steps of a smooth run that is repeated with half and with a qua
 # time of a static analysis that is repeated with twice and with half the elements, by its own; 3.5 to 6 in
 # the examples
 MESHED = 5.5
-ASSEMBLY = 0.03  # s in which a case is assembled and its results are taken, alone
+ASSEMBLY = 0.01  # s in which a case is assembled and its results are taken, alone
 
+RECORD_SECONDS = 4e-9  # s to keep a byte of a record and to account for the energy in it
 RECORD_COPIES = 2.5  # memory of those who read a record, by its bytes
 LIBRARIES = 2.5e8  # bytes of memory of the program itself
 COMPRESSED = 0.5  # bytes of outputs in a run file, by those of the numbers
@@ -135,9 +136,9 @@ def physical_memory() -> int | None:
 
 @dataclass(frozen=True)
 class RunCost:
-    """The cost of one run: loop, time of a step (ns), of all steps and of a first compilation (s), rows of
-    the state, bytes of the record; those of the ideal reference; bytes of memory and on the disk. Of an
-    automatic step the first try is meant.
+    """The cost of one run: loop, time of a step (ns), of all of it and of a first compilation (s), rows of the
+    state, bytes of the record; time of the ideal reference, and of the steps of the run without its
+    companions; bytes of memory and on the disk. Of an automatic step the first try is meant.
     """
 
     loop: str
@@ -147,6 +148,7 @@ class RunCost:
     rows: int
     bytes: int
     ideal_seconds: float = 0.0
+    stepping: float = 0.0
     memory: float = LIBRARIES
     disk: float = 0.0
 
@@ -173,17 +175,20 @@ def run_cost(
         cost = dataclasses.replace(cost, seconds=COMPANIONS * cost.seconds)
     if measured and cost.seconds > WORTH and cost.loop == "generated":
         cost = dataclasses.replace(cost, seconds=timed_step(assembly, companions) * assembly.choice.steps)
-    size = float(cost.bytes)
+    size, stepping = float(cost.bytes), cost.seconds / (COMPANIONS if companions else 1.0)
     if reference is not None:
         ideal = _alone(reference)
         cost = dataclasses.replace(cost, seconds=cost.seconds + ideal.seconds, ideal_seconds=ideal.seconds)
         size += ideal.bytes
-    memory, seconds = RECORD_COPIES * size + LIBRARIES, cost.seconds
+    recording = RECORD_SECONDS * size
+    memory, seconds = RECORD_COPIES * size + LIBRARIES, cost.seconds + recording
     if refined and assembly.mechanism.settings.analysis == "static":
         seconds *= MESHED
     elif refined:
         seconds, memory = REFINED * seconds, memory + 2.0 * cost.bytes
-    return dataclasses.replace(cost, seconds=seconds, memory=memory, disk=COMPRESSED * size)
+    return dataclasses.replace(
+        cost, seconds=seconds, stepping=stepping, memory=memory, disk=COMPRESSED * size
+    )
 
 
 def _alone(assembly: Assembly) -> RunCost:

@@ -43,6 +43,7 @@ MOST_KINDS = 12
 PARTS = 360  # of a turn; cases go into lanes where it has a whole number of steps in each
 # s to choose a case, and for each other one: Parzen estimators, NSGA-II; measured with three parameters
 CHOOSING = (2e-3, 6e-6), (6e-4, 0.0)
+LOCAL_SHARE = 0.3  # of the time that a local search may take, until it converges
 DISPLACED = 2  # runs of which derivatives are the mean
 TANGENT = 1.6  # time that derivatives by one number take, by that of a lane's own steps
 LESS = "ask for fewer members or turns"
@@ -158,9 +159,10 @@ def search_forecast(plan: Plan, search: Search, file: Path | None) -> Forecast:
     choosing = search.members * (first + each * search.members)  # those that are known are chosen again
     further = counted(search.refine, "member")
     parts = (
-        (f"up to {further} more by derivatives, in at most {span(refining)} of that.",) if refining else ()
+        (f"up to {further} more by derivatives, which take {span(refining)} at most.",) if refining else ()
     )
-    return dataclasses.replace(forecast, seconds=forecast.seconds + choosing + refining, parts=parts)
+    seconds = forecast.seconds + choosing + LOCAL_SHARE * refining
+    return dataclasses.replace(forecast, seconds=seconds, parts=parts)
 
 
 def local_search_seconds(cases: CasesLeft, search: Search) -> float:

@@ -23,7 +23,7 @@ from ...assembly.assembled import Assembly
 from ...assembly.possible import outlook
 from ...compiler.runtime.native import stream_lanes
 from ...errors import RunFileError, VfifeError, suggestion
-from ...job.cost import LANES, LIBRARIES, WORTH, Forecast, cores, run_cost, timed_step
+from ...job.cost import LANES, LIBRARIES, RECORD_SECONDS, WORTH, Forecast, cores, run_cost, timed_step
 from ...job.job import Job, job_of
 from ...laws import ContactLaw, FrictionLaw, Law
 from ...measures.trust import finer
@@ -242,14 +242,19 @@ def compare(
     return Comparison(mechanism.name, names, rows, list(complete), reference, planned=len(runs))
 
 
+MEASURING = 2.4  # time to keep a record and to take all measures of it, by that to keep it
+
+
 def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
     """Forecast the runs that are left of those planned: in lanes, or one after another."""
     costs = [run_cost(one.assembly, companions=one.companions, refined=one.refined) for one in left]
     lanes = stream_lanes(1) if left and fits_lane(left[0]) else 1
     faster = cores() * min(lanes, len(left)) / LANES[lanes] if lanes > 1 and len(left) > 1 else 1.0
-    seconds = sum(one.seconds for one in costs) / faster
+    recording = sum(RECORD_SECONDS * one.bytes for one in costs)
+    seconds = (sum(one.seconds for one in costs) - recording) / faster
     if seconds > WORTH and costs[0].loop == "generated":
         seconds *= 1e9 * timed_step(left[0].assembly) / costs[0].ns_per_step
+    seconds += MEASURING * recording
     steps = sum(one.assembly.choice.steps for one in left) / max(len(left), 1)
     memory, disk = sum(one.memory - LIBRARIES for one in costs) + LIBRARIES, sum(one.disk for one in costs)
     amounts = len(left), steps, seconds, memory, disk, planned - len(left), cores(), lanes

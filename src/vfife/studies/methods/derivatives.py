@@ -168,7 +168,7 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     displaced = runs or DISPLACED if assembly.contacts else 1
     each = TANGENT * (displaced + SIZES - 1.0) + CHANGES * SIZES
     further = each * count * LANES[lanes] / (lanes * cores())
-    seconds = alone.seconds * (1.0 + further) + VARIANTS * count * variant
+    seconds = alone.seconds + alone.stepping * further + VARIANTS * count * variant
     steps, by = f"{assembly.choice.steps:,} steps", counted(count, "number")
     work = f"a run of {steps} and {by} by which it has derivatives, each checked by finite changes"
     note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
