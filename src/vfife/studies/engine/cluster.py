@@ -41,8 +41,8 @@ LOADED: dict[str, str] = {}  # texts of user laws that this process has loaded, 
 
 @dataclass(frozen=True)
 class BatchTask:
-    """What all batches of a study share, as texts and numbers: the model, the fields of ``CaseSpec``, files and
-    texts of user laws, the step.
+    """What all batches of a study share, as texts and numbers: the model, the fields of ``CaseSpec``, files
+    and texts of user laws, the step.
     """
 
     model: str

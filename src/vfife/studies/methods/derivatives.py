@@ -174,7 +174,8 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     note = ", more where an automatic step is halved" if assembly.choice.automatic else ""
     less = "ask for fewer numbers (to) or turns"
     return Forecast(
-        "run", 1, alone.seconds, seconds, alone.memory, threads=cores(), lanes=lanes, work=work, less=less, note=note
+        "run", 1, alone.seconds, seconds, alone.memory, threads=cores(), lanes=lanes, work=work, less=less,
+        note=note,
     )  # fmt: skip
 
 

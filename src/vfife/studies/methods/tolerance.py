@@ -132,9 +132,10 @@ def failing_share(
     upper.
     """
     near, count = error.rms if error else 0.0, len(values)
-    least = share(sum(bound.surely_fails(value, near) for value in values), count, confidence)
-    most = share(sum(bound.may_fail(value, near) for value in values), count, confidence)
-    middle = share(sum(bound.excess(value) > 0.0 for value in values), count, confidence)
+    least, middle, most = (
+        share(sum(bound.fails(value, margin) for value in values), count, confidence)
+        for margin in (near, 0.0, -near)
+    )
     return Estimate(middle.value, least.low, most.high)
 
 

@@ -137,13 +137,9 @@ class Bound:
         over = max(value - self.high, self.low - value)
         return over if math.isfinite(value) else math.inf
 
-    def surely_fails(self, value: float, error: float) -> bool:
-        """Whether a value is beyond the limit even if it is wrong by an ``error``; NaN fails."""
-        return not math.isfinite(value) or value - error > self.high or value + error < self.low
-
-    def may_fail(self, value: float, error: float) -> bool:
-        """Whether a value is beyond the limit, or may be, as it may be wrong by an ``error``."""
-        return not math.isfinite(value) or value + error > self.high or value - error < self.low
+    def fails(self, value: float, margin: float) -> bool:
+        """Whether a value is beyond the limit by more than a ``margin``, which may be negative; NaN is."""
+        return not math.isfinite(value) or value - margin > self.high or value + margin < self.low
 
     def words(self, unit: str) -> str:
         """Return the limit in words."""

@@ -29,7 +29,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 class Distribution:
     """A number that varies, in SI units: where its probability is ``u`` (``quantile``), between which
-    ``limits`` it lies, its ``mean``.
+    ``limits`` it lies.
     """
 
     def quantile(self, u: Any) -> Array:
@@ -44,11 +44,6 @@ class Distribution:
     @property
     def limits(self) -> tuple[float, float]:
         """Least and greatest value; infinite where there is none."""
-        raise NotImplementedError
-
-    @property
-    def mean(self) -> float:
-        """The mean of all machines."""
         raise NotImplementedError
 
 
@@ -70,15 +65,11 @@ class Uniform(Distribution):
         """The two."""
         return self.low, self.high
 
-    @property
-    def mean(self) -> float:
-        """The middle."""
-        return 0.5 * (self.low + self.high)
-
 
 @dataclass(frozen=True)
 class Truncated(Distribution):
-    """A normal distribution that is cut off at two limits; ``centre`` and ``deviation`` are those before the cut.
+    """A normal distribution that is cut off at two limits; ``centre`` and ``deviation`` are those before the
+    cut.
 
     x = m + s Φ⁻¹(Φ(a) + u (Φ(b) - Φ(a))), a and b the limits less m, over s.
     """
@@ -127,12 +118,6 @@ class Truncated(Distribution):
         """The limits."""
         return self.low, self.high
 
-    @property
-    def mean(self) -> float:
-        """m + s (φ(a) - φ(b)) / (Φ(b) - Φ(a))."""
-        a, b = (math.exp(-0.5 * end * end) / math.sqrt(2.0 * math.pi) for end in self._ends)
-        return self.centre + self.deviation * (a - b) / self._share
-
 
 @dataclass(frozen=True)
 class Normal(Truncated):
@@ -162,14 +147,6 @@ class Clearance(Distribution):
         """Least and greatest radial clearance with play."""
         return max(0.5 * self.fit.least, 0.0), 0.5 * self.fit.most
 
-    @cached_property
-    def mean(self) -> float:
-        """The lower limit plus the integral of the probability of a larger clearance."""
-        low, high = (2.0 * end for end in self.limits)
-        nodes, weights = gauss(200)
-        larger = 1.0 - self._below(low + 0.5 * (high - low) * (nodes + 1.0))
-        return 0.5 * (low + 0.5 * (high - low) * float(weights @ larger) / (1.0 - self.without))
-
     def _below(self, d: Array) -> Array:
         """Return the probability that the diameters differ by at most d (m), shape (count,)."""
         return self._integrals(d)[0]
@@ -177,9 +154,9 @@ class Clearance(Distribution):
     def _integrals(self, d: Array) -> tuple[Array, Array]:
         """Return probability and density at differences d of the diameters (m), shape (count,).
 
-        With s the difference from its middle and y the shaft from its own, the hole is s + y. Between the y at
-        which the hole meets its limits the integrand is smooth, so that Gauss' rule converges; beyond the upper
-        one every hole is small enough, which adds the probability of these shafts.
+        With s the difference from its middle and y the shaft from its own, the hole is s + y. Between the y
+        at which the hole meets its limits the integrand is smooth, so that Gauss' rule converges; beyond the
+        upper one every hole is small enough, which adds the probability of these shafts.
         """
         from scipy.special import ndtr
 
@@ -302,10 +279,11 @@ def points(parameters: Sequence[Distribution], method: str, count: int, seed: in
 
 
 def places(method: str, count: int, dimensions: int, seed: int = 0) -> Array:
-    """Return places in the unit cube, shape (rows, dimensions), all numbers above 0 and below 1. Raises Fault.
+    """Return places in the unit cube, shape (rows, dimensions), all numbers above 0 and below 1. Raises
+    Fault.
 
-    "random", "latin" and "sobol" have ``count`` rows; the designs for sensitivities have more: "saltelli" count
-    (dimensions + 2), "morris" count (dimensions + 1).
+    "random", "latin" and "sobol" have ``count`` rows; the designs for sensitivities have more: "saltelli"
+    count (dimensions + 2), "morris" count (dimensions + 1).
     """
     if method not in METHODS:
         what, remedy = "an unknown way to choose points", "write one of these words"
@@ -325,8 +303,8 @@ def random(count: int, dimensions: int, seed: int) -> Array:
 
 
 def latin(count: int, dimensions: int, seed: int) -> Array:
-    """Return a Latin hypercube: of ``count`` slices along each axis every one holds one place (McKay, Beckman,
-    Conover 1979).
+    """Return a Latin hypercube: of ``count`` slices along each axis every one holds one place (McKay,
+    Beckman, Conover 1979).
 
     The order of random numbers is a random order of the slices, and a second number the place in each.
     """
@@ -335,8 +313,8 @@ def latin(count: int, dimensions: int, seed: int) -> Array:
 
 
 def sobol(count: int, dimensions: int, seed: int) -> Array:
-    """Return Sobol's sequence with the direction numbers of Joe and Kuo, scrambled (Matoušek) by the seed; its
-    balance needs a power of two.
+    """Return Sobol's sequence with the direction numbers of Joe and Kuo, scrambled (Matoušek) by the seed;
+    its balance needs a power of two.
     """
     from scipy.stats.qmc import Sobol
 
