@@ -20,8 +20,9 @@ from environments import Missing, run
 from limit import COMPILER, ask, compiled
 from measure import Options, Part, interleaved, seconds, table
 
-from vfife import Mechanism, Section
+from vfife import Mechanism
 from vfife.assembly.assemble import assemble
+from vfife.bodies import Section
 from vfife.compiler.runtime.native import widest
 from vfife.compiler.runtime.runner import Runner
 

@@ -11,10 +11,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from vfife import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
 from vfife.compiler.runtime.runner import Runner
 from vfife.kernels.arrays import Layout
 from vfife.kernels.topology import Topology
+from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh, Pereira
 
 FOLLOWER_PIN = 4  # particle
 TOPOLOGY = Topology(

@@ -29,13 +29,13 @@ STEPS, ROUNDS = 200_000, 15
 
 
 @dataclass(frozen=True)
-class Copy(vfife.ContactLaw):
+class Copy(vfife.laws.ContactLaw):
     """F = K d^1.5 (1 + 3/4 (1 - e^2) d'/d'0)."""
 
     name: ClassVar[str] = "a-copy"
     slots: ClassVar[tuple[str, ...]] = ("stiffness", "damping_factor")
-    restitution: float = vfife.quantity("1", "restitution coefficient", 0.9)
-    stiffness: float = vfife.quantity("N/m^1.5", "stiffness", 6.6e10)
+    restitution: float = vfife.laws.quantity("1", "restitution coefficient", 0.9)
+    stiffness: float = vfife.laws.quantity("N/m^1.5", "stiffness", 6.6e10)
 
     def parameters(self, pair):
         return self.stiffness, 0.75 * (1.0 - self.restitution**2)
@@ -52,9 +52,9 @@ def runner(own: bool, lanes: int) -> Runner:
     mechanism = vfife.load_model(MODEL)
     for name, joint in mechanism.clearances.items():
         law = joint.contact
-        assert isinstance(law, vfife.LankaraniNikravesh)
+        assert isinstance(law, vfife.laws.LankaraniNikravesh)
         values = {field: value for field, value in vars(joint).items() if field != "contact"}
-        mechanism.joints[name] = vfife.ClearanceRevolute(
+        mechanism.joints[name] = vfife.joints.ClearanceRevolute(
             **values, contact=Copy(law.restitution, law.stiffness) if own else law
         )
     model = assemble(mechanism, 1e-7, turns=100.0, force_step=True)

@@ -11,8 +11,9 @@ from collections.abc import Callable
 import numpy as np
 from measure import Options, Part, table
 
-from vfife import Mechanism, Section
+from vfife import Mechanism
 from vfife.assembly.assemble import assemble
+from vfife.bodies import Section
 from vfife.compiler.runtime.runner import Runner
 from vfife.model.bodies import MOST_ELEMENTS, Member
 

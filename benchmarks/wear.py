@@ -9,10 +9,12 @@ from collections.abc import Callable
 import numpy as np
 from measure import EXAMPLES, Options, Part, interleaved, table
 
-from vfife import Ambrosio, Wear, load_model
+from vfife import load_model
 from vfife.assembly.assemble import assemble
 from vfife.compiler.runtime.runner import Runner
 from vfife.compiler.trace.straight_line import trace
+from vfife.joints import Wear
+from vfife.laws import Ambrosio
 from vfife.solvers.record import recorded_rows
 
 LANES = (1, 4)

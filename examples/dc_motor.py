@@ -32,8 +32,8 @@ def rotor() -> vfife.Mechanism:
     m.point("O", 0, 0)
     m.rigid_body("rotor", mass="0.5 kg", inertia=INERTIA)
     m.revolute("shaft", "ground.O", "rotor.center")
-    m.drivers["motor"] = vfife.Torque(body="rotor", value=0.0)
-    m.drivers["brake"] = vfife.Torque(body="rotor", value=0.0)
+    m.drivers["motor"] = vfife.drivers.Torque(body="rotor", value=0.0)
+    m.drivers["brake"] = vfife.drivers.Torque(body="rotor", value=0.0)
     return m
 
 

@@ -25,7 +25,13 @@ def compressor() -> vfife.Mechanism:
     m = vfife.Mechanism("compressor", settings=vfife.Settings(turns=4))
     m.point("O", 0, 0)
     m.link("crank", length="50 mm", mass="2 kg")
-    m.link("rod", length="150 mm", model="elastic", elements=4, section=vfife.Section.rectangle(0.012, 0.02))
+    m.link(
+        "rod",
+        length="150 mm",
+        model="elastic",
+        elements=4,
+        section=vfife.bodies.Section.rectangle(0.012, 0.02),
+    )
     m.rigid_body("piston", mass="1 kg", inertia=1e-3, position=(0.2, 0))
     m.revolute("O", "ground.O", "crank.start")
     m.revolute("crankpin", "crank.end", "rod.start")
@@ -36,7 +42,7 @@ def compressor() -> vfife.Mechanism:
         clearance="30 um",
         bearing_radius="10 mm",
         axial_length="25 mm",
-        friction=vfife.Ambrosio(coefficient=0.1),
+        friction=vfife.laws.Ambrosio(coefficient=0.1),
     )
     m.slider("guide", "ground.O", "piston.center")
     m.guide_force("gas", "guide", pressure=("0 bar", "1 bar", "4 bar"), pressure_back=("0 bar", "0 bar", "4 bar"), bore="40 mm",
@@ -110,6 +116,6 @@ assert abs(stroke - 0.1) < 1e-4
 
 print(f"rod: tension {1e-6 * told['rod.tension.max']:.1f} MPa, compression {1e-6 * told['rod.compression.max']:.1f} MPa, "
       f"largest at {1e3 * told['rod.stress.place']:.0f} mm, bent by {1e6 * told['rod.deflection.max']:.1f} µm")  # fmt: skip
-lowest = vfife.modes(machine, 3).frequencies
+lowest = vfife.dynamics.modes(machine, 3).frequencies
 print("vibrates at", ", ".join(f"{one:.0f} Hz ({one / (SPEED / (2 * math.pi)):.0f} x)" for one in lowest))
 assert lowest[0] > 10 * SPEED / (2 * math.pi)

@@ -75,7 +75,9 @@ polar = four_bar.plot("polar")["polar"]
 # million turns like the last one.
 
 worn = gallery.four_bar_case_c()
-worn.joints["C"] = dataclasses.replace(worn.contacts["C"], wear=vfife.Wear(bearing=1e-17, journal=2e-18))
+worn.joints["C"] = dataclasses.replace(
+    worn.contacts["C"], wear=vfife.joints.Wear(bearing=1e-17, journal=2e-18)
+)
 wear = vfife.simulate(worn, companions=0).plot("wear")["wear"]
 
 # %%

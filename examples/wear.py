@@ -18,7 +18,7 @@ import dataclasses
 import vfife
 
 m = vfife.gallery.slider_crank_loose_pin(clearance=0.2e-3, restitution=0.7, friction=0.05)
-m.joints["pin"] = dataclasses.replace(m.joints["pin"], wear=vfife.Wear(bearing=1e-15, journal=2e-16))
+m.joints["pin"] = dataclasses.replace(m.joints["pin"], wear=vfife.joints.Wear(bearing=1e-15, journal=2e-16))
 worn = vfife.wear(m, 1e7, block=2, settle=2, step=4e-6)
 
 # %%

@@ -1,4 +1,4 @@
-"""The pages of what `from vfife import` offers, by what it is for, and links of names in docstrings to them.
+"""The pages of public names, by namespace, and links of names in docstrings to them.
 
 A name is found wherever a docstring says it: under the module that has it, or as it is imported.
 """
@@ -7,74 +7,101 @@ from __future__ import annotations
 
 import inspect
 import re
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 FOLDER = "api"
 GROUPS: dict[str, tuple[str, str]] = {  # page: its title, and what stands at its head
-    "running": ("Simulate", "A mechanism goes in, a result comes out; or it is stepped from outside."),
+    "vfife": (
+        "What a first script needs",
+        "A mechanism goes in, a result comes out; runs that belong together are a study.",
+    ),
     "studies": (
-        "Studies",
-        "Many runs of one question, kept in one file; tolerances, searches, slopes; bifurcations, sections and basins; wear.",
+        "vfife.studies",
+        "Many runs of one question, kept in one file; tolerances, searches, slopes.",
     ),
-    "mechanism": (
-        "Mechanism and bodies",
-        "What a mechanism is built of. Its builders take numbers in SI units, or texts with their unit.",
+    "dynamics": ("vfife.dynamics", "What becomes of a motion: sections, basins, waterfalls, modes, spectra."),
+    "identification": (
+        "vfife.identification and vfife.tribology",
+        "Numbers of a model from measured curves; wear over many turns.",
     ),
+    "bodies": ("vfife.bodies", "Links, rigid bodies, point masses, frames and their sections."),
     "joints": (
-        "Joints",
-        "One class for each kind; ``Mechanism.revolute``, ``.slider``, ``.clearance`` and so on make them.",
+        "vfife.joints",
+        "One class for each kind; ``Mechanism.revolute``, ``.slider``, ``.clearance_joint`` and so on make them.",
     ),
-    "loads": ("Springs, drivers and loads", "What holds, drives and loads the bodies."),
+    "loads": ("vfife.springs, drivers and loads", "What holds, drives and loads the bodies."),
     "contact": (
-        "Contact laws",
-        "Normal forces. :doc:`Laws </laws>` has their equations, :doc:`the laws in pictures </laws-gallery>` their curves.",
+        "vfife.laws: contact",
+        "Normal forces. :doc:`Laws </laws>` has their equations, :doc:`the laws in pictures </laws-gallery>`"
+        " their curves.",
     ),
-    "friction": ("Friction laws", "Tangential forces."),
+    "friction": ("vfife.laws: friction", "Tangential forces."),
     "own": (
-        "Laws of one's own, materials, errors",
-        "What a law of one's own is made of, and what is raised.",
+        "vfife.laws of one's own, options, errors",
+        "What a law of one's own is made of, groups of keywords, and what is raised.",
     ),
 }
-RUNNING = (
-    "simulate", "Result", "load_result", "resume", "ensemble", "compare", "Comparison", "Simulation", "modes", "fit", "Status",
-    "spectrum", "spectrogram", "envelope",
-)  # fmt: skip
-MECHANISM = (
-    "Mechanism", "Settings", "StartSettings", "Link", "RigidBody", "PointMass", "Frame", "Member", "Section", "load", "load_model", "save_model",
-)  # fmt: skip
-ROOMS = {
-    "vfife.study": "studies",
-    "vfife.results.studied": "studies",
-    "vfife.laws.contact": "contact",
-    "vfife.laws.friction": "friction",
-    "vfife.model.joints": "joints",
-    "vfife.model.wear": "joints",
-}
+ORDER = (
+    "Mechanism",
+    "simulate",
+    "Result",
+    "study",
+    "load",
+    "load_model",
+    "save_model",
+    "load_result",
+    "resume",
+)
+SPACES = (
+    "studies",
+    "dynamics",
+    "identification",
+    "tribology",
+    "bodies",
+    "joints",
+    "springs",
+    "drivers",
+    "loads",
+    "laws",
+)
+PAGES = {
+    "tribology": "identification",
+    "springs": "loads",
+    "drivers": "loads",
+}  # of namespaces that share one
+OPTIONS = ("Length", "Run", "Save", "Compute", "Watch")
 
 
+@cache
 def public() -> dict[str, Any]:
-    """What the package offers, by name."""
+    """What the package offers: values by the names under which they are documented, each once."""
     import vfife
 
-    return {name: getattr(vfife, name) for name in sorted(vfife.__all__)}
+    found = {name: getattr(vfife, name) for name in vfife.__all__}
+    seen = {id(value) for value in found.values()}
+    for space in SPACES:
+        module = getattr(vfife, space)
+        for name in sorted(module.__all__):
+            value = getattr(module, name)
+            if id(value) not in seen:
+                found[f"{space}.{name}"] = value
+                seen.add(id(value))
+    return found | {f"options.{name}": getattr(vfife.options, name) for name in OPTIONS}
 
 
 def group_of(name: str, value: Any) -> str:
     """The page that a name is on."""
-    if name in RUNNING:
-        return "running"
-    if name in MECHANISM:
-        return "mechanism"
-    module = getattr(value, "__module__", "") or ""
-    room = next((group for start, group in ROOMS.items() if module.startswith(start)), "")
-    if room:
-        return room
-    return (
-        "loads"
-        if module.startswith(("vfife.model.springs", "vfife.model.drivers", "vfife.model.loads"))
-        else "own"
-    )
+    space = name.rpartition(".")[0]
+    if space == "laws":
+        module = getattr(value, "__module__", "") or ""
+        return next(
+            (kind for kind in ("contact", "friction") if module.startswith(f"vfife.laws.{kind}")), "own"
+        )
+    if not space:
+        return "own" if inspect.ismodule(value) or name == "VfifeError" else "vfife"
+    return "own" if space == "options" else PAGES.get(space, space)
 
 
 def by_group() -> dict[str, list[str]]:
@@ -82,19 +109,15 @@ def by_group() -> dict[str, list[str]]:
     found: dict[str, list[str]] = {group: [] for group in GROUPS}
     for name, value in public().items():
         found[group_of(name, value)].append(name)
-    for group, order in (("running", RUNNING), ("mechanism", MECHANISM)):
-        found[group].sort(key=lambda name: order.index(name))
+    found["vfife"].sort(key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name))
     return found
 
 
 def entry(name: str, value: Any) -> str:
-    """How one name is told."""
+    """How one name is documented."""
     if inspect.isclass(value):
-        members = (
-            ""
-            if issubclass(value, BaseException)
-            else "   :members:\n   :inherited-members: object, str, int\n"
-        )
+        plain = issubclass(value, BaseException | dict)
+        members = "" if plain else "   :members:\n   :inherited-members: object, str, int\n"
         return f".. autoclass:: vfife.{name}\n{members}"
     if inspect.ismodule(value):
         return (value.__doc__ or "").strip().splitlines()[0]
@@ -171,8 +194,10 @@ def found_under_its_import(app: Any, env: Any, node: Any, contnode: Any) -> Any:
     if node.get("refdomain") != "py":
         return None
     last = node["reftarget"].rsplit(".", 1)[-1]
-    target = f"vfife.{last}"
-    if target == node["reftarget"] or last not in public():
+    target = next(
+        (f"vfife.{name}" for name in public() if name.rpartition(".")[2] == last), node["reftarget"]
+    )
+    if target == node["reftarget"]:
         return None
     return env.domains["py"].resolve_xref(
         env, node["refdoc"], app.builder, node["reftype"], target, node, contnode

@@ -18,11 +18,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from . import Mechanism
 from .files import GALLERY
 from .laws import ContactLaw, FrictionLaw
 from .model.bodies import Link, RigidBody
 from .model.joints import ClearanceRevolute, ClearanceSlider, ExternalContact
-from .model.mechanism import Mechanism
 from .modelfile.read import load as read
 from .numerics.scalar import atan2, cos, sin
 

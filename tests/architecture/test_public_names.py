@@ -14,6 +14,9 @@ from vfife import errors, laws
 from vfife.model import bodies, drivers, joints, loads, springs
 
 ROOT = Path(__file__).resolve().parents[2]
+NAMESPACES = (
+    "bodies", "drivers", "dynamics", "identification", "joints", "laws", "loads", "springs", "studies", "tribology",
+)  # fmt: skip
 NOUNS = [
     *(bodies.Frame, bodies.Link, bodies.Member, bodies.PointMass, bodies.RigidBody, bodies.Section),
     *(
@@ -34,12 +37,14 @@ def test_every_noun_and_every_law_is_public() -> None:
         if law.__module__.startswith("vfife.")
     ]
     assert len(own) > 30
-    missing = [
+    spaces = (vfife.bodies, vfife.joints, vfife.springs, vfife.drivers, vfife.loads, vfife.laws)
+    public = {name: getattr(space, name) for space in spaces for name in space.__all__}
+    assert [
         one.__name__
         for one in (*NOUNS, *own, laws.Material, laws.Pair)
-        if getattr(vfife, one.__name__, None) is not one
-    ]
-    assert missing == []
+        if public.get(one.__name__) is not one
+    ] == []
+    assert len(vfife.__all__) < 40
 
 
 def test_every_public_name_is_there_and_completed() -> None:
@@ -47,9 +52,40 @@ def test_every_public_name_is_there_and_completed() -> None:
     for name in vfife.__all__:
         assert getattr(vfife, name) is not None
         assert name in dir(vfife)
+    for space in NAMESPACES:
+        module = getattr(vfife, space)
+        assert all(getattr(module, name) is not None for name in module.__all__), space
     assert not {"annotations", "TYPE_CHECKING", "Any"} & set(dir(vfife))
     with pytest.raises(AttributeError, match="no attribute 'simulated'"):
         _ = vfife.simulated
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Ambrosio",
+        "ClearanceRevolute",
+        "Section",
+        "Spring",
+        "Torque",
+        "PointForce",
+        "Study",
+        "modes",
+        "load_fit",
+        "Worn",
+    ],
+)
+def test_a_former_name_works_and_warns(name: str) -> None:
+    with pytest.warns(DeprecationWarning, match="now; the old name goes") as said:
+        found = getattr(vfife, name)
+    place = str(said[0].message).split()[2]
+    assert found is getattr(getattr(vfife, place.split(".")[1]), name)
+
+
+def test_methods_are_there_by_whichever_name_a_class_comes() -> None:
+    code = "from vfife.gallery import four_bar; m = four_bar(); print(len(m.to_toml()) > 100, hasattr(m, '_repr_html_'))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "True True\n"
 
 
 def test_every_error_is_one_of_vfife() -> None:
@@ -105,9 +141,9 @@ result: vfife.Result = vfife.simulate(mechanism, turns=2, step="1 us", reference
 again: vfife.Result = vfife.simulate(mechanism, reference=result, start=result)
 status: vfife.Status = result.record.status
 later: vfife.Result = vfife.load_result("runs/model")
-table: vfife.Comparison = vfife.compare(mechanism, ["pereira", vfife.Flores], turns=2, loop="auto")
-last: float = vfife.ensemble([mechanism], step="1 us", turns=3)[0].last.assembly.choice.step
-laws: list[type[vfife.laws.Law]] = vfife.load_laws("laws.py")
+table: vfife.studies.Comparison = vfife.compare(mechanism, ["pereira", vfife.laws.Flores], turns=2, loop="auto")
+last: float = vfife.studies.ensemble([mechanism], step="1 us", turns=3)[0].last.assembly.choice.step
+laws: list[type[vfife.laws.Law]] = vfife.laws.load_laws("laws.py")
 vfife.save_model(vfife.gallery.four_bar(), "out.toml")
 '''
 WRONG = """
@@ -127,7 +163,11 @@ def test_a_type_checker_sees_every_name(tmp_path: Path) -> None:
     api = pytest.importorskip("mypy.api")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        names = "\n".join(f"reveal_type(vfife.{name})" for name in vfife.__all__)
+        public = [
+            *vfife.__all__,
+            *(f"{space}.{name}" for space in NAMESPACES for name in getattr(vfife, space).__all__),
+        ]
+        names = "\n".join(f"reveal_type(vfife.{name})" for name in public)
     (tmp_path / "right.py").write_text(SCRIPT.format(names=names))
     (tmp_path / "wrong.py").write_text(WRONG)
     files = [str(tmp_path / "right.py"), str(tmp_path / "wrong.py")]
@@ -145,7 +185,7 @@ def test_a_type_checker_sees_every_name(tmp_path: Path) -> None:
     lines = said.splitlines()
     assert [line for line in lines if "right.py" in line and ": error:" in line] == []
     revealed = [line for line in lines if "Revealed type" in line]
-    assert len(revealed) == len(vfife.__all__)
+    assert len(revealed) == len(public)
     assert [line for line in revealed if '"Any"' in line] == []
     wrong = sorted({int(line.split(":")[1]) for line in lines if "wrong.py" in line and ": error:" in line})
     assert wrong == [5, 6, 7, 8, 9]

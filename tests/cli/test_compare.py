@@ -30,7 +30,7 @@ def test_each_run_is_the_run_of_its_law() -> None:
     defaults.
     """
     model = vfife.load_model(CASE_C, set=[("joint.B.contact.restitution", 0.6)])
-    found = vfife.compare(model, ["pereira", vfife.LankaraniNikravesh], ["ambrosio", "none"], **SHORT)
+    found = vfife.compare(model, ["pereira", vfife.laws.LankaraniNikravesh], ["ambrosio", "none"], **SHORT)
     assert [(row["contact"], row["friction"]) for row in found.rows] == [
         ("pereira", "ambrosio"), ("pereira", "none"), ("lankarani-nikravesh", "ambrosio"), ("lankarani-nikravesh", "none"),
     ]  # fmt: skip
@@ -53,7 +53,7 @@ def test_each_run_is_the_run_of_its_law() -> None:
         lost = alone.ledger.terms["contact_loss"][-1] + alone.ledger.terms["friction_loss"][-1]
         assert row["energy_lost"] == lost
     joint = found.results[0].record.assembly.mechanism.clearances
-    assert joint["B"].contact == vfife.Pereira(restitution=0.6)
+    assert joint["B"].contact == vfife.laws.Pereira(restitution=0.6)
     assert joint["C"].friction.coefficient == model.clearances["C"].friction.coefficient
     assert found.results[2].record.assembly.mechanism.clearances["C"].contact.stiffness == 6.6e10
     assert found.rows[1]["energy_lost"] != found.rows[0]["energy_lost"]
@@ -174,7 +174,9 @@ def test_a_full_disk_is_told(command: Callable, monkeypatch: pytest.MonkeyPatch,
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "somewhere")
 
     with monkeypatch.context() as context:
-        context.setattr(*((files.os, "replace") if what == "keep" else (vfife.Comparison, "write_csv")), full)
+        context.setattr(
+            *((files.os, "replace") if what == "keep" else (vfife.studies.Comparison, "write_csv")), full
+        )
         done = command(*words, "--json")
     assert (
         done.exit_code == 5 and "bytes are free there" in done.stderr and "goes on after them" in done.stderr

@@ -195,15 +195,15 @@ NOUNS = {
         "no room between the limits",
     ),
     "ramp of no time": (
-        lambda m: m.drivers.update(rod=vfife.Ramp(body="rod", speed=1.0, duration=0.0)),
+        lambda m: m.drivers.update(rod=vfife.drivers.Ramp(body="rod", speed=1.0, duration=0.0)),
         "ramp = 0",
     ),
     "uneven table": (
-        lambda m: m.drivers.update(rod=vfife.AngleTable(body="rod", times=(0.0, 1.0), values=(0.0,))),
+        lambda m: m.drivers.update(rod=vfife.drivers.AngleTable(body="rod", times=(0.0, 1.0), values=(0.0,))),
         "1 for 2 times",
     ),
     "load on nothing": (
-        lambda m: m.loads.update(f=vfife.PointForce(name="f", at="x.y")),
+        lambda m: m.loads.update(f=vfife.loads.PointForce(name="f", at="x.y")),
         "there is no body 'x'",
     ),
     "unknown model": (lambda m: m.link("b", length=1.0, mass=1.0, model="elstic"), 'Did you mean "elastic"'),

@@ -20,7 +20,7 @@ from studies.studies import ASKED, Closed
 from vfife.results.studied import Study
 from vfife.store.lock import Lock
 from vfife.studies import forecast
-from vfife.studies import study as studies
+from vfife.studies import study_work as studies
 from vfife.studies.engine import cluster, run_missing
 
 Command = Callable[..., Any]

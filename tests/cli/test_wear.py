@@ -70,7 +70,7 @@ def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_
     """
     done = command("wear", worn_pin(tmp_path), *BRIEF, "--clearance", "0.8 mm", "-o", "a.wear")
     assert done.exit_code == 0, done.stderr
-    found = vfife.load_wear("a.wear")
+    found = vfife.tribology.load_wear("a.wear")
     left = (
         (0.8e-3 - found.play[-1, 0])
         / (found.play[-1, 0] - found.play[-2, 0])

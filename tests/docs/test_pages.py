@@ -58,7 +58,8 @@ def test_what_is_typed_in_a_models_head_is_code_and_signs_are_signs(docs: Docs) 
 
 def test_every_public_name_is_on_one_page_and_every_law_in_the_gallery(docs: Docs) -> None:
     listed = [name for names in docs["public_api"].by_group().values() for name in names]
-    assert sorted(listed) == sorted(vfife.__all__)
+    assert set(vfife.__all__) <= set(listed) and len(set(listed)) == len(listed)
+    assert {"laws.Hertz", "joints.ClearanceRevolute", "studies.tolerance", "dynamics.basins"} <= set(listed)
     page = docs["law_gallery"].page()
     assert all(f"### {law['name']}\n" in page for law in docs["law_gallery"].told())
 

@@ -71,7 +71,7 @@ def test_a_member_is_a_run_of_its_own():
     alone = vfife.simulate(
         shaken(14.0), turns=14, outputs=96, step=size, companions=0, reference=False, force_step=True
     )
-    expected = vfife.spectrum(alone.series["block.x"].values[-192:], 1.0).amplitudes[:13]
+    expected = vfife.dynamics.spectrum(alone.series["block.x"].values[-192:], 1.0).amplitudes[:13]
     assert np.array_equal(found.amplitudes["block.x"][-1], expected)
 
 

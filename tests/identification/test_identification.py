@@ -257,7 +257,10 @@ def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
     assert [(one.error, one.low, one.high) for one in found.values] == [
         (one.error, one.low, one.high) for one in whole.values
     ]
-    again, read = vfife.fit(oscillator(), path, BOUNDS, **given, file=file), vfife.load_fit(file)
+    again, read = (
+        vfife.fit(oscillator(), path, BOUNDS, **given, file=file),
+        vfife.identification.load_fit(file),
+    )
     assert again.json() == read.json() == found.json() and np.array_equal(
         read.curves[0].model, whole.curves[0].model
     )

@@ -70,7 +70,7 @@ def test_members_of_a_study_and_of_what_was_added_to_it(closed: Closed, tmp_path
 
 def test_machines_of_an_allocation(closed: Closed) -> None:
     job = Recorder()
-    vfife.allocate(
+    vfife.studies.allocate(
         vfife.load_model(BASE),
         PLAY,
         "C.force.max",
@@ -126,8 +126,10 @@ LONG: dict[str, Callable[..., Any]] = {
         model, {"joint.C.clearance": ["0.1 mm"]}, "C.force.max", turns=10**6, **more
     ),
     "compare": lambda model, **more: vfife.compare(model, ["pereira"], turns=1e6, **more),
-    "poincare_section": lambda model, **more: vfife.poincare_section(model, turns=10**7, step=1e-5, **more),
-    "waterfall": lambda model, **more: vfife.waterfall(
+    "poincare_section": lambda model, **more: vfife.dynamics.poincare_section(
+        model, turns=10**7, step=1e-5, **more
+    ),
+    "waterfall": lambda model, **more: vfife.dynamics.waterfall(
         model, "driver.crank.speed", 100.0, 200.0, turns=10**6, step=1e-5, **more
     ),
 }
@@ -169,7 +171,7 @@ def test_a_search_that_is_interrupted_leaves_its_study(
 
     monkeypatch.setattr(run_missing, "run_members", broken)
     with pytest.raises(Interrupted) as interrupted:
-        vfife.allocate(
+        vfife.studies.allocate(
             vfife.load_model(BASE),
             PLAY,
             "C.force.max",

@@ -11,11 +11,10 @@ import pytest
 
 from laws.random_laws import HEAD, classes
 from support import bits, four_bar, lanes
-from vfife import Pair
 from vfife.assembly.assemble import assemble
 from vfife.compiler.runtime.lawloops import Loops, Single
 from vfife.errors import LawError
-from vfife.laws import ContactLaw, FrictionLaw, agreement, check, user
+from vfife.laws import ContactLaw, FrictionLaw, Pair, agreement, check, user
 from vfife.laws.agreement import agreement_of, compared
 from vfife.laws.check import faults, faults_of_functions, faults_of_loops, try_out
 from vfife.laws.language import codes

@@ -47,7 +47,7 @@ def test_sound_travels_at_the_speed_that_is_measured(name):
 
 def test_a_model_names_one_without_a_table():
     model = loads(FOUR_BAR, [("body.coupler.material", "bronze"), ("joint.C.journal_material", "ptfe")])
-    assert model.bodies["coupler"].material == MATERIALS["bronze"] is vfife.MATERIALS["bronze"]
+    assert model.bodies["coupler"].material == MATERIALS["bronze"] is vfife.laws.MATERIALS["bronze"]
     assert model.clearances["C"].journal_material == MATERIALS["ptfe"]
     assert loads(dump(model)) == model
 

@@ -23,7 +23,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from vfife import ContactLaw, quantity
+from vfife.laws import ContactLaw, quantity
 
 SHARE = 0.75
 
@@ -60,12 +60,12 @@ import vfife
 
 
 @dataclass(frozen=True)
-class Rubbing(vfife.FrictionLaw):
+class Rubbing(vfife.laws.FrictionLaw):
     """F = -f N sign(v)."""
 
     name: ClassVar[str] = "rubbing"
     slots: ClassVar[tuple[str, ...]] = ("coefficient",)
-    coefficient: float = vfife.quantity("1", "coefficient", 0.1)
+    coefficient: float = vfife.laws.quantity("1", "coefficient", 0.1)
 
     def parameters(self, pair):
         return (self.coefficient,)

@@ -28,7 +28,7 @@ UNLOADING = tuple((d, force * (0.5 + 0.5 * (1e4 * d) ** 2)) for d, force in LOAD
 
 
 def parted(
-    law: vfife.ContactLaw, speed: float = 1.0, step: float = 2e-7, duration: float | None = None
+    law: vfife.laws.ContactLaw, speed: float = 1.0, step: float = 2e-7, duration: float | None = None
 ) -> tuple[float, float]:
     """Speed of parting and deepest penetration (m) of a free impact of 1 kg."""
     duration = 2e-4 / speed + 4e-4 if duration is None else duration

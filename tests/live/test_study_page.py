@@ -25,7 +25,7 @@ EVIL = "</script><script>alert(1)</script><b>"
 
 
 @pytest.fixture(scope="module")
-def grid() -> vfife.Study:
+def grid() -> vfife.studies.Study:
     base = vfife.load(BASE)
     base.name = EVIL
     vary = {
@@ -36,7 +36,7 @@ def grid() -> vfife.Study:
 
 
 @pytest.fixture(scope="module")
-def samples() -> vfife.Study:
+def samples() -> vfife.studies.Study:
     vary = {
         "play": {"path": ["joint.C.clearance"], "from": "0.1 mm", "to": "0.3 mm"},
         "law": {"path": "joint.C.friction.coefficient", "from": 0.0, "to": 0.2},
@@ -48,7 +48,7 @@ def samples() -> vfife.Study:
 def test_positions_have_the_numbers_of_their_members(
     kind: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    study: vfife.Study = request.getfixturevalue(kind)
+    study: vfife.studies.Study = request.getfixturevalue(kind)
     seen: list[SliderPatches] = []
     monkeypatch.setattr(
         studied, "slider_patches", lambda *given: seen.append(slider_patches(*given)) or seen[-1]
@@ -69,7 +69,7 @@ def test_positions_have_the_numbers_of_their_members(
     )
 
 
-def test_every_text_is_text_and_nothing_is_fetched(grid: vfife.Study) -> None:
+def test_every_text_is_text_and_nothing_is_fetched(grid: vfife.studies.Study) -> None:
     page = document(grid, {}, *study_page(grid))
     assert EVIL not in page
     assert page.count("<button data-positions=") == len(grid.members) == 4
@@ -79,7 +79,7 @@ def test_every_text_is_text_and_nothing_is_fetched(grid: vfife.Study) -> None:
 
 @pytest.mark.system("a browser")
 @needs_browser
-def test_a_reader_picks_a_member_and_it_runs(browser, grid: vfife.Study, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_a_reader_picks_a_member_and_it_runs(browser, grid: vfife.studies.Study, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / "page.html"
     path.write_text(document(grid, {}, *study_page(grid)), "utf-8")
     context = browser.new_context()
@@ -102,7 +102,7 @@ def test_a_reader_picks_a_member_and_it_runs(browser, grid: vfife.Study, tmp_pat
         context.close()
 
 
-def test_a_study_of_which_nothing_is_complete_has_no_page(samples: vfife.Study) -> None:
-    empty = vfife.Study(None, samples.meta, samples.members, {})
+def test_a_study_of_which_nothing_is_complete_has_no_page(samples: vfife.studies.Study) -> None:
+    empty = vfife.studies.Study(None, samples.meta, samples.members, {})
     with pytest.raises(VfifeError, match="no member is complete yet"):
         study_page(empty)

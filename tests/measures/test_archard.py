@@ -30,7 +30,7 @@ def ring_on_shaft(wear: Wear, friction: float = 0.0) -> Mechanism:
     m.revolute("O", "ground.O", "shaft.axis")
     m.slider("guide", "ground.O", "ring.bore", direction=(0.0, 1.0))
     m.clearance_joint("bore", "ring.bore", "shaft.axis", clearance=1e-4, bearing_radius=RADIUS, axial_length=LENGTH, wear=wear,
-                friction=vfife.Coulomb(coefficient=friction) if friction else vfife.Frictionless())  # fmt: skip
+                friction=vfife.laws.Coulomb(coefficient=friction) if friction else vfife.laws.Frictionless())  # fmt: skip
     m.drive("shaft", speed=SPEED)
     return dataclasses.replace(m, start=dataclasses.replace(m.start, journals="seated"))
 
@@ -117,12 +117,12 @@ def test_parts_of_an_interval_lie_on_an_arc():
 
 def test_a_pair_of_materials_has_its_coefficient_over_the_hardness():
     """K/H: mild steel of 163 HB has 4.4e-12 1/Pa, a severe dry one."""
-    assert coefficient("mild steel on mild steel", vfife.MATERIALS["steel"]) == pytest.approx(
+    assert coefficient("mild steel on mild steel", vfife.laws.MATERIALS["steel"]) == pytest.approx(
         7e-3 / (163 * 9.80665e6), abs=0.0
     )
     assert (
-        coefficient("ptfe on tool steel", vfife.MATERIALS["ptfe"]) is None
-        and coefficient(3e-15, vfife.MATERIALS["ptfe"]) == 3e-15
+        coefficient("ptfe on tool steel", vfife.laws.MATERIALS["ptfe"]) is None
+        and coefficient(3e-15, vfife.laws.MATERIALS["ptfe"]) == 3e-15
     )
     assert all(0.0 < k < 1e-2 and source for k, source in PAIRS.values())
 

@@ -40,9 +40,9 @@ def test_a_builder_takes_what_its_kind_has(name: str) -> None:
 def test_what_is_made_is_added_with_the_checks_of_its_builder() -> None:
     m = Mechanism("m")
     m.point("O", 0, 0)
-    rod = m.add(vfife.Link(name="rod", length=1.0, mass=1.0))
-    m.add(vfife.IdealRevolute(name="J", bearing="ground.O", journal="rod.start"))
-    m.add(vfife.ConstantSpeed(body="rod", speed=3.0))
+    rod = m.add(vfife.bodies.Link(name="rod", length=1.0, mass=1.0))
+    m.add(vfife.joints.IdealRevolute(name="J", bearing="ground.O", journal="rod.start"))
+    m.add(vfife.drivers.ConstantSpeed(body="rod", speed=3.0))
     other = Mechanism("m")
     other.point("O", 0, 0)
     other.link("rod", length=1, mass=1)
@@ -50,9 +50,9 @@ def test_what_is_made_is_added_with_the_checks_of_its_builder() -> None:
     other.drive("rod", speed=3)
     assert m == other and rod is m.bodies["rod"]
     for wrong, words in (
-        (vfife.Link(name="rod", length=1.0), "there is a body called"),
-        (vfife.Link(name="arm", length=-1.0, mass=1.0), "negative"),
-        (vfife.IdealRevolute(name="K", bearing="ground.O", journal="rod.begin"), "rod has no pin"),
+        (vfife.bodies.Link(name="rod", length=1.0), "there is a body called"),
+        (vfife.bodies.Link(name="arm", length=-1.0, mass=1.0), "negative"),
+        (vfife.joints.IdealRevolute(name="K", bearing="ground.O", journal="rod.begin"), "rod has no pin"),
     ):
         with pytest.raises(ModelError, match=words):
             m.add(wrong)

@@ -75,7 +75,7 @@ def test_joints_and_springs_take_texts_laws_and_materials_by_name() -> None:
     assert (joint.contact.name, joint.friction.name, joint.bearing_material) == (
         "flores",
         "none",
-        vfife.MATERIALS["bronze"],
+        vfife.laws.MATERIALS["bronze"],
     )
     back = loads(m.to_toml())
     assert (back.joints, back.springs, back.drivers, back.points) == (

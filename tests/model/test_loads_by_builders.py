@@ -96,4 +96,4 @@ def test_a_mistake_is_told_at_once():
             call()
         assert "nothing says how large" not in str(told.value)
     assert m.loads == {} and m.drivers == {}
-    assert vfife.GuideForce is GuideForce
+    assert vfife.loads.GuideForce is GuideForce

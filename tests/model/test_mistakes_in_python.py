@@ -74,7 +74,12 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     ),
     "a law that was not made": (
         lambda: machine().clearance_joint(
-            "C", "rod.end", "ground.O", clearance="0.2 mm", bearing_radius="10 mm", friction=vfife.Coulomb
+            "C",
+            "rod.end",
+            "ground.O",
+            clearance="0.2 mm",
+            bearing_radius="10 mm",
+            friction=vfife.laws.Coulomb,
         ),
         ("[joint.C] friction = Coulomb", "the law's class", "write Coulomb()"),
     ),

@@ -35,7 +35,7 @@ def shaft(speed: float, force: tuple[float, float], mass: float = 0.05, **law: f
         axial_length=LENGTH,
         contact=contact,
     )
-    m.loads["W"] = vfife.PointForce(name="W", at="shaft.center", force=force)
+    m.loads["W"] = vfife.loads.PointForce(name="W", at="shaft.center", force=force)
     return m
 
 
@@ -202,7 +202,7 @@ def test_a_dry_joint_costs_nothing():
     assert counts[1] > counts[0] + 30
 
 
-def one_step(depth: float, friction: vfife.Coulomb | vfife.Frictionless) -> dict[str, float]:
+def one_step(depth: float, friction: vfife.laws.Coulomb | vfife.laws.Frictionless) -> dict[str, float]:
     """Penetration and forces in the first step of a shaft at a depth (m) that moves by 0.1 m/s on and 0.3 m/s
     across.
     """
@@ -222,8 +222,11 @@ def test_surfaces_rub_with_their_dry_force_alone():
     are apart.
     """
     for depth in (1e-6, 5e-6):
-        dry, film = one_step(depth, vfife.Coulomb(coefficient=0.2)), one_step(depth, vfife.Frictionless())
+        dry, film = (
+            one_step(depth, vfife.laws.Coulomb(coefficient=0.2)),
+            one_step(depth, vfife.laws.Frictionless()),
+        )
         elastic = 1e10 * dry["penetration"] ** 1.5
         assert dry["normal_force"] > 1.1 * elastic > 0.0
         assert abs(dry["friction_force"] - film["friction_force"]) == pytest.approx(0.2 * elastic, rel=1e-3)
-    assert one_step(-5e-6, vfife.Coulomb(coefficient=0.2)) == one_step(-5e-6, vfife.Frictionless())
+    assert one_step(-5e-6, vfife.laws.Coulomb(coefficient=0.2)) == one_step(-5e-6, vfife.laws.Frictionless())

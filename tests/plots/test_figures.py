@@ -318,9 +318,9 @@ def test_surfaces_that_wear_are_drawn_around_themselves() -> None:
     """
     m = gallery.four_bar_case_c()
     for name, wear in (
-        ("B", vfife.Wear(bearing=1e-17)),
-        ("C", vfife.Wear(bearing=1e-17, journal=1e-18)),
-        ("D", vfife.Wear()),
+        ("B", vfife.joints.Wear(bearing=1e-17)),
+        ("C", vfife.joints.Wear(bearing=1e-17, journal=1e-18)),
+        ("D", vfife.joints.Wear()),
     ):
         m.joints[name] = dataclasses.replace(m.contacts[name], wear=wear)
     result = vfife.simulate(m, companions=0, loop="data-driven")

@@ -22,7 +22,7 @@ from vfife.studies.engine import run_missing
 GRID = ASKED.replace("count = 2", "count = 4")
 
 
-def made(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, **closed: Any) -> vfife.Study:
+def made(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, **closed: Any) -> vfife.studies.Study:
     monkeypatch.setattr(run_missing, "run_members", Closed(**closed))
     path = tmp_path / "s.toml"
     path.write_text(text)

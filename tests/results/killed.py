@@ -117,7 +117,7 @@ def arch() -> vfife.Mechanism:
         angle=-0.5,
         model="elastic",
         elements=3,
-        section=vfife.Section.square(1e-4),
+        section=vfife.bodies.Section.square(1e-4),
     )
     m.weld("J", "ground.O", "rod.start")
     m.settings = vfife.Settings(analysis="static", load_factors=(0.2, 0.5, 1.0))

@@ -144,7 +144,7 @@ def test_the_step_stays_what_it_was() -> None:
     anew = vfife.simulate(m, duration=1e-3, start=first, step="auto", reference=False).record.assembly.choice
     assert anew.culprit != "the run that it goes on from" and anew.step != 0.5 * own
     stiff = dataclasses.replace(
-        m.joints["C"], contact=vfife.LankaraniNikravesh(restitution=0.9, stiffness=6.6e13)
+        m.joints["C"], contact=vfife.laws.LankaraniNikravesh(restitution=0.9, stiffness=6.6e13)
     )
     stiffer = dataclasses.replace(m, joints={**m.joints, "C": stiff})
     assert (

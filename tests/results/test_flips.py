@@ -90,7 +90,7 @@ def answer_of_run(path: Path) -> Any:
 
 
 def answer_of_study(path: Path) -> Any:
-    study = vfife.load_study(path)
+    study = vfife.studies.load_study(path)
     return (
         [(one.numbers, study.outcomes.get(one.number)) for one in study.members],
         study.name,
@@ -100,7 +100,7 @@ def answer_of_study(path: Path) -> Any:
 
 
 def answer_of_map(path: Path) -> Any:
-    found = vfife.load_map(path)
+    found = vfife.dynamics.load_map(path)
     return (
         {name: points.tobytes() for name, points in found.points.items()},
         found.kinds,
@@ -110,12 +110,12 @@ def answer_of_map(path: Path) -> Any:
 
 
 def answer_of_wear(path: Path) -> Any:
-    found = vfife.load_wear(path)
+    found = vfife.tribology.load_wear(path)
     return found.turns.tobytes(), found.depth.tobytes(), found.rate.tobytes(), found.beside, found.complete
 
 
 def answer_of_fit(path: Path) -> Any:
-    return vfife.load_fit(path).json()
+    return vfife.identification.load_fit(path).json()
 
 
 KINDS: dict[str, tuple[Callable[[Path], Path], Callable[[Path], Any]]] = {
@@ -170,7 +170,7 @@ def test_a_warning_blames_the_line_of_the_user(tmp_path):
     with pytest.warns(
         DamageWarning, match="1 outcomes are missing; the rest is used. The same study run again"
     ) as heard:
-        vfife.load_study(path)
+        vfife.studies.load_study(path)
     assert heard[0].filename == __file__
 
 

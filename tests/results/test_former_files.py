@@ -30,7 +30,7 @@ def test_a_run_gives_its_numbers(name: str, tmp_path: Path) -> None:
     then = json.loads((FORMER / f"{name}.json").read_text())
     assert {key: float(result.measures[key]) for key in then} == pytest.approx(then, rel=1e-12)
     assert result.record.status is vfife.Status.COMPLETE
-    assert "soft" not in vfife.ContactLaw.registry
+    assert "soft" not in vfife.laws.ContactLaw.registry
     result.save(tmp_path / "run.sqlite")
     again = vfife.load_result(tmp_path)
     assert again.data.identical(result.data) and again.measures == result.measures
@@ -39,14 +39,17 @@ def test_a_run_gives_its_numbers(name: str, tmp_path: Path) -> None:
 def test_answers_of_the_first_format_are_read_without_a_warning() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", DamageWarning)
-        assert vfife.load_study(FORMER / "a.study").values("pin.force.max").tolist() == WRITTEN["study"]
+        assert (
+            vfife.studies.load_study(FORMER / "a.study").values("pin.force.max").tolist() == WRITTEN["study"]
+        )
         assert {
-            name: one.tolist() for name, one in vfife.load_map(FORMER / "a.map").points.items()
+            name: one.tolist() for name, one in vfife.dynamics.load_map(FORMER / "a.map").points.items()
         } == WRITTEN["map"]
-        wear = vfife.load_wear(FORMER / "a.wear")
+        wear = vfife.tribology.load_wear(FORMER / "a.wear")
         assert wear.turns.tolist() == WRITTEN["wear"] and float(wear.depth.max()) == WRITTEN["depth"]
         assert (
-            json.loads(json.dumps(vfife.load_fit(FORMER / "a.fit").json(), default=float)) == WRITTEN["fit"]
+            json.loads(json.dumps(vfife.identification.load_fit(FORMER / "a.fit").json(), default=float))
+            == WRITTEN["fit"]
         )
 
 

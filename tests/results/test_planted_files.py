@@ -114,7 +114,7 @@ def test_only_regular_files_of_bounded_size_are_read(folder, monkeypatch, what):
     done = CliRunner().invoke(app, ["study", "run", "study.toml"])
     assert done.exit_code == 2 and words in done.stderr, done.stderr
     with pytest.raises(vfife.VfifeError, match=words):
-        vfife.load_laws(what)
+        vfife.laws.load_laws(what)
     with pytest.raises(RunFileError):
         vfife.load_result(what)
 

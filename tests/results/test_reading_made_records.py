@@ -94,7 +94,7 @@ def test_a_series_is_sampled_after_the_start() -> None:
 
 
 def test_a_spectrogram_has_sixteen_windows_side_by_side_unless_said() -> None:
-    found = vfife.spectrogram(np.sin(np.arange(1600.0)), 1e-3, start=5.0)
+    found = vfife.dynamics.spectrogram(np.sin(np.arange(1600.0)), 1e-3, start=5.0)
     assert found.length == 1600 // PARTS == 100
     assert found.times[0] == pytest.approx(5.0 + 0.0495) and found.times[1] - found.times[0] == pytest.approx(
         0.025

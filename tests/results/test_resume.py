@@ -28,7 +28,7 @@ SEARCHED = RunArguments(turns=1.1, outputs=120)  # two tries of the step
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("whole") / "run.sqlite"
     result = write(
-        path, four_bar("BCD", friction=vfife.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2)), SEARCHED
+        path, four_bar("BCD", friction=vfife.laws.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2)), SEARCHED
     )
     assert len(result.record.assembly.choice.tried) >= 1 and result.record.companions is not None
     return path
@@ -42,7 +42,7 @@ def test_companions_and_steps_tried_go_on(
     too.
     """
     paced(monkeypatch, 2000)
-    mechanism = four_bar("BCD", friction=vfife.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2))
+    mechanism = four_bar("BCD", friction=vfife.laws.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2))
     path = tmp_path / "run.sqlite"
     restore = kill_at(monkeypatch, call)
     assert killed_run(path, mechanism, SEARCHED)
@@ -138,7 +138,7 @@ def test_a_started_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     """From the whole state of a former run, which is gone by then; its step is halved after it was killed."""
     first = vfife.simulate(four_bar("C"), turns=0.3, outputs=60)
     options = {"turns": 0.4, "outputs": 60}
-    mechanism = four_bar("C", friction=vfife.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2))
+    mechanism = four_bar("C", friction=vfife.laws.Ambrosio(coefficient=0.3, v0=1e-4, v1=1e-2))
     files = {}
     for name in ("whole", "run"):
         prepared = prepare(mechanism, RunArguments(**options), True, first)

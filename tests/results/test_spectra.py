@@ -30,7 +30,9 @@ def test_windows_are_those_of_scipy(window):
 @pytest.mark.parametrize("window", COSINES)
 def test_a_wave_is_as_high_as_it_is(window):
     """Of 3 at 125 Hz about a mean of 2."""
-    found = vfife.spectrum(2.0 + 3.0 * np.sin(2.0 * math.pi * 125.0 * TIMES), 1.0 / RATE, window=window)
+    found = vfife.dynamics.spectrum(
+        2.0 + 3.0 * np.sin(2.0 * math.pi * 125.0 * TIMES), 1.0 / RATE, window=window
+    )
     k = int(np.argmin(np.abs(found.frequencies - 125.0)))
     assert found.amplitudes[[0, k]] == pytest.approx([2.0, 3.0], rel=1e-6)
     assert found.frequencies[int(np.argmax(found.amplitudes[50:])) + 50] == 125.0
@@ -39,7 +41,10 @@ def test_a_wave_is_as_high_as_it_is(window):
 def test_a_flat_top_tells_heights_between_its_places():
     """Where other windows lose up to a third."""
     wave = np.sin(2.0 * math.pi * 125.25 * TIMES)
-    highest = {window: vfife.spectrum(wave, 1.0 / RATE, window=window).amplitudes.max() for window in COSINES}
+    highest = {
+        window: vfife.dynamics.spectrum(wave, 1.0 / RATE, window=window).amplitudes.max()
+        for window in COSINES
+    }
     assert (
         highest["flat-top"] == pytest.approx(1.0, abs=2e-3)
         and highest["hann"] < 0.87
@@ -51,16 +56,16 @@ def test_a_flat_top_tells_heights_between_its_places():
 def test_the_density_holds_the_mean_square(count):
     """Parseval: of noise under no window, to rounding."""
     noise = np.random.default_rng(0).normal(size=count)
-    found = vfife.spectrum(noise, 1.0 / RATE, window="rectangular")
+    found = vfife.dynamics.spectrum(noise, 1.0 / RATE, window="rectangular")
     assert (found.density.sum() * found.frequencies[1]) == pytest.approx(np.mean(noise**2), rel=1e-12)
-    averaged = vfife.spectrum(noise, 1.0 / RATE, length=400)
+    averaged = vfife.dynamics.spectrum(noise, 1.0 / RATE, length=400)
     assert averaged.density.sum() * averaged.frequencies[1] == pytest.approx(np.mean(noise**2), rel=0.05)
     assert averaged.windows == (count - 400) // 200 + 1
 
 
 def test_averages_are_those_of_scipy():
     noise = np.random.default_rng(1).normal(size=5000)
-    found = vfife.spectrum(noise, 1.0 / RATE, length=512, overlap=0.5)
+    found = vfife.dynamics.spectrum(noise, 1.0 / RATE, length=512, overlap=0.5)
     _, density = scipy.signal.welch(noise, RATE, "hann", 512, 256, detrend=False)
     assert found.density == pytest.approx(density, rel=1e-9)
 
@@ -68,7 +73,7 @@ def test_averages_are_those_of_scipy():
 def test_a_chirp_stands_where_it_is_at_each_time():
     """From 100 Hz by 200 Hz/s: the highest place of each window is the frequency in its middle."""
     wave = 1.5 * np.sin(2.0 * math.pi * (100.0 * TIMES + 100.0 * TIMES**2))
-    found = vfife.spectrogram(wave, 1.0 / RATE, length=200, start=5.0)
+    found = vfife.dynamics.spectrogram(wave, 1.0 / RATE, length=200, start=5.0)
     at = found.frequencies[found.amplitudes.argmax(axis=1)]
     assert at == pytest.approx(100.0 + 200.0 * (found.times - 5.0), abs=0.6 * RATE / 200)
     assert found.amplitudes.max(axis=1) == pytest.approx(1.5, rel=0.2)
@@ -80,7 +85,7 @@ def test_a_chirp_stands_where_it_is_at_each_time():
 
 def test_a_spectrogram_is_that_of_scipy():
     noise = np.random.default_rng(2).normal(size=3000)
-    found = vfife.spectrogram(noise, 1.0 / RATE, length=256, overlap=0.75)
+    found = vfife.dynamics.spectrogram(noise, 1.0 / RATE, length=256, overlap=0.75)
     frequencies, times, other = scipy.signal.spectrogram(
         noise, RATE, "hann", 256, 192, detrend=False, scaling="spectrum", mode="magnitude"
     )
@@ -94,13 +99,13 @@ def test_an_envelope_is_what_modulates():
     """
     slow = 2.0 + np.cos(2.0 * math.pi * 5.0 * TIMES)
     wave = 7.0 + np.sin(2.0 * math.pi * 20.0 * TIMES) + slow * np.sin(2.0 * math.pi * 300.0 * TIMES)
-    found = vfife.envelope(wave, 1.0 / RATE, band=(250.0, 350.0))
+    found = vfife.dynamics.envelope(wave, 1.0 / RATE, band=(250.0, 350.0))
     assert found.values == pytest.approx(slow, abs=1e-9)
     assert found.filtered == pytest.approx(slow * np.sin(2.0 * math.pi * 300.0 * TIMES), abs=1e-9)
     k = int(np.argmin(np.abs(found.spectrum.frequencies - 5.0)))
     assert found.spectrum.amplitudes[[0, k]] == pytest.approx([2.0, 1.0], abs=1e-9)
     noise = np.random.default_rng(3).normal(size=999)
-    assert vfife.envelope(noise, 1.0).values == pytest.approx(
+    assert vfife.dynamics.envelope(noise, 1.0).values == pytest.approx(
         np.abs(scipy.signal.hilbert(noise - noise.mean())), rel=1e-9
     )
 
@@ -145,9 +150,9 @@ def test_tables_hold_what_was_found(run, tmp_path):
     (lambda run: run.spectrogram("C.force", turns=5.0), "720"),
     (lambda run: run.envelope("C.force", band=(1e6, 2e6)), "nothing lies in it"),
     (lambda run: run.envelope("C.force", band=(9.0, 3.0)), "nothing lies in it"),
-    (lambda run: vfife.spectrum([1.0, math.nan] * 8, 0.1), "finite"),
-    (lambda run: vfife.spectrum(np.zeros(16), 0.0), "spacing"),
-    (lambda run: vfife.spectrum(np.zeros(16), 1.0).orders, "no orders"),
+    (lambda run: vfife.dynamics.spectrum([1.0, math.nan] * 8, 0.1), "finite"),
+    (lambda run: vfife.dynamics.spectrum(np.zeros(16), 0.0), "spacing"),
+    (lambda run: vfife.dynamics.spectrum(np.zeros(16), 1.0).orders, "no orders"),
 ])  # fmt: skip
 def test_what_cannot_be_is_told(run, call, said):
     with pytest.raises(VfifeError, match=said):

@@ -16,7 +16,8 @@ from typing import Any
 
 import pytest
 
-from vfife import Study, load_model
+from vfife import load_model
+from vfife.studies import Study
 from vfife.studies.engine import run_missing
 from vfife.studies.engine.cases import run_members
 from vfife.studies.engine.cluster import DEATHS, BatchResult, BatchTask, ClusterRunner, cluster, run_batch

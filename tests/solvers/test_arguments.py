@@ -105,7 +105,7 @@ def test_quantities_carry_units() -> None:
 )
 def test_an_ensemble_is_asked_the_same(given: dict[str, Any], words: str) -> None:
     with pytest.raises(ModelError) as told:
-        vfife.ensemble([four_bar(), four_bar()], **{"step": "2 us", "turns": 1, **given})
+        vfife.studies.ensemble([four_bar(), four_bar()], **{"step": "2 us", "turns": 1, **given})
     assert words in str(told.value)
 
 
@@ -113,11 +113,11 @@ def test_the_members_of_an_ensemble_are_examined() -> None:
     with pytest.raises(
         ModelError, match=r"ensemble\(\), mechanisms = .*: this is a Mechanism; allowed: a list of Mechanisms"
     ):
-        vfife.ensemble(four_bar(), step="2 us", turns=1)  # type: ignore[arg-type]
+        vfife.studies.ensemble(four_bar(), step="2 us", turns=1)  # type: ignore[arg-type]
     with pytest.raises(ModelError, match=r"mechanisms\[1\] = 3"):
-        vfife.ensemble([four_bar(), 3], step="2 us", turns=1)  # type: ignore[list-item]
+        vfife.studies.ensemble([four_bar(), 3], step="2 us", turns=1)  # type: ignore[list-item]
     with pytest.raises(ModelError, match="clearance"):
-        vfife.ensemble([four_bar(), four_bar(clearance=-1e-4)], step="2 us", turns=1)
+        vfife.studies.ensemble([four_bar(), four_bar(clearance=-1e-4)], step="2 us", turns=1)
 
 
 def test_a_comparison_is_asked_the_same() -> None:

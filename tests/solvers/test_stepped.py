@@ -33,7 +33,7 @@ def stepped(m: vfife.Mechanism, step: float = STEP, **more: Any) -> vfife.Simula
     return vfife.Simulation(m, step=step, loop="data-driven", **more)
 
 
-TORQUE = {"motor": vfife.Torque(body="rotor", value=0.0)}
+TORQUE = {"motor": vfife.drivers.Torque(body="rotor", value=0.0)}
 CHANNELS = [
     "C.force",
     "C.penetration",
@@ -136,8 +136,8 @@ def felt_last(simulation: vfife.Simulation, angles: list[float]) -> float:
 
 def test_a_torque_over_time_or_speed_gives_way_to_what_is_set() -> None:
     tables = {
-        "motor": vfife.Torque(body="rotor", value=(1.0, 0.0), speeds=(0.0, 100.0)),
-        "pulse": vfife.Torque(body="rotor", value=(0.0, 3.0, 0.0), times=(0.0, 1e-3, 2e-3)),
+        "motor": vfife.drivers.Torque(body="rotor", value=(1.0, 0.0), speeds=(0.0, 100.0)),
+        "pulse": vfife.drivers.Torque(body="rotor", value=(0.0, 3.0, 0.0), times=(0.0, 1e-3, 2e-3)),
     }
     simulation = stepped(rotor(**tables))
     simulation.set("motor", 0.0)
@@ -153,7 +153,7 @@ def test_a_torque_over_time_or_speed_gives_way_to_what_is_set() -> None:
 
 def test_a_load_is_multiplied() -> None:
     m = rotor()
-    m.loads["push"] = vfife.PointForce(name="push", at="rotor.rim", force=(0.0, 2.0), follow=True)
+    m.loads["push"] = vfife.loads.PointForce(name="push", at="rotor.rim", force=(0.0, 2.0), follow=True)
     simulation = stepped(m)
     simulation.advance(10 * STEP)
     simulation.set("push", -1.0)
@@ -187,12 +187,12 @@ def test_a_load_of_any_kind_ends_where_it_is_set_to_nothing(kind: str) -> None:
 
 def test_a_load_and_a_driver_of_one_name_are_told_apart() -> None:
     m = rotor(**TORQUE)
-    m.loads["motor"] = vfife.PointForce(name="motor", at="rotor.rim", force=(0.0, 1.0))
+    m.loads["motor"] = vfife.loads.PointForce(name="motor", at="rotor.rim", force=(0.0, 1.0))
     assert list(stepped(m).inputs) == ["motor", "driver.motor"]
 
 
 def test_a_driver_goes_evenly_to_its_new_speed() -> None:
-    simulation = stepped(rotor(rotor=vfife.ConstantSpeed(body="rotor", speed=10.0)), steered="rotor")
+    simulation = stepped(rotor(rotor=vfife.drivers.ConstantSpeed(body="rotor", speed=10.0)), steered="rotor")
     simulation.advance(1e-3)
     simulation.set("rotor", "30 rad/s", within=2e-3)
     simulation.advance(2e-3)
@@ -211,9 +211,9 @@ def test_a_driver_goes_evenly_to_its_new_speed() -> None:
 @pytest.mark.parametrize(
     "driver",
     [
-        vfife.Ramp(slider="guide", speed=0.5, duration=1e-3),
-        vfife.Harmonic(slider="guide", amplitude=0.01, frequency=100.0),
-        vfife.ConstantSpeed(slider="guide", speed=0.5),
+        vfife.drivers.Ramp(slider="guide", speed=0.5, duration=1e-3),
+        vfife.drivers.Harmonic(slider="guide", amplitude=0.01, frequency=100.0),
+        vfife.drivers.ConstantSpeed(slider="guide", speed=0.5),
     ],
     ids=lambda one: type(one).__name__,
 )
@@ -238,7 +238,7 @@ def test_a_table_is_the_polynomial_that_it_says() -> None:
     from vfife.kernels.polynomial import polynomial
     from vfife.model.geometry.polynomials import sine
 
-    for function in (sine(1.0, 50.0, 0.3), vfife.Ramp(body="a", speed=3.0, duration=0.1).motion()):
+    for function in (sine(1.0, 50.0, 0.3), vfife.drivers.Ramp(body="a", speed=3.0, duration=0.1).motion()):
         numbers = function.table()
         at, rate, _, kinks = polynomial(numbers, 0, 0.07)
         Table(memoryview(numbers), 0).go(0.07, 5.0, 0.01)
@@ -252,7 +252,7 @@ def test_a_table_is_the_polynomial_that_it_says() -> None:
 
 
 def test_it_goes_on_from_a_former_run_to_the_bit() -> None:
-    m = rotor(motor=vfife.Torque(body="rotor", value=0.3))
+    m = rotor(motor=vfife.drivers.Torque(body="rotor", value=0.3))
     former = vfife.simulate(m, duration=1e-3, step=STEP, outputs=2, loop="data-driven", companions=0)
     on, whole = stepped(m, start=former), stepped(m)
     on.advance(1e-3)
@@ -286,7 +286,7 @@ def test_a_mistake_is_told(mistake: str) -> None:
     m.link("wheel", length=0.1, mass=0.1)
     m.revolute("axle", "ground.Q", "wheel.start")
     m.drive("wheel", speed=1.0)
-    m.drivers["arm"] = vfife.AngleTable(body="arm", times=(0.0, 1.0), values=(0.0, 1.0))
+    m.drivers["arm"] = vfife.drivers.AngleTable(body="arm", times=(0.0, 1.0), values=(0.0, 1.0))
     act, words = MISTAKES[mistake]
     with pytest.raises(vfife.VfifeError) as told:
         act(stepped(m))

@@ -39,7 +39,7 @@ def test_a_tolerance_of_a_study_in_memory_and_of_its_file(closed: Closed, tmp_pa
     found = vfife.study(
         BASE, {"play": FIT}, BOTH, turns=2, method="random", count=400, file=tmp_path / "s.study"
     )
-    force, impacts = vfife.tolerance(found, limit, quantiles=(0.5,))
+    force, impacts = vfife.studies.tolerance(found, limit, quantiles=(0.5,))
     assert (
         force.failing is not None
         and force.failing.low <= 0.05 <= force.failing.high
@@ -50,24 +50,24 @@ def test_a_tolerance_of_a_study_in_memory_and_of_its_file(closed: Closed, tmp_pa
         <= 1e4 * float(of_fit("H8/f7", 0.02).quantile(0.5))
         <= force.quantiles[0.5].high
     )
-    assert vfife.tolerance(tmp_path / "s.study", limit, quantiles=(0.5,)) == [force, impacts]
+    assert vfife.studies.tolerance(tmp_path / "s.study", limit, quantiles=(0.5,)) == [force, impacts]
     with pytest.raises(vfife.VfifeError, match="a limit of what is not measured"):
-        vfife.tolerance(found, {"D.force.max": 1.0})
+        vfife.studies.tolerance(found, {"D.force.max": 1.0})
     with pytest.raises(ValueError, match="write 99 % as 0.99"):
-        vfife.tolerance(found, quantiles=(99.0,))
+        vfife.studies.tolerance(found, quantiles=(99.0,))
 
 
 def test_indices_of_a_number_that_one_parameter_makes(closed: Closed) -> None:
     """C.impacts is the speed alone: all of its variance, and none of it is the clearance's."""
     pytest.importorskip("SALib")
     found = vfife.study(BASE, {"play": FIT, "speed": SPEED}, BOTH, turns=2, method="saltelli", count=64)
-    (one,) = vfife.indices(found, "C.impacts")
+    (one,) = vfife.studies.indices(found, "C.impacts")
     assert {row.parameter: row.total for row in one.rows} == {
         "play": 0.0,
         "speed": pytest.approx(1.0, abs=0.15),
     }
     with pytest.raises(vfife.VfifeError, match="no measure"):
-        vfife.indices(found, "C.impact")
+        vfife.studies.indices(found, "C.impact")
 
 
 def test_an_optimum_is_on_its_limit_and_nothing_is_computed_twice(closed: Closed, tmp_path: Path) -> None:
@@ -130,7 +130,7 @@ def test_members_of_a_search_run_on_a_card(tmp_path: Path) -> None:
 
 def test_the_cheapest_fit_that_keeps_a_limit(closed: Closed) -> None:
     """The 99 % quantile of 10⁴ c is 0.309 N with H8/f7 and 0.347 N with the next cheaper fit."""
-    found = vfife.allocate(
+    found = vfife.studies.allocate(
         vfife.load_model(BASE), {"play": FIT}, "C.force.max", turns=2, limit={"C.force.max": "0.34 N"},
         cost={"play": {"IT6": 9, "IT7": 5, "IT8": 3, "IT9": 2}}, allocation={"measure": "C.force.max", "count": 473},
     )  # fmt: skip
@@ -138,7 +138,7 @@ def test_the_cheapest_fit_that_keeps_a_limit(closed: Closed) -> None:
     assert [fits["play"] for fits, _ in found.rejected] == ["H9/f9", "H9/f8", "H8/f8"]
     assert found.quantile is not None and found.quantile.value <= 0.34 and math.isfinite(found.quantile.low)
     with pytest.raises(vfife.VfifeError, match="this table is missing"):
-        vfife.allocate(BASE, {"play": FIT}, "C.force.max")
+        vfife.studies.allocate(BASE, {"play": FIT}, "C.force.max")
 
 
 def test_ctrl_c_ends_a_search_and_keeps_what_ended(
@@ -160,7 +160,7 @@ def test_ctrl_c_ends_a_search_and_keeps_what_ended(
     with pytest.raises(KeyboardInterrupt):
         vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study")
     monkeypatch.setattr(run_missing, "run_members", closed)
-    assert len(vfife.load_study(tmp_path / "s.study").done) == 16
+    assert len(vfife.studies.load_study(tmp_path / "s.study").done) == 16
     assert (
         len(vfife.optimise(tmp_path / "s.toml", file=tmp_path / "s.study").members)
         == 32

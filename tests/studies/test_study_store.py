@@ -26,7 +26,7 @@ from vfife.studies.engine.cases import Outcome, run_members
 from vfife.studies.engine.cluster import Resources
 from vfife.studies.spec.plan import CaseSpec
 from vfife.studies.spec.study_file import StudyTables
-from vfife.studies.study import StudyWork
+from vfife.studies.study_work import StudyWork
 
 
 @pytest.fixture

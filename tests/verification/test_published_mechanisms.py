@@ -24,7 +24,9 @@ def test_a_block_with_play_is_chaotic_where_impacts_are_nearly_ideal(restitution
     """
     m = flores(0.0)
     m.drive("crank", speed=150.0)
-    rough = vfife.Ambrosio(coefficient=friction, v0=1e-3, v1=1e-2) if friction else vfife.Frictionless()
+    rough = (
+        vfife.laws.Ambrosio(coefficient=friction, v0=1e-3, v1=1e-2) if friction else vfife.laws.Frictionless()
+    )
     m.clearance_slider(
         "S",
         "ground.O",

@@ -1,1 +1,21 @@
-"""Maps of motions: bifurcation diagrams, Poincaré sections, basins of attraction, waterfalls."""
+"""Maps of motions: bifurcation diagrams, Poincaré sections, basins of attraction, waterfalls; modes, spectra."""
+
+from ..measures.modes import modes
+from ..results.spectra import envelope, spectrogram, spectrum
+from .basins import basins
+from .bifurcation import bifurcation
+from .load_map import load_map
+from .sections import poincare_section
+from .waterfall import waterfall
+
+__all__ = [
+    "basins",
+    "bifurcation",
+    "envelope",
+    "load_map",
+    "modes",
+    "poincare_section",
+    "spectrogram",
+    "spectrum",
+    "waterfall",
+]

@@ -237,7 +237,7 @@ def bifurcation(
     given; a turn has a whole number of steps, the same for all values.
 
     With ``starts`` each value begins anew from each of them: ``{}`` is the model's own,
-    ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another (:func:`~vfife.basins` lists the numbers).
+    ``{"start.crank": 1.57, "start.pin.x": 1e-4}`` another (:func:`~vfife.dynamics.basins` lists the numbers).
     ``companions``: number of values that are repeated with 1.25 times and with half the step.
 
     A ``file`` keeps each value, and the same call continues it. ``progress(done, total)`` is called after

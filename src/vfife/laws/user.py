@@ -200,8 +200,8 @@ def no_law(module: ModuleType) -> str:
         if isinstance(value, type) and issubclass(value, Law) and value.__module__ == module.__name__:
             return f'{name} has no name that a model could use; give it name: ClassVar[str] = "my-law"'
     return (
-        "it defines no law; a law is a frozen dataclass that inherits from vfife.ContactLaw or"
-        " vfife.FrictionLaw and has a name"
+        "it defines no law; a law is a frozen dataclass that inherits from vfife.laws.ContactLaw or"
+        " vfife.laws.FrictionLaw and has a name"
     )
 
 

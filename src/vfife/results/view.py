@@ -203,7 +203,7 @@ class View:
         turns: float | None = None,
         overlap: float = 0.5,
     ) -> Spectrum:
-        """Amplitudes over frequency and order of a series such as ``C.force``; see :func:`vfife.spectrum`.
+        """Amplitudes over frequency and order of a series such as ``C.force``; see :func:`~vfife.dynamics.spectrum`.
 
         ``seconds`` or ``turns``: length of the windows, by default that of the run. Raises VfifeError.
         """
@@ -223,7 +223,7 @@ class View:
         overlap: float = 0.75,
     ) -> Spectrogram:
         """Amplitudes over time and frequency, or order, of a series such as ``C.force``; see
-        :func:`vfife.spectrogram`.
+        :func:`~vfife.dynamics.spectrogram`.
 
         ``seconds`` or ``turns``: length of the windows, by default a sixteenth of the run. Raises VfifeError.
         """
@@ -235,7 +235,7 @@ class View:
 
     def envelope(self, name: str, *, band: tuple[float, float] | None = None) -> Envelope:
         """Envelope of a series within a ``band`` of frequencies (Hz), and its spectrum; see
-        :func:`vfife.envelope`.
+        :func:`~vfife.dynamics.envelope`.
         """
         series = sampled(self, name)
         return envelope(series.values, series.spacing, band=band, **series.label)

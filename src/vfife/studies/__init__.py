@@ -1,1 +1,48 @@
 """Many runs of one model: studies, searches, tolerance, sensitivity, comparison."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..results.comparison import Comparison as Comparison
+    from ..results.studied import Study as Study
+    from ..results.studied import load_study as load_study
+    from ..solvers.ensemble import ensemble as ensemble
+    from .methods.compare import compare as compare
+    from .methods.derivatives import sensitivity as sensitivity
+    from .methods.sensitivity_indices import indices as indices
+    from .methods.tolerance import tolerance as tolerance
+    from .study_work import Allocation as Allocation
+    from .study_work import Optimum as Optimum
+    from .study_work import allocate as allocate
+    from .study_work import optimise as optimise
+    from .study_work import study as study
+
+_MODULES = {  # of public names, each loaded when it is first used
+    "Allocation": ".study_work",
+    "Comparison": "..results.comparison",
+    "Optimum": ".study_work",
+    "Study": "..results.studied",
+    "allocate": ".study_work",
+    "compare": ".methods.compare",
+    "ensemble": "..solvers.ensemble",
+    "indices": ".methods.sensitivity_indices",
+    "load_study": "..results.studied",
+    "optimise": ".study_work",
+    "sensitivity": ".methods.derivatives",
+    "study": ".study_work",
+    "tolerance": ".methods.tolerance",
+}
+__all__ = list(_MODULES)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_MODULES[name], __name__), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -44,7 +44,7 @@ def optimise(options: SearchOptions) -> None:
         from ...studies.forecast import search_forecast
         from ...studies.methods.local_search import optimise as run_search
         from ...studies.methods.optimise import read_search
-        from ...studies.study import StudyWork
+        from ...studies.study_work import StudyWork
 
         options.take_laws()
         plan, search = read_search(options.tables())
@@ -87,7 +87,7 @@ def allocate(options: SearchOptions) -> None:
         from ...studies.forecast import allotment_forecast
         from ...studies.methods.allocation import allocate_fits, read_allotment
         from ...studies.spec.study_file import units_of
-        from ...studies.study import StudyWork
+        from ...studies.study_work import StudyWork
 
         options.take_laws()
         plan, task = read_allotment(options.tables())

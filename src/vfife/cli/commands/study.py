@@ -32,7 +32,7 @@ from .study_info import export, indices, plot, show, tolerance
 if TYPE_CHECKING:
     from ...results.studied import Study
     from ...store.lock import Lock
-    from ...studies.study import StudyWork
+    from ...studies.study_work import StudyWork
 
 
 class StudyGroup(DefaultGroup):
@@ -69,7 +69,7 @@ def run(options: RunStudyOptions) -> None:
     with sentences(str(file)):
         from ...studies.spec.plan import SEARCH
         from ...studies.spec.study_file import StudyTables
-        from ...studies.study import StudyWork
+        from ...studies.study_work import StudyWork
 
         options.take_laws()
         if STUDY.owns(file):
@@ -131,7 +131,7 @@ def compute_added(
     with ExitStack() as held:
         with sentences(str(file)):
             from ...studies.engine.run_missing import extended_plan, split_values
-            from ...studies.study import StudyWork, study_lock
+            from ...studies.study_work import StudyWork, study_lock
 
             options.take_laws()
             resources = options.resources()

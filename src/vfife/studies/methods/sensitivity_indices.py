@@ -136,7 +136,7 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
     """Return how each measure of a study depends on its parameters over their whole ranges: Sobol' indices,
     or elementary effects of Morris; by SALib.
 
-    >>> vfife.indices("runs/crank.study", "C.force.max")[0].rows  # doctest: +SKIP
+    >>> vfife.studies.indices("runs/crank.study", "C.force.max")[0].rows  # doctest: +SKIP
 
     ``study``: what :func:`vfife.study` gave, or a study file, its members planned by ``method`` "saltelli" or
     "morris"; ``measures``: some of them, or all. Each has ``unit``, ``rows``, one for each parameter, and

@@ -57,7 +57,7 @@ def tolerance(
     """Estimate the spread of each measure of a study over all machines made to its fits and tolerances (SI
     units).
 
-    >>> vfife.tolerance("runs/crank.study", {"C.force.max": "2 kN"})[0].failing  # doctest: +SKIP
+    >>> vfife.studies.tolerance("runs/crank.study", {"C.force.max": "2 kN"})[0].failing  # doctest: +SKIP
 
     ``study``: what :func:`vfife.study` gave, or a study file; its members have to be drawn (``method``
     "random", "latin" or "sobol"). ``limit``: by measure the most that is allowed, a number in SI units or a

@@ -286,7 +286,7 @@ def allocate(
     """Find the cheapest fits with which a measure y keeps its limit in a share of all machines: min Σ cost
     with P(y ≤ limit) ≥ share.
 
-    >>> vfife.allocate("crank.toml").fits  # doctest: +SKIP
+    >>> vfife.studies.allocate("crank.toml").fits  # doctest: +SKIP
 
     Arguments as of :func:`vfife.optimise`; every parameter has a fit, a tolerance or a distribution, and
     further keywords are ``allocation`` (``measure``, ``share``, ``confidence``, ``count``, ``seed``),
