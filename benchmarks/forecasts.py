@@ -85,7 +85,7 @@ def allocate(job: Job) -> None:
         "cost": {"play": {"IT6": 9, "IT7": 5, "IT8": 3, "IT9": 2}},
         "limit": {"C.force.max": "1.2 kN"},
     }
-    vfife.allocate(
+    vfife.studies.allocate(
         vfife.load_model(CASE),
         play,
         "C.force.max",
