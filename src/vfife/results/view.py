@@ -203,7 +203,7 @@ class View:
         turns: float | None = None,
         overlap: float = 0.5,
     ) -> Spectrum:
-        """Amplitudes over frequency and order of a series such as ``C.force``; see :func:`~vfife.dynamics.spectrum`.
+        """Amplitudes over frequency and order of a series, ``C.force``; see :func:`~vfife.dynamics.spectrum`.
 
         ``seconds`` or ``turns``: length of the windows, by default that of the run. Raises VfifeError.
         """
