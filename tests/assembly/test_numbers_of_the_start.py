@@ -9,7 +9,7 @@ import pytest
 
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
-from vfife.assembly.fill import carried
+from vfife.assembly.fill import point_motion
 from vfife.model.mechanism import Mechanism
 
 G = (1.5, -9.0)  # m/s^2
@@ -128,7 +128,7 @@ def test_the_size_is_the_longest_arm_of_an_ideal_joint() -> None:
 
 def test_points_of_a_rigid_body_are_carried_with_it() -> None:
     """At 30 degrees the arm (2, 1) is (sqrt 3 - 1/2, 1 + sqrt(3)/2); at w = 4 it moves by 4 across."""
-    there, moving = carried((10.0, 20.0, math.pi / 6.0), (1.0, -2.0, 4.0), 2.0, 1.0)
+    there, moving = point_motion((10.0, 20.0, math.pi / 6.0), (1.0, -2.0, 4.0), 2.0, 1.0)
     rx, ry = math.sqrt(3.0) - 0.5, 1.0 + 0.5 * math.sqrt(3.0)
     assert there == pytest.approx((10.0 + rx, 20.0 + ry, math.pi / 6.0), rel=1e-12)
     assert moving == pytest.approx((1.0 - 4.0 * ry, -2.0 + 4.0 * rx, 4.0), rel=1e-12)

@@ -24,7 +24,7 @@ def followed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return whole(mechanism, *given)
 
     monkeypatch.setattr(possible, "passage", watched)
-    monkeypatch.setattr(possible, "KNOWN", type(possible.KNOWN)())
+    monkeypatch.setattr(possible, "CACHE", type(possible.CACHE)())
     return found
 
 
@@ -63,12 +63,12 @@ def test_what_jams_is_told_each_time(followed: list[str]) -> None:
         with pytest.raises(AssemblyError) as caught:
             possible.outlook(short, turns=1.0)
         told.add(str(caught.value))
-    assert len(told) == 1 and not possible.KNOWN
+    assert len(told) == 1 and not possible.CACHE
 
 
 def test_the_oldest_is_forgotten(followed: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(possible, "MOST_KNOWN", 2)
+    monkeypatch.setattr(possible, "CACHE_SIZE", 2)
     mechanism = load(EXAMPLES / "slider_crank.toml")
     for turns in (1.0, 2.0, 3.0, 3.0, 1.0):
         possible.outlook(mechanism, turns=turns)
-    assert len(possible.KNOWN) == 2 and len(followed) == 4
+    assert len(possible.CACHE) == 2 and len(followed) == 4

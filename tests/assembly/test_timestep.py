@@ -18,7 +18,7 @@ from support import joint_gap, order
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
 from vfife.compiler.runtime.runner import Runner
-from vfife.kinematics.initial import Given
+from vfife.kinematics.initial import StartState
 from vfife.laws import Frictionless, LankaraniNikravesh, Material
 from vfife.laws.elasticity import tangent
 from vfife.model.bodies import Member, Section
@@ -307,8 +307,8 @@ def pressed(expected: float, inertia: float | None = None) -> Assembly:
         )
         m.loads[f"J{k}"] = PointForce(name=f"J{k}", at=f"b.p{k}", force=(0.0, -FORCE))
     position = np.array([[0.0, 0.0, 0.0], [0.0, -CLEARANCE - depth, 0.0]])
-    given = Given(position, np.zeros((2, 3)), frozenset({"b"}))
-    return assembled(m, expected={f"J{k}": expected for k in range(len(arms))}, given=given)
+    given = StartState(position, np.zeros((2, 3)), frozenset({"b"}))
+    return assembled(m, expected={f"J{k}": expected for k in range(len(arms))}, start_state=given)
 
 
 def test_a_contact():

@@ -188,13 +188,13 @@ def test_a_start_that_is_handed_on_is_taken_only_where_it_is_the_own_one() -> No
     base = load_model(CASE_C)
     other = Parameter(base, "body.follower.length").set(0.47)
     known = initial.ideal_motion(base)
-    assert initial.ideal_motion(base.ideal(), known=known) is known
+    assert initial.ideal_motion(base.ideal(), motion=known) is known
     for mechanism in (
         base,
         other,
         Parameter(base, "driver.crank.speed").set(100.0),
         Parameter(base, "body.coupler.mass").set(2.0),
     ):
-        found, own = (initial.ideal_motion(mechanism, known=one) for one in (known, None))
+        found, own = (initial.ideal_motion(mechanism, motion=one) for one in (known, None))
         for name in ("position", "velocity", "acceleration"):
             assert getattr(found, name).tobytes() == getattr(own, name).tobytes()

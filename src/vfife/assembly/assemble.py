@@ -16,7 +16,7 @@ from ..errors import VfifeError
 from ..kernels.arrays import Layout, layout_of
 from ..kernels.topology import Topology
 from ..kinematics.drives import standing
-from ..kinematics.initial import Given, Motion, attempt, ideal_motion, seated
+from ..kinematics.initial import Motion, StartState, attempt, ideal_motion, seated
 from ..laws import ContactLaw, FrictionLaw, Law
 from ..laws.check import try_out
 from ..model.geometry.polynomials import Polynomials
@@ -27,7 +27,7 @@ from .assembled import Assembly
 from .checks import redundant, refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck, shared
 from .entities import Numbering, Parts, parts_of, turning
 from .fill import Filler
-from .prestress import prestress, wanted
+from .prestress import is_prestressed, prestress
 from .stability import turning_errors
 from .timestep import StepModel, StepRequest, choose_step, coarse, missed
 
@@ -42,8 +42,8 @@ def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
     joints.
     """
     common = {law.form() for law in base.registry.values() if law.common}
-    more = {type(law).form() for law in used} - common
-    return tuple(sorted(common, key=_spelled)) + tuple(sorted(more, key=_spelled))
+    in_use = {type(law).form() for law in used} - common
+    return tuple(sorted(common, key=_spelled)) + tuple(sorted(in_use, key=_spelled))
 
 
 def _spelled(form: type[Law]) -> str:
@@ -55,22 +55,28 @@ def assemble(
     step: float | str | None = None,
     *,
     expected: Mapping[str, float] | None = None,
-    beside: Mechanism | None = None,
-    given: Given | None = None,
+    loop_of: Mechanism | None = None,
+    start_state: StartState | None = None,
     motion: Motion | None = None,
     **run: Any,
 ) -> Assembly:
     """Numbers the mechanism and fills its arrays.
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is
-    expected to carry, for the stable step. ``given``: a start from known positions. ``motion``: the start,
-    solved before (:func:`ideal_motion`). ``beside``: a mechanism whose laws the loop can do as well, so that
+    expected to carry, for the stable step. ``start_state``: a start from known positions. ``motion``: the start,
+    solved before (:func:`ideal_motion`). ``loop_of``: a mechanism whose laws the loop can do as well, so that
     both share one compilation. ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the
     settings. Raises VfifeError (AssemblyError where links cannot reach, StepError where the step is too
     large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
     [result] = assemble_all(
-        [mechanism], step, expected=[expected or {}], beside=[beside], given=given, motions=[motion], **run
+        [mechanism],
+        step,
+        expected=[expected or {}],
+        loop_of=[loop_of],
+        start_state=start_state,
+        motions=[motion],
+        **run,
     )
     if isinstance(result, VfifeError):
         raise result
@@ -83,8 +89,8 @@ def assemble_all(
     *,
     expected: Sequence[Mapping[str, float]],
     motions: Sequence[Motion | None],
-    beside: Sequence[Mechanism | None] | None = None,
-    given: Given | None = None,
+    loop_of: Sequence[Mechanism | None] | None = None,
+    start_state: StartState | None = None,
     **run: Any,
 ) -> list[Assembly | VfifeError]:
     """The same of many mechanisms, each with its expected forces and its start; the fault of one that cannot
@@ -95,7 +101,7 @@ def assemble_all(
     result: dict[int, Assembly | VfifeError] = {}
     drafts: dict[int, Draft] = {}
     for k, (mechanism, motion) in enumerate(zip(mechanisms, motions, strict=True)):
-        one = attempt(draft_of, mechanism, beside[k] if beside else None, given, motion)
+        one = attempt(draft_of, mechanism, loop_of[k] if loop_of else None, start_state, motion)
         (result if isinstance(one, VfifeError) else drafts)[k] = one  # type: ignore[assignment]
     groups: dict[Topology, list[int]] = {}
     for k, draft in drafts.items():
@@ -125,13 +131,13 @@ class Draft:
 
 
 def draft_of(
-    mechanism: Mechanism, beside: Mechanism | None, given: Given | None, motion: Motion | None
+    mechanism: Mechanism, loop_of: Mechanism | None, start_state: StartState | None, motion: Motion | None
 ) -> Draft:
     """Numbers a mechanism and fills its arrays. Raises VfifeError."""
     refuse_static(mechanism)
     refuse_idle(mechanism)
     numbering = Numbering(mechanism)
-    lawful = [*mechanism.contacts.values(), *(beside.contacts.values() if beside else ())]
+    lawful = [*mechanism.contacts.values(), *(loop_of.contacts.values() if loop_of else ())]
     laws = [
         forms(ContactLaw, [joint.contact for joint in lawful]),
         forms(FrictionLaw, [joint.friction for joint in lawful]),
@@ -143,16 +149,16 @@ def draft_of(
     )
     seats = seated(mechanism, motion)
     with np.errstate(over="ignore", invalid="ignore"):
-        motion = ideal_motion(standing(mechanism), seats=seats, given=given, known=motion)
+        motion = ideal_motion(standing(mechanism), seats=seats, start_state=start_state, motion=motion)
     refuse_infinite(motion)
     if not numbering.meshes:  # what is held as rigid may still bend
         refuse_stuck(motion)
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
-    stressed = prestress(mechanism, seats) if wanted(mechanism) and given is None else None
-    filler = filled(
-        Filler(mechanism, numbering, layout_of(topology), motion, stressed, given=given is not None),
+    stressed = prestress(mechanism, seats) if is_prestressed(mechanism) and start_state is None else None
+    filler = fill_state(
+        Filler(mechanism, numbering, layout_of(topology), motion, stressed, restart=start_state is not None),
         parts,
         tables,
     )
@@ -193,7 +199,7 @@ def finished(
     )  # fmt: skip
 
 
-def filled(filler: Filler, parts: Parts, tables: NDArray[np.float64]) -> Filler:
+def fill_state(filler: Filler, parts: Parts, tables: NDArray[np.float64]) -> Filler:
     """All that nouns and motion decide, of one mechanism or of many side by side. VfifeError for contacts
     that start deep.
     """

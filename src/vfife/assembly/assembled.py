@@ -155,11 +155,11 @@ class Bounds:
     """
 
     def __init__(
-        self, assembly: Assembly, kept: NDArray[np.uint32], columns: NDArray[np.intp] | None = None
+        self, assembly: Assembly, recorded: NDArray[np.uint32], columns: NDArray[np.intp] | None = None
     ) -> None:
         if columns is None:
-            order = np.argsort(kept, kind="stable")
-            columns = order[np.searchsorted(kept, limited_rows(assembly), sorter=order)]
+            order = np.argsort(recorded, kind="stable")
+            columns = order[np.searchsorted(recorded, limited_rows(assembly), sorter=order)]
         self.columns = columns
         self.low, self.high = bounds(assembly)
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WHOLE_TURN = 6.283185307179586  # rad
+FULL_TURN = 6.283185307179586  # rad
 
 
 def refuse_idle(mechanism: Mechanism) -> None:
@@ -113,12 +113,12 @@ def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
     """VfifeError, all at once, for contacts that start so deep that a body stands in another."""
     faults = []
     for touch in touches:
-        depth, (limit, told) = start_depth(filler, touch), touch.joint.deepest_start
+        depth, (limit, surface) = start_depth(filler, touch), touch.joint.deepest_start
         if depth > limit:
             bearing, journal = touch.joint.bearing, touch.joint.journal
             faults.append(
                 f"joint {touch.joint.name!r} starts with {journal} {depth:.4g} m deep in {bearing}, beyond"
-                f" {told}: check position and angle of {journal.partition('.')[0]!r}, the side of the surface"
+                f" {surface}: check position and angle of {journal.partition('.')[0]!r}, the side of the surface"
                 " (a line's material lies to the right of its direction), and units"
             )
     if faults:
@@ -127,7 +127,7 @@ def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
 
 def start_depth(filler: Filler, touch: Touch) -> Any:
     """Penetration (m) at the start, negative where the surfaces are apart."""
-    (bx, by), (kx, ky) = filler.seen(touch.bearing), filler.seen(touch.journal)
+    (bx, by), (kx, ky) = filler.pin_place(touch.bearing), filler.pin_place(touch.journal)
     ex, ey = kx - bx, ky - by
     angle = filler.angle(touch.bearing)
     s, c = sincos(angle)
@@ -173,10 +173,10 @@ def refuse_static(mechanism: Mechanism) -> None:
         if speed is None or driver.slider or driver.point:
             continue
         way = widest * abs(speed)
-        if way > WHOLE_TURN * (1.0 + 1e-9):
+        if way > FULL_TURN * (1.0 + 1e-9):
             faults.append(
                 f"driver {name!r} turns {way:.4g} rad from one load factor to the next (speed {speed:.4g}"
-                f" rad/s, the load factor being the time); at most one turn, {WHOLE_TURN:.4g} rad, can be"
+                f" rad/s, the load factor being the time); at most one turn, {FULL_TURN:.4g} rad, can be"
                 " followed: take a table of angles, load factors closer together, or a dynamic analysis"
             )
     if faults:
@@ -267,11 +267,11 @@ def shared(
     """
     if not topology.redundant:
         return ()
-    found_rows = idle_rows(layout, state[None], topology)
+    idle = idle_rows(layout, state[None], topology)
     rows, joined, stress = (
-        found_rows.rows[0],
-        found_rows.joined,
-        found_rows.left[0, :, found_rows.rows.shape[1] - int(found_rows.deficient[0]) :],
+        idle.rows[0],
+        idle.joined,
+        idle.left[0, :, idle.rows.shape[1] - int(idle.deficient[0]) :],
     )
     parts = norm(stress, axis=1)
     result = []

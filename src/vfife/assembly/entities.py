@@ -87,9 +87,9 @@ class Numbering:
         where = self.bodies[side[0]]
         if where.elements:
             if side[1] not in where.nodes:
-                known = ", ".join(where.nodes)
+                pins = ", ".join(where.nodes)
                 raise VfifeError(
-                    f"pin {side[0]}.{side[1]}: this {where.model} body has pins at {known} only; make it"
+                    f"pin {side[0]}.{side[1]}: this {where.model} body has pins at {pins} only; make it"
                     " rigid, or split it there"
                 )
             return where.nodes[side[1]], (0.0, 0.0)
@@ -299,14 +299,14 @@ class Parts:
     @property
     def paths(self) -> list[Path]:
         """The paths of ideal joints, then those of contacts."""
-        kept = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
-        return [path for path in kept if path is not None]
+        paths = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
+        return [path for path in paths if path is not None]
 
     def numbered(self) -> tuple[int, ...]:
         """Index of the path of each ideal joint, then of each contact; -1 for none."""
         count = itertools.count()
-        kept = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
-        return tuple(-1 if path is None else next(count) for path in kept)
+        paths = (*(joint.path for joint in self.ideals), *(touch.touching.path for touch in self.touches))
+        return tuple(-1 if path is None else next(count) for path in paths)
 
 
 def parts_of(mechanism: Mechanism, numbering: Numbering, motion: Motion) -> Parts:

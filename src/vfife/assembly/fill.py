@@ -42,9 +42,9 @@ class Filler:
         motion: Motion,
         stressed: PrestressedState | None,
         *,
-        given: bool = False,
+        restart: bool = False,
     ) -> None:
-        self.lengths = motion.datum.spring if given else {}
+        self.lengths = motion.datum.spring if restart else {}
         self.mechanism, self.numbering, self.layout, self.motion, self.stressed = (
             mechanism,
             numbering,
@@ -87,7 +87,7 @@ class Filler:
         if self.stressed is not None:
             position, velocity = self.stressed.position[where.name][0], self.stressed.velocity[where.name][0]
         beyond = (where.reference[k] - where.center[k] for k in (0, 1))
-        at, moving = carried(coordinates(position), coordinates(velocity), *beyond)
+        at, moving = point_motion(coordinates(position), coordinates(velocity), *beyond)
         self._particle(where.particles[0], where.mass, where.inertia, (at, moving))
 
     def _elastic(self, name: str, where: BodyMap) -> None:
@@ -136,7 +136,7 @@ class Filler:
                 return self.stressed.position[name], self.stressed.velocity[name]
             position, velocity = self.stressed.position[name][0], self.stressed.velocity[name][0]
         x, y = (self.numbering.meshes[name].position - np.array(where.center)).T
-        there, moving = carried(coordinates(position), coordinates(velocity), x, y)
+        there, moving = point_motion(coordinates(position), coordinates(velocity), x, y)
         ones = np.ones(len(x))
         return np.column_stack([value * ones for value in there]), np.column_stack(
             [value * ones for value in moving]
@@ -175,7 +175,7 @@ class Filler:
             c * joint.direction[0] - s * joint.direction[1],
             s * joint.direction[0] + c * joint.direction[1],
         )
-        (bx, by), (kx, ky) = self.seen(joint.bearing), self.seen(joint.journal)
+        (bx, by), (kx, ky) = self.pin_place(joint.bearing), self.pin_place(joint.journal)
         return dx * (kx - bx) + dy * (ky - by) - begin
 
     def _function(self, index: int, tables: NDArray[np.float64]) -> float:
@@ -186,7 +186,7 @@ class Filler:
         """The angle of a particle at the start (rad)."""
         return float(self.state[self.layout.row("particle_theta", place[0])])
 
-    def seen(self, place: Place) -> tuple[float, float]:
+    def pin_place(self, place: Place) -> tuple[float, float]:
         """Where a place of a particle is at the start (m)."""
         p, (x, y) = place
         px, py = (float(self.state[self.layout.row(f"particle_{axis}", p)]) for axis in ("x", "y"))
@@ -206,11 +206,11 @@ class Filler:
 
     def profiles(self, touches: Sequence[Touch]) -> None:
         """Depths of worn surfaces, of bearing and journal of one contact after the other."""
-        worn = [touch.joint.wear for touch in touches if touch.joint.wear is not None]
+        wears = [touch.joint.wear for touch in touches if touch.joint.wear is not None]
         depths = [
-            profile for wear in worn for profile in (wear.bearing_profile, wear.journal_profile) if profile
+            profile for wear in wears for profile in (wear.bearing_profile, wear.journal_profile) if profile
         ]
-        numbers = [number for mean, *more in depths for number in (mean, 0.0, *more)]
+        numbers = [number for mean, *harmonics in depths for number in (mean, 0.0, *harmonics)]
         self.state[self.layout.rows_of("harmonic_cosine")] = numbers[::2]
         self.state[self.layout.rows_of("harmonic_sine")] = numbers[1::2]
 
@@ -227,16 +227,18 @@ class Filler:
         for index, (spring, kind, first, second) in enumerate(springs):
             self._pins("spring", index, (first, second), ("first", "second"))
             start = (
-                self.lengths[spring.name] if spring.name in self.lengths else self._apart(kind, first, second)
+                self.lengths[spring.name]
+                if spring.name in self.lengths
+                else self._free_length(kind, first, second)
             )
             for name, values in spring_fields(spring, start).items():
                 row = self.layout.row(f"spring_{name}", index)
                 self.state[row : row + len(values)] = values
 
-    def _apart(self, kind: int, first: Place, second: Place) -> Any:
+    def _free_length(self, kind: int, first: Place, second: Place) -> Any:
         """Distance (m) or angle (rad) between two places at the start."""
         if kind == LINEAR:
-            (ax, ay), (bx, by) = self.seen(first), self.seen(second)
+            (ax, ay), (bx, by) = self.pin_place(first), self.pin_place(second)
             return hypot(bx - ax, by - ay)
         return self.angle(second) - self.angle(first)
 
@@ -307,7 +309,7 @@ def coordinates(values: Any) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def carried(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def point_motion(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """Position and velocity of points (x, y) (m) of a rigid body, seen from its centre of mass in its frame."""
     s, c = sincos(position[2])
     rx, ry, w = c * x - s * y, s * x + c * y, velocity[2]

@@ -94,7 +94,7 @@ class _Parts:
             for one in elements_of(part, self.numbering.bodies[name].particles[0])
         ]
         self.springs = [(one, *spring_places(self.numbering, one)) for one in mechanism.springs.values()]
-        self.apart = [_apart(one, ends, self.position) for one, *ends in self.springs]
+        self.apart = [_free_length(one, ends, self.position) for one, *ends in self.springs]
         self.joints = [
             Constraint(
                 joint.name,
@@ -155,7 +155,7 @@ class _Parts:
             trial.reshape(-1)[self.moving] += (
                 times(there.motions, times(vectors[:, stiff], held / values[stiff])) / root
             )
-        result, whole = self._at(position, root), norm(self._applied()[self.moving] / root)
+        result, load = self._at(position, root), norm(self._applied()[self.moving] / root)
         multiplier = (
             dense.least_squares((result.rows / result.sizes[:, None]).T, -result.push, RANK) / result.sizes
         )
@@ -168,7 +168,7 @@ class _Parts:
             self.moving,
             weighted,
             result.motions,
-            left / whole if whole > 0.0 else 0.0,
+            left / load if load > 0.0 else 0.0,
         )
 
     def _at(self, position: Array, root: Array) -> _There:
@@ -340,7 +340,7 @@ def pulled_at(spring: AnySpring, start: float, at: Array, ends: Sequence[Place])
     shape (6,).
     """
     pins = [
-        End("", "", _seen(one, place), float(one[2]), (0.0, 0.0, 0.0))
+        End("", "", _pin_place(one, place), float(one[2]), (0.0, 0.0, 0.0))
         for one, (_, place) in zip((at[:3], at[3:]), ends, strict=True)
     ]
     result = []
@@ -354,15 +354,15 @@ def _near(angle: float) -> float:
     return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
 
 
-def _apart(spring: AnySpring, ends: Sequence[Place], position: Array) -> float:
+def _free_length(spring: AnySpring, ends: Sequence[Place], position: Array) -> float:
     """Distance (m) or angle (rad) of a spring's ends at the start, where it is free unless it says otherwise."""
     (a, at), (b, there) = ends
     if kind_of_spring(spring) != LINEAR:
         return float(position[b, 2] - position[a, 2])
-    first, second = (_seen(position[p], place) for p, place in ((a, at), (b, there)))
+    first, second = (_pin_place(position[p], place) for p, place in ((a, at), (b, there)))
     return float(hypot(*np.subtract(second, first)))
 
 
-def _seen(particle: Array, place: tuple[float, float]) -> tuple[float, float]:
+def _pin_place(particle: Array, place: tuple[float, float]) -> tuple[float, float]:
     s, c = sincos(particle[2])
     return float(particle[0] + c * place[0] - s * place[1]), float(particle[1] + s * place[0] + c * place[1])

@@ -29,7 +29,7 @@ MOST_LENGTHS = 3
 MOST_PLACES = 4
 # motions whose outlook is kept: to follow one takes longer than to assemble it, and commands ask several
 # times
-MOST_KNOWN = 64
+CACHE_SIZE = 64
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Outlook:
     turn: FullTurn | None = None
 
 
-KNOWN: OrderedDict[tuple[str, float], Outlook] = OrderedDict()
+CACHE: OrderedDict[tuple[str, float], Outlook] = OrderedDict()
 
 
 def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | None = None) -> Outlook:
@@ -61,14 +61,14 @@ def outlook(mechanism: Mechanism, turns: float | None = None, duration: float | 
         return Outlook(suspects(mechanism))
     length = length_of(mechanism, turns, duration, turn_of(mechanism))
     key = _key(mechanism, length)
-    result = KNOWN.get(key) if key is not None else None
+    result = CACHE.get(key) if key is not None else None
     if result is not None:
         return result
     result = _followed(mechanism, length, attempt(ideal_motion, mechanism))
     if key is not None:
-        KNOWN[key] = result
-        if len(KNOWN) > MOST_KNOWN:
-            KNOWN.popitem(last=False)
+        CACHE[key] = result
+        if len(CACHE) > CACHE_SIZE:
+            CACHE.popitem(last=False)
     return result
 
 
@@ -82,14 +82,14 @@ def outlooks(mechanisms: Sequence[Mechanism], turns: float, neighbour: Outlook) 
     which = [k for k, one in enumerate(mechanisms) if _followable(one)]
     motions = dict(zip(which, ideal_motions([mechanisms[k] for k in which]), strict=True))
     solved = {k: one for k, one in motions.items() if isinstance(one, Motion)}
-    known = {
+    same_turn = {
         k: neighbour.turn
         for k, one in solved.items()
         if neighbour.through and neighbour.motion and _moves_alike(one, neighbour.motion)
     }
-    speeds = {k: speed for k in solved if k not in known and (speed := _one_speed(mechanisms[k]))}
+    speeds = {k: speed for k in solved if k not in same_turn and (speed := _one_speed(mechanisms[k]))}
     result = full_turns([solved[k] for k in speeds], list(speeds.values()), neighbour.turn)
-    clear = known | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
+    clear = same_turn | {k: turn for k, turn in zip(speeds, result, strict=True) if turn is not None}
     answers: list[Outlook | VfifeError] = []
     for k, mechanism in enumerate(mechanisms):
         if k in clear:

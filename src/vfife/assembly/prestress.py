@@ -62,7 +62,7 @@ def elastic_links(mechanism: Mechanism) -> dict[str, Link]:
     }
 
 
-def wanted(mechanism: Mechanism) -> bool:
+def is_prestressed(mechanism: Mechanism) -> bool:
     """Whether the start is to be prestressed: elastic links, a consistent start, and joints that press from
     the beginning.
     """
@@ -126,8 +126,8 @@ def particle_motion(motion: Motion, body: RigidBody, shape: Shape) -> tuple[Arra
     position, velocity, acceleration = motion.of(body.name)
     s, c = sincos(position[2])
     w, alpha = velocity[2], acceleration[2]
-    ahead, beside = shape.local[:, 0] - body.center[0], shape.local[:, 1] - body.center[1]
-    x, y = c * ahead - s * beside, s * ahead + c * beside
+    ahead, across = shape.local[:, 0] - body.center[0], shape.local[:, 1] - body.center[1]
+    x, y = c * ahead - s * across, s * ahead + c * across
     ones = np.ones(len(x))
     return (
         columns(position[0] + x, position[1] + y, position[2] + shape.local[:, 2]),

@@ -190,9 +190,11 @@ def element_limits(layout: Layout, state: Array, topology: Topology, load: Deman
         against * (first + second),
         np.sqrt(np.maximum(alike * against, 0.0)) * (first - second),
     )
-    whole = 0.5 * (a + b) + np.sqrt(0.25 * ((a - b) * (a - b)) + c * c)
+    both_modes = 0.5 * (a + b) + np.sqrt(0.25 * ((a - b) * (a - b)) + c * c)
     with np.errstate(divide="ignore"):
-        return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(np.where(k.other > 0.0, whole, turns.sum(axis=1) + sway))
+        return 2.0 / np.sqrt(stretch), 2.0 / np.sqrt(
+            np.where(k.other > 0.0, both_modes, turns.sum(axis=1) + sway)
+        )
 
 
 def _at_nodes(nodes: NDArray[np.intp], values: Array, count: int) -> Array:
@@ -247,9 +249,9 @@ def at_once(touches: Sequence[Touch], stiffness: Sequence[tuple[float, float]]) 
     """Stiffness (N/m) with which each contact counts on its bodies: those of a joint with one wall share it,
     as two corners of a block do.
     """
-    together = Counter((touch.joint.name, touch.touching.normal) for touch in touches)
+    sharing = Counter((touch.joint.name, touch.touching.normal) for touch in touches)
     return [
-        k / together[touch.joint.name, touch.touching.normal]
+        k / sharing[touch.joint.name, touch.touching.normal]
         for touch, (k, _) in zip(touches, stiffness, strict=True)
     ]
 

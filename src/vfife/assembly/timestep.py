@@ -152,12 +152,12 @@ def _missed_at(one: Prescribed, share: float) -> float:
     times, values = _times_of(one)
     kinks = np.array(one.function.kinks)
     span = float(times[-1] - times[0])
-    apart = np.diff(kinks[(kinks >= times[0]) & (kinks <= times[-1])])
-    longest: float = min(0.25 * span, float(apart.min()) / BETWEEN_KINKS if len(apart) else math.inf)
+    spacing = np.diff(kinks[(kinks >= times[0]) & (kinks <= times[-1])])
+    longest: float = min(0.25 * span, float(spacing.min()) / BETWEEN_KINKS if len(spacing) else math.inf)
     if not span > 0.0 or not np.abs(values[:, 1:]).max() > 0.0:
         return math.inf
     if one.motion and not np.abs(values[:, 2]).max() > 0.0:  # nothing of an even motion is missed at any step
-        return longest if len(apart) else math.inf
+        return longest if len(spacing) else math.inf
 
     def missed(step: float) -> bool:
         return _miss(one, times, values, kinks, step) > share
@@ -167,7 +167,7 @@ def _missed_at(one: Prescribed, share: float) -> float:
         result, resolved = (step, 0) if missed(step) else (result, resolved + math.isfinite(result))
         step *= 0.5
     if not math.isfinite(result):
-        return longest if len(apart) else math.inf
+        return longest if len(spacing) else math.inf
     low, high = 0.5 * result, result
     for _ in range(SPLITS):
         middle = 0.5 * (low + high)
@@ -182,10 +182,10 @@ def _miss(one: Prescribed, times: Array, values: Array, kinks: Array, step: floa
     A bend of a force counts as if its pieces shared it.
     """
     bends = np.array(one.function.bends).reshape(-1, 2)
-    known = np.sort(np.append(kinks, bends[:, 0]))
+    breaks = np.sort(np.append(kinks, bends[:, 0]))
     at = (
-        np.searchsorted(known, times - step * (1.0 + 1e-9)),
-        np.searchsorted(known, times + step * (1.0 + 1e-9)),
+        np.searchsorted(breaks, times - step * (1.0 + 1e-9)),
+        np.searchsorted(breaks, times + step * (1.0 + 1e-9)),
     )
     smooth = at[0] == at[1]
     before, after = (one.function.sampled(times[smooth] + side * step)[:, 0] for side in (-1.0, 1.0))
@@ -310,16 +310,16 @@ def chosen(
     settings: Settings,
     result: Bounds,
     times: Times,
-    told: Callable[[], Iterator[Prescribed]],
+    motions: Callable[[], Iterator[Prescribed]],
     request: StepRequest,
 ) -> StepChoice:
     """The step within bounds, of a run of such times in which bodies are ``told`` to move."""
     turn, length, own, contact_steps = times.turn, times.length, times.own, request.contact_steps
     limits = result.parts + sorted(result.arms, key=lambda entry: entry[1])[:1]
     stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
-    wanted: float | Literal["auto"] | str = settings.step if request.step is None else request.step
+    step: float | Literal["auto"] | str = settings.step if request.step is None else request.step
     per = request.outputs or settings.outputs
-    if wanted == "auto":
+    if step == "auto":
         largest = SAFETY * stable
         for name, half in result.periods:
             accurate = half / contact_steps
@@ -332,7 +332,7 @@ def chosen(
             f"{TURN_STEPS} steps a turn" if turn and turn <= own else "the motion itself",
         )
         largest, culprit = min((largest, culprit), default)
-        for name, allowed in prescribed_limits(told(), RESOLVED, TURN_STEPS):
+        for name, allowed in prescribed_limits(motions(), RESOLVED, TURN_STEPS):
             largest, culprit = min((largest, culprit), (allowed, name))
         chunk = turn or length / max(1, round(length / (turn or length)))
         every = max(1, math.ceil(chunk / per / largest * (1.0 - 1e-12))) * (
@@ -340,7 +340,7 @@ def chosen(
         )
         size = chunk / (per * every)
     else:
-        size = float(wanted)
+        size = float(step)
         if size > SAFETY * stable and not request.force_step:
             raise StepError(
                 f"a step of {size:.4g} s is too large: {culprit} allows {stable:.4g} s, and {SAFETY} of it"
@@ -358,10 +358,10 @@ def chosen(
         raise StepError(
             f"a run of {length:.4g} s in steps of {size:.4g} s takes {length / size:.1e} of them, and no run"
             f" does more than {MOST_STEPS:.0e}; the step was"
-            f" {f'chosen for {culprit}' if wanted == 'auto' else 'given'}: check the units of lengths,"
+            f" {f'chosen for {culprit}' if step == 'auto' else 'given'}: check the units of lengths,"
             " masses, stiffnesses and speeds"
         )
-    return StepChoice(size, stable, culprit, wanted == "auto", tuple(limits), turn, every, count)
+    return StepChoice(size, stable, culprit, step == "auto", tuple(limits), turn, every, count)
 
 
 def _refuse_long(size: float, length: float, force: bool) -> None:
@@ -430,11 +430,11 @@ def _divisor(per_turn: int, outputs: int) -> int:
     """Steps between outputs: a divisor of the steps of a turn, so that a turn holds whole intervals, near
     what is asked for.
     """
-    wanted = max(1, round(per_turn / outputs))
-    if wanted > 100_000:
-        return wanted
-    near = sorted(range(max(1, wanted // 2), 2 * wanted + 1), key=lambda every: abs(every - wanted))
-    return next((every for every in near if per_turn % every == 0), wanted)
+    target = max(1, round(per_turn / outputs))
+    if target > 100_000:
+        return target
+    near = sorted(range(max(1, target // 2), 2 * target + 1), key=lambda every: abs(every - target))
+    return next((every for every in near if per_turn % every == 0), target)
 
 
 def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:

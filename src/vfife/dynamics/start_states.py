@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, suggestion
-from ..kinematics.initial import Given, Seat, ideal_motion
+from ..kinematics.initial import Seat, StartState, ideal_motion
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -152,8 +152,8 @@ class StartStates:
         velocity = (ends[2] - ends[0]) / (2.0 * NEAR * turn)
         if any(any(body.velocity) for body in model.bodies.values()):
             velocity = velocity + self.own_velocity(model, time, near, bodies_of(model, own))
-        motion = Given(ends[1], velocity, frozenset(model.bodies))
-        return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, given=motion)
+        motion = StartState(ends[1], velocity, frozenset(model.bodies))
+        return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, start_state=motion)
 
     def journals(
         self, model: Mechanism, own: Mapping[str, float]

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 Slopes = Callable[[Array], tuple[float, Array]]  # a place -> what is to be least, and its derivatives
 
 NEWTON = 12
-APART = 1e-6  # of the extent, of places whose slopes make a second derivative
+DIFFERENCE = 1e-6  # of the extent, of places whose slopes make a second derivative
 THERE = 1e-9  # of the extent: a step that is none
 ROUND = 1e-8  # of the largest curvature: less is rounding, or a free motion
 LEVEL = 1e-6  # of the root of what is left: a slope that is none
@@ -46,8 +46,8 @@ def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
     left = now
     for _ in range(NEWTON):
         curvature = np.column_stack(
-            [slopes(here + change)[1] - slope for change in APART * extent * np.eye(count)]
-        ) / (APART * extent)
+            [slopes(here + change)[1] - slope for change in DIFFERENCE * extent * np.eye(count)]
+        ) / (DIFFERENCE * extent)
         size, along = dense.eigh(0.5 * (curvature + curvature.T))
         if size[0] < -ROUND * size[-1]:
             return None
@@ -84,20 +84,20 @@ def descend(systems: Sequence[RigidSystem], starts: Array) -> list[Closure]:
         return [descend([system], start[None])[0] for system, start in zip(systems, starts, strict=True)]
     result: list[Closure | None] = [None] * len(systems)
     now = _Descent.of(systems, starts)
-    for taken in range(STEPS + 1):
+    for steps in range(STEPS + 1):
         now = now.without(
-            now.closed() if taken < STEPS else np.ones(len(now.number), dtype=bool), taken, result
+            now.closed() if steps < STEPS else np.ones(len(now.number), dtype=bool), steps, result
         )
         if not len(now.number):
             break
         step = now.step()
         none = np.abs(step * now.lengths).max(axis=-1) <= now.finest
-        now, step = now.without(none, taken, result), step[~none]
+        now, step = now.without(none, steps, result), step[~none]
         if not len(now.number):
             break
         now.advance(step)
-        if taken + 1 in LOOKS:
-            now = now.without(now.at_the_bottom(systems), taken + 1, result)
+        if steps + 1 in LOOKS:
+            now = now.without(now.at_the_bottom(systems), steps + 1, result)
     return [one for one in result if one is not None]
 
 
@@ -106,7 +106,7 @@ class _Descent:
     """Cases on their way, by ``number``: where they are, what is open there, the error of the next step, and
     the place their last step was refused.
 
-    ``error`` is phi, the drives advancing no faster than the joints can follow: no more than ``limit`` in a step. ``seen``: |W phi|^2 at the last
+    ``error`` is phi, the drives advancing no faster than the joints can follow: no more than ``limit`` in a step. ``cost``: |W phi|^2 at the last
     look for a bottom.
     """
 
@@ -122,7 +122,7 @@ class _Descent:
     damping: Array
     error: Array
     refused: Array
-    seen: Array
+    cost: Array
     least: DampedStep
 
     @classmethod
@@ -158,13 +158,13 @@ class _Descent:
         """Which are closed to round-off."""
         return np.asarray(np.abs(self.error).max(axis=-1, initial=0.0) <= self.finest)
 
-    def without(self, ended: NDArray[np.bool_], taken: int, result: list[Closure | None]) -> _Descent:
+    def without(self, leaving: NDArray[np.bool_], steps: int, result: list[Closure | None]) -> _Descent:
         """The cases that go on; those that have ended after so many steps are found."""
-        if not ended.any():
+        if not leaving.any():
             return self
-        for k in np.flatnonzero(ended).tolist():
+        for k in np.flatnonzero(leaving).tolist():
             result[self.number[k]] = Closure(
-                self.position[k], float(np.abs(self.phi[k]).max(initial=0.0)), taken
+                self.position[k], float(np.abs(self.phi[k]).max(initial=0.0)), steps
             )
         parts = {
             one.name: getattr(self, one.name)
@@ -173,9 +173,9 @@ class _Descent:
         }
         return replace(
             self,
-            rows=self.rows.select(~ended),
-            least=self.least.select(~ended),
-            **{name: value[~ended] for name, value in parts.items()},
+            rows=self.rows.select(~leaving),
+            least=self.least.select(~leaving),
+            **{name: value[~leaving] for name, value in parts.items()},
         )
 
     def step(self) -> Array:
@@ -221,22 +221,22 @@ class _Descent:
         """Which are at the bottom, where that is near and open: steps would only go to and fro across it.
         They go there.
         """
-        before, self.seen = self.seen, dot(self.weight * self.weight, self.phi * self.phi)
+        before, self.cost = self.cost, dot(self.weight * self.weight, self.phi * self.phi)
         size = np.abs(self.phi)
         hindered = (
             (size > self.limit).any(axis=-1)
             | (size.max(axis=-1) <= OPEN * self.scale)
-            | (self.seen < SLOW * before)
+            | (self.cost < SLOW * before)
         )
-        ended = np.zeros(len(hindered), dtype=bool)
+        leaving = np.zeros(len(hindered), dtype=bool)
         for k in np.flatnonzero(~hindered).tolist() if self.rows.columns <= DENSE else ():
             result = self._bottom(
                 systems[self.number[k]], self.position[k], self.lengths[k], float(self.scale[k])
             )
             if result is not None:
-                self.position[k], ended[k] = result, True
+                self.position[k], leaving[k] = result, True
                 self.phi[k] = systems[self.number[k]].constraint_rows.at(result)[0]
-        return ended
+        return leaving
 
     def _bottom(self, system: RigidSystem, start: Array, lengths: Array, scale: float) -> Array | None:
         """The position at the bottom near an open one [n, 3]; None where it is none."""

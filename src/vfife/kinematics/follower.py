@@ -42,7 +42,7 @@ QUICK = 1e-5  # open distance that one step more squares
 NEAR = 1e-4  # of the extent, if that step is no longer
 ASTRAY = 0.3  # of a stride: a position further from where it was predicted is on another branch
 NEWTON = 6
-MOST_TOLD = 12  # singular positions
+MOST_SINGULAR = 12  # singular positions
 MOST_STRIDES = 3000
 
 
@@ -92,8 +92,8 @@ class Follower:
             rows = np.setdiff1d(rows, twice)
         if len(rows) != len(felt) or dense.singular_values(jacobian[rows])[-1] < 1e-6:
             return None
-        whole = len(rows) == system.starts[-1] and len(felt) == position.size - 3
-        picked = (slice(None), slice(None)) if whole else np.ix_(rows, felt)
+        square = len(rows) == system.starts[-1] and len(felt) == position.size - 3
+        picked = (slice(None), slice(None)) if square else np.ix_(rows, felt)
         return cls(
             system,
             rows,
@@ -210,7 +210,7 @@ def follow(
             stride *= 0.5
         else:
             beyond = _hopped(follower, here, going, bend, at, aims, length)
-            if beyond is None or len(result) == MOST_TOLD:
+            if beyond is None or len(result) == MOST_SINGULAR:
                 return Passage(at, here, beyond is None, follower.stress(square), tuple(result))
             result.append((at, follower.stress(square)))
             (here, square), at = beyond

@@ -286,9 +286,9 @@ def spring_fields(spring: AnySpring, start: float) -> dict[str, tuple[float, ...
     }
 
 
-def _records(ends: Sequence[End], more: int) -> list[float]:
+def _records(ends: Sequence[End], extra: int) -> list[float]:
     """Records of particles of a step at these pins, and ``more`` rows behind them."""
-    rows = [0.0] * (len(ends) * PARTICLE.SIZE + more)
+    rows = [0.0] * (len(ends) * PARTICLE.SIZE + extra)
     for k, end in enumerate(ends):
         s, c = sincos(end.angle)
         values = {"x": end.at[0], "y": end.at[1], "theta": end.angle, "c": c, "s": s} | dict(

@@ -158,9 +158,9 @@ class _Corrector:
         far = (np.sign(determinant) == np.sign(determinant[0])).all(axis=0) & (
             size.min(axis=0) > DETERMINANT_MARGIN * size.max(axis=0)
         )
-        apart = positions[-1] - positions[0]
-        apart[..., 2] -= 2.0 * math.pi * np.round(apart[..., 2] / (2.0 * math.pi))
-        ends = np.abs(self.lengths(np.stack([apart, positions[0] - self.start]))).max(axis=(0, 2))
+        gap = positions[-1] - positions[0]
+        gap[..., 2] -= 2.0 * math.pi * np.round(gap[..., 2] / (2.0 * math.pi))
+        ends = np.abs(self.lengths(np.stack([gap, positions[0] - self.start]))).max(axis=(0, 2))
         moved = np.diff(self.lengths(positions), axis=0)
         here, there = self.stride * velocity[:-1], self.stride * velocity[1:]
         before, beyond = np.roll(here, 1, axis=0), np.roll(there, -1, axis=0)

@@ -86,7 +86,7 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class Given:
+class StartState:
     """A start from known positions and velocities of the centres of mass, shape (bodies + 1, 3); ``bodies``
     are those that are known.
 
@@ -97,13 +97,13 @@ class Given:
     velocity: Array
     bodies: frozenset[str]
 
-    def apart(self, mechanism: Mechanism) -> frozenset[str]:
+    def open_joints(self, mechanism: Mechanism) -> frozenset[str]:
         """Joints with play whose two bodies are known: they stay as they are, wherever in its bearing the
         journal is.
         """
-        known = self.bodies | {"ground"}
+        bodies = self.bodies | {"ground"}
         return frozenset(
-            joint.name for joint in mechanism.contacts.values() if {side[0] for side in joint.sides} <= known
+            joint.name for joint in mechanism.contacts.values() if {side[0] for side in joint.sides} <= bodies
         )
 
 
@@ -118,20 +118,20 @@ class Seat:
     force: float
 
 
-def seated(mechanism: Mechanism, known: Motion | None = None) -> dict[str, Seat]:
+def seated(mechanism: Mechanism, start: Motion | None = None) -> dict[str, Seat]:
     """Seats of the journals where the ideal reactions press them, if the start asks for it."""
     if mechanism.start.journals != "seated" or not mechanism.clearances:
         return {}
-    motion = ideal_motion(mechanism, known=known)
+    own = ideal_motion(mechanism, motion=start)
     seats = {}
     for name, joint in mechanism.clearances.items():
-        fx, fy, _ = motion.reaction.get(name, (0.0, 0.0, 0.0))
+        fx, fy, _ = own.reaction.get(name, (0.0, 0.0, 0.0))
         force = float(hypot(fx, fy))
         if force <= 0.0:
             continue
         depth = tangent(joint.contact, joint.contact.parameters(surfaces(mechanism, joint)), force)[0]
         bearing = joint.sides[0][0]
-        angle = 0.0 if bearing == "ground" else motion.of(bearing)[0][2]
+        angle = 0.0 if bearing == "ground" else own.of(bearing)[0][2]
         size = -(joint.clearance + depth) / force
         s, c = sincos(angle)
         seats[name] = Seat((float(size * (c * fx + s * fy)), float(size * (c * fy - s * fx))), depth, force)
@@ -148,33 +148,35 @@ def handedness(guess: Array) -> float:
     return 1.0
 
 
-def datum_of(mechanism: Mechanism, given: Given | None = None) -> Datum:
+def datum_of(mechanism: Mechanism, start_state: StartState | None = None) -> Datum:
     """Where travels, distances and angles count from: the start, closed without the drivers of travels and
     paths.
 
-    Travels, paths and driven angles count from the position ``given``, if there is one; free lengths are
+    Travels, paths and driven angles count from the position of ``start_state``, if there is one; free lengths are
     those of the model's own start.
     """
-    [result] = datums([mechanism], given)
+    [result] = datums([mechanism], start_state)
     if isinstance(result, VfifeError):
         raise result
     return result
 
 
-def datums(mechanisms: Sequence[Mechanism], given: Given | None = None) -> list[Datum | VfifeError]:
+def datums(
+    mechanisms: Sequence[Mechanism], start_state: StartState | None = None
+) -> list[Datum | VfifeError]:
     """The same of each of many mechanisms; the error of one whose links cannot reach stands in its place."""
     travels = [
         {name: driver for name, driver in one.drivers.items() if not driven_body(name, driver)}
         for one in mechanisms
     ]
-    closed = [k for k, one in enumerate(mechanisms) if one.springs or (travels[k] and given is None)]
+    closed = [k for k, one in enumerate(mechanisms) if one.springs or (travels[k] and start_state is None)]
     systems = {k: attempt(rigid_system, mechanisms[k], travels=False) for k in closed}
     own: dict[int, Array | VfifeError] = {k: one for k, one in systems.items() if isinstance(one, VfifeError)}
     sound = {k: one for k, one in systems.items() if not isinstance(one, VfifeError)}
     own |= dict(
         zip(sound, positions(list(sound.values()), [first_guess(mechanisms[k]) for k in sound]), strict=True)
     )
-    return [_datum(one, travels[k], own.get(k), given) for k, one in enumerate(mechanisms)]
+    return [_datum(one, travels[k], own.get(k), start_state) for k, one in enumerate(mechanisms)]
 
 
 Answer = TypeVar("Answer")
@@ -191,12 +193,15 @@ def attempt(function: Callable[..., Answer], *arguments: Any, **options: Any) ->
 
 
 def _datum(
-    mechanism: Mechanism, travels: Mapping[str, Driver], own: Array | VfifeError | None, given: Given | None
+    mechanism: Mechanism,
+    travels: Mapping[str, Driver],
+    own: Array | VfifeError | None,
+    start_state: StartState | None,
 ) -> Datum | VfifeError:
     """What counts from the position that was closed for it, if one was."""
     if isinstance(own, VfifeError):
         return own
-    names, here = ("ground", *mechanism.bodies), given.position if given is not None else own
+    names, here = ("ground", *mechanism.bodies), start_state.position if start_state is not None else own
     travel = (
         {}
         if here is None
@@ -205,7 +210,11 @@ def _datum(
             for name, driver in travels.items()
         }
     )
-    angle = {name: float(given.position[k, 2]) for k, name in enumerate(names)} if given is not None else {}
+    angle = (
+        {name: float(start_state.position[k, 2]) for k, name in enumerate(names)}
+        if start_state is not None
+        else {}
+    )
     angle = {name: body.angle for name, body in mechanism.bodies.items()} | angle
     spring = {} if own is None else _at_rest(Instant(mechanism, names, own, np.zeros_like(own)))
     return Datum(travel, spring, angle)
@@ -284,7 +293,7 @@ class Start:
     system: RigidSystem
     moving: RigidSystem
     guess: Array
-    given: Given | None = None
+    start_state: StartState | None = None
     inertial: Mapping[str, tuple[Array, Array, Array]] = field(default_factory=dict)
     plain: bool = False
 
@@ -298,7 +307,7 @@ class Start:
         """Signs of x, y and angle in the image in which it is solved."""
         return np.array([1.0, self.hand, self.hand])
 
-    def solved(self, system: RigidSystem) -> RigidSystem:
+    def in_image(self, system: RigidSystem) -> RigidSystem:
         """A system in the image in which it is solved."""
         return mirrored(system) if self.hand < 0.0 else system
 
@@ -306,8 +315,8 @@ class Start:
         """Velocities [n, 3] from which those of joints and drives are to differ least, at its position [n,
         3].
         """
-        result = np.zeros_like(position) if self.given is None else self.given.velocity
-        for name, body in self.mechanism.bodies.items() if self.given is None else ():
+        result = np.zeros_like(position) if self.start_state is None else self.start_state.velocity
+        for name, body in self.mechanism.bodies.items() if self.start_state is None else ():
             if any(body.velocity):
                 row = self.system.names.index(name)
                 result[row] = centred(self.mechanism, name, position[row], np.array(body.velocity))[1]
@@ -332,20 +341,24 @@ def start_of(
     datum: Datum,
     guess: Array | None,
     seats: Mapping[str, Seat],
-    given: Given | None,
+    start_state: StartState | None,
     **others: Any,
 ) -> Start:
     """What the motion of a mechanism is solved from."""
     eccentric = {name: seat.at for name, seat in seats.items()}
-    apart = frozenset() if given is None else given.apart(mechanism)
-    system = moving = rigid_system(mechanism, time, datum=datum, open_joints=apart, seats=eccentric)
-    own = {name for name, body in mechanism.bodies.items() if any(body.velocity)} if given is None else set()
-    loose = apart | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
-    if loose != apart:
+    open_joints = frozenset() if start_state is None else start_state.open_joints(mechanism)
+    system = moving = rigid_system(mechanism, time, datum=datum, open_joints=open_joints, seats=eccentric)
+    own = (
+        {name for name, body in mechanism.bodies.items() if any(body.velocity)}
+        if start_state is None
+        else set()
+    )
+    loose = open_joints | {j.name for j in mechanism.contacts.values() if {side[0] for side in j.sides} & own}
+    if loose != open_joints:
         moving = rigid_system(mechanism, time, datum=datum, open_joints=loose, seats=eccentric)
     if guess is None:
-        guess = first_guess(mechanism) if given is None else given.position
-    return Start(mechanism, time, datum, system, moving, guess, given, **others)
+        guess = first_guess(mechanism) if start_state is None else start_state.position
+    return Start(mechanism, time, datum, system, moving, guess, start_state, **others)
 
 
 def ideal_motion(
@@ -356,33 +369,35 @@ def ideal_motion(
     inertial: Mapping[str, tuple[Array, Array, Array]] | None = None,
     seats: Mapping[str, Seat] | None = None,
     datum: Datum | None = None,
-    given: Given | None = None,
+    start_state: StartState | None = None,
     named: bool = True,
-    known: Motion | None = None,
+    motion: Motion | None = None,
 ) -> Motion:
     """Position, velocity, acceleration and reactions of the ideal mechanism at ``time`` (s), on the branch
     nearest the guess.
 
     ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame
     and accelerations. ``datum``: where travels and springs count from, :func:`datum_of` unless given.
-    ``given``: a start from known positions and velocities. ``known``: a motion solved before. It is taken
+    ``start_state``: a start from known positions and velocities. ``motion``: a motion solved before. It is taken
     where it is that of this mechanism or of its ideal reference, and its position wherever that follows from
     the same numbers; so it never changes the result. Joints with clearance whose body was given a velocity of
     its own are closed in position only; those between bodies of a given start are left as they are. Raises
     AssemblyError where links cannot reach, which says what stays open by how much where that is to be
     ``named``.
     """
-    plain = not (time or seats or inertial) and guess is None and datum is None and given is None
+    plain = not (time or seats or inertial) and guess is None and datum is None and start_state is None
     if (
         plain
-        and known is not None
-        and (known.mechanism is mechanism or _starts_alike(known.mechanism, mechanism))
+        and motion is not None
+        and (motion.mechanism is mechanism or _starts_alike(motion.mechanism, mechanism))
     ):
-        return known
-    datum = datum_of(mechanism, given) if datum is None else datum
-    start = start_of(mechanism, time, datum, guess, seats or {}, given, inertial=inertial or {}, plain=plain)
-    if known is not None and known.solves(start.solved(start.system), start.guess * start.flip):
-        position: Array | VfifeError = known.position
+        return motion
+    datum = datum_of(mechanism, start_state) if datum is None else datum
+    start = start_of(
+        mechanism, time, datum, guess, seats or {}, start_state, inertial=inertial or {}, plain=plain
+    )
+    if motion is not None and motion.solves(start.in_image(start.system), start.guess * start.flip):
+        position: Array | VfifeError = motion.position
     else:
         [position] = positions([start.system], [start.guess], named)
     [result] = motions([start], [position])
@@ -415,7 +430,7 @@ def motions(starts: Sequence[Start], places: Sequence[Array | VfifeError]) -> li
     """
     result: list[Any] = list(places)
     closed = [k for k, one in enumerate(places) if not isinstance(one, VfifeError)]
-    moved = [starts[k].solved(starts[k].moving) for k in closed]
+    moved = [starts[k].in_image(starts[k].moving) for k in closed]
     for own in alike(moved):
         which, systems, position = (
             [starts[closed[k]] for k in own],
@@ -454,6 +469,6 @@ def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Acc
     }
     return Motion(
         now.names, now.position, now.velocity, solved.acceleration[i] * start.flip, reaction, torque, start.datum, pushed,
-        start.solved(start.system), start.hand, start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
+        start.in_image(start.system), start.hand, start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
         bool(solved.independent[i]) and start.moving is start.system,
     )  # fmt: skip

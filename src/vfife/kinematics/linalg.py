@@ -125,7 +125,7 @@ class DampedStep:
         return np.asarray(times(self.columns, np.where(counts, self.size / square * self.part, 0.0)))
 
 
-def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tuple[Array, Array]:
+def constrained(jacobian: Matrix, target: Array, mass: Array, free: Array) -> tuple[Array, Array]:
     """The motion x [c] with G x = wanted and the least (x - free)^T M (x - free), and its multipliers [r]: M
     (x - free) = G^T lambda.
 
@@ -136,14 +136,14 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tu
         left, size, right = decomposed(jacobian)
         ranks = np.sum(size > RANK_TOLERANCE, axis=-1)
         if ranks.ndim and (ranks != ranks[0]).any():
-            motion, multiplier = np.empty_like(free), np.empty_like(wanted)
+            motion, multiplier = np.empty_like(free), np.empty_like(target)
             for rank in np.unique(ranks):
                 own = ranks == rank
-                motion[own], multiplier[own] = constrained(jacobian[own], wanted[own], mass[own], free[own])
+                motion[own], multiplier[own] = constrained(jacobian[own], target[own], mass[own], free[own])
             return motion, multiplier
         rank = int(ranks.flat[0])
         across, along = turned(left[..., :rank]), right[..., :rank, :]
-        motion = times(turned(along), times(across, wanted) / size[..., :rank])
+        motion = times(turned(along), times(across, target) / size[..., :rank])
         null = turned(right[..., rank:, :])
         if null.shape[-1]:
             pull = times(turned(null), mass * (free - motion))
@@ -152,12 +152,12 @@ def constrained(jacobian: Matrix, wanted: Array, mass: Array, free: Array) -> tu
             )
         return motion, times(turned(across), times(along, mass * (motion - free)) / size[..., :rank])
     squared = jacobian.squared(1.0 / mass)
-    left_over = wanted - times(jacobian, free)
+    left_over = target - times(jacobian, free)
     solve, multiplier = (
         squared.solver(SOFT * float(squared.diagonal().max(initial=1e-300))),
-        np.zeros(len(wanted)),
+        np.zeros(len(target)),
     )
-    finest = 1e-15 * max(np.abs(wanted).max(initial=0.0), np.abs(free).max(initial=0.0))
+    finest = 1e-15 * max(np.abs(target).max(initial=0.0), np.abs(free).max(initial=0.0))
     for _ in range(REFINEMENTS):
         missing = left_over - times(squared, multiplier)
         if np.abs(missing).max(initial=0.0) <= finest:
@@ -211,8 +211,8 @@ def self_stress(jacobian: Matrix) -> Array:
         basis = _scattered(count, columns)
         for _ in range(4):
             basis = dense.qr(solve(basis))[0]
-        seen = np.stack([jacobian.transposed_times(one) for one in basis.T], axis=1)
-        _, size, turn = dense.svd(seen, full=False)
+        image = np.stack([jacobian.transposed_times(one) for one in basis.T], axis=1)
+        _, size, turn = dense.svd(image, full=False)
         if size[0] > RANK_TOLERANCE:
             return np.asarray(products.product(basis, turn[size <= RANK_TOLERANCE].T))
         columns *= 4

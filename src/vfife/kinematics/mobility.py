@@ -63,8 +63,8 @@ def mobility(system: RigidSystem, position: Array) -> Mobility:
     columns = 3 * (len(system.names) - 1)
     stuck, all_stuck = _dependent(system, position)
     free, after = columns - (system.held - len(stuck)), columns - (system.starts[-1] - len(all_stuck))
-    beside = _aside(system, position) if all_stuck and free else position
-    still = [] if beside is None else all_stuck if beside is position else _dependent(system, beside)[1]
+    aside = _aside(system, position) if all_stuck and free else position
+    still = [] if aside is None else all_stuck if aside is position else _dependent(system, aside)[1]
     here, there = Counter(_owners(system, all_stuck)), Counter(_owners(system, still))
     singular = sorted((here - there).keys() or here.keys()) if len(still) < len(all_stuck) else []
     redundant = _named(system, _owners(system, stuck))
@@ -235,8 +235,8 @@ def grashof(mechanism: Mechanism) -> str | None:
     for loop in _loops(mechanism):
         lengths = {body: _length(mechanism, body, *ends) for body, ends in loop.items()}
         if min(lengths.values()) > 0.0:
-            said = ", ".join(f"{body} {1e3 * length:.6g} mm" for body, length in lengths.items())
-            return f"{classified(*lengths.values())}: {said}"
+            lengths_text = ", ".join(f"{body} {1e3 * length:.6g} mm" for body, length in lengths.items())
+            return f"{classified(*lengths.values())}: {lengths_text}"
     return None
 
 

@@ -81,22 +81,22 @@ def widest(follower: Follower, joint: int, way: Way, result: Passage) -> tuple[f
     position there, opened.
     """
     end = min(way.length, result.reached + TURN) if way.turning else way.length
-    stride, seen = (
+    stride, samples = (
         FIRST * way.pace,
         [(0.0, result.reached, Parted(result.position, 0.0, np.zeros(follower.system.starts[-1])))],
     )
 
     def at(place: float) -> tuple[float, float, Parted]:
-        opened = parted(follower.system, joint, way.aims(place), seen[-1][2].position)
+        opened = parted(follower.system, joint, way.aims(place), samples[-1][2].position)
         return opened.gap, place, opened
 
-    while seen[-1][1] < end and (len(seen) < 3 or seen[-1][0] >= seen[-2][0]):
-        seen.append(at(min(seen[-1][1] + stride, end)))
+    while samples[-1][1] < end and (len(samples) < 3 or samples[-1][0] >= samples[-2][0]):
+        samples.append(at(min(samples[-1][1] + stride, end)))
         stride = min(2.0 * stride, 2.0 * way.pace)
-    top = max(range(len(seen)), key=lambda k: seen[k][0])
-    if top in (0, len(seen) - 1):
-        return seen[top]
-    three = seen[top - 1 : top + 2]
+    top = max(range(len(samples)), key=lambda k: samples[k][0])
+    if top in (0, len(samples) - 1):
+        return samples[top]
+    three = samples[top - 1 : top + 2]
     for _ in range(NARROWINGS):  # the top of the parabola through three takes the place of the lowest
         (g, x, _), (g_1, x_1, _), (g_2, x_2, _) = sorted(three, key=lambda one: one[1])
         if not x < x_1 < x_2:
@@ -105,7 +105,7 @@ def widest(follower: Follower, joint: int, way: Way, result: Passage) -> tuple[f
         if one <= two:
             break
         place = 0.5 * (x + x_1) + one * 0.5 * (x_2 - x) / (one - two)
-        if min(abs(place - known) for known in (x, x_1, x_2)) < NARROW * (x_2 - x):
+        if min(abs(place - abscissa) for abscissa in (x, x_1, x_2)) < NARROW * (x_2 - x):
             break
         three = sorted([*three, at(min(max(place, x), x_2))], key=lambda one: one[0])[1:]
     return max(three, key=lambda one: one[0])
@@ -285,13 +285,13 @@ def passage(
     for way in ways_of(mechanism, motion, duration):
         result = followed(follower, start, way)
         for place, stress in result.singular:
-            one = Singular(told(motion, way.aims(place)), way.time(place), names(motion, stress))
+            one = Singular(drive_values(motion, way.aims(place)), way.time(place), names(motion, stress))
             passed.setdefault(tuple(round(value % TURN, 3) for value in one.aims), one)
         if result.jammed and result.stressed is not None:
             joint = closing_joint(system, result.stressed)
             gap = None if joint is None else widest(follower, joint, way, result)
             if gap is not None and gap[0] <= NEGLIGIBLE * follower.extent:
-                aims = told(motion, way.aims(result.reached))
+                aims = drive_values(motion, way.aims(result.reached))
                 return None, (
                     *passed.values(),
                     Singular(aims, way.time(result.reached), names(motion, result.stressed)),
@@ -302,7 +302,7 @@ def passage(
     return None, tuple(passed.values())
 
 
-def told(motion: Motion, aims: Array) -> tuple[float, ...]:
+def drive_values(motion: Motion, aims: Array) -> tuple[float, ...]:
     """Values of the drives in the mechanism, not in its mirror image."""
     return tuple(
         float(value) * (motion.hand if drive.turns else 1.0)
@@ -332,14 +332,14 @@ def _jam(
     bodies = {
         system.names[body] for one in system.joints if one.name in part for body in (one.body_a, one.body_b)
     } - {"ground"}
-    here = told(motion, way.aims(result.reached))
+    here = drive_values(motion, way.aims(result.reached))
     if joint is None or widest_gap is None:
         return Jam(
             here, way.time(result.reached), ", ".join(part), math.nan, here, tuple(sorted(bodies)), part
         )
     gap, place, opened = widest_gap
     jam = Jam(
-        here, way.time(result.reached), system.joints[joint].name, gap, told(motion, way.aims(place)),
+        here, way.time(result.reached), system.joints[joint].name, gap, drive_values(motion, way.aims(place)),
         tuple(name for name in mechanism.bodies if name in bodies), part,
     )  # fmt: skip
     if not duration:

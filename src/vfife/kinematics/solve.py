@@ -150,21 +150,21 @@ class Nearest(NamedTuple):
     missing: Array
 
 
-def _nearest(rows: ConstraintRows, position: Array, wanted: Array, mass: Array, free: Array) -> Nearest:
+def _nearest(rows: ConstraintRows, position: Array, target: Array, mass: Array, free: Array) -> Nearest:
     """The motions that come nearest to the free ones with G motion = wanted."""
     entries = rows.at(position)[1]
     if rows.columns <= DENSE:
         matrices = rows.dense(entries)
-        motion, multiplier = constrained(matrices, wanted, mass, free)
-        return Nearest(matrices, entries, motion, multiplier, times(matrices, motion) - wanted)
+        motion, multiplier = constrained(matrices, target, mass, free)
+        return Nearest(matrices, entries, motion, multiplier, times(matrices, motion) - target)
     large = [rows.matrix(one) for one in entries]
-    motion, multiplier = map(np.array, zip(*map(constrained, large, wanted, mass, free), strict=True))
+    motion, multiplier = map(np.array, zip(*map(constrained, large, target, mass, free), strict=True))
     return Nearest(
         large,
         entries,
         motion,
         multiplier,
-        np.array([times(one, own) for one, own in zip(large, motion, strict=True)]) - wanted,
+        np.array([times(one, own) for one, own in zip(large, motion, strict=True)]) - target,
     )
 
 
@@ -215,12 +215,12 @@ def _open_joints(system: RigidSystem, closure: Closure, between_branches: bool) 
     else:
         cause += f", and the driven angle of {', '.join(angles)}" if angles else ""
         cause += f", and the driven travel of {', '.join(places)}" if places else ""
-    together = (
+    extent = (
         f"with {', '.join(name for name in loop if name not in gap_of)} closed"
         if alone
         else f"{1e3 * sum(gap_of.values()):.4g} mm together"
     )
-    message = f"joints stay open, {listed} ({together}); {cause}"
+    message = f"joints stay open, {listed} ({extent}); {cause}"
     return AssemblyError(message, tuple(gap_of), tuple(gap_of.values()))
 
 
@@ -242,9 +242,9 @@ def _put_down(system: RigidSystem, closure: Closure) -> tuple[Array, bool]:
 def _gap(system: RigidSystem, k: int, phi: Array) -> str:
     """A joint and by how much it is open: mm, and rad where angles do not fit."""
     joint, open_rows = system.joints[k], phi[system.rows(k)]
-    apart, askew = norm(open_rows[: joint.lengths]), norm(open_rows[joint.lengths :])
-    parts = [f"{1e3 * apart:.4g} mm"] if apart > 1e-3 * askew else []
-    parts += [f"{askew / system.lengths[k]:.4g} rad"] if askew > 1e-3 * apart else []
+    distance, askew = norm(open_rows[: joint.lengths]), norm(open_rows[joint.lengths :])
+    parts = [f"{1e3 * distance:.4g} mm"] if distance > 1e-3 * askew else []
+    parts += [f"{askew / system.lengths[k]:.4g} rad"] if askew > 1e-3 * distance else []
     return f"{joint.name} by {' and '.join(parts)}"
 
 

@@ -18,7 +18,7 @@ from ..errors import ResumeError
 from ..kernels.blocks import BLOCKS
 from ..kernels.polynomial import polynomial
 from ..kernels.topology import FREE
-from ..kinematics.initial import Given, Motion, ideal_motion
+from ..kinematics.initial import Motion, StartState, ideal_motion
 from ..kinematics.pins import centred, first_guess
 from ..measures.motion import body_motion, body_velocity
 from ..model.mechanism import Mechanism
@@ -216,7 +216,7 @@ def start_from(source: View | States, mechanism: Mechanism, time: float | None =
     free lengths and angles of torques are those of the model. Raises ValueError if names, numbers or the time
     do not fit, AssemblyError if the joints cannot close.
     """
-    return ideal_motion(on_clock(mechanism, source, time), given=initial_state(source, mechanism, time))
+    return ideal_motion(on_clock(mechanism, source, time), start_state=initial_state(source, mechanism, time))
 
 
 def on_clock(mechanism: Mechanism, source: View | States, time: float | None = None) -> Mechanism:
@@ -232,7 +232,7 @@ def on_clock(mechanism: Mechanism, source: View | States, time: float | None = N
     return dataclasses.replace(mechanism, start=dataclasses.replace(mechanism.start, time=clock))
 
 
-def initial_state(source: View | States, mechanism: Mechanism, time: float | None = None) -> Given:
+def initial_state(source: View | States, mechanism: Mechanism, time: float | None = None) -> StartState:
     """Positions and velocities of the centres of mass from a run or a mapping."""
     subject, states = (
         ("the start", source)
@@ -255,7 +255,7 @@ def initial_state(source: View | States, mechanism: Mechanism, time: float | Non
     for name, state in states.items():
         row = names.index(name)
         position[row], velocity[row] = centred(mechanism, name, *_two(name, state))
-    return Given(position, velocity, frozenset(states))
+    return StartState(position, velocity, frozenset(states))
 
 
 def _two(name: str, state: Any) -> tuple[Array, Array]:

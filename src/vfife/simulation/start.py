@@ -89,7 +89,9 @@ def ideal_of(
         turns, duration, start = 1.0, None, None
     ideal = mechanism.ideal()
     given = None if start is None else initial_state(start, ideal)
-    return assemble(ideal, beside=mechanism, turns=turns, duration=duration, given=given, motion=motion)
+    return assemble(
+        ideal, loop_of=mechanism, turns=turns, duration=duration, start_state=given, motion=motion
+    )
 
 
 def ideals_of(
@@ -113,7 +115,7 @@ def ideals_of(
             None,
             expected=[{}] * len(which),
             motions=[motions[k] for k in which],
-            beside=own,
+            loop_of=own,
             turns=length,
         )
         found |= dict(zip(which, assembled, strict=True))
@@ -172,7 +174,7 @@ def assembled_at(
     mechanism = on_clock(mechanism, start, time)
     given = initial_state(start, mechanism, time)
     assembly = assemble(
-        mechanism, step, given=given, expected=expected, contact_steps=contact_steps, **length
+        mechanism, step, start_state=given, expected=expected, contact_steps=contact_steps, **length
     )
     record = restart_record(start, time)
     if isinstance(start, View) and time is None:
@@ -263,7 +265,7 @@ class RestoredStart:
         found = assemble(
             mechanism,
             step,
-            given=initial_state(View(record), mechanism, 0.0),
+            start_state=initial_state(View(record), mechanism, 0.0),
             expected=self.expected,
             **self.length,
         )

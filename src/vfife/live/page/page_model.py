@@ -141,7 +141,7 @@ def page_model(
     for one in references:
         if one.mechanism == without and ideal_step in (None, one.choice.step):
             return PageModel(own, one)
-    references.append(assemble(without, ideal_step, beside=mechanism, turns=1.0))
+    references.append(assemble(without, ideal_step, loop_of=mechanism, turns=1.0))
     return PageModel(own, references[-1])
 
 

@@ -91,12 +91,12 @@ class NoLane:
 class Cases:
     """Assembles cases of a mechanism, some at once; each is what it is alone, to the bit."""
 
-    def __init__(self, base: Mechanism, wanted: CaseSpec) -> None:
-        settings = dataclasses.replace(base.settings, settle=wanted.settle, companions=0)
-        self.base, self.wanted = dataclasses.replace(base, settings=settings), wanted
+    def __init__(self, base: Mechanism, spec: CaseSpec) -> None:
+        settings = dataclasses.replace(base.settings, settle=spec.settle, companions=0)
+        self.base, self.wanted = dataclasses.replace(base, settings=settings), spec
         self.text = dump(self.base)
-        reduced = Reductions(wanted.measures)
-        self.measures = RequestedMeasures(wanted.measures, reduced.over if reduced.requested else None)
+        reduced = Reductions(spec.measures)
+        self.measures = RequestedMeasures(spec.measures, reduced.over if reduced.requested else None)
         self.parameters: dict[str, Parameter | None] = {}
         self.clearances: dict[str, ClearanceNumber | None] = {}
         self.models: dict[ModelKey, CaseModel | VfifeError | None] = {}
@@ -241,8 +241,10 @@ class Cases:
             for k, one in enumerate(read)
             if isinstance(one, Mechanism) and one.settings.analysis != "static"
         }
-        seen = dict(zip(mechanisms, outlooks(list(mechanisms.values()), turns, self.neighbour), strict=True))
-        outlook = {k: one for k, one in seen.items() if isinstance(one, Outlook)}
+        answers = dict(
+            zip(mechanisms, outlooks(list(mechanisms.values()), turns, self.neighbour), strict=True)
+        )
+        outlook = {k: one for k, one in answers.items() if isinstance(one, Outlook)}
         self.neighbour = next(reversed(outlook.values()), self.neighbour)
         through = [k for k, one in outlook.items() if one.through]
         ideals = dict(
@@ -266,7 +268,7 @@ class Cases:
         assemblies = assemble_all(
             [mechanisms[k] for k in which], self.wanted.step, expected=expected, motions=starts, turns=turns
         )
-        for k, fault in (*seen.items(), *ideals.items(), *zip(which, assemblies, strict=True)):
+        for k, fault in (*answers.items(), *ideals.items(), *zip(which, assemblies, strict=True)):
             result[k] = fault if isinstance(fault, VfifeError) else result[k]
         for k, assembly, forces in zip(which, assemblies, expected, strict=True):
             if isinstance(assembly, Assembly):
@@ -370,7 +372,7 @@ class Outcome:
 def run_members(
     base: Mechanism,
     numbers: Sequence[Numbers],
-    wanted: CaseSpec,
+    spec: CaseSpec,
     *,
     workers: int | None = None,
     lanes: int | None = None,
@@ -385,7 +387,7 @@ def run_members(
     set, members that have not ended are left out. ``device``: "cuda" steps them on an NVIDIA card, but for
     those that have a run of their own; it raises DeviceError.
     """
-    stop, cases = stop or threading.Event(), Cases(base, wanted)
+    stop, cases = stop or threading.Event(), Cases(base, spec)
     alone: list[int] = []
     for one in stepped(
         cases.each(numbers), len(numbers), lanes=lanes, workers=workers, stop=stop, device=device
@@ -437,25 +439,25 @@ def by_themselves(
 
 def single(cases: Cases, numbers: Numbers) -> Outcome:
     """A member run by itself, as ``vfife run`` does without companions."""
-    wanted = cases.wanted
+    spec = cases.wanted
     try:
         mechanism = cases.mechanism(numbers)
-        asked = RunArguments(turns=float(wanted.turns), step=wanted.step, companions=0, settle=wanted.settle)
-        result = carry_out(prepare(mechanism, asked))
+        arguments = RunArguments(turns=float(spec.turns), step=spec.step, companions=0, settle=spec.settle)
+        result = carry_out(prepare(mechanism, arguments))
     except VfifeError as error:
         return Outcome(status=FAILED, reason=sentence(error))
     record, choice = result.record, result.record.assembly.choice
     per = outputs_of_a_turn(record.assembly) or 0
-    made, steps = (len(record.steps) - 1) // per if per else 0, int(record.steps[-1])
+    turns, steps = (len(record.steps) - 1) // per if per else 0, int(record.steps[-1])
     if record.status != Status.COMPLETE:
-        return Outcome({}, made, None, str(record.status), unsound(record), choice.step, steps)
-    parts = list(each_turn(record, max(1, made - wanted.last + 1), made)) if made else [record]
+        return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
+    parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if turns else [record]
     values = cases.measures.over(parts, None if result.reference is None else result.reference.measures)
-    settling = None if wanted.settle is None else Settling(record.assembly, record.kept, wanted.settle)
+    settling = None if spec.settle is None else Settling(record.assembly, record.kept, spec.settle)
     if settling is not None:
         settling.restore(record.rows)
-    settled = made if settling is not None and settling.settled else None
-    return Outcome(values, made, settled, str(Status.COMPLETE), None, choice.step, steps)
+    settled = turns if settling is not None and settling.settled else None
+    return Outcome(values, turns, settled, str(Status.COMPLETE), None, choice.step, steps)
 
 
 def unsound(record: Record) -> str:

@@ -53,10 +53,10 @@ class Plan:
     handed out as one output.
     """
 
-    def __init__(self, assembly: Assembly, wanted: CaseSpec, measures: RequestedMeasures) -> None:
-        self.wanted, self.measures = wanted, measures
+    def __init__(self, assembly: Assembly, spec: CaseSpec, measures: RequestedMeasures) -> None:
+        self.wanted, self.measures = spec, measures
         self.recorded = recorded_rows(assembly)
-        self.fine = wanted.settle is not None or not measures.by_turn
+        self.fine = spec.settle is not None or not measures.by_turn
         self.handed = rows_by_turn(assembly) if measures.by_turn and self.fine else self.recorded
         self.told, self.ends = Columns(assembly.layout, self.handed), Columns(assembly.layout, self.recorded)
         self.limited = places(self.handed, limited_rows(assembly))
@@ -146,14 +146,14 @@ class Stepped(Lane):
             return Stepped(self.number, self._halved(), self.plan, self.reference, self.again)
         size = self.per * choice.outputs_every
         steps, rows = zip(*self.ends, strict=True)
-        whole = Record(
+        ends = Record(
             assembly,
             np.array(steps, dtype=np.int64) * size,
             np.array(rows),
             self.plan.recorded,
             columns=self.plan.ends,
         )
-        self.doubtful = ledger(whole).error > DOUBTFUL * assembly.mechanism.settings.energy_limit
+        self.doubtful = ledger(ends).error > DOUBTFUL * assembly.mechanism.settings.energy_limit
         first = self.turns - len(self.last)
         records = []
         for k, own in enumerate(self.last, first):
