@@ -1,4 +1,6 @@
-"""The catalogue of figures of a run: what each shows, how it is drawn, and why a result has nothing for it."""
+"""The catalogue of figures of a run: what each shows, how it is drawn, and why a result has nothing
+for it.
+"""
 
 from __future__ import annotations
 
@@ -68,7 +70,8 @@ def _few_turns(result: View) -> str:
 NO_FORCE = "no joint carries a force"
 FEW_OUTPUTS = f"{NO_FORCE}, or there are fewer than {SAMPLES} outputs"
 FIGURES: dict[str, FigureKind] = {
-    "mechanism": FigureKind("bodies and joints at the start, faint over the last turn", _alone(drawing), usual=True),
+    "mechanism": FigureKind("bodies and joints at the start, faint over the last turn",
+        _alone(drawing), usual=True),
     "orbits": FigureKind(
         "journals in their clearance circles, seen from their bearings", _alone(orbits),
         _having(journals, "no journal has play in its bearing"), usual=True,
@@ -91,25 +94,32 @@ FIGURES: dict[str, FigureKind] = {
     ),
     "strip": FigureKind("the mechanism at moments of the turn, side by side", _alone(strip),
                   _having(_several_outputs, "there is one output")),
-    "traces": FigureKind("paths of points, with those of the ideal mechanism", traces, _having(points, "no point moves")),
-    "polar": FigureKind("forces on journals as vectors, seen from their bearings", polar, _having(joint_forces, NO_FORCE)),
-    "wear": FigureKind("depths that bearings and journals lose in a million turns, around them", _alone(wear_of_turn),
+    "traces": FigureKind("paths of points, with those of the ideal mechanism",
+        traces, _having(points, "no point moves")),
+    "polar": FigureKind("forces on journals as vectors, seen from their bearings",
+        polar, _having(joint_forces, NO_FORCE)),
+    "wear": FigureKind("depths that bearings and journals lose in a million turns, around them",
+        _alone(wear_of_turn),
                  _moving(has_wear, "no journal in a bearing has a coefficient of wear")),
-    "phase": FigureKind("velocity over position of bodies and sliders", phase, _moving(portraits, "what moves is driven")),
+    "phase": FigureKind("velocity over position of bodies and sliders",
+        phase, _moving(portraits, "what moves is driven")),
     "spectrum": FigureKind(
         "amplitudes of joint forces over order or frequency", spectrum,
         _moving(lambda one: pieces(one) and joint_forces(one), f"{NO_FORCE}, or there are too few outputs"),
     ),
     "waterfall": FigureKind("spectra of joint forces turn by turn", _alone(waterfall), _few_turns),
-    "spectrogram": FigureKind("joint forces in time and frequency, in short windows", _alone(spectrogram), _moving(forces, FEW_OUTPUTS)),
-    "envelope": FigureKind("envelopes of joint forces, and their spectra", _alone(envelope), _moving(forces, FEW_OUTPUTS)),
+    "spectrogram": FigureKind("joint forces in time and frequency, in short windows",
+        _alone(spectrogram), _moving(forces, FEW_OUTPUTS)),
+    "envelope": FigureKind("envelopes of joint forces, and their spectra",
+        _alone(envelope), _moving(forces, FEW_OUTPUTS)),
     "energy": FigureKind("what is stored, supplied and lost, and what the ledger leaves", _alone(energy),
                    _moving(_several_outputs, "there is one output")),
     "stress": FigureKind(
         "stress along elastic links and frames", _alone(stress),
         _having(stressed, "no elastic link or frame has a section whose extreme fibre is known"),
     ),
-    "deflection": FigureKind("deflection along elastic links", _alone(deflection), _having(bent, "no link is elastic")),
+    "deflection": FigureKind("deflection along elastic links",
+        _alone(deflection), _having(bent, "no link is elastic")),
 }  # fmt: skip
 EVERY = "all"  # as a name: all that a result has
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -118,10 +119,11 @@ def accelerations(result: View) -> dict[str, Quantity]:
         return {}
     bodies, quantities, gliding = record.assembly.bodies, {}, set()
     for name in sliders(record) if record.keeps("particle_u") else ():
-        gliding.add(record.assembly.mechanism.joints[name].sides[1][0])
-        along = Quantity(f"{record.assembly.mechanism.joints[name].sides[1][0]} along {name}", "acceleration", "m/s²",
-                         lambda one, name=name: slider_motion(one, name).acceleration, None, f"{name}.acceleration.max")  # type: ignore[misc]  # fmt: skip
-        quantities[name] = along
+        slider = record.assembly.mechanism.joints[name].sides[1][0]
+        gliding.add(slider)
+        samples = partial(_sliding_acceleration, name)
+        peak = f"{name}.acceleration.max"
+        quantities[name] = Quantity(f"{slider} along {name}", "acceleration", "m/s²", samples, None, peak)
     for name, body in bodies.items():
         measure = f"{name}.angular_acceleration.max"
         if body.driven is None and name not in gliding and result.measures.get(measure):
@@ -134,6 +136,10 @@ def accelerations(result: View) -> dict[str, Quantity]:
     return {
         name: one for name, one in quantities.items() if one.largest(record) > ROUNDING * tallest[one.unit]
     }
+
+
+def _sliding_acceleration(name: str, record: Record) -> Array:
+    return slider_motion(record, name).acceleration
 
 
 def largest_forces(result: View, most: int) -> dict[str, Quantity]:
@@ -305,9 +311,8 @@ def _companions(ax: Axes, result: View, one: Quantity, over: Span, factor: float
     reach = band(result.record, sizes)
     if reach is None or len(reach[0]) != len(over.x):
         return
-    side = np.where(
-        one.samples(result.record)[over.first : over.last + 1] < 0.0, -factor, factor
-    )  # companions keep sizes
+    # Companions keep sizes
+    side = np.where(one.samples(result.record)[over.first : over.last + 1] < 0.0, -factor, factor)
     (x, low), (_, high) = over.placed(side * reach[0]), over.placed(side * reach[1])
     ax.fill_between(
         x, low, high, color=ORANGE, alpha=0.6, lw=0.5, label="range of the companions", zorder=3.5
@@ -327,7 +332,7 @@ def _ideal(reference: View | None, one: Quantity, over: Span) -> tuple[Array, Ar
     return (x, y) if len(x) > 1 else None
 
 
-# ------------------------------------------------------------------------------------------------------------- energies
+# --------------------------------------------------------------------------------------------------- energies
 
 STORED: dict[str, tuple[str, dict[str, Any]]] = {
     "kinetic": ("kinetic", {"color": BLUE}),
@@ -347,7 +352,9 @@ PRESENT = 1e-9  # of the largest term, below which one is nothing
 
 
 def energy(result: View) -> Figure:
-    """Stored energies, energies supplied and lost since the start, and the residual of the ledger over time."""
+    """Stored energies, energies supplied and lost since the start, and the residual of the ledger over
+    time.
+    """
     ledger, time = result.ledger, 1e3 * result.time
     panels = Panels([(4.6, 2.3), (4.6, 2.3), (4.6, 1.5)], 1)
     most = max(float(np.abs(values).max()) for values in ledger.terms.values())

@@ -192,12 +192,8 @@ NAME_SIZE, HIGH = 9.0, 12.0  # points: of the font, and of a line
 AWAY = (9.0, 14.0, 20.0, 28.0, 38.0)  # points from a sign to the nearest edge of its name
 LONGEST = 2.2  # inches of a name
 SPACING = 4.0  # points between places of a line that a name should not cover
-OVERLAP, OUTSIDE, COVERED, FAR = (
-    400.0,
-    4000.0,
-    3.0,
-    0.25,
-)  # costs: another name, the edge, a covered place of a line, a point of distance
+# Costs: another name, the edge, a covered place of a line, a point of distance
+OVERLAP, OUTSIDE, COVERED, FAR = (400.0, 4000.0, 3.0, 0.25)
 LOWEST = 2.0  # zorder from which on a line should not be covered; what is faint lies below
 
 

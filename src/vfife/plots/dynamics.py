@@ -76,7 +76,9 @@ def diagram(result: Bifurcation) -> Figure:
 
 
 def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
-    """Draw the largest exponent of each chain with its range, and rings where companions are classified otherwise."""
+    """Draw the largest exponent of each chain with its range, and rings where companions are classified
+    otherwise.
+    """
     for k, chain in enumerate(result.exponents):
         color = BODIES[k % len(BODIES)]
         last.fill_between(x, chain[:, 1], chain[:, 2], color=color, alpha=0.25, lw=0.0)
@@ -122,12 +124,7 @@ def basins(result: Basins) -> Figure:
     """
     spec = result.spec
     figure, (ax,) = panels(1, 1, 8.0, 7.0)
-    scales = [readable(np.degrees(values) if unit == "rad" else np.array(values), "°" if unit == "rad" else unit) for values, unit in
-              ((spec.x, spec.units[0]), (spec.y, spec.units[1]))]  # fmt: skip
-    x, y = (
-        np.array(values) * scale * (180.0 / np.pi if unit == "rad" else 1.0)
-        for values, unit, (scale, _) in zip((spec.x, spec.y), spec.units, scales, strict=True)
-    )
+    (x, unit_x), (y, unit_y) = (_scaled(*pair) for pair in zip((spec.x, spec.y), spec.units, strict=True))
     colour = colours(result)
     if colour:
         mesh = np.ma.masked_invalid(result.labels)
@@ -144,8 +141,8 @@ def basins(result: Basins) -> Figure:
         crosses.append(
             ax.scatter(x[columns], y[rows], marker="x", c=INK, s=50.0, label="another with another step")
         )
-    ax.set_xlabel(f"{spec.paths[0]} ({scales[0][1]})")
-    ax.set_ylabel(f"{spec.paths[1]} ({scales[1][1]})")
+    ax.set_xlabel(f"{spec.paths[0]} ({unit_x})")
+    ax.set_ylabel(f"{spec.paths[1]} ({unit_y})")
     ax.grid(visible=False)
     ax.set_facecolor("white")
     of_all = max(len(result.verdicts), 1)
@@ -155,6 +152,13 @@ def basins(result: Basins) -> Figure:
     starts = f"{len(result.verdicts):,} starts, {spec.turns - spec.dropped} turns after {spec.dropped}"
     heading(figure, _title(result, starts, result.agreement))
     return figure
+
+
+def _scaled(values: Any, unit: str) -> tuple[Any, str]:
+    """Values in a unit that reads well, angles in degrees, and the unit."""
+    numbers, unit = (np.degrees(values), "°") if unit == "rad" else (np.array(values), unit)
+    factor, unit = readable(numbers, unit)
+    return factor * numbers, unit
 
 
 def _title(result: Any, turns: str, companions: str) -> str:
@@ -212,9 +216,8 @@ def converging(ax: Axes, result: PoincareSection) -> None:
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
         ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
         text = f"{exponent.value:+.4g}; halves {exponent.low:+.4g}, {exponent.high:+.4g}"
-        low = (
-            exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5
-        )  # where the curve is not
+        # Where the curve is not
+        low = exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5
         ax.text(
             0.98,
             0.1 if low else 0.9,

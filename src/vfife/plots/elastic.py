@@ -46,7 +46,7 @@ def bent(result: View) -> list[str]:
 
 
 def places(result: View, name: str) -> Array:
-    """Ends of each element along its body (m), members of a frame one after the other, shape (elements, 2)."""
+    """End of each element along its body (m), members of a frame one after the other, shape (elements, 2)."""
     ends = np.concatenate([[0.0], np.cumsum(mesh(result.record.assembly.mechanism.bodies[name]).length)])
     return np.stack([ends[:-1], ends[1:]], axis=1)
 

@@ -282,9 +282,8 @@ class Film:
                         np.append(curve.y[upto], self._head(curve.y, k)),
                     )
                     curve.ax.draw_artist(line)
-                grown = (
-                    self.canvas.copy_from_bbox(self.figure.bbox) if lines else grown
-                )  # what a curve has drawn stays
+                # What a curve has drawn stays
+                grown = self.canvas.copy_from_bbox(self.figure.bbox) if lines else grown
                 for head, curve in zip(heads, self.curves, strict=True):
                     head.set_data([self._head(curve.x, k)], [self._head(curve.y, k)])
                     curve.ax.draw_artist(head)

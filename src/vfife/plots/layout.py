@@ -19,20 +19,11 @@ from matplotlib.lines import Line2D
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LEFT, RIGHT, BOTTOM, TOP, ACROSS, DOWN = (
-    0.82,
-    0.3,
-    0.55,
-    0.36,
-    1.0,
-    0.72,
-)  # inches around panels, and between them
+# Inches around panels, and between them
+LEFT, RIGHT, BOTTOM, TOP, ACROSS, DOWN = (0.82, 0.3, 0.55, 0.36, 1.0, 0.72)
 DOT, NARROW = 4.0, 4.6  # points of a dot in the legend; inches of the narrowest sheet
-LINE, TITLE, HANDLE = (
-    0.21,
-    0.26,
-    0.62,
-)  # inches: a line of the legend, one of the title, what stands before a name in the legend
+# Inches: a line of the legend, one of the title, what stands before a name in the legend
+LINE, TITLE, HANDLE = (0.21, 0.26, 0.62)
 
 Size = tuple[float, float]  # width and height (inches)
 WIDTHS: dict[tuple[str, float, str], float] = {}  # of texts that were measured, which takes long (inches)
@@ -114,8 +105,10 @@ class Panels:
         if lines:
             anchor = (0.12 / width, 0.02 / height)
             self.figure.legend(
-                list(entries.values()), list(entries), loc="lower left", bbox_to_anchor=anchor, ncols=columns, fontsize=9.5,
-                borderpad=0.3, columnspacing=1.2, labelspacing=0.35, handler_map={tuple: HandlerTuple(ndivide=1)},
+                list(entries.values()), list(entries), loc="lower left", bbox_to_anchor=anchor, ncols=columns,
+                fontsize=9.5,
+                borderpad=0.3, columnspacing=1.2, labelspacing=0.35,
+                handler_map={tuple: HandlerTuple(ndivide=1)},
             )  # fmt: skip
         return self.figure
 

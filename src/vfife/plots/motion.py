@@ -376,7 +376,9 @@ def bearing_force(result: View, name: str) -> Array:
 
 
 def polar(result: View, reference: View | None = None) -> Figure:
-    """Force on each journal as a vector in the frame of its bearing's body; the circle is the reported peak."""
+    """Force on each journal as a vector in the frame of its bearing's body; the circle is the reported
+    peak.
+    """
     names, over = list(largest_forces(result, MOST_VECTORS)), span(result)
     panels = _square_panels(len(names), 1.0)
     for ax, name in zip(panels.axes, names, strict=True):

@@ -25,15 +25,8 @@ if TYPE_CHECKING:
 LARGEST = 300_000  # bytes of a figure as lines
 FINE = 150.0  # pixels an inch of one that would be larger: enough for paper
 SHOWN = ("mechanism", "orbits", "forces")  # figures of a result in a notebook
-REPORTED = (
-    "guides",
-    "moments",
-    "accelerations",
-    "polar",
-    "stress",
-    "deflection",
-    "energy",
-)  # and in a report
+# And in a report
+REPORTED = ("guides", "moments", "accelerations", "polar", "stress", "deflection", "energy")
 
 
 def mechanism_html(mechanism: Mechanism) -> str:
@@ -60,7 +53,9 @@ def result_html(result: View) -> str:
 
 
 def pictures(result: View) -> dict[str, str]:
-    """Figures of a result as elements of a page, by their titles: SVG, or pixels where these take less room."""
+    """Figures of a result as elements of a page, by their titles: SVG, or pixels where these take less
+    room.
+    """
     from . import figures
 
     names = [name for name, one in FIGURES.items() if name in (*SHOWN, *REPORTED) and not one.missing(result)]

@@ -121,7 +121,8 @@ def save_comparison(comparison: Comparison, folder: Path) -> list[Path]:
 CURVES = 4  # in one figure, at the most
 SAMPLES = 4000  # drawn of each
 ABSCISSAE = {
-    "time": (1e3, "time (ms)"), "angle": (180.0 / math.pi, "crank angle (°)"), "penetration": (1e6, "penetration (µm)"),
+    "time": (1e3, "time (ms)"), "angle": (180.0 / math.pi, "crank angle (°)"),
+    "penetration": (1e6, "penetration (µm)"),
     "frequency": (1.0, "frequency (Hz)"), "order": (1.0, "order"),
 }  # fmt: skip
 
@@ -161,9 +162,8 @@ def fitted_curve(ax: Axes, one: FitCurve, first: bool) -> None:
     ax.plot(x[::every], factor * one.model[::every], color=BLUE, lw=1.1, label="model")
     ax.set(title=one.channel, xlabel=label, ylabel=unit if one.unit != "1" else "")
     if first:
-        ax.figure.legend(
-            *ax.get_legend_handles_labels(), loc="outside lower left", ncols=2, markerscale=3.0
-        )  # curves fill the axes
+        # Curves fill the axes
+        ax.figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2, markerscale=3.0)
 
 
 def residual(ax: Axes, one: FitCurve) -> None:

@@ -263,14 +263,16 @@ def over_values(one: Waterfall, hertz: bool = False) -> Figure:
 
 
 def across(one: Waterfall, hertz: bool) -> Array:
-    """Edges of cells from left to right, shape (values + 1, orders + 1); frequencies fan out with the speed."""
+    """Edges of cells from left to right, shape (values + 1, orders + 1); frequencies fan out with the
+    speed.
+    """
     places = np.append(one.orders, 2.0 * one.orders[-1] - one.orders[-2]) - 0.5 * one.orders[1]
     rate = 1.0 / one.turn if hertz else np.ones(len(one.turn))
     rate = np.concatenate([rate[:1], 0.5 * (rate[1:] + rate[:-1]), rate[-1:]])
     return np.asarray(np.maximum(places, 0.0) * rate[:, None], dtype=float)
 
 
-# -------------------------------------------------------------------------------------------------------------- scales
+# ----------------------------------------------------------------------------------------------------- scales
 
 
 def amplitude_curve(ax: Axes, over: Array, values: Array, unit: str, **look: Any) -> float:

@@ -180,7 +180,9 @@ def value_labels(values: list[Any], unit: str) -> tuple[list[str], str]:
 
 
 def quantiles(values: Array) -> Array:
-    """Median, lower and upper end of the band along the last axis, without unknown values; shape (3, places)."""
+    """Median, lower and upper end of the band along the last axis, without unknown values; shape (3,
+    places).
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
         low, middle, high = np.nanquantile(values, (BAND[0], 0.5, BAND[1]), axis=1)
@@ -394,7 +396,8 @@ FIGURES: dict[str, Callable[[Study, list[str]], Figure | None]] = {
     "fronts": fronts,
 }
 TITLES = {
-    "maps": "Measures over two parameters", "curves": "Measures over a parameter", "parallel": "Members, a line each",
+    "maps": "Measures over two parameters", "curves": "Measures over a parameter",
+    "parallel": "Members, a line each",
     "fronts": "Measures against each other",
 }  # fmt: skip
 
@@ -438,7 +441,9 @@ def save_figures(
     ending: str = ".png",
     larger: Collection[str] = (),
 ) -> list[Path]:
-    """Write figures into a folder and return the files. Raises VfifeError where there is nothing to draw yet."""
+    """Write figures into a folder and return the files. Raises VfifeError where there is nothing to
+    draw yet.
+    """
     if ending not in PICTURES:
         raise VfifeError(f"no figure is written as {shown(ending)}; there are {', '.join(PICTURES)}")
     drawn = figures(study, names, measures, larger)

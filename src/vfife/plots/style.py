@@ -40,6 +40,7 @@ TEXT_BOX: Any = CENTRE | {
 PICTURES = (".svg", ".pdf", ".png")
 PREFIXED = ("N", "N m", "Pa", "J", "W")
 LENGTHS = ((1.0, 1.0, "m"), (1e-4, 1e3, "mm"), (1e-7, 1e6, "µm"), (0.0, 1e9, "nm"))  # from so much on
+# From so much on
 SCALES = (
     (2e9, 9, "G"),
     (2e6, 6, "M"),
@@ -48,7 +49,7 @@ SCALES = (
     (2e-5, -3, "m"),
     (2e-8, -6, "µ"),
     (0.0, -9, "n"),
-)  # from so much on
+)
 
 STYLE: Any = {  # matplotlib types its settings by their names
     "font.family": "sans-serif",
@@ -174,7 +175,9 @@ def dots_before(ax: Axes, x: Any, y: Any, first: int, **look: Any) -> None:
 
 
 def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
-    """A legend below the panels with every label that occurs in one of them; nothing where there is only one."""
+    """A legend below the panels with every label that occurs in one of them; nothing where there is
+    only one.
+    """
     entries: dict[str, Any] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):

@@ -222,7 +222,8 @@ def joint_view(sheet: Sheet, joint: Joint) -> JointSeen:
     ground = (bodies[0] == "ground", bodies[1] == "ground")
     at = sheet.at(joint.bearing)
     return JointSeen(
-        at, sheet.at(joint.journal), now, start, ground, sheet.factor, sheet.size, travel_range, lambda: _leaving(sheet, joint, at)
+        at, sheet.at(joint.journal), now, start, ground, sheet.factor, sheet.size, travel_range,
+        lambda: _leaving(sheet, joint, at),
     )  # fmt: skip
 
 

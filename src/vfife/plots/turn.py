@@ -23,10 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 AROUND = 25.0  # degrees to both sides of an angle that have to be quiet for a turn to be opened there
 EVERY = 30  # degrees: where a turn may be opened
-BETTER = (
-    1.5,
-    0.05,
-)  # a turn stays open at 0 unless another place has less than this part of its variation, and this much less
+# A turn stays open at 0 unless another place has less than this part of its variation, and this much less
+BETTER = (1.5, 0.05)
 ROUNDED = 1e-6  # degrees by which an angle may be off where the turn is opened
 FULL = 300.0  # degrees from which on a turn is one
 
@@ -154,7 +152,9 @@ def axis_title(result: View) -> str:
 
 
 def abscissa(result: View) -> Array:
-    """Crank angle (degrees), or time (ms) without a crank, at the outputs; load factors of a static analysis."""
+    """Crank angle (degrees), or time (ms) without a crank, at the outputs; load factors of a static
+    analysis.
+    """
     if result.record.static:
         return result.time
     return 1e3 * result.time if result.crank_angle is None else result.crank_angle

@@ -106,8 +106,8 @@ def damage(result: View) -> Iterator[str]:
     """A sentence about parts of a run file that cannot be read."""
     if blocks := result.record.lost:
         yield (
-            f"The run file is damaged: {', '.join(blocks)} could not be read and count nowhere in what is told"
-            " here; run the model again."
+            f"The run file is damaged: {', '.join(blocks)} could not be read and count nowhere in what is"
+            " told here; run the model again."
         )
 
 
@@ -116,7 +116,9 @@ def damage(result: View) -> Iterator[str]:
 
 
 def out_of_range(result: View) -> Iterator[str]:
-    """Sentences of the laws on where the run left their ranges, and one on loads that no joint is built for."""
+    """Sentences of the laws on where the run left their ranges, and one on loads that no joint is
+    built for.
+    """
     extremes = contact_extremes(result.record)
     yield from cautions(result.record.assembly.mechanism, extremes)
     beyond = [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]

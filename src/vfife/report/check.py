@@ -62,12 +62,13 @@ def checked(assembly: Assembly, notes: Sequence[str] = ()) -> Checked:
     mechanism, mobility = assembly.mechanism, assembly.mobility
     return Checked(
         name=mechanism.name, bodies=len(mechanism.bodies), joints=len(mechanism.joints), free=mobility.free,
-        after_drives=mobility.after_drives, redundant=tuple(mobility.redundant_joints) if mobility.redundant else (),
+        after_drives=mobility.after_drives,
+        redundant=tuple(mobility.redundant_joints) if mobility.redundant else (),
         step=assembly.choice.step, set_by=assembly.choice.culprit, notes=(*assembly.notes, *notes),
     )  # fmt: skip
 
 
-# ------------------------------------------------------------------------------------------------------------- numbers
+# ---------------------------------------------------------------------------------------------------- numbers
 
 
 def mechanism_parts(mechanism: Mechanism) -> list[Table]:
@@ -207,7 +208,9 @@ def step(assembly: Assembly) -> dict[str, Any]:
 
 
 def freedom(assembly: Assembly) -> dict[str, Any]:
-    """Degrees of freedom of the ideal mechanism, redundant and singular joints, and the class of a four-bar."""
+    """Degrees of freedom of the ideal mechanism, redundant and singular joints, and the class of a
+    four-bar.
+    """
     from ..kinematics.mobility import grashof
 
     mobility = assembly.mobility
@@ -223,7 +226,7 @@ def freedom(assembly: Assembly) -> dict[str, Any]:
     }
 
 
-# --------------------------------------------------------------------------------------------------------------- words
+# ------------------------------------------------------------------------------------------------------ words
 
 
 def document(check: Mapping[str, Any], long: bool = False) -> Document:

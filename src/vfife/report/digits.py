@@ -1,4 +1,6 @@
-"""Numbers as they are printed: no digit finer than their scatter over turns or their numerical uncertainty."""
+"""Numbers as they are printed: no digit finer than their scatter over turns or their numerical
+uncertainty.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,8 @@ from ..numerics.scalar import log10
 Json = Mapping[str, Any]
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 UNITS = {  # of the measures that a summary shows with their units, by the ends of their names
-    "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m", "displacement.max": "m",
+    "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m",
+    "displacement.max": "m",
     "angular_acceleration.max": "rad/s²",
 }  # fmt: skip
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
@@ -38,9 +41,8 @@ def uncertainty(summary: Json, name: str) -> float:
     if bounds is None:
         return 0.0
     numerical = float(bounds["high"] - bounds["low"])
-    scatter = float(
-        bounds.get("highest", 0.0) - bounds.get("lowest", 0.0)
-    )  # a summary of a former version has no turns
+    # A summary of a former version has no turns
+    scatter = float(bounds.get("highest", 0.0) - bounds.get("lowest", 0.0))
     return (
         numerical
         if numerical > 0.0 and summary["turns"].get("motion") == "not periodic"

@@ -29,8 +29,10 @@ STYLED = {
     "bad": "strong",
 }
 IN_NOTEBOOK = """<style>
-.vfife table td, .vfife table th { text-align: left; padding: .15em .9em .15em 0 } .vfife table .number { text-align: right }
-.vfife table { margin: .6em 0; border-collapse: collapse } .vfife table caption { text-align: left; font-weight: 600; padding: .2em 0 }
+.vfife table td, .vfife table th { text-align: left; padding: .15em .9em .15em 0 }
+.vfife table .number { text-align: right }
+.vfife table { margin: .6em 0; border-collapse: collapse }
+.vfife table caption { text-align: left; font-weight: 600; padding: .2em 0 }
 </style>"""
 
 
@@ -108,10 +110,8 @@ def element(part: Part) -> str:
         case Figure():
             return f"<figure>{part.element()}<figcaption>{escape(part.title)}</figcaption></figure>"
         case Section():
-            return (
-                "<section"
-                f' id="{anchor(part.title)}"><h2>{escape(part.title)}</h2>\n{elements(part.parts)}\n</section>'
-            )
+            heading = f"<h2>{escape(part.title)}</h2>"
+            return f'<section id="{anchor(part.title)}">{heading}\n{elements(part.parts)}\n</section>'
 
 
 def anchor(title: str) -> str:
@@ -124,25 +124,19 @@ def table(
 ) -> str:
     """A table; columns ``numbers`` are aligned to the right."""
 
+    align = ' class="number"'
+
     def line(row: Sequence[Any], tag: str) -> str:
-        cells = (
-            f"<{tag}{NUMBER if k in numbers else ''}>{_cell(cell)}</{tag}>" for k, cell in enumerate(row)
-        )
-        return f"<tr>{''.join(cells)}</tr>"
+        cells = ""
+        for k, cell in enumerate(row):
+            text = cell.html if isinstance(cell, Element) else escape(str(cell))
+            cells += f"<{tag}{align if k in numbers else ''}>{text}</{tag}>"
+        return f"<tr>{cells}</tr>"
 
     caption = f"<caption>{escape(title)}</caption>" if title else ""
     head = f"<thead>{line(headings, 'th')}</thead>" if headings else ""
-    return (
-        "<div"
-        f' class="wide"><table>{caption}{head}<tbody>{"".join(line(row, "td") for row in rows)}</tbody></table></div>'
-    )
-
-
-NUMBER = ' class="number"'
-
-
-def _cell(cell: Any) -> str:
-    return cell.html if isinstance(cell, Element) else escape(str(cell))
+    body = "".join(line(row, "td") for row in rows)
+    return f'<div class="wide"><table>{caption}{head}<tbody>{body}</tbody></table></div>'
 
 
 def _paragraph(part: Paragraph) -> str:

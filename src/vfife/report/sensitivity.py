@@ -1,4 +1,6 @@
-"""Answers on parameters of a model: sensitivities, laws compared, parameters identified from measured curves."""
+"""Answers on parameters of a model: sensitivities, laws compared, parameters identified from measured
+curves.
+"""
 
 from __future__ import annotations
 

@@ -101,7 +101,8 @@ def _model(result: View, measures: dict[str, float], ideal: Any) -> Json:
     for name, body in result.record.assembly.bodies.items():
         source = mechanism.bodies[name]
         bodies[name] = {
-            "model": body.model, "elements": len(body.elements), "mass": body.mass, "inertia": body.inertia, "driven": body.driven is not None,
+            "model": body.model, "elements": len(body.elements), "mass": body.mass, "inertia": body.inertia,
+            "driven": body.driven is not None,
             "release": source.release if isinstance(source, Link) else "none",
         }  # fmt: skip
         for key in ("angular_acceleration.max", "torque.max"):

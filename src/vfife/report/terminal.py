@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 STYLES = {
-    "": "", "strong": "bold", "aside": "italic", "caution": "yellow", "alarm": "bold yellow", "code": "cyan", "faint": "dim", "good": "bold green",
+    "": "", "strong": "bold", "aside": "italic", "caution": "yellow", "alarm": "bold yellow", "code": "cyan",
+    "faint": "dim", "good": "bold green",
     "bad": "bold red",
 }  # fmt: skip
 

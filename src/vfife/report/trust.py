@@ -58,7 +58,7 @@ def over_several_turns(turns: Json) -> bool:
     return bool(turns) and turns["last"] > turns["first"]
 
 
-# ------------------------------------------------------------------------------------------------------------- verdicts
+# --------------------------------------------------------------------------------------------------- verdicts
 
 
 def verdict(summary: Json) -> str:

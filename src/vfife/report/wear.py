@@ -60,8 +60,8 @@ def _remarks(wear: Worn) -> Iterator[str]:
         yield from _smoothed(wear)
     if wear.life_end:
         yield (
-            f"Life: {wear.life_end['turns']:,.0f} turns, until joint {wear.life_end['joint']} reaches the limit"
-            f" of its {wear.life_end['by']}."
+            f"Life: {wear.life_end['turns']:,.0f} turns, until joint {wear.life_end['joint']} reaches the"
+            f" limit of its {wear.life_end['by']}."
         )
     elif spec.clearance is not None or spec.force is not None:
         yield f"Life: more than {wear.turns[-1]:,.0f} turns; no limit was reached{_outlook(wear)}."

@@ -25,7 +25,8 @@ from .sliders import Slide, default_slides, parse_slides
 BROWSER = Path(__file__).parents[1] / "browser"
 WORKER = ("stepper.js",)
 SCRIPTS = (
-    "pieces.js", "numbers.js", "store.js", "running.js", "path.js", "theme.js", "svg.js", "pen.js", "pose.js", "scene.js", "axes.js", "charts.js",
+    "pieces.js", "numbers.js", "store.js", "running.js", "path.js", "theme.js", "svg.js", "pen.js", "pose.js",
+    "scene.js", "axes.js", "charts.js",
     "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js", "looks.js",
 )  # fmt: skip
 LARGEST = 2_000_000  # bytes
@@ -54,7 +55,7 @@ class Live:
         return f'<iframe title="{escape(words)}" style="{look}" {inside}></iframe>'
 
     def save(self, path: str | Path) -> None:
-        """Writes the page; what is there gives way when it is whole. Raises OSError where it cannot be
+        """Write the page; what is there gives way when it is whole. Raises OSError where it cannot be
         written.
         """
         write_text(Path(path), self.page)
@@ -114,7 +115,9 @@ def result_page(result: Result) -> str:
 
 
 def still(result: Result) -> str:
-    """The page of the equilibria of a static analysis. Raises VfifeError where there are none but the start."""
+    """The page of the equilibria of a static analysis. Raises VfifeError where there are none but the
+    start.
+    """
     return page_text(
         static_payload(result) | {"worker": '"use strict";\n' + (BROWSER / "still.js").read_text("utf-8")}
     )

@@ -24,9 +24,8 @@ from ...solvers.transient import LONGEST_STRAIGHT_LINE, choose_loop
 from ...store.schemas import RUN_FILE, is_run_file
 
 Array = NDArray[np.float64]
-DEPTHS = np.geomspace(
-    1e-9, 1e-2, 29
-)  # m: the energy of a contact is told at these, and is a power of the depth between two of them
+# M: the energy of a contact is told at these, and is a power of the depth between two of them
+DEPTHS = np.geomspace(1e-9, 1e-2, 29)
 NO_ENERGY = -300.0  # logarithm of what counts as none
 
 

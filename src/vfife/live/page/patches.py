@@ -69,7 +69,9 @@ class Group:
 
 @dataclass(frozen=True)
 class SliderPatches:
-    """The numbers with which a page starts, its sliders, their groups, and notes on what had to be left out."""
+    """The numbers with which a page starts, its sliders, their groups, and notes on what had to be
+    left out.
+    """
 
     base: PageModel
     slides: tuple[Slide, ...]
@@ -424,7 +426,9 @@ def changed_lines(lines: list[str], text: list[str]) -> dict[int, str | None]:
 
 
 def random_settings(patches: SliderPatches, assembler: Assembler) -> Iterator[tuple[Setting, PageModel]]:
-    """``CHECKED`` settings of all sliders at once, and what assembly gives for them; the same in every run."""
+    """``CHECKED`` settings of all sliders at once, and what assembly gives for them; the same in every
+    run.
+    """
     draw = random.Random(1)
     for _ in range(CHECKED):
         positions = [draw.randrange(len(slide.values)) for slide in patches.slides]

@@ -115,10 +115,8 @@ def outline(assembly: Assembly, body: BodyMap) -> dict[str, Any]:
 Json = dict[str, Any]
 ROLES = ("state", "extreme", "parameter")
 ALSO = ("reference_inverse_length",)  # of what the next step alone needs, what the ledger reads
-LEFT = (
-    "nx",
-    "ny",
-)  # scratch of contacts that a page's step leaves, so that no page says again which way a contact presses
+# Scratch of contacts that a page's step leaves, so that no page says again which way a contact presses
+LEFT = ("nx", "ny")
 
 
 def packed(values: NDArray[Any]) -> str:
@@ -131,11 +129,16 @@ def payload(model: PageModel) -> Json:
     own = model.own
     names = [name for name, body in own.bodies.items() if body.driven == 0]
     return {
-        "version": __version__, "name": own.mechanism.name, "note": own.mechanism.note, "model": dump(own.mechanism),
-        "crank": names[0] if names else None, "outputs": own.choice.outputs, "perTurn": per_turn(own), "step": own.choice.step,
-        "damped": own.topology.damped, "parts": {name: len(values) for name, values in model.parts.items()}, "vector": packed(model.vector),
-        "depths": DEPTHS.tolist(), "own": stepped(own), "ideal": stepped(model.ideal) if model.ideal else None, "bodies": bodies(own),
-        "joints": joints(own), "contacts": contacts(own), "springs": springs(own), "loads": loads(own), "points": points(own),
+        "version": __version__, "name": own.mechanism.name, "note": own.mechanism.note,
+        "model": dump(own.mechanism),
+        "crank": names[0] if names else None, "outputs": own.choice.outputs, "perTurn": per_turn(own),
+        "step": own.choice.step,
+        "damped": own.topology.damped, "parts": {name: len(values) for name, values in model.parts.items()},
+        "vector": packed(model.vector),
+        "depths": DEPTHS.tolist(), "own": stepped(own),
+        "ideal": stepped(model.ideal) if model.ideal else None, "bodies": bodies(own),
+        "joints": joints(own), "contacts": contacts(own), "springs": springs(own), "loads": loads(own),
+        "points": points(own),
     }  # fmt: skip
 
 
@@ -164,7 +167,8 @@ def stepped(assembly: Assembly) -> Json:
         for name, (block, at) in joint_rows(record).items()
     }
     return {
-        "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows, "joints": own,
+        "every": assembly.choice.outputs_every, "again": assembly.mechanism.settings.parts, "rows": rows,
+        "joints": own,
         "kept": [*recorded_rows(assembly).tolist(), *left(layout)], "extremes": layout.of("extreme"),
         "free": list(topology.free), "driven": list(topology.driven),
         "present": [kind == CURRENT for kind in topology.strains], "perTurn": per_turn(assembly),
@@ -191,9 +195,11 @@ def _body(assembly: Assembly, body: BodyMap) -> Json:
     left = (body.mass - sum(mass)) / held if held else 0.0
     loose = loose_pins(assembly.mechanism, body.name, bool(body.elements))
     return {
-        "name": body.name, "chord": bool(body.elements), "particles": list(body.particles), "masses": [value or left for value in mass],
+        "name": body.name, "chord": bool(body.elements), "particles": list(body.particles),
+        "masses": [value or left for value in mass],
         "centre": centre_of(assembly, body.name), "driven": body.driven, "row": body.row,
-        "turns": not (isinstance(noun, PointMass) and noun.inertia == 0.0), "outline": outline(assembly, body),
+        "turns": not (isinstance(noun, PointMass) and noun.inertia == 0.0),
+        "outline": outline(assembly, body),
         "loose": [pin_of(assembly, f"{body.name}.{pin}") for pin in loose],
     }  # fmt: skip
 
@@ -330,5 +336,6 @@ def static_payload(result: Result) -> Json:
         else [f"the analysis ended {record.status} at load factor {result.time[-1]:g}"]
     )
     return payload(PageModel(record.assembly, None)) | {
-        "outputs": len(rows) - 1, "factors": result.time.tolist(), "path": packed(rows), "slides": [], "groups": [], "notes": notes, "texts": True,
+        "outputs": len(rows) - 1, "factors": result.time.tolist(), "path": packed(rows), "slides": [],
+        "groups": [], "notes": notes, "texts": True,
     }  # fmt: skip

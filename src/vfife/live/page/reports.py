@@ -185,7 +185,9 @@ def places(study: Study, patches: SliderPatches) -> Places:
 
 
 def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:
-    """The report of a result as one page, and sentences why the mechanism does not run in it where it was to."""
+    """The report of a result as one page, and sentences why the mechanism does not run in it where it
+    was to.
+    """
     mechanism, notes, page = result.record.assembly.mechanism, [], None
     if running:
         try:
@@ -203,5 +205,5 @@ def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:
 
 
 def report(result: Result, path: str | Path, running: bool = True) -> None:
-    """Writes the report; what is there gives way when it is whole."""
+    """Write the report; what is there gives way when it is whole."""
     write_text(Path(path), run_report(result, running)[0])

@@ -114,7 +114,9 @@ def _attached(strokes_of: Strokes, inputs: Inputs) -> list[dict[str, Any]]:
 
 
 def points_of(stroke: Stroke) -> Array:
-    """Points of a stroke, shape (points, 2): of a surface the strip of its material, of a block its corners."""
+    """Points of a stroke, shape (points, 2): of a surface the strip of its material, of a block its
+    corners.
+    """
     if isinstance(stroke, Curve):
         return np.asarray(stroke.points, dtype=float).reshape(-1, 2)
     if isinstance(stroke, Surface):

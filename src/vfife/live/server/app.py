@@ -268,7 +268,7 @@ class Guard:
         self.origins = frozenset(f"http://{host}" for host in self.hosts)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answers a request, or refuses it."""
+        """Answer a request, or refuses it."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -298,9 +298,8 @@ class Guard:
         origin = headers.get("origin")
         if origin is not None and origin not in self.origins:
             return "a page from elsewhere asks"
-        followed = (
-            scope["method"] == "GET" and headers.get("sec-fetch-dest") == "document"
-        )  # a link, as in a terminal that is a page itself
+        # A link, as in a terminal that is a page itself
+        followed = scope["method"] == "GET" and headers.get("sec-fetch-dest") == "document"
         if headers.get("sec-fetch-site", "none") not in ("same-origin", "none") and not followed:
             return "a page from elsewhere asks"
         if (
@@ -316,7 +315,7 @@ class Guard:
         return None
 
 
-# ----------------------------------------------------------------------------------------------------- serving
+# ---------------------------------------------------------------------------------------------------- serving
 
 
 @dataclass(frozen=True)
@@ -334,7 +333,9 @@ class Serving:
 
 
 def bound(port: int) -> socket.socket:
-    """A socket on a port of this machine alone, 0 for one that is free. Raises ValueError where it is taken."""
+    """A socket on a port of this machine alone, 0 for one that is free. Raises ValueError where it is
+    taken.
+    """
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
@@ -354,15 +355,15 @@ def served(session: Session, port: int = 0) -> Iterator[Serving]:
     """A session while it is served, by a thread of its own; at the end connections are cut. Raises ValueError
     for a port that is taken.
     """
-    logging.getLogger("uvicorn").addHandler(
-        logging.NullHandler()
-    )  # connections that are cut at the end are no news
+    # Connections that are cut at the end are no news
+    logging.getLogger("uvicorn").addHandler(logging.NullHandler())
     logging.getLogger("uvicorn").propagate = False
     listening = bound(port)
     port, secret = listening.getsockname()[1], secrets.token_urlsafe(24)
     hosts = (f"{HERE}:{port}", f"localhost:{port}")
     config = uvicorn.Config(
-        app(session, secret, hosts), http="h11", ws="none", loop="asyncio", lifespan="on", log_config=None, access_log=False, server_header=False,
+        app(session, secret, hosts), http="h11", ws="none", loop="asyncio", lifespan="on", log_config=None,
+        access_log=False, server_header=False,
         proxy_headers=False, timeout_graceful_shutdown=0,
     )  # fmt: skip
     server = uvicorn.Server(config)

@@ -28,9 +28,8 @@ LARGEST = 2_000_000  # bytes of a model file
 MOST_UNDO = 200  # texts that can be had back
 MOST_FILES = 200  # files of a folder that are looked at
 NAME = re.compile(r"\w[\w .()+-]*\.toml")
-PARTS = frozenset(
-    ["body", "joint", "driver", "spring", "gear", "load", "ground"]
-)  # a model file has one of these tables
+# A model file has one of these tables
+PARTS = frozenset(["body", "joint", "driver", "spring", "gear", "load", "ground"])
 Json = dict[str, Any]
 
 
@@ -104,7 +103,7 @@ class Document:
         return self.disk == self.text
 
     def take(self, text: str, version: int | None = None) -> None:
-        """Takes a sound text in place of the former one. Raises ModelError for another, Conflict where it was
+        """Take a sound text in place of the former one. Raises ModelError for another, Conflict where it was
         not made from the last one.
         """
         if version is not None and version != self.version:
@@ -119,7 +118,7 @@ class Document:
         self._now(text)
 
     def set(self, changes: Sequence[tuple[KeyPath, str | None]], version: int | None = None) -> None:
-        """Changes values where they stand, all of them or none.
+        """Change values where they stand, all of them or none.
 
         Raises Draft where that gives no sound model, ModelError where a value cannot be changed alone,
         Conflict as :meth:`take` does.
@@ -133,7 +132,7 @@ class Document:
             raise Draft(error, text) from None
 
     def undo(self) -> None:
-        """Goes back to the text before."""
+        """Go back to the text before."""
         if self.before:
             text = self.before.pop()
             self.mechanism = self.read(text)
@@ -147,7 +146,7 @@ class Document:
         """The step (s) of the run that it came from, as long as its text is what that ran."""
         return self.step if self.text == self.opened else None
 
-    # ------------------------------------------------------------------------------------------------------------ file
+    # --------------------------------------------------------------------------------------------------- file
 
     def look(self) -> Look | None:
         """Read the file where it has another time of change or size than before; None where it has not, or
@@ -192,7 +191,7 @@ class Document:
         return "model"
 
     def save(self, path: Path | None = None) -> None:
-        """Writes the text into its file, or a new one, which it is of from then on.
+        """Write the text into its file, or a new one, which it is of from then on.
 
         The text has been read as a sound model before; what was there gives way when the new file is whole.
         Raises Conflict where a file has changed since it was read, or there is one already, and OSError where
@@ -219,13 +218,15 @@ class Document:
         status = target.stat()
         self.stamp = (status.st_mtime_ns, status.st_size)
 
-    # ------------------------------------------------------------------------------------------------------------ words
+    # -------------------------------------------------------------------------------------------------- words
 
     def json(self) -> Json:
         """As a browser takes it."""
         return {
-            "id": self.id, "name": self.name, "title": self.mechanism.name, "text": self.text, "version": self.version, "saved": self.saved,
-            "file": self.path.name if self.path else None, "faults": list(self.faults), "undo": len(self.before),
+            "id": self.id, "name": self.name, "title": self.mechanism.name, "text": self.text,
+            "version": self.version, "saved": self.saved,
+            "file": self.path.name if self.path else None, "faults": list(self.faults),
+            "undo": len(self.before),
             "values": leaves(tomllib.loads(self.text)),
         }  # fmt: skip
 
@@ -253,7 +254,7 @@ def leaves(values: Any) -> Any:
     return values if isinstance(values, str) else toml_text(values)
 
 
-# ---------------------------------------------------------------------------------------------------- the shelf
+# -------------------------------------------------------------------------------------------------- the shelf
 
 
 class Shelf:
@@ -270,7 +271,7 @@ class Shelf:
         """A document that is open. Raises LookupError."""
         return self.documents[which]
 
-    # --------------------------------------------------------------------------------------------------------- what there is
+    # ------------------------------------------------------------------------------------------ what there is
 
     def json(self) -> Json:
         """What can be chosen."""
@@ -296,7 +297,7 @@ class Shelf:
                 files[path.name] = path
         return files
 
-    # ------------------------------------------------------------------------------------------------------------ opening
+    # ------------------------------------------------------------------------------------------------ opening
 
     def from_gallery(self, name: str) -> Document:
         """A mechanism of the gallery. Raises LookupError for a name that it has not."""
@@ -308,7 +309,9 @@ class Shelf:
         return self.documents[which]
 
     def from_folder(self, name: str) -> Document:
-        """A model file of the folder. Raises LookupError for another name, ModelError for a file with faults."""
+        """A model file of the folder. Raises LookupError for another name, ModelError for a file with
+        faults.
+        """
         return self.from_file(self.files()[name])
 
     def from_file(self, path: Path, settings: list[tuple[str, str]] | None = None) -> Document:
@@ -341,7 +344,9 @@ class Shelf:
         return self.documents[which]
 
     def place(self, name: str) -> Path:
-        """Where a model of this name is written. Raises Conflict for what is no plain name of a model file."""
+        """Where a model of this name is written. Raises Conflict for what is no plain name of a model
+        file.
+        """
         file_name = name if name.endswith(".toml") else f"{name}.toml"
         if not NAME.fullmatch(file_name) or len(file_name) > 100:
             raise Conflict(

@@ -1,4 +1,6 @@
-"""Pages of models: first the mechanism that runs, then, when all their positions are assembled, its sliders."""
+"""Pages of models: first the mechanism that runs, then, when all their positions are assembled, its
+sliders.
+"""
 
 from __future__ import annotations
 
@@ -41,9 +43,7 @@ class Pages:
         self.cache: OrderedDict[tuple[Key, bool], str] = OrderedDict()
         self.queue: OrderedDict[str, Document] = OrderedDict()
         self.current: Key | None = None
-        self.superseded = (
-            False  # whether something was asked for since the sliders that are being assembled were begun
-        )
+        self.superseded = False  # whether another document was requested since the sliders in work were begun
         self.building, self.changed, self.closed = threading.Lock(), threading.Condition(), False
         self.prepared: dict[str, Document] = {}  # documents whose page is made before a browser asks
         for work, name in ((self._work, "sliders"), (self._make_ahead, "pages")):
@@ -88,7 +88,7 @@ class Pages:
         while len(self.cache) > CACHED:
             self.cache.popitem(last=False)
 
-    # --------------------------------------------------------------------------------------------------------- sliders
+    # ------------------------------------------------------------------------------------------------ sliders
 
     def _want(self, document: Document, key: Key) -> None:
         if not self.sliders or document.mechanism.settings.analysis == "static":
@@ -151,7 +151,7 @@ class Pages:
             self.notify({**about, "said": f"No sliders: {str(error).splitlines()[0]}"})
 
     def close(self) -> None:
-        """Ends the thread, at the next position at the latest."""
+        """End the thread, at the next position at the latest."""
         with self.changed:
             self.closed = True
             self.changed.notify_all()

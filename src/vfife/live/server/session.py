@@ -17,9 +17,8 @@ from .documents import Conflict, Document, Json, Shelf, text_in
 from .pages import Pages
 
 INTERVAL = 0.2  # s between two looks at files
-MOST_BROWSERS = (
-    64  # that listen at once; each may hold one event of each kind and document, and what the system buffers
-)
+# Browsers that listen at once; each may hold one event of each kind and document, and what the system buffers.
+MOST_BROWSERS = 64
 Key = tuple[str, str]
 
 
@@ -48,10 +47,8 @@ class Mailbox:
 
 def text_of(event: dict[str, Any]) -> tuple[Key, str]:
     """What an event is about, and its text, which all browsers share."""
-    return (
-        str(event["kind"]),
-        str(event.get("id", "")),
-    ), f"data: {json.dumps(event, ensure_ascii=False)}\n\n"
+    key = str(event["kind"]), str(event.get("id", ""))
+    return key, f"data: {json.dumps(event, ensure_ascii=False)}\n\n"
 
 
 class Runs:
@@ -69,7 +66,8 @@ class Runs:
         command = [sys.executable, "-m", "vfife", "run", str(document.path), *self.options]
         pipe = subprocess.PIPE
         process = subprocess.Popen(
-            command, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=pipe, stderr=subprocess.STDOUT, text=True, encoding="utf-8",
+            command, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=pipe, stderr=subprocess.STDOUT,
+            text=True, encoding="utf-8",
             start_new_session=True,
         )  # fmt: skip
         self.processes[document.id] = process
@@ -80,13 +78,13 @@ class Runs:
         self.notify({"kind": "run", "id": which, "code": process.returncode, "said": output.strip()})
 
     def stop(self, which: str) -> None:
-        """Ends a run as Ctrl-C does: what was computed is kept."""
+        """End a run as Ctrl-C does: what was computed is kept."""
         process = self.processes.get(which)
         if process is not None and process.poll() is None:
             process.send_signal(2)
 
     def close(self) -> None:
-        """Ends all of them."""
+        """End all of them."""
         for which in self.processes:
             self.stop(which)
 
@@ -109,10 +107,10 @@ class Session:
         self.listeners: set[Mailbox] = set()
         self.loop: asyncio.AbstractEventLoop | None = None
 
-    # --------------------------------------------------------------------------------------------------------- telling
+    # ------------------------------------------------------------------------------------------------ telling
 
     def tell(self, event: Json) -> None:
-        """Tells all browsers, from whatever thread."""
+        """Tell all browsers, from whatever thread."""
         if self.loop is not None:
             with suppress(RuntimeError):  # it is over
                 self.loop.call_soon_threadsafe(self._put, event)
@@ -123,14 +121,14 @@ class Session:
             mailbox.put(key, text)
 
     async def watch(self) -> None:
-        """Follows the files of what is open, as long as the session lasts."""
+        """Follow the files of what is open, as long as the session lasts."""
         self.loop = asyncio.get_running_loop()
         while True:
             await asyncio.sleep(INTERVAL)
             await asyncio.to_thread(self.look)
 
     def look(self) -> None:
-        """Looks once at the files of what is open."""
+        """Look once at the files of what is open."""
         for document in list(self.shelf.documents.values()):
             look = document.look()  # without the lock: a slow disk must not stop what browsers ask
             with self.lock:
@@ -147,10 +145,10 @@ class Session:
             elif what is not None:
                 self.tell({"kind": "model", **document.json(), "by": "file"})
 
-    # ---------------------------------------------------------------------------------------------------------- asking
+    # ------------------------------------------------------------------------------------------------- asking
 
     def open(self, body: Json) -> Json:
-        """Opens a mechanism of the gallery, a model file of the folder, or a text. Raises LookupError and
+        """Open a mechanism of the gallery, a model file of the folder, or a text. Raises LookupError and
         ModelError.
         """
         with self.lock:
@@ -163,7 +161,7 @@ class Session:
             return document.json()
 
     def change(self, which: str, change: Callable[[Document], object]) -> Json:
-        """Changes a document, and tells all browsers. Raises LookupError, Conflict and ModelError."""
+        """Change a document, and tells all browsers. Raises LookupError, Conflict and ModelError."""
         with self.lock:
             document = self.shelf[which]
             before = document.version, document.saved, document.faults
@@ -176,7 +174,7 @@ class Session:
         return state
 
     def save(self, which: str, name: str | None) -> Json:
-        """Saves a document, under a name where it has no file yet. Raises Conflict, OSError."""
+        """Save a document, under a name where it has no file yet. Raises Conflict, OSError."""
         return self.change(which, lambda document: document.save(self.shelf.place(name) if name else None))
 
     def run(self, which: str) -> None:
@@ -187,7 +185,7 @@ class Session:
         self.runs.begin(document)
 
     def close(self) -> None:
-        """Ends what is under way; browsers that listen are told."""
+        """End what is under way; browsers that listen are told."""
         self.tell({"kind": "end"})
         self.pages.close()
         self.runs.close()
