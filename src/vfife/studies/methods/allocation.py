@@ -131,13 +131,8 @@ def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
         remedy = f'add it under [limit], as in "{table.measure}" = ...'
         by.refuse((TABLE, "measure"), "it has no limit", shown(table.measure), "a measure of [limit]", remedy)
     elif table.measure in bounds and math.isfinite(bounds[table.measure].low):
-        by.refuse(
-            (LIMIT, table.measure, "low"),
-            "an allocation keeps a largest value alone",
-            "",
-            "",
-            "leave low out",
-        )
+        what = "an allocation keeps a largest value alone"
+        by.refuse((LIMIT, table.measure, "low"), what, "", "", "leave low out")
     if None not in (table.share, table.confidence, table.count) and table.count < table.least:
         by.add(too_few_machines(table).at((TABLE, "count")))
     costs = tables.raw.get(COST, {})
@@ -145,13 +140,8 @@ def read_allotment(tables: StudyTables) -> tuple[Plan, Allotment]:
     names = [one.name for one in plan.parameters]
     for name in costs:
         if name not in names:
-            by.refuse(
-                (COST, name, ""),
-                "costs of what is not varied",
-                "",
-                "",
-                suggestion(name, names, "name a table of [vary]"),
-            )
+            remedy = suggestion(name, names, "name a table of [vary]")
+            by.refuse((COST, name, ""), "costs of what is not varied", "", "", remedy)
     options = [read_options(one, costs.get(one.name), by) for one in plan.parameters]
     if not any(name in costs for name in names):
         remedy = "add [cost.NAME] for a parameter with a fit, with a cost for each grade, as in IT7 = 5"
@@ -175,23 +165,13 @@ def read_options(one: StudyParameter, costs: Any, by: StudyReading) -> tuple[Opt
     where = (COST, one.name)
     if costs is None:
         if one.distribution is None:
-            by.refuse(
-                ("vary", one.name, ""),
-                "machines are drawn, and this has values",
-                "",
-                "a fit, a tolerance or a distribution",
-                "give one",
-            )
+            what = "machines are drawn, and this has values"
+            by.refuse(("vary", one.name, ""), what, "", "a fit, a tolerance or a distribution", "give one")
             return ()
         return (Option("", 0.0, one.distribution),)
     if not isinstance(one.distribution, Clearance):
-        by.refuse(
-            where,
-            "costs of what has no fit",
-            "",
-            'fit = "H8/f7" and diameter in its table of [vary]',
-            "add the fit",
-        )
+        limit = 'fit = "H8/f7" and diameter in its table of [vary]'
+        by.refuse(where, "costs of what has no fit", "", limit, "add the fit")
         return ()
     bad = costs
     if isinstance(costs, dict):
@@ -201,13 +181,8 @@ def read_options(one: StudyParameter, costs: Any, by: StudyReading) -> tuple[Opt
             if isinstance(value, bool) or not isinstance(value, int | float)
         }
     if bad or not isinstance(costs, dict):
-        by.refuse(
-            where,
-            f"this is {kind_of(costs)}",
-            shown(bad),
-            "a number for each grade or fit",
-            "write them as in IT7 = 5",
-        )
+        limit = "a number for each grade or fit"
+        by.refuse(where, f"this is {kind_of(costs)}", shown(bad), limit, "write them as in IT7 = 5")
         return ()
     fit = one.distribution.fit
     letters = "/".join(name.rstrip("0123456789") for name in (fit.hole.name, fit.shaft.name))
@@ -239,23 +214,13 @@ def fits_of_grades(letters: str, costs: Mapping[str, float]) -> Iterator[tuple[s
     """Yield the fits of the grades that have a cost, and their costs. Raises Fault."""
     hole_letter, _, shaft_letter = letters.partition("/")
     if not hole_letter.isupper() or not shaft_letter.islower() or "/" in shaft_letter:
-        raise Fault(
-            "",
-            "no letters of a fit",
-            f'"{letters}"',
-            "that of the hole, a stroke, that of the shaft",
-            'write them as in "H/f"',
-        )
+        limit = "that of the hole, a stroke, that of the shaft"
+        raise Fault("", "no letters of a fit", f'"{letters}"', limit, 'write them as in "H/f"')
     grades = {}
     for name, cost in costs.items():
         if (match := GRADE.fullmatch(name)) is None:
-            raise Fault(
-                "",
-                "neither a grade nor a fit",
-                f'"{name}"',
-                '"IT7" or "H8/f7", all of one kind',
-                "correct the name",
-            )
+            limit = '"IT7" or "H8/f7", all of one kind'
+            raise Fault("", "neither a grade nor a fit", f'"{name}"', limit, "correct the name")
         grades[int(match[1])] = cost
     for hole, shaft in itertools.product(sorted(grades), repeat=2):
         if hole - 1 <= shaft <= hole:

@@ -219,29 +219,14 @@ def read_search(tables: StudyTables) -> tuple[Plan, Search]:
     for key, names in (("minimise", minimise), ("maximise", maximise)):
         for k, name in enumerate(names):
             if name not in units:
-                by.refuse(
-                    (TABLE, key, k),
-                    "it is not measured",
-                    shown(name),
-                    "",
-                    suggestion(name, units, "name one of the measures"),
-                )
+                remedy = suggestion(name, units, "name one of the measures")
+                by.refuse((TABLE, key, k), "it is not measured", shown(name), "", remedy)
             elif key == "maximise" and name in minimise:
-                by.refuse(
-                    (TABLE, key, k),
-                    "it shall be small as well",
-                    shown(name),
-                    "",
-                    "leave it out of one of both",
-                )
+                remedy = "leave it out of one of both"
+                by.refuse((TABLE, key, k), "it shall be small as well", shown(name), "", remedy)
     if table.minimise == () == table.maximise:
-        by.refuse(
-            (TABLE, "minimise"),
-            "nothing is sought",
-            "[]",
-            "one measure or more, here or in maximise",
-            "name one",
-        )
+        limit = "one measure or more, here or in maximise"
+        by.refuse((TABLE, "minimise"), "nothing is sought", "[]", limit, "name one")
     axes = []
     for one in plan.parameters:
         if one.values is not None:

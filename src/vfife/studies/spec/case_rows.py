@@ -44,25 +44,15 @@ def case_rows(plan: Plan, by: Reading) -> list[Row] | None:
             remedy = 'list its values, give from, to and count, or take samples: method = "sobol" and count'
             by.refuse(("vary", one.name, ""), what, "", "", remedy)
         if count is not None:
-            by.refuse(
-                ("count",),
-                f"a {method} takes no samples",
-                str(count),
-                "",
-                "remove it, or name another method",
-            )
+            remedy = "remove it, or name another method"
+            by.refuse(("count",), f"a {method} takes no samples", str(count), "", remedy)
         if free or count is not None:
             return None
         return paired_rows(plan, by) if method == "list" else grid_rows(plan, [()], by)
     if not free:
         remedy = 'give a number from and to, or mean and deviation, or set method = "grid"'
-        by.refuse(
-            ("method",),
-            "there is nothing to take samples of: every parameter has values",
-            f'"{method}"',
-            "",
-            remedy,
-        )
+        what = "there is nothing to take samples of: every parameter has values"
+        by.refuse(("method",), what, f'"{method}"', "", remedy)
     if count is None:
         by.refuse(("count",), "this key is missing", "", "number of samples", "add it, as in count = 256")
     if not free or count is None or too_many(plan, count, by):
@@ -95,13 +85,8 @@ def too_many(plan: Plan, samples: int, by: Reading) -> bool:
     if count <= MOST_MEMBERS:
         return False
     product = " x ".join(f"{size:,}" for size in sizes)
-    by.refuse(
-        ("vary", ""),
-        f"{product} = {count:,} members",
-        "",
-        f"at most {MOST_MEMBERS:,}",
-        "give fewer values, or take samples",
-    )
+    remedy = "give fewer values, or take samples"
+    by.refuse(("vary", ""), f"{product} = {count:,} members", "", f"at most {MOST_MEMBERS:,}", remedy)
     return True
 
 
@@ -175,23 +160,13 @@ def read_point(plan: Plan, table: Any, k: int, by: Reading) -> Row | None:
     names, before = [one.name for one in plan.parameters], len(by.faults)
     for name in table:
         if name not in names:
-            by.refuse(
-                ("point", k, name),
-                "no parameter is called so",
-                shown(table[name]),
-                "",
-                suggestion(name, names, "name one"),
-            )
+            remedy = suggestion(name, names, "name one")
+            by.refuse(("point", k, name), "no parameter is called so", shown(table[name]), "", remedy)
     values = []
     for one in plan.parameters:
         if one.name in table:
             values.append(read_value(table[one.name], one.field, ("point", k, one.name), by))
         else:
-            by.refuse(
-                ("point", k, one.name),
-                "a point has a value for each parameter",
-                "",
-                ", ".join(names),
-                "add it",
-            )
+            what = "a point has a value for each parameter"
+            by.refuse(("point", k, one.name), what, "", ", ".join(names), "add it")
     return None if len(by.faults) > before else tuple(value for value in values if value is not None)

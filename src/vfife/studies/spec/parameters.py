@@ -86,13 +86,8 @@ def read_paths(
         return None, paths
     if len(kinds) > 1:
         units = ", ".join(f"{path} in {unit_of(field)}" for path, field in fields)
-        by.refuse(
-            where,
-            "numbers of different kinds cannot be the same",
-            units,
-            "one unit",
-            "vary them under names of their own",
-        )
+        what = "numbers of different kinds cannot be the same"
+        by.refuse(where, what, units, "one unit", "vary them under names of their own")
         return None, paths
     return fields[0][1], paths
 
@@ -114,24 +109,14 @@ def read_parameter(
         if (value := getattr(table, key)) is not None
     }
     if isinstance(numbers.get("deviation"), float) and numbers["deviation"] <= 0.0:
-        by.refuse(
-            (*where, "deviation"),
-            "zero or negative",
-            shown(table.deviation),
-            "a deviation above 0",
-            "correct it",
-        )
+        limit = "a deviation above 0"
+        by.refuse((*where, "deviation"), "zero or negative", shown(table.deviation), limit, "correct it")
     values = None if table.values is None else read_values(table.values, field, where, by)
     if kind is None or len(by.faults) > before:
         return None
     if isinstance(field, Choice) and values is None:
-        by.refuse(
-            (*where, "values"),
-            "words have no range",
-            "",
-            " or ".join(field.options[:8]),
-            "list them as values",
-        )
+        limit = " or ".join(field.options[:8])
+        by.refuse((*where, "values"), "words have no range", "", limit, "list them as values")
         return None
     distribution = None
     try:
@@ -193,13 +178,8 @@ def read_values(values: tuple[Any, ...], field: Value, where: Path, by: Reading)
     read = [read_value(value, field, (*where, "values", k), by) for k, value in enumerate(values)]
     again = next((k for k, value in enumerate(read) if value is not None and value in read[:k]), None)
     if again is not None:
-        by.refuse(
-            (*where, "values", again),
-            "the same value twice",
-            shown(values[again]),
-            "each value once",
-            "remove it",
-        )
+        what = "the same value twice"
+        by.refuse((*where, "values", again), what, shown(values[again]), "each value once", "remove it")
     if not read:
         by.refuse((*where, "values"), "an empty list", "[]", "one value or more", "add values")
     return tuple(value for value in read if value is not None)
@@ -209,13 +189,8 @@ def check_ends(table: VaryTable, numbers: Mapping[str, Any]) -> None:
     """Raise Fault where the ends of a range are not in order."""
     low, high = numbers.get("low"), numbers.get("high")
     if low is not None and high is not None and not low < high:
-        raise Fault(
-            "",
-            "not above from",
-            shown(table.high),
-            f"above {shown(table.low)}",
-            "exchange them, or correct one",
-        )
+        remedy = "exchange them, or correct one"
+        raise Fault("", "not above from", shown(table.high), f"above {shown(table.low)}", remedy)
 
 
 def range_values(table: VaryTable, numbers: Mapping[str, Any], field: Value) -> tuple[Number, ...]:
@@ -228,13 +203,8 @@ def range_values(table: VaryTable, numbers: Mapping[str, Any], field: Value) -> 
     elif low > 0.0:
         values = [low * power(high / low, k / (count - 1)) for k in range(count - 1)]
     else:
-        raise Fault(
-            "",
-            "a logarithmic range begins above 0",
-            f"{low:g}",
-            "a from above 0",
-            'set spacing = "linear", or correct from',
-        )
+        remedy = 'set spacing = "linear", or correct from'
+        raise Fault("", "a logarithmic range begins above 0", f"{low:g}", "a from above 0", remedy)
     values.append(high)
     return tuple(sorted({float(round(value)) for value in values}) if isinstance(field, Whole) else values)
 
@@ -250,13 +220,8 @@ def distribution_of(table: VaryTable, kind: str, numbers: Mapping[str, Any], uni
         return Uniform(numbers["low"], numbers["high"])
     if kind == "fit":
         if unit != "m":
-            raise Fault(
-                "",
-                f"a fit says a clearance in m, and this is a number in {unit}",
-                "",
-                "a path of a clearance",
-                "name one",
-            )
+            what = f"a fit says a clearance in m, and this is a number in {unit}"
+            raise Fault("", what, "", "a path of a clearance", "name one")
         return of_fit(f"{table.fit}", float(table.diameter or 0.0), cut=table.cut)
     if kind == "tolerance":
         return tolerance_distribution(numbers["nominal"], table.tolerance, unit)
@@ -274,12 +239,7 @@ def tolerance_distribution(nominal: float, tolerance: tuple[Any, ...], unit: str
             raise Fault("", what, shown(tolerance[0]), "", "give both deviations")
         return of_zone(tolerance[0].strip(), nominal)
     if len(tolerance) > 2:
-        raise Fault(
-            "",
-            "a tolerance has one size or two",
-            shown(tolerance),
-            "",
-            "give the lower and the upper deviation",
-        )
+        remedy = "give the lower and the upper deviation"
+        raise Fault("", "a tolerance has one size or two", shown(tolerance), "", remedy)
     sizes = [Measure(unit).take(one, True) for one in tolerance]
     return of_tolerance(nominal, *((-abs(sizes[0]), abs(sizes[0])) if len(sizes) == 1 else sizes))

@@ -136,13 +136,8 @@ def vary_tables(raw: Raw, by: StudyReading) -> dict[str, VaryTable]:
             remedy = (
                 'give its path and values, as in path = "joint.C.clearance", values = ["0.1 mm", "0.2 mm"]'
             )
-            by.refuse(
-                (VARY, name),
-                f"this is {kind_of(holder)}",
-                shown(holder),
-                "a table, or a list of values",
-                remedy,
-            )
+            limit = "a table, or a list of values"
+            by.refuse((VARY, name), f"this is {kind_of(holder)}", shown(holder), limit, remedy)
         elif any(sign in name for sign in "[]/\n") or not name.strip():
             what = "a name with signs that name something else"
             by.refuse((VARY, name, ""), what, shown(name), "a plain name", "choose another name")
@@ -258,13 +253,8 @@ def units_of(plan: Plan) -> dict[str, str]:
 def check_turns(base: Mechanism, spec: StudySpec, by: Reading) -> None:
     """Refuse a model whose turns cannot be counted, and a step that it cannot have."""
     if base.settings.analysis == "static":
-        by.refuse(
-            ("model",),
-            "a static analysis has no turns",
-            base.name,
-            "a model that moves",
-            'set "run.analysis" = "dynamic" in [set]',
-        )
+        remedy = 'set "run.analysis" = "dynamic" in [set]'
+        by.refuse(("model",), "a static analysis has no turns", base.name, "a model that moves", remedy)
     elif turn_of(base) is None:
         by.refuse(
             ("model",), "no driver turns a crank, so turns cannot be counted", base.name, "", "drive a body"
@@ -278,13 +268,8 @@ def check_turns(base: Mechanism, spec: StudySpec, by: Reading) -> None:
         except VfifeError:
             pass  # check_measures has refused the model
     if None not in (spec.last, spec.turns) and spec.last > spec.turns:
-        by.refuse(
-            ("last",),
-            "more turns than a member makes",
-            str(spec.last),
-            f"at most {spec.turns}",
-            "give fewer, or more turns",
-        )
+        what = "more turns than a member makes"
+        by.refuse(("last",), what, str(spec.last), f"at most {spec.turns}", "give fewer, or more turns")
 
 
 def remark_on_last(spec: StudySpec) -> str:
