@@ -194,8 +194,8 @@ def rows(run: Path) -> dict[str, Any]:
     """Each recorded row of a run by its name, shape (outputs,), and of companions and their turns."""
     import numpy as np
 
+    from vfife.results.provenance import named_rows
     from vfife.simulation.result import Result
-    from vfife.store.provenance import named_rows
 
     record = Result.load(run).record
 

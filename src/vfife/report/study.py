@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..job.amounts import counted
+from ..results.member_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from ..store.member_errors import NOT_ESTIMATED
 from .digits import quantity
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
+    from ..results.member_errors import MemberError
     from ..results.studied import Study
-    from ..store.member_errors import MemberError
     from ..store.studyfile import StudyCase
     from ..studies.methods.allocation import Allocated, Allotment
     from ..studies.methods.tolerance import Spread

@@ -1,3 +1,1 @@
-"""Results and their files: channels with units, one sealed store for runs, studies, maps, wear and fits,
-locks, run folders, restart.
-"""
+"""Results: series with units, tables, spectra, comparisons, fits; conversion of runs to files and back."""

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from ..errors import VfifeError, shown, suggestion
 from ..files import DataTable
 from ..solvers.status import Status
-from ..store.member_errors import NOT_ESTIMATED, MemberError, member_errors
 from ..store.store import warn_of_damage
 from ..store.studyfile import WHAT, StudyCase, StudyFile
+from .member_errors import NOT_ESTIMATED, MemberError, member_errors
 from .table import TableColumn, data_frame, table_rows
 
 if TYPE_CHECKING:

@@ -19,9 +19,9 @@ from ..measures.error_ranges import evaluated_turns
 from ..measures.motion import PointMotion, point_motion, times
 from ..measures.turns import Turns, part_of
 from ..modelfile import dump
+from ..results.provenance import sources, versions
 from ..solvers.record import Record, recorded_rows
 from ..solvers.repeating import LONGEST, outputs_of_a_turn
-from ..store.provenance import sources, versions
 from .channels import Channel, channels, entities
 from .series import REDUCED, REDUCTION, Series, columns, dataset_of, joined
 from .spectra import Envelope, Spectrogram, Spectrum, envelope, sampled, spectrogram, spectrum

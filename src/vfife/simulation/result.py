@@ -9,10 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import RunFileError, StorageError
 from ..files import replacement
-from ..results.view import View
-from ..solvers.record import Estimate, Record, Rows, lasting_rows
-from ..store.connections import unwritten
-from ..store.provenance import (
+from ..results.provenance import (
     companion_rows_of,
     final_state,
     keep_reference,
@@ -22,6 +19,9 @@ from ..store.provenance import (
     restored_companions,
     versions,
 )
+from ..results.view import View
+from ..solvers.record import Estimate, Record, Rows, lasting_rows
+from ..store.connections import unwritten
 from ..store.runfile import RunFile
 from ..store.schemas import is_run_file
 from ..store.store import warn_of_damage

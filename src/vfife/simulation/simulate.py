@@ -25,6 +25,7 @@ from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..modelfile import dump
 from ..options import Run, Watch, with_options
+from ..results.provenance import keep_reference, kept_companions, provenance, refuse_displaced
 from ..results.restart import extended, on_clock, refuse_ended
 from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.companions import companion_count, step_counts
@@ -35,7 +36,6 @@ from ..solvers.status import Progress, Status
 from ..solvers.transient import choose_loop, run
 from ..store.connections import located
 from ..store.lock import Lock
-from ..store.provenance import keep_reference, kept_companions, provenance, refuse_displaced
 from ..store.runfile import RunFile
 from ..store.schemas import RUN
 from .result import Result

@@ -86,7 +86,7 @@ class RunFile(Store):
         gather: float = 0.0,
     ) -> Self:  # fmt: skip
         """Make a run file with ``meta``: arrays and what JSON can express, as
-        :func:`~vfife.store.provenance.provenance` has it.
+        :func:`~vfife.results.provenance.provenance` has it.
 
         What is written within ``gather`` seconds becomes one transaction, which ends with a checkpoint.
         Raises StorageError where the file cannot be made, RunFileError where it is there already and

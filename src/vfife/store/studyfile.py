@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
-from .member_errors import REPEATS
 from .schemas import OUTCOMES, STUDY, Schema
 from .store import Store, now
 
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
 Numbers: TypeAlias = Mapping[str, float | str]
 AS_TEXT = json.JSONEncoder(ensure_ascii=False).encode
 GATHER = 0.25  # s: what a kill may cost beside the members under way
+REPEATS = "repeats"  # entry of the meta that describes the repetition of cases with another step
 WHAT = STUDY.kind  # the entry of the meta that has the specification
 
 

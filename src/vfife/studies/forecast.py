@@ -23,8 +23,8 @@ from ..job.cost import LONG, WORTH, Forecast, Stream, cores, pilot, run_cost, st
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
+from ..results.member_errors import sample_size
 from ..results.studied import Study
-from ..store.member_errors import sample_size
 from ..store.studyfile import hash_of
 from .engine.cases import run_members
 from .engine.lanes import streams

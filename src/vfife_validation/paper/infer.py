@@ -43,7 +43,7 @@ def outcome(
 
     What was found with stiff bars is kept as its limit, rigid bars, if it fits there, too.
     """
-    from vfife.store.provenance import versions
+    from vfife.results.provenance import versions
 
     structures, finalists = [], []
     fits: list[dict[str, Any]] = []

@@ -25,10 +25,10 @@ from ...laws import ContactLaw, FrictionLaw
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
 from ...modelfile.paths import parsed
+from ...results.member_errors import sample_of
+from ...results.provenance import own_laws, versions
 from ...results.studied import Study
 from ...solvers.status import Status
-from ...store.member_errors import sample_of
-from ...store.provenance import own_laws, versions
 from ...store.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value
 from ..spec.plan import CaseSpec, Plan, StudyParameter

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import VfifeError
+from ...results.member_errors import MemberError
 from ...results.studied import Study
-from ...store.member_errors import MemberError
 from ..engine.run_missing import plan_of
 from ..spec.case_rows import case_rows
 from ..spec.limits import CONFIDENCE, Bound, Estimate, mean, quantile, read_bounds, share, widened
@@ -71,7 +71,7 @@ def tolerance(
     below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a share those of Wilson
     (1927), of the mean (``average``) those of the central limit theorem; infinite where the sample is too
     small. Where the numerical error of members is estimated (``numerical``), limits hold it, too: those of a
-    quantile are wider by :meth:`~vfife.store.member_errors.MemberError.at_quantile`, those of the mean by the
+    quantile are wider by :meth:`~vfife.results.member_errors.MemberError.at_quantile`, those of the mean by the
     root mean square of the error, and a machine within that of its limit counts as sound in ``low`` and as
     failing in ``high``.
 

@@ -33,7 +33,7 @@ from ..solvers.companions import CompanionOutputs, Companions, Parting, companio
 from ..solvers.record import Record, Rows, lasting_blocks, lasting_rows
 from ..solvers.repeating import outputs_of_a_turn
 from ..solvers.status import Status
-from .runfile import RunFile
+from ..store.runfile import RunFile
 
 NAMES = ("contacts", "ideals", "pivots", "springs", "contact_joints", "notes", "shared")
 OF_LAWS = (

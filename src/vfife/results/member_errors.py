@@ -16,9 +16,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..solvers.status import Status
+from ..store.studyfile import REPEATS
 
 if TYPE_CHECKING:
-    from .studyfile import StudyCase
+    from ..store.studyfile import StudyCase
 
 Outcomes = Mapping[int, Mapping[str, Any]]
 # Members of a sample: at least so many, all if there are fewer, and of a large study this share. Of 20
@@ -26,7 +27,6 @@ Outcomes = Mapping[int, Mapping[str, Any]]
 # largest error exceeds that of 86 % of all members with 95 % confidence (1 - 0.05^(1/20) = 0.14).
 LEAST_SAMPLE = 20
 SHARE_OF_SAMPLE = 1 / 100
-REPEATS = "repeats"  # the entry of a study file's meta that tells how members were repeated
 SAME_STEP = 1e-3  # steps whose ratio is nearer to 1 tell nothing
 NOT_ESTIMATED = "not estimated"
 
