@@ -240,8 +240,8 @@ def test_an_oscillator_settles_when_its_transient_has_gone(decay: float) -> None
 def test_statistics_over_turns_of_made_up_lanes() -> None:
     lanes = [[{"a": 1.0}, {"a": 2.0}], [{"a": 4.0}, {"a": 5.0}]]
     one, both = (
-        over_turns(lanes, (1.0, 2.0), together=False)["a"],
-        over_turns(lanes, (1.0, 2.0), together=True)["a"],
+        over_turns(lanes, (1.0, 2.0), all_lanes=False)["a"],
+        over_turns(lanes, (1.0, 2.0), all_lanes=True)["a"],
     )
     assert (one.value, one.low, one.high, one.lowest, one.highest) == (1.5, 1.5, 4.5, 1.0, 2.0)
     assert (both.value, both.low, both.high, both.lowest, both.highest) == (3.0, 1.5, 4.5, 1.0, 5.0)

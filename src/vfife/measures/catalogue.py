@@ -85,14 +85,14 @@ def largest_accelerations(record: Record, window: Window) -> dict[str, float]:
     rotations, torques = (
         record.block(name)[window].max(axis=0) for name in ("body_alpha_max", "driven_torque_max")
     )
-    found = {}
+    values = {}
     for name, body in record.assembly.bodies.items():
         item = record.assembly.mechanism.bodies[name]
         if not (isinstance(item, PointMass) and item.inertia == 0.0):
-            found[f"{name}.angular_acceleration.max"] = float(rotations[body.row])
+            values[f"{name}.angular_acceleration.max"] = float(rotations[body.row])
         if body.driven is not None:
-            found[f"{name}.torque.max"] = float(torques[body.driven])
-    return found
+            values[f"{name}.torque.max"] = float(torques[body.driven])
+    return values
 
 
 def contact_counts(record: Record, window: Window) -> dict[str, float]:
@@ -203,17 +203,17 @@ def measures(
     """
     if record.static:
         return static_measures(record)
-    found = over_turn(record, last_turn(record), groups)
-    return found | compared(record, found, reference) | over_run(record)
+    values = over_turn(record, last_turn(record), groups)
+    return values | compared(record, values, reference) | over_run(record)
 
 
 def over_turn(record: Record, window: Window, groups: Groups | None = None) -> dict[str, float]:
     """Compute the measures of a turn, or those of some ``groups``; values that are not finite are left out."""
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for group in OVER_TURN if groups is None else groups:
         if all(record.keeps(block) for block in group.needs):
-            found |= group.compute(record, window)
-    return {name: value for name, value in found.items() if math.isfinite(value)}
+            values |= group.compute(record, window)
+    return {name: value for name, value in values.items() if math.isfinite(value)}
 
 
 def over_run(record: Record) -> dict[str, float]:
@@ -236,19 +236,19 @@ def influence(
     Driven bodies are left out, because their motion is prescribed, and so is what neither moves nor bears a
     load in the ideal mechanism.
     """
-    prescribed, found = set(driven), {}
+    prescribed, influences = set(driven), {}
     for quantity in ("force", "angular_acceleration"):
         ending = f".{quantity}.max"
         names = [key.removesuffix(ending) for key in own if key.endswith(ending) and key in ideal]
         floor = NEGLIGIBLE * max((ideal[name + ending] for name in names), default=0.0)
         for name in names:
             if name not in prescribed and ideal[name + ending] > floor:
-                found[f"{name}.{quantity}.lip"] = lip(own[name + ending], ideal[name + ending])
-    return found
+                influences[f"{name}.{quantity}.lip"] = lip(own[name + ending], ideal[name + ending])
+    return influences
 
 
 def compared(
-    record: Record, found: Mapping[str, float], reference: Mapping[str, float] | None
+    record: Record, values: Mapping[str, float], reference: Mapping[str, float] | None
 ) -> dict[str, float]:
     """Local influence parameters of the measures of a turn against those of the ideal mechanism; none without
     any.
@@ -256,7 +256,7 @@ def compared(
     if reference is None:
         return {}
     return influence(
-        found, reference, [body.name for body in record.assembly.bodies.values() if body.driven is not None]
+        values, reference, [body.name for body in record.assembly.bodies.values() if body.driven is not None]
     )
 
 
@@ -293,8 +293,10 @@ class RequestedMeasures:
         """
         each_turn = []
         for turn in turns:
-            found = over_turn(turn, last_turn(turn), self.groups)
-            each_turn.append(found | (compared(turn, found, reference) if self.peaks else {}))
+            values_of_turn = over_turn(turn, last_turn(turn), self.groups)
+            each_turn.append(
+                values_of_turn | (compared(turn, values_of_turn, reference) if self.peaks else {})
+            )
         mean: dict[str, float] = {}
         for name in each_turn[-1]:
             values = [turn[name] for turn in each_turn if name in turn]

@@ -298,22 +298,24 @@ def attractors(
     in the period they begin. All chaotic motions are one attractor here, and all quasi-periodic ones, because
     their points do not repeat.
     """
-    known = [
-        (k, own, found)
-        for k, (own, found) in enumerate(zip(points, verdicts, strict=True))
-        if own is not None and found is not None
+    classified = [
+        (k, own, judgement)
+        for k, (own, judgement) in enumerate(zip(points, verdicts, strict=True))
+        if own is not None and judgement is not None
     ]
-    finite = [own for _, own, _ in known if np.isfinite(own).all()]
+    finite = [own for _, own, _ in classified if np.isfinite(own).all()]
     size = alike * np.maximum(np.ptp(np.concatenate(finite), axis=0), 1e-300) if finite else np.ones(1)
     groups: list[Attractor] = []
-    for k, own, found in known:
-        turn = own[-found.period :] if found.period else np.zeros((0, own.shape[1]))
+    for k, own, judgement in classified:
+        turn = own[-judgement.period :] if judgement.period else np.zeros((0, own.shape[1]))
         for g, group in enumerate(groups):
-            if group.kind == found.kind and (found.period is None or equal_periods(group.points, turn, size)):
+            if group.kind == judgement.kind and (
+                judgement.period is None or equal_periods(group.points, turn, size)
+            ):
                 groups[g] = Attractor(group.kind, group.points, (*group.members, k))
                 break
         else:
-            groups.append(Attractor(found.kind, turn, (k,)))
+            groups.append(Attractor(judgement.kind, turn, (k,)))
     return sorted(groups, key=lambda group: -len(group.members))
 
 

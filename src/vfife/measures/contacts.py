@@ -48,19 +48,19 @@ def between(work: Array, time: Array) -> Array:
     """Mean rate of a sum over the interval that ends with each output, shape (outputs, contacts); 0 at the
     first one.
     """
-    found = np.zeros_like(work)
-    np.divide(np.diff(work, axis=0), np.diff(time)[:, None], out=found[1:])
-    return found
+    rate = np.zeros_like(work)
+    np.divide(np.diff(work, axis=0), np.diff(time)[:, None], out=rate[1:])
+    return rate
 
 
 def per_joint(record: Record, values: Array) -> dict[str, Array]:
     """Sum ``values``, with contacts along the last axis, over the contacts of each joint; a block in a guide
     has four.
     """
-    found: dict[str, Array] = {}
+    sums: dict[str, Array] = {}
     for k, name in enumerate(record.assembly.contact_joints):
-        found[name] = found.get(name, 0.0) + values[..., k]
-    return found
+        sums[name] = sums.get(name, 0.0) + values[..., k]
+    return sums
 
 
 def losses(record: Record, window: Window) -> dict[str, float]:
@@ -70,16 +70,16 @@ def losses(record: Record, window: Window) -> dict[str, float]:
     ``<joint>.friction_energy.total``, ``.impact_energy.total`` (J), ``.friction_power.mean``,
     ``.impact_power.mean`` (W).
     """
-    part, found = of_window(record, window).record, dict[str, float]()
+    part, values = of_window(record, window).record, dict[str, float]()
     time = times(part)
     length = float(time[-1] - time[0])
     for kind in KINDS:
         work = lost(part, kind)
         for name, energy in per_joint(record, work[-1] - work[0]).items():
-            found[f"{name}.{kind}_energy.total"] = float(energy)
+            values[f"{name}.{kind}_energy.total"] = float(energy)
             if length > 0.0:
-                found[f"{name}.{kind}_power.mean"] = float(energy) / length
-    return found
+                values[f"{name}.{kind}_power.mean"] = float(energy) / length
+    return values
 
 
 def sliding_speed(record: Record) -> Array:
@@ -122,8 +122,8 @@ def largest_sliding(record: Record, window: Window) -> dict[str, float]:
     part, inside = of_window(record, window)
     speed = np.abs(sliding_speed(part))
     way = (speed[1:] * np.diff(part.block("contact_duration"), axis=0)).sum(axis=0)
-    found = named(record.assembly.contacts, {"sliding_velocity.max": speed[inside].max(axis=0)})
-    return found | {
+    values = named(record.assembly.contacts, {"sliding_velocity.max": speed[inside].max(axis=0)})
+    return values | {
         f"{name}.sliding_distance.total": float(value) for name, value in per_joint(record, way).items()
     }
 
@@ -179,11 +179,11 @@ class Pressures(NamedTuple):
 def pressures(record: Record) -> Pressures:
     """Pressures of each contact at the outputs."""
     force = record.block("contact_normal_force")
-    found = np.zeros((3, *force.shape))
+    values = np.zeros((3, *force.shape))
     for k, pair in enumerate(pairs(record)):
-        found[0, :, k], found[1, :, k] = line_pressure(pair, force[:, k])
-        found[2, :, k] = mean_pressure(pair, force[:, k])
-    return Pressures(*found)
+        values[0, :, k], values[1, :, k] = line_pressure(pair, force[:, k])
+        values[2, :, k] = mean_pressure(pair, force[:, k])
+    return Pressures(*values)
 
 
 def largest_pressures(record: Record, window: Window) -> dict[str, float]:
@@ -200,9 +200,9 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
     extremes = np.array(
         [line_pressure(pair, load) for pair, load in zip(pairs(record), force, strict=True)]
     ).reshape(-1, 2)
-    found = named(names, {"contact_pressure.max": extremes[:, 0], "contact_half_width.max": extremes[:, 1]})
+    values = named(names, {"contact_pressure.max": extremes[:, 0], "contact_half_width.max": extremes[:, 1]})
     if not names or not record.keeps("particle_u"):
-        return found
+        return values
     part, inside = of_window(record, window)
     product, time = pressures(part).bearing * np.abs(sliding_speed(part)), times(part)
     quantities = {"pressure_velocity.max": product[inside].max(axis=0)}
@@ -211,7 +211,7 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
             float(np.trapezoid(one, time) / (time[-1] - time[0])) for one in np.ascontiguousarray(product.T)
         ]
         quantities["pressure_velocity.mean"] = np.array(means)
-    return found | named(names, quantities)
+    return values | named(names, quantities)
 
 
 SIDES = ("bearing", "journal")
@@ -269,11 +269,11 @@ def around(record: Record, side: str = "bearing", bins: int = 72, window: Window
     rubbed = np.diff(lost(record, "friction"), axis=0, prepend=0.0) if record.assembly.contacts else touching
     every = (touching, touching * record.block("contact_normal_force"), rubbed)
     inside = np.ones(len(record.steps), dtype=bool) if window is None else window
-    found = np.zeros((3, len(record.assembly.contacts), bins))
+    sums = np.zeros((3, len(record.assembly.contacts), bins))
     for k in range(len(record.assembly.contacts)):
-        for row, values in zip(found, every, strict=True):
+        for row, values in zip(sums, every, strict=True):
             row[k] = np.bincount(bin_of(angle[inside, k], edges), values[inside, k], bins)
-    return Around(side, tuple(record.assembly.contacts), edges, *found)
+    return Around(side, tuple(record.assembly.contacts), edges, *sums)
 
 
 def bin_of(angle: Array, edges: Array) -> NDArray[np.intp]:
@@ -363,7 +363,7 @@ def impacts(record: Record) -> Impacts:
     onsets, work = record.block("contact_onsets"), lost(record, "impact")
     speeds = record.block("contact_approach") if record.keeps("contact_approach") else None
     depths = record.block("contact_penetration_max")
-    found: list[Impact] = []
+    entries: list[Impact] = []
     before = 0.0
     for k, name in enumerate(assembly.contacts):
         began = np.diff(onsets[:, k], prepend=0.0)
@@ -382,7 +382,7 @@ def impacts(record: Record) -> Impacts:
             )
             angle = None if crank is None else float(crank[row])
             depth = max(float(depths[row:following, k].max()), 0.0)
-            found.append(
+            entries.append(
                 Impact(
                     name,
                     float(time[max(row - 1, 0)]),
@@ -394,7 +394,7 @@ def impacts(record: Record) -> Impacts:
                     depth,
                 )
             )
-    return Impacts(tuple(sorted(found, key=lambda one: (one.time, one.joint))), before)
+    return Impacts(tuple(sorted(entries, key=lambda one: (one.time, one.joint))), before)
 
 
 def crank_angle(record: Record) -> np.ndarray | None:

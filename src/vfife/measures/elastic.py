@@ -43,10 +43,10 @@ def chord_deflection(record: Record, name: str) -> Array:
     bending = parts.bending
     m1, m2 = (record.block(f"frame_moment_{end}")[:, own] for end in (1, 2))
     first, second = frame.end_rotations(m1, m2, 1.0 / parts.length, bending)
-    found = np.empty((len(x), 2 * len(own) + 1))
-    found[:, ::2] = across
-    found[:, 1::2] = 0.5 * (across[:, 1:] + across[:, :-1]) + 0.125 * parts.length * (first - second)
-    return found
+    deflection = np.empty((len(x), 2 * len(own) + 1))
+    deflection[:, ::2] = across
+    deflection[:, 1::2] = 0.5 * (across[:, 1:] + across[:, :-1]) + 0.125 * parts.length * (first - second)
+    return deflection
 
 
 def largest_deflection(record: Record, name: str) -> Array:
@@ -119,9 +119,11 @@ def fibres(record: Record) -> tuple[Array, Array]:
     N/A + |m| e/I and N/A - |m| e/I with the moment m at that end: between its ends an element's moment is linear, so the extremes are there. NaN
     where the extreme fibre e is not given.
     """
-    found = [section for body in record.assembly.mechanism.bodies.values() for section in sections(body)]
-    area, modulus = np.full(len(found), np.nan), np.full(len(found), np.nan)
-    for k, section in enumerate(found):
+    element_sections = [
+        section for body in record.assembly.mechanism.bodies.values() for section in sections(body)
+    ]
+    area, modulus = np.full(len(element_sections), np.nan), np.full(len(element_sections), np.nan)
+    for k, section in enumerate(element_sections):
         if section is not None and section.extreme_fibre is not None:
             area[k], modulus[k] = section.area, section.second_moment / section.extreme_fibre
     axial = record.block("frame_axial_force") / area
@@ -139,7 +141,7 @@ def element_places(record: Record) -> Array:
     """Place (m) of both ends of each element, along its link from the start, or along its member of a frame,
     shape (elements, 2).
     """
-    found: list[tuple[float, float]] = []
+    pairs: list[tuple[float, float]] = []
     for name, where in record.assembly.bodies.items():
         if not where.elements:
             continue
@@ -148,8 +150,8 @@ def element_places(record: Record) -> Array:
         pieces = [member.elements for member in body.members] if isinstance(body, Frame) else [len(lengths)]
         for piece in np.split(lengths, np.cumsum(pieces)[:-1]):
             ends = np.concatenate([[0.0], np.cumsum(piece)])
-            found += zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)
-    return np.array(found).reshape(-1, 2)
+            pairs += zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)
+    return np.array(pairs).reshape(-1, 2)
 
 
 def extremes(record: Record, name: str) -> tuple[Array, Array]:
@@ -171,9 +173,9 @@ def largest_stresses(record: Record, window: Window) -> dict[str, float]:
     ``<body>.stress.place`` (m) is where the larger of both is, along the link from its start, or along its
     frame member.
     """
-    found: dict[str, float] = {}
+    extreme: dict[str, float] = {}
     if not has_stresses(record):
-        return found
+        return extreme
     part, inside = of_window(record, window)
     tension, compression = (end[inside] for end in fibres(part))
     places = element_places(record)
@@ -182,9 +184,11 @@ def largest_stresses(record: Record, window: Window) -> dict[str, float]:
         if not own or np.isnan(tension[:, own]).all():
             continue
         for kind, values in zip(("tension", "compression"), extremes(part, name), strict=True):
-            found[f"{name}.{kind}.max"] = float(values[inside].max())
+            extreme[f"{name}.{kind}.max"] = float(values[inside].max())
         sizes = np.nan_to_num(
             np.maximum(np.abs(tension[:, own]), np.abs(compression[:, own])).max(axis=0), nan=-1.0
         )
-        found[f"{name}.stress.place"] = float(places[own][np.unravel_index(int(sizes.argmax()), sizes.shape)])
-    return found
+        extreme[f"{name}.stress.place"] = float(
+            places[own][np.unravel_index(int(sizes.argmax()), sizes.shape)]
+        )
+    return extreme

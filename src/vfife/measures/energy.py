@@ -44,9 +44,9 @@ class Ledger:
     def residual(self) -> Array:
         """Stored + lost - supplied - stored at output 0 (J), shape (outputs,); zero if the ledger closes."""
         stored = sum((self.terms[name] for name in STORED), np.zeros(1))
-        lost = sum((self.terms[name] for name in LOST), np.zeros(1))
+        losses = sum((self.terms[name] for name in LOST), np.zeros(1))
         supplied = sum((self.terms[name] for name in SUPPLIED), np.zeros(1))
-        return np.asarray(stored + lost - supplied - stored[0], dtype=float)
+        return np.asarray(stored + losses - supplied - stored[0], dtype=float)
 
     @property
     def largest(self) -> float:
@@ -60,26 +60,28 @@ class Ledger:
         return float(np.abs(self.residual).max()) / largest if largest > 0.0 else 0.0
 
 
-def too_open(record: Record, found: Ledger | None = None) -> bool:
+def too_open(record: Record, energies: Ledger | None = None) -> bool:
     """Whether the residual exceeds the ``energy_limit`` of the settings, as a share of the largest energy.
 
     A mechanism at rest has no energy to compare with: the largest energy must exceed REST times the work that
-    lifts the mechanism by its own size. ``found`` is its ledger, if known.
+    lifts the mechanism by its own size. ``energies`` is its ledger, if known.
     """
     assembly = record.assembly
     if record.static or len(record.steps) < 2:
         return False
-    found = ledger(record) if found is None else found
+    energies = ledger(record) if energies is None else energies
     mass = sum(body.mass for body in assembly.bodies.values())
     rest = REST * mass * hypot(*assembly.mechanism.gravity) * extent(assembly, assembly.state)
-    return found.largest > rest and found.error > assembly.mechanism.settings.energy_limit
+    return energies.largest > rest and energies.error > assembly.mechanism.settings.energy_limit
 
 
-def drifting(assembly: Assembly, kept: NDArray[np.uint32], steps: NDArray[np.int64], rows: Array) -> bool:
+def drifting(assembly: Assembly, recorded: NDArray[np.uint32], steps: NDArray[np.int64], rows: Array) -> bool:
     """Whether the residual exceeds the limit at each of the last outputs; ``rows`` begin with output 0."""
-    some = Record(assembly, steps, rows, kept)
-    limit, found = assembly.mechanism.settings.energy_limit, ledger(some)
-    return too_open(some, found) and bool((np.abs(found.residual[-LAST:]) > limit * found.largest).all())
+    some = Record(assembly, steps, rows, recorded)
+    limit, energies = assembly.mechanism.settings.energy_limit, ledger(some)
+    return too_open(some, energies) and bool(
+        (np.abs(energies.residual[-LAST:]) > limit * energies.largest).all()
+    )
 
 
 def own_floor(record: Record) -> bool:
@@ -229,7 +231,7 @@ def driving(record: Record, window: Window) -> dict[str, float]:
     ``<driven body>.torque.mean`` (N m) = work/angle, ``.torque.ripple`` (1) = (max - min of the torque at the
     outputs) over the size of the mean, ``.power.mean`` (W) = work/time.
     """
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     has_torque = record.keeps("driven_torque")  # companions do not record it
     part, inside = of_window(record, window)
     half, time = 0.5 * part.assembly.choice.step, times(part)
@@ -238,14 +240,14 @@ def driving(record: Record, window: Window) -> dict[str, float]:
             continue
         work = part.block("driven_work")[:, body.driven] - half * part.block("driven_power")[:, body.driven]
         angle = part.block("particle_theta")[:, part.assembly.topology.driven[body.driven]]
-        found[f"{name}.power.mean"] = float((work[-1] - work[0]) / (time[-1] - time[0]))
+        values[f"{name}.power.mean"] = float((work[-1] - work[0]) / (time[-1] - time[0]))
         if abs(turned := float(angle[-1] - angle[0])) > 1e-9:
-            mean = found[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
+            mean = values[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
             torque = part.block("driven_torque")[inside, body.driven] if has_torque else np.zeros(1)
             reach = float(torque.max() - torque.min())
             if has_torque and abs(mean) > STILL * reach:
-                found[f"{name}.torque.ripple"] = reach / abs(mean)
-    return found
+                values[f"{name}.torque.ripple"] = reach / abs(mean)
+    return values
 
 
 def efficiency(record: Record, window: Window) -> dict[str, float]:

@@ -132,15 +132,15 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     the ranges reach over both. Ranges of a smooth run are its estimated errors to both sides.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
-    found, joins = samples(record, reference, groups), contradiction(record)
-    made = Measures()
-    for name, one in found.items():
+    by_name, joins = samples(record, reference, groups), contradiction(record)
+    ranges = Measures()
+    for name, one in by_name.items():
         low, high = _reach(record, name, one)
         if name in joins:
             least, most = min(one.low, joins[name][0]), max(one.high, joins[name][1])
             wide = widen(name, least, most, SCATTER * (most - least))
             low, high = min(low, wide[0]), max(high, wide[1])
-        made[name] = Measured(
+        ranges[name] = Measured(
             one.value,
             low,
             high,
@@ -149,9 +149,9 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
             one.highest,
             _estimated(record, name, one),
         )
-        made[name].unit = unit_of(name)
-    made.part = part_of(record, evaluated_turns(record))
-    return made
+        ranges[name].unit = unit_of(name)
+    ranges.part = part_of(record, evaluated_turns(record))
+    return ranges
 
 
 def contradiction(record: Record) -> Mapping[str, tuple[float, float]]:
@@ -168,11 +168,11 @@ def over_tries(
     """The measures with the ranges of their values at all step sizes: those of the run and its companions,
     and of the try before it where its estimate does not hold what has come out now.
     """
-    found, joins = own_ranges(record, reference, groups), contradiction(record)
-    for name in joins.keys() & found.keys():
-        one, (low, high) = found[name], joins[name]
-        found[name] = Measured(one, min(one.low, low), max(one.high, high), True, one.lowest, one.highest)
-    return found
+    ranges, joins = own_ranges(record, reference, groups), contradiction(record)
+    for name in joins.keys() & ranges.keys():
+        one, (low, high) = ranges[name], joins[name]
+        ranges[name] = Measured(one, min(one.low, low), max(one.high, high), True, one.lowest, one.highest)
+    return ranges
 
 
 def _reach(record: Record, name: str, one: Samples) -> tuple[float, float]:
@@ -224,75 +224,77 @@ def samples(
     companions together. Of a run of few turns, or one that has not settled: its last turn. Counts are those
     of the whole run. ``groups``: some of the measures of a turn only.
     """
-    said, ratios = evaluated_turns(record), step_ratios(record)
-    if said is None or not said.several:
+    motion, ratios = evaluated_turns(record), step_ratios(record)
+    if motion is None or not motion.several:
         return joined(
             measures(record, reference, groups),
             [measures(one, reference, groups) for one in companion_records(record)],
             ratios,
         )
-    beside = (each_turn_beside(record, k, said.first, said.last) for k in sound_companions(record))
-    lanes = [each_turn(record, said.first, said.last), *beside]
-    taken = [[_of_a_turn(one, reference, groups) for one in lane] for lane in lanes]
-    whole = joined(over_run(record), [over_run(one) for one in companion_records(record)], ratios)
-    return over_turns(taken, ratios, together=said.motion == "not periodic") | whole
+    companion_turns = (
+        each_turn_beside(record, k, motion.first, motion.last) for k in sound_companions(record)
+    )
+    lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
+    values = [[_of_a_turn(one, reference, groups) for one in lane] for lane in lanes]
+    counts = joined(over_run(record), [over_run(one) for one in companion_records(record)], ratios)
+    return over_turns(values, ratios, all_lanes=motion.motion == "not periodic") | counts
 
 
 def evaluated_turns(record: Record) -> Turns | None:
     """The turns of a run, told by its last one where nothing is kept of those before of its companions."""
-    said = turns(record)
-    if said is not None and record.companions is not None and len(record.companions.turns) < said.last:
-        return dataclasses.replace(said, first=said.last)
-    return said
+    motion = turns(record)
+    if motion is not None and record.companions is not None and len(record.companions.turns) < motion.last:
+        return dataclasses.replace(motion, first=motion.last)
+    return motion
 
 
 def _of_a_turn(record: Record, reference: Mapping[str, float] | None, groups: Some) -> dict[str, float]:
-    found = over_turn(record, last_turn(record), groups)
-    return found | compared(record, found, reference)
+    values = over_turn(record, last_turn(record), groups)
+    return values | compared(record, values, reference)
 
 
 def joined(
     own: Mapping[str, float], others: Sequence[Mapping[str, float]], ratios: Sequence[float]
 ) -> dict[str, Samples]:
     """Measures of a run and its companions, whose steps have these ``ratios``, the run's first."""
-    found = {}
+    by_name = {}
     for name, value in own.items():
         pairs = [(ratio, one[name]) for ratio, one in zip(ratios, (own, *others), strict=True) if name in one]
-        found[name] = Samples(
+        by_name[name] = Samples(
             value, tuple(one for _, one in pairs), tuple(ratio for ratio, _ in pairs), value, value
         )
-    return found
+    return by_name
 
 
 def over_turns(
-    lanes: Sequence[Sequence[Mapping[str, float]]], ratios: Sequence[float], *, together: bool
+    lanes: Sequence[Sequence[Mapping[str, float]]], ratios: Sequence[float], *, all_lanes: bool
 ) -> dict[str, Samples]:
     """Measures from those of the turns of each lane, the run itself first: means over its turns, or over the
-    turns of all lanes ``together``.
+    turns of ``all_lanes``.
     """
-    found = {}
+    by_name = {}
     for name in lanes[0][-1]:
         turnly = [[turn[name] for turn in lane if name in turn] for lane in lanes]
         pairs = [
             (ratio, math.fsum(lane) / len(lane)) for ratio, lane in zip(ratios, turnly, strict=True) if lane
         ]
         means = tuple(mean for _, mean in pairs)
-        every = [value for lane in (turnly if together else turnly[:1]) for value in lane]
-        value = math.fsum(means) / len(means) if together else means[0]
-        found[name] = Samples(
-            value, means, tuple(ratio for ratio, _ in pairs), min(every), max(every), together
+        every = [value for lane in (turnly if all_lanes else turnly[:1]) for value in lane]
+        value = math.fsum(means) / len(means) if all_lanes else means[0]
+        by_name[name] = Samples(
+            value, means, tuple(ratio for ratio, _ in pairs), min(every), max(every), all_lanes
         )
-    return found
+    return by_name
 
 
 def window(record: Record) -> int:
     """The step of the output from which on the measures of a run need its outputs: that before their first
     turn.
     """
-    said, outputs = evaluated_turns(record), outputs_of_a_turn(record.assembly)
-    if said is None or outputs is None:
+    motion, outputs = evaluated_turns(record), outputs_of_a_turn(record.assembly)
+    if motion is None or outputs is None:
         return oldest_needed(record.assembly, int(record.steps[-1]))
-    return int(record.steps[(said.first - 1) * outputs])
+    return int(record.steps[(motion.first - 1) * outputs])
 
 
 def estimate(record: Record, refined: Refined) -> Estimate:
@@ -333,35 +335,35 @@ def error_of(own: float, half: float, quarter: float, motion: float | None) -> f
 
 def values_of(part: Record, run: Record) -> dict[str, float]:
     """The measures of a ``run``, taken of the last outputs of it or of its repetition at another step."""
-    said, outputs = evaluated_turns(run), outputs_of_a_turn(run.assembly)
-    if said is None or outputs is None or not said.several:
+    motion, outputs = evaluated_turns(run), outputs_of_a_turn(run.assembly)
+    if motion is None or outputs is None or not motion.several:
         return measures(part)
-    count = said.last - said.first + 1
+    count = motion.last - motion.first + 1
     rows = slice(len(part.steps) - count * outputs - 1, None)
     part = dataclasses.replace(part, steps=part.steps[rows], source=part.rows[rows], companions=None)
     lanes = [[_of_a_turn(one, None, None) for one in each_turn(part, 1, count)]]
-    return {name: one.value for name, one in over_turns(lanes, (1.0,), together=False).items()}
+    return {name: one.value for name, one in over_turns(lanes, (1.0,), all_lanes=False).items()}
 
 
 def followed(
-    record: Record, found: Mapping[str, Measured], earlier: Mapping[str, tuple[float, float]]
+    record: Record, ranges: Mapping[str, Measured], earlier: Mapping[str, tuple[float, float]]
 ) -> bool:
     """Whether every largest value lies within its earlier range, widened by its own width and by the
     tolerance of its size.
     """
     sizes_now, tolerance = (
-        sizes(found, record.assembly.choice.step),
+        sizes(ranges, record.assembly.choice.step),
         record.assembly.mechanism.settings.tolerance,
     )
     several = len(set(step_ratios(record))) > 1
     for name, (low, high) in earlier.items():
         room = tolerance * sizes_now.get(name, math.inf) + (high - low if several else 0.0)
-        if name in sizes_now and not low - room <= found[name] <= high + room:
+        if name in sizes_now and not low - room <= ranges[name] <= high + room:
             return False
     return True
 
 
-def sizes(found: Mapping[str, Measured], step: float) -> dict[str, float]:
+def sizes(ranges: Mapping[str, Measured], step: float) -> dict[str, float]:
     """The size of each largest value of a turn, by name: the largest of its range, or a tenth of the largest
     of its kind where it is less.
 
@@ -369,10 +371,10 @@ def sizes(found: Mapping[str, Measured], step: float) -> dict[str, float]:
     N), and second differences of an angle with a ``step`` (s).
     """
     result = {}
-    loads = max((one.high for name, one in found.items() if name.endswith(LOADS)), default=0.0)
+    loads = max((one.high for name, one in ranges.items() if name.endswith(LOADS)), default=0.0)
     noise = dict.fromkeys(LOADS, NOISE * loads) | {".angular_acceleration.max": ROUNDING / (step * step)}
     for kind in JUDGED:
-        members = [(name, one) for name, one in found.items() if name.endswith(f".{kind}")]
+        members = [(name, one) for name, one in ranges.items() if name.endswith(f".{kind}")]
         floor = LEAST * max((one.high for _, one in members), default=0.0)
         result.update(
             {name: max(one.high, floor) for name, one in members if one.high > noise.get(f".{kind}", 0.0)}
@@ -380,11 +382,11 @@ def sizes(found: Mapping[str, Measured], step: float) -> dict[str, float]:
     return result
 
 
-def spreads(found: Mapping[str, Measured], step: float) -> dict[str, float]:
+def spreads(ranges: Mapping[str, Measured], step: float) -> dict[str, float]:
     """Width of the range of each largest value of a turn over its size (1), by name."""
     return {
-        name: (found[name].high - max(found[name].low, 0.0)) / size
-        for name, size in sizes(found, step).items()
+        name: (ranges[name].high - max(ranges[name].low, 0.0)) / size
+        for name, size in sizes(ranges, step).items()
     }
 
 
@@ -392,10 +394,10 @@ def band(record: Record, series: Callable[[Record], Array]) -> tuple[Array, Arra
     """Lowest and highest of a series over run and companions at the outputs of the last turn and the one
     before, each of the series' shape.
     """
-    found = record.companions
-    if found is None:
+    companions = record.companions
+    if companions is None:
         return None
-    own = series(record)[np.isin(record.steps, found.steps)]
+    own = series(record)[np.isin(record.steps, companions.steps)]
     every = np.stack([own, *(series(one)[-len(own) :] for one in companion_records(record))])
     return every.min(axis=0), every.max(axis=0)
 
@@ -461,15 +463,15 @@ def observed_order(ratios: Sequence[float], values: Sequence[float]) -> float | 
     differ.
     """
     pairs = sorted(zip(ratios, values, strict=True))
-    steps, found = [step / pairs[0][0] for step, _ in pairs], [value for _, value in pairs]
-    rises = [after - before for before, after in pairwise(found)]
+    steps, ordered = [step / pairs[0][0] for step, _ in pairs], [value for _, value in pairs]
+    rises = [after - before for before, after in pairwise(ordered)]
     if (
         len(set(steps)) < 3
-        or found[-1] == found[0]
+        or ordered[-1] == ordered[0]
         or not (all(one >= 0.0 for one in rises) or all(one <= 0.0 for one in rises))
     ):
         return None
-    share = (found[1] - found[0]) / (found[-1] - found[0])
+    share = (ordered[1] - ordered[0]) / (ordered[-1] - ordered[0])
     low, high = 1e-3, 3.0
     for _ in range(BISECTIONS):  # the share falls as the order grows
         middle = 0.5 * (low + high)

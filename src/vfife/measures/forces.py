@@ -27,11 +27,11 @@ def joint_rows(record: Record) -> dict[str, tuple[str, list[int]]]:
     A block in a guide with play has four contacts.
     """
     assembly = record.assembly
-    found: dict[str, tuple[str, list[int]]] = {}
+    rows: dict[str, tuple[str, list[int]]] = {}
     for kind, block in (("contact_joints", "contact"), ("ideals", "joint"), ("pivots", "driven")):
         for index, name in enumerate(getattr(assembly, kind)):
-            found.setdefault(name, (block, []))[1].append(index)
-    return {name: found[name] for name in (*assembly.mechanism.joints, *found) if name in found}
+            rows.setdefault(name, (block, []))[1].append(index)
+    return {name: rows[name] for name in (*assembly.mechanism.joints, *rows) if name in rows}
 
 
 def eccentricity(record: Record) -> Array:
@@ -78,9 +78,10 @@ def _leaning(record: Record, k: int, away: Array, n: Array) -> Array:
     for side in ("bearing", "journal"):
         angle = record.block("particle_theta")[:, getattr(record.assembly.topology, f"contact_{side}")[k]]
         slope = slope + depth_at(getattr(wear, f"{side}_profile"), atan2(n[:, 1], n[:, 0]) - angle)[1]
-    lean = (slope / np.maximum(hypot(*away.T), 0.5 * record.parameter("contact_size")[k]))[:, None]
+    inclination = (slope / np.maximum(hypot(*away.T), 0.5 * record.parameter("contact_size")[k]))[:, None]
     return np.asarray(
-        (n - lean * np.stack([-n[:, 1], n[:, 0]], axis=1)) / np.sqrt(1.0 + lean * lean), dtype=float
+        (n - inclination * np.stack([-n[:, 1], n[:, 0]], axis=1)) / np.sqrt(1.0 + inclination * inclination),
+        dtype=float,
     )
 
 
@@ -88,12 +89,12 @@ def _off_the_path(away: Array, angle: Array, path: Path | None) -> Array:
     """Unit vectors (outputs, 2) from the middle of a slot to the journal, which is at ``away`` (m) from the
     bearing's pin.
     """
-    found = np.zeros_like(away)
+    vectors = np.zeros_like(away)
     for row, ((x, y), s, c) in enumerate(zip(away, *sincos(angle), strict=True)):
         distance, nx, ny = (0.0, 0.0, 0.0) if path is None else path.seen(c * x + s * y, c * y - s * x)
         side = 1.0 if distance >= 0.0 else -1.0
-        found[row] = side * (c * nx - s * ny), side * (s * nx + c * ny)
-    return found
+        vectors[row] = side * (c * nx - s * ny), side * (s * nx + c * ny)
+    return vectors
 
 
 def joint_force(record: Record) -> Array:

@@ -48,18 +48,18 @@ class Measured(float):
         highest: float | None = None,
         estimated: bool | None = None,
     ) -> Measured:
-        made = super().__new__(cls, value)
-        made.low, made.high, made.unique = (
+        measure = super().__new__(cls, value)
+        measure.low, measure.high, measure.unique = (
             (value if low is None else low),
             (value if high is None else high),
             unique,
         )
-        made.lowest, made.highest = (
+        measure.lowest, measure.highest = (
             (value if lowest is None else lowest),
             (value if highest is None else highest),
         )
-        made.estimated = (low is not None and high is not None) if estimated is None else estimated
-        return made
+        measure.estimated = (low is not None and high is not None) if estimated is None else estimated
+        return measure
 
     def __getnewargs__(self) -> tuple[float, float, float, bool, float, float, bool]:  # type: ignore[override]
         return self.value, self.low, self.high, self.unique, self.lowest, self.highest, self.estimated
@@ -105,8 +105,8 @@ class Measures(dict[str, Measured], DataTable):
 
     def __repr__(self) -> str:
         some = ", ".join(f"{name} = {one!r}" for name, one in islice(self.items(), MOST_SHOWN))
-        more = ", ..." if len(self) > MOST_SHOWN else ""
-        return f"<{len(self)} measures, {self.part or 'of a run'}: {some}{more}; see .to_dataframe()>"
+        ellipsis = ", ..." if len(self) > MOST_SHOWN else ""
+        return f"<{len(self)} measures, {self.part or 'of a run'}: {some}{ellipsis}; see .to_dataframe()>"
 
     def table(self) -> Iterator[Sequence[object]]:
         """Yield a row for each measure: name, value, unit, its range by errors and that of its turns."""

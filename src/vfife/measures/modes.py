@@ -83,13 +83,13 @@ def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> M
         )
     linear = linearised(mechanism, released)
     own = linear.motions.T @ linear.stiffness @ linear.motions
-    size, taken = len(own), min(count, len(own))
-    found: list[Mode] = []
-    if taken:
+    size, number = len(own), min(count, len(own))
+    lowest: list[Mode] = []
+    if number:
         largest = float(eigh(own, eigvals_only=True, subset_by_index=[size - 1, size - 1])[0])
-        squares, vectors = eigh(own, subset_by_index=[0, taken - 1])
+        squares, vectors = eigh(own, subset_by_index=[0, number - 1])
         least = NOTHING[bool(mechanism.springs)] * abs(largest)
-        found = [
+        lowest = [
             _mode(linear, 0.0 if abs(one) < least else float(one), linear.motions @ vectors[:, k])
             for k, one in enumerate(squares)
         ]
@@ -98,7 +98,7 @@ def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> M
         for name, body in mechanism.bodies.items()
         if isinstance(body, Link) and body.element_count
     }
-    return Modes(tuple(found), size, linear.unbalanced, alone, linear.position)
+    return Modes(tuple(lowest), size, linear.unbalanced, alone, linear.position)
 
 
 def _mode(linear: Linearised, square: float, weighted: Array) -> Mode:

@@ -41,11 +41,13 @@ def velocities(record: Record) -> dict[str, Array]:
     """
     dt, z = half_damping(record)
     free = is_free(record)
-    found = {}
+    values = {}
     for _, rate, second in AXES:
         half = record.block(f"particle_{rate}")
-        found[rate] = np.where(free, (half - 0.5 * dt * record.block(f"particle_{second}")) / (1.0 - z), half)
-    return found
+        values[rate] = np.where(
+            free, (half - 0.5 * dt * record.block(f"particle_{second}")) / (1.0 - z), half
+        )
+    return values
 
 
 def accelerations(record: Record) -> dict[str, Array]:
@@ -55,11 +57,11 @@ def accelerations(record: Record) -> dict[str, Array]:
     The record's are those of the forces without mass-proportional damping.
     """
     moving, free, rate = velocities(record), is_free(record), float(record.parameter("damping")[0])
-    found = {}
+    values = {}
     for _, first, second in AXES:
         own = record.block(f"particle_{second}")
-        found[second] = np.where(free, own - rate * moving[first], own) if rate else own
-    return found
+        values[second] = np.where(free, own - rate * moving[first], own) if rate else own
+    return values
 
 
 def half_damping(record: Record) -> tuple[float, float]:
@@ -86,14 +88,14 @@ def body_motion(record: Record) -> dict[str, Array]:
     position = {axis: record.block(f"particle_{axis}") for axis in ("x", "y", "theta")}
     velocity = velocities(record)
     bodies = record.assembly.bodies
-    found = {
+    motions = {
         name: np.zeros((len(record.steps), len(bodies))) for name in ("x", "y", "angle", "angular_velocity")
     }
     for k, body in enumerate(bodies.values()):
         of = _chord if body.elements else _carried
-        for name, values in zip(found, of(record, body, position, velocity), strict=True):
-            found[name][:, k] = values
-    return found
+        for name, values in zip(motions, of(record, body, position, velocity), strict=True):
+            motions[name][:, k] = values
+    return motions
 
 
 def _carried(
@@ -199,21 +201,21 @@ def body_velocity(record: Record) -> Array:
         {axis: record.block(f"particle_{axis}") for axis in ("x", "y", "theta")},
         velocities(record),
     )
-    found = np.zeros((len(record.steps), len(record.assembly.bodies), 2))
+    values = np.zeros((len(record.steps), len(record.assembly.bodies), 2))
     for k, body in enumerate(record.assembly.bodies.values()):
         nodes = list(body.particles)
         if body.elements:
             mass = _node_mass(record, body)
-            found[:, k] = np.stack(
+            values[:, k] = np.stack(
                 [weighted(velocity[axis][:, nodes], mass) / mass.sum() for axis in ("u", "v")], axis=1
             )
             continue
         rx, ry = np.subtract(body.center, body.reference)
         angle, w = position["theta"][:, nodes[0]], velocity["w"][:, nodes[0]]
         s, c = sincos(angle)
-        found[:, k, 0] = velocity["u"][:, nodes[0]] - w * (s * rx + c * ry)
-        found[:, k, 1] = velocity["v"][:, nodes[0]] + w * (c * rx - s * ry)
-    return found
+        values[:, k, 0] = velocity["u"][:, nodes[0]] - w * (s * rx + c * ry)
+        values[:, k, 1] = velocity["v"][:, nodes[0]] + w * (c * rx - s * ry)
+    return values
 
 
 class Motion(NamedTuple):
@@ -277,12 +279,12 @@ def point_motion(record: Record, point: str) -> PointMotion:
     body = assembly.bodies.get(name)
     pins = {} if body is None else body.nodes if body.elements else body.pins
     if body is None or pin not in pins:
-        known = (
+        names = (
             ", ".join(f"{name}.{one}" for one in pins)
             if pins
             else f"body.pin, with a body of {', '.join(assembly.bodies)}"
         )
-        raise ValueError(f"there is no point {point!r}; there are {known}")
+        raise ValueError(f"there is no point {point!r}; there are {names}")
     p, (ox, oy) = carrier(body, pin)
     moving, angle = velocities(record), record.block("particle_theta")[:, p]
     s, c = sincos(angle)
@@ -309,10 +311,10 @@ def slider_motion(record: Record, name: str) -> Motion:
     Counted from the bearing's pin, seen in the frame of the bearing's body: with d the guide's direction, e
     across it and r from pin to pin, s = d r, s' = d r' + w e r, s'' = d r'' + 2 w e r' + (alpha e - w^2 d) r.
     """
-    found = guide_of(record.assembly.mechanism, name)
-    if found is None:
+    slider = guide_of(record.assembly.mechanism, name)
+    if slider is None:
         raise ValueError(f"{name!r} is no slider; there are {', '.join(sliders(record)) or 'none'}")
-    joint, guide = found
+    joint, guide = slider
     bearing, journal = (point_motion(record, side) for side in (joint.bearing, joint.journal))
     dx, dy = guide.unit()
     angle, w, alpha = (one[:, None] for one in rotation(record, joint.sides[0][0]))
@@ -335,7 +337,7 @@ def largest_strokes(record: Record, window: Window) -> dict[str, float]:
     max|s'|, max|s''|.
     """
     part, inside = of_window(record, window)
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for name in sliders(record):
         motion = slider_motion(part, name)
         position, velocity, acceleration = (
@@ -343,12 +345,12 @@ def largest_strokes(record: Record, window: Window) -> dict[str, float]:
             motion.velocity[inside],
             motion.acceleration[inside],
         )
-        found |= {
+        values |= {
             f"{name}.position.low": float(position.min()),
             f"{name}.position.high": float(position.max()),
         }
-        found |= {
+        values |= {
             f"{name}.velocity.max": float(np.abs(velocity).max()),
             f"{name}.acceleration.max": float(np.abs(acceleration).max()),
         }
-    return found
+    return values

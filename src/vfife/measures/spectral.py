@@ -92,8 +92,8 @@ def transforms(values: Array, starts: Places, weights: Array) -> Iterator[Array]
         np.lib.stride_tricks.sliding_window_view(values, len(weights)),
     )
     for first in range(0, len(starts), many):
-        found = np.fft.rfft(cut[starts[first : first + many]] * weights, axis=-1)
-        yield np.asarray(found.real**2 + found.imag**2, dtype=float)
+        transform = np.fft.rfft(cut[starts[first : first + many]] * weights, axis=-1)
+        yield np.asarray(transform.real**2 + transform.imag**2, dtype=float)
 
 
 def one_sided(count: int) -> Array:
@@ -144,15 +144,15 @@ def analytic(values: Array, spacing: float, band: tuple[float, float] | None) ->
     said: itself and, turned by a quarter of a wave, Hilbert's transform of it. Raises VfifeError for a band
     in which nothing lies.
     """
-    length, frequencies, found = len(values), frequencies_of(len(values), spacing), np.fft.rfft(values)
-    found[0] = 0.0
+    length, frequencies, transform = len(values), frequencies_of(len(values), spacing), np.fft.rfft(values)
+    transform[0] = 0.0
     if band is not None:
         low, high = band
         inside = (frequencies >= low) & (frequencies <= high)
         if not (0.0 <= low < high) or not inside[1:].any():
             there = f"there are 0 to {frequencies[-1]:g} Hz, {frequencies[1]:g} Hz apart"
             raise VfifeError(f"band {low:g} to {high:g} Hz: nothing lies in it; {there}")
-        found[~inside] = 0.0
-    whole = np.zeros(length, dtype=complex)
-    whole[: len(found)] = one_sided(length) * found
-    return np.asarray(np.fft.ifft(whole), dtype=np.complex128)
+        transform[~inside] = 0.0
+    two_sided = np.zeros(length, dtype=complex)
+    two_sided[: len(transform)] = one_sided(length) * transform
+    return np.asarray(np.fft.ifft(two_sided), dtype=np.complex128)

@@ -89,7 +89,7 @@ def static_measures(record: Record) -> dict[str, float]:
     ``<contact>.penetration.max`` (m), ``<driven body>.torque.max`` (N m), ``iterations`` of all factors,
     ``unbalanced.max`` (1), and the last ``load_factor`` that was reached.
     """
-    found = {
+    values = {
         "load_factor": float(times(record)[-1]),
         MOVED: float(displacement(record).max()),
         "iterations": float(record.block("iterations").sum()),
@@ -97,16 +97,16 @@ def static_measures(record: Record) -> dict[str, float]:
     }
     force, moment = joint_force(record), np.abs(joint_moment(record))
     for k, name in enumerate(joint_rows(record)):
-        found[f"{name}.force.max"] = float(hypot(force[:, k, 0], force[:, k, 1]).max())
+        values[f"{name}.force.max"] = float(hypot(force[:, k, 0], force[:, k, 1]).max())
         if moment[:, k].any():
-            found[f"{name}{MOMENT}"] = float(moment[:, k].max())
-    found |= named(
+            values[f"{name}{MOMENT}"] = float(moment[:, k].max())
+    values |= named(
         record.assembly.contacts, {"penetration.max": record.block("contact_penetration").max(axis=0)}
     )
     driven = {body.name: body.driven for body in record.assembly.bodies.values() if body.driven is not None}
     torques = np.abs(record.block("driven_torque")).max(axis=0)
-    found |= named(driven, {"torque.max": torques[list(driven.values())]})
-    return {name: value for name, value in found.items() if math.isfinite(value)}
+    values |= named(driven, {"torque.max": torques[list(driven.values())]})
+    return {name: value for name, value in values.items() if math.isfinite(value)}
 
 
 # ------------------------------------------------------------------------------------------------------
@@ -123,16 +123,19 @@ def mesh_estimate(record: Record, others: Mapping[float, Record]) -> Estimate | 
     """
     if TWICE not in others:
         return None
-    own, found = static_measures(record), {share: static_measures(other) for share, other in others.items()}
+    own, on_meshes = (
+        static_measures(record),
+        {share: static_measures(other) for share, other in others.items()},
+    )
     names = [
-        name for name in own if name in found[TWICE] or name.endswith(MOMENT)
+        name for name in own if name in on_meshes[TWICE] or name.endswith(MOMENT)
     ]  # a moment of zero has no measure
     errors = {
-        name: error_of(own[name], {share: other.get(name, 0.0) for share, other in found.items()})
+        name: error_of(own[name], {share: other.get(name, 0.0) for share, other in on_meshes.items()})
         for name in names
     }
     # The largest displacement may lie between nodes, which two meshes may miss alike.
-    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - found[TWICE][MOVED]))
+    errors[MOVED] = max(errors[MOVED], TWO_MESHES * abs(own[MOVED] - on_meshes[TWICE][MOVED]))
     size = sizes(record, own)
     floor = FLOOR * max((errors[name] / value for name, value in size.items() if name in errors), default=0.0)
     residual, lever = (
@@ -154,36 +157,42 @@ def error_of(own: float, others: Mapping[float, float]) -> float:
     """
     change = abs(own - others[TWICE])
     if HALF in others:
-        first, second, known = abs(others[HALF] - own), change, 0.0
+        first, second, distance = abs(others[HALF] - own), change, 0.0
         expected = first * FASTEST / (1.0 - FASTEST)
     elif FOUR_TIMES in others:
-        first, second, known = change, abs(others[TWICE] - others[FOUR_TIMES]), abs(own - others[FOUR_TIMES])
+        first, second, distance = (
+            change,
+            abs(others[TWICE] - others[FOUR_TIMES]),
+            abs(own - others[FOUR_TIMES]),
+        )
         expected = first / (1.0 - FASTEST)
     else:
         return TWO_MESHES * change
     ratio = min(max(second / first if first > 0.0 else SLOWEST, FASTEST), SLOWEST)
-    left = second / (1.0 - ratio) if HALF in others else known + second * ratio / (1.0 - ratio)
+    left = second / (1.0 - ratio) if HALF in others else distance + second * ratio / (1.0 - ratio)
     return THREE_MESHES * max(left, expected)
 
 
-def largest_load(found: Mapping[str, float], lever: float) -> float:
+def largest_load(values: Mapping[str, float], lever: float) -> float:
     """Largest force (N) of the joints, with moments over a ``lever`` (m)."""
-    moments = max((value for name, value in found.items() if name.endswith(TURNING)), default=0.0)
-    return max(moments / lever, *(value for name, value in found.items() if name.endswith(".force.max")), 0.0)
+    moments = max((value for name, value in values.items() if name.endswith(TURNING)), default=0.0)
+    return max(
+        moments / lever, *(value for name, value in values.items() if name.endswith(".force.max")), 0.0
+    )
 
 
-def sizes(record: Record, found: Mapping[str, float]) -> dict[str, float]:
+def sizes(record: Record, values: Mapping[str, float]) -> dict[str, float]:
     """Size with which the error of each largest value is compared: itself, or a tenth of the largest of its
     kind.
 
     A joint that carries nothing has none.
     """
     lever = extent(record.assembly, record.assembly.state)
-    idle = IDLE * record.assembly.mechanism.settings.residual * largest_load(found, lever)
+    idle = IDLE * record.assembly.mechanism.settings.residual * largest_load(values, lever)
     limits = {"force.max": idle, "moment.max": idle * lever, "torque.max": idle * lever}
     result = {}
     for kind in KINDS:
-        same = {name: value for name, value in found.items() if name == kind or name.endswith(f".{kind}")}
+        same = {name: value for name, value in values.items() if name == kind or name.endswith(f".{kind}")}
         floor = LEAST * max(same.values(), default=0.0)
         result.update(
             {name: max(value, floor) for name, value in same.items() if value > limits.get(kind, 0.0)}
@@ -191,7 +200,7 @@ def sizes(record: Record, found: Mapping[str, float]) -> dict[str, float]:
     return result
 
 
-def spreads(record: Record, found: Mapping[str, Measured]) -> dict[str, float]:
+def spreads(record: Record, measures: Mapping[str, Measured]) -> dict[str, float]:
     """Width of the range of each largest value over its size (1), by name."""
-    size = sizes(record, {name: measure.value for name, measure in found.items()})
-    return {name: found[name].width / value for name, value in size.items() if found[name].estimated}
+    size = sizes(record, {name: measure.value for name, measure in measures.items()})
+    return {name: measures[name].width / value for name, value in size.items() if measures[name].estimated}

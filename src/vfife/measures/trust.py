@@ -58,27 +58,25 @@ class Trust:
         return self.apart > SENSITIVE or not self.converges
 
 
-def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | None:
-    """Judge a run by its companions or its estimate, None without any; ``found`` are its measures where they
-    are known.
-    """
+def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust | None:
+    """Judge a run by its companions or its estimate, None without any; ``measures``: its own, if known."""
     companions, estimate = record.companions, record.estimate
     if companions is None and estimate is None:
         return None
-    found = ranged(record, groups=PEAKS) if found is None else found
+    measures = ranged(record, groups=PEAKS) if measures is None else measures
     if record.static:
-        widths = static_spreads(record, found)
+        widths = static_spreads(record, measures)
     else:
         widths = spreads(
-            found if companions is None else over_tries(record, groups=PEAKS), record.assembly.choice.step
+            measures if companions is None else over_tries(record, groups=PEAKS), record.assembly.choice.step
         )
-    name, apart = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
-    low, high = (found[name].low, found[name].high) if name else (0.0, 0.0)
+    name, spread = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
+    low, high = (measures[name].low, measures[name].high) if name else (0.0, 0.0)
     if companions is None:
         return Trust(
             0,
             name,
-            0.5 * apart,
+            0.5 * spread,
             low,
             high,
             None,
@@ -88,7 +86,7 @@ def trust(record: Record, found: dict[str, Measured] | None = None) -> Trust | N
     return Trust(
         len(companions.counts),
         name,
-        1.0 if companions.lost else apart,
+        1.0 if companions.lost else spread,
         low,
         high,
         companions.parting,
@@ -108,15 +106,15 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     if not choice.automatic or record.status not in (Status.COMPLETE, Status.DIVERGED, Status.ENERGY):
         return None
     judgement, diverged = trust(record), record.status == Status.DIVERGED
-    apart = 0.0 if judgement is None else 1.0 if diverged or not judgement.converges else judgement.apart
+    spread = 0.0 if judgement is None else 1.0 if diverged or not judgement.converges else judgement.apart
     accompanied = record.companions is not None
     open_halvings = OPEN_HALVINGS[accompanied]
     most = open_halvings if not_periodic(record) else HALVINGS if accompanied else SMOOTH_HALVINGS
     if (
-        apart > record.assembly.mechanism.settings.tolerance
+        spread > record.assembly.mechanism.settings.tolerance
         and sum(share is not None for _, share in choice.tried) < most
     ):
-        return (*choice.tried, (choice.step, apart))
+        return (*choice.tried, (choice.step, spread))
     if diverged:
         return None
     may_close = len(choice.tried) < open_halvings and not own_floor(record)
@@ -128,8 +126,8 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
 
 def not_periodic(record: Record) -> bool:
     """Whether measures are means over turns of a motion that is not periodic."""
-    found = turns(record)
-    return found is not None and found.motion == "not periodic"
+    motion = turns(record)
+    return motion is not None and motion.motion == "not periodic"
 
 
 def too_deep(record: Record) -> bool:

@@ -77,23 +77,23 @@ def turns(record: Record) -> Turns | None:
     return classify(columns, comparison, SETTLED if settle is None else settle)
 
 
-def part_of(record: Record, said: Turns | None) -> str:
+def part_of(record: Record, motion: Turns | None) -> str:
     """Name the part of a run that its measures are of: ``mean of turns 3 to 8``, ``last turn, the 2nd``,
     ``whole run``.
     """
     choice, left = record.assembly.choice, record.companions
     if record.static:
         return "all load factors"
-    if said is not None and said.several:
-        many = said.motion == "not periodic" and left is not None
-        beside = f", of the run and {len(left.counts)} companions" if many and left is not None else ""
-        return f"mean of turns {said.first} to {said.last}{beside}"
+    if motion is not None and motion.several:
+        many = motion.motion == "not periodic" and left is not None
+        of_companions = f", of the run and {len(left.counts)} companions" if many and left is not None else ""
+        return f"mean of turns {motion.first} to {motion.last}{of_companions}"
     if choice.turn is None or record.steps[-1] * choice.step < (1.0 - 1e-9) * choice.turn:
         return "whole run"
-    whole = said is not None and len(record.steps) - 1 == said.count * (
+    complete = motion is not None and len(record.steps) - 1 == motion.count * (
         outputs_of_a_turn(record.assembly) or 0
     )
-    return f"last turn, the {ordinal(said.last)}" if said is not None and whole else "last turn"
+    return f"last turn, the {ordinal(motion.last)}" if motion is not None and complete else "last turn"
 
 
 def ordinal(number: int) -> str:

@@ -84,7 +84,7 @@ def work_around(part: Rubbing) -> Array:
     """Work (N m) at each of ``PLACES`` around the joint, from -pi on; their sum is that of the intervals, to
     rounding.
     """
-    found, wide = np.zeros(PLACES), np.maximum(part.spread, 0.5 * WIDTH)
+    work_at, wide = np.zeros(PLACES), np.maximum(part.spread, 0.5 * WIDTH)
     rubs = np.flatnonzero(part.work > 0.0)
     reach = np.ceil(wide[rubs] / WIDTH).astype(int) + 1
     part_of_two, exponent = np.frexp(np.maximum(reach, 1))
@@ -96,20 +96,20 @@ def work_around(part: Rubbing) -> Array:
         edges = (middle + np.arange(-most, most + 2)) * WIDTH - np.pi
         below = np.clip((edges - (part.angle - wide)[few, None]) / (2.0 * wide[few, None]), 0.0, 1.0)
         places = (middle + np.arange(-most, most + 1)) % PLACES
-        found += np.bincount(
+        work_at += np.bincount(
             places.reshape(-1), (part.work[few, None] * (below[:, 1:] - below[:, :-1])).reshape(-1), PLACES
         )
-    return found
+    return work_at
 
 
 def depths(record: Record, contact: int) -> tuple[Array, Array]:
     """Depth (m) that bearing and journal of a contact lose over a record, at ``PLACES`` around each, in the
     frame of its body.
     """
-    found = []
+    both = []
     for side, k, area in zip(SIDES, coefficients(record, contact), areas(record, contact), strict=True):
-        found.append(k / area * work_around(rubbing(record, contact, side)))
-    return found[0], found[1]
+        both.append(k / area * work_around(rubbing(record, contact, side)))
+    return both[0], both[1]
 
 
 def areas(record: Record, contact: int) -> tuple[float, float]:
@@ -129,23 +129,23 @@ def worn_volumes(record: Record, window: Window) -> dict[str, float]:
     """``<joint>.bearing_wear.total``, ``.journal_wear.total`` (m^3): k W over the window, summed over the
     joint's contacts.
     """
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     done = work(of_window(record, window).record)
     for place, contact in enumerate(record.assembly.topology.wears):
         joint = record.assembly.contact_joints[contact]
         for side, k in zip(SIDES, coefficients(record, contact), strict=True):
             name = f"{joint}.{side}_wear.total"
-            found[name] = found.get(name, 0.0) + k * float(done[-1, place] - done[0, place])
-    return found
+            values[name] = values.get(name, 0.0) + k * float(done[-1, place] - done[0, place])
+    return values
 
 
 def worn_depths(record: Record, window: Window) -> dict[str, float]:
     """``<joint>.bearing_wear_depth.max``, ``.journal_wear_depth.max`` (m): the largest depth lost around the
     joint over the window.
     """
-    part, found = of_window(record, window).record, dict[str, float]()
+    part, values = of_window(record, window).record, dict[str, float]()
     for name, contact in worn_contacts(record).items():
         if is_round(record, contact):
             for side, depth in zip(SIDES, depths(part, contact), strict=True):
-                found[f"{name}.{side}_wear_depth.max"] = float(depth.max())
-    return found
+                values[f"{name}.{side}_wear_depth.max"] = float(depth.max())
+    return values

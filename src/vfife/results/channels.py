@@ -139,7 +139,7 @@ def entities(record: Record) -> dict[str, list[str]]:
         "element": motion.element_names(record),
         "particle": motion.particle_names(record),
     }
-    return {entity: found for entity, found in names.items() if found}
+    return {entity: owners for entity, owners in names.items() if owners}
 
 
 def _driven(record: Record) -> list[Any]:
@@ -149,43 +149,43 @@ def _driven(record: Record) -> list[Any]:
 def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
     """Every channel that the mechanism has."""
     present = entities(record)
-    found: dict[str, Channel] = {}
+    values: dict[str, Channel] = {}
     for entity, make in MADE.items():
         if entity in present:
-            found |= make(record)
-            found |= recorded(record, entity, found)
-    found |= ground_channels(record)
+            values |= make(record)
+            values |= recorded(record, entity, values)
+    values |= ground_channels(record)
     if record.static:
-        return {name: one for name, one in found.items() if name not in MOVING} | _equilibria(record, ledger)
+        return {name: one for name, one in values.items() if name not in MOVING} | _equilibria(record, ledger)
     for name, (term, meaning) in ENERGIES.items():
-        found[name] = Channel(ledger.terms[term], None, "J", meaning)
-    found["energy_residual"] = Channel(
+        values[name] = Channel(ledger.terms[term], None, "J", meaning)
+    values["energy_residual"] = Channel(
         ledger.residual, None, "J", "stored + lost - supplied - stored at the start"
     )
-    return found
+    return values
 
 
-def recorded(record: Record, entity: str, known: Container[str] = ()) -> dict[str, Channel]:
+def recorded(record: Record, entity: str, others: Container[str] = ()) -> dict[str, Channel]:
     """The channels of a dimension that are blocks of the record as they stand, but for those that are
-    ``known``.
+    ``others``.
     """
     return {
         name: _recorded(record, entity, block)
         for name, block in RECORDED.get(entity, ())
-        if name not in known
+        if name not in others
     }
 
 
 def _equilibria(record: Record, ledger: Ledger) -> dict[str, Channel]:
     """Displacement, stored energies, and how each equilibrium was reached."""
     stored = ("strain_energy", "contact_energy", "spring_energy")
-    found = {name: Channel(ledger.terms[ENERGIES[name][0]], None, "J", ENERGIES[name][1]) for name in stored}
-    found["displacement"] = Channel(
+    values = {name: Channel(ledger.terms[ENERGIES[name][0]], None, "J", ENERGIES[name][1]) for name in stored}
+    values["displacement"] = Channel(
         displacement(record), None, "m", "largest way of a particle from its start"
     )
     for name in ("iterations", "unbalanced"):
-        found[name] = Channel(record.block(name)[:, 0], None, BY_NAME[name].unit, BY_NAME[name].meaning)
-    return found
+        values[name] = Channel(record.block(name)[:, 0], None, BY_NAME[name].unit, BY_NAME[name].meaning)
+    return values
 
 
 def _recorded(record: Record, entity: str, name: str) -> Channel:
@@ -239,7 +239,7 @@ def _joints(record: Record) -> dict[str, Channel]:
 
 def _clearances(record: Record) -> dict[str, Channel]:
     away = forces.eccentricity(record)
-    said = "0 free flight, 1 a contact began since the last output, 2 continuous contact"
+    modes = "0 free flight, 1 a contact began since the last output, 2 continuous contact"
     return {
         "eccentricity_x": Channel(
             away[..., 0], "clearance", "m", "journal centre seen from the bearing centre", GLOBAL
@@ -247,7 +247,7 @@ def _clearances(record: Record) -> dict[str, Channel]:
         "eccentricity_y": Channel(
             away[..., 1], "clearance", "m", "journal centre seen from the bearing centre", GLOBAL
         ),
-        "mode": Channel(forces.modes(record), "clearance", "1", said),
+        "mode": Channel(forces.modes(record), "clearance", "1", modes),
     } | wear_channels(record)
 
 
@@ -297,27 +297,27 @@ def wear_channels(record: Record) -> dict[str, Channel]:
             "p v: bearing pressure times size of the sliding velocity",
         ),
     }
-    found = {
+    values = {
         name: Channel(values, "clearance", unit, meaning) for name, (values, unit, meaning) in named.items()
     }
     for side, name in (("bearing", "contact_angle"), ("journal", "journal_contact_angle")):
-        said = f"angle of the place of contact, or of what is nearest to it, seen from the {side}'s pin"
-        found[name] = Channel(contact_angle(record, side), "clearance", "rad", said, side)
-    return found | (worn_channels(record) if record.assembly.topology.wears else {})
+        meaning = f"angle of the place of contact, or of what is nearest to it, seen from the {side}'s pin"
+        values[name] = Channel(contact_angle(record, side), "clearance", "rad", meaning, side)
+    return values | (worn_channels(record) if record.assembly.topology.wears else {})
 
 
 def worn_channels(record: Record) -> dict[str, Channel]:
     """Volumes that the surfaces of joints with play have lost, by Archard's law."""
-    wears, found = record.assembly.topology.wears, {}
+    wears, values = record.assembly.topology.wears, {}
     for k, side in enumerate(SIDES):
         volume = np.zeros((len(record.steps), len(record.assembly.contacts)))
         volume[:, list(wears)] = work(record) * np.array(
             [coefficients(record, contact)[k] for contact in wears]
         )
-        found[f"{side}_wear"] = Channel(
+        values[f"{side}_wear"] = Channel(
             volume, "clearance", "m^3", f"volume that the {side} has lost since the start"
         )
-    return found
+    return values
 
 
 def slider_channels(record: Record) -> dict[str, Channel]:
@@ -326,22 +326,22 @@ def slider_channels(record: Record) -> dict[str, Channel]:
         np.column_stack(one)
         for one in zip(*(motion.slider_motion(record, name) for name in motion.sliders(record)), strict=True)
     ]
-    said = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
+    units = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
     return {
         f"slider_{name}": Channel(
             values, "slider", unit, f"{name} of the journal's pin along its guide", "guide"
         )
-        for (name, unit), values in zip(said, moved, strict=True)
+        for (name, unit), values in zip(units, moved, strict=True)
     }
 
 
 def ground_channels(record: Record) -> dict[str, Channel]:
     """What the mechanism does to the ground."""
-    load, said = ground_load(record), "force of the mechanism on the ground"
+    load, meaning = ground_load(record), "force of the mechanism on the ground"
     return {
-        "ground_shaking_force": Channel(hypot(load[:, 0], load[:, 1]), None, "N", f"size of the {said}"),
-        "ground_shaking_force_x": Channel(load[:, 0], None, "N", said, GLOBAL),
-        "ground_shaking_force_y": Channel(load[:, 1], None, "N", said, GLOBAL),
+        "ground_shaking_force": Channel(hypot(load[:, 0], load[:, 1]), None, "N", f"size of the {meaning}"),
+        "ground_shaking_force_x": Channel(load[:, 0], None, "N", meaning, GLOBAL),
+        "ground_shaking_force_y": Channel(load[:, 1], None, "N", meaning, GLOBAL),
         "ground_shaking_moment": Channel(
             load[:, 2], None, "N m", "moment of the mechanism on the ground about the ground's origin", GLOBAL
         ),
@@ -351,13 +351,15 @@ def ground_channels(record: Record) -> dict[str, Channel]:
 def stress_channels(record: Record) -> dict[str, Channel]:
     """Stresses of elements whose extreme fibre is known."""
     tension, compression = elastic.fibres(record)
-    said = "stress in the outermost fibres, tension positive"
+    meaning = "stress in the outermost fibres, tension positive"
     return {
         "element_stress": Channel(
             elastic.stress(record), "element", "Pa", "largest size of stress in the outermost fibres"
         ),
-        "element_stress_max": Channel(tension.max(axis=2), "element", "Pa", f"largest {said}", "link"),
-        "element_stress_min": Channel(compression.min(axis=2), "element", "Pa", f"smallest {said}", "link"),
+        "element_stress_max": Channel(tension.max(axis=2), "element", "Pa", f"largest {meaning}", "link"),
+        "element_stress_min": Channel(
+            compression.min(axis=2), "element", "Pa", f"smallest {meaning}", "link"
+        ),
     }
 
 
@@ -381,24 +383,24 @@ def elastic_channels(record: Record) -> dict[str, Channel]:
         ),
         "elongation": (elastic.elongation, "distance of the ends less that without forces", "link"),
     }
-    found = {
+    by_name = {
         f"elastic_{name}": Channel(
             np.column_stack([one(record, link) if link in links else none for link in bodies]),
             "elastic",
             "m",
-            said,
+            meaning,
             frame,
         )
-        for name, (one, said, frame) in of.items()
+        for name, (one, meaning, frame) in of.items()
     }
     if elastic.has_stresses(record):
         every = [elastic.extremes(record, name) for name in bodies]
         for k, kind in enumerate(("tension", "compression")):
             values = np.column_stack([one[k] for one in every])
-            found[f"elastic_{kind}"] = Channel(
+            by_name[f"elastic_{kind}"] = Channel(
                 values, "elastic", "Pa", f"largest {kind} in the outermost fibres of the body", "link"
             )
-    return found
+    return by_name
 
 
 MADE: Mapping[str, Callable[[Record], dict[str, Channel]]] = {

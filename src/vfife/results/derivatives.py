@@ -130,17 +130,19 @@ class Sensitivity(DataTable):
 
     def effects(self, measure: str) -> list[Effect]:
         """Return what is known of a measure by every number, the largest value first."""
-        found = [self.effect(measure, number.path) for number in self.derivatives if measure in number.values]
-        return sorted(found, key=lambda effect: -abs(effect.value) if not math.isnan(effect.value) else 0.0)
+        effects = [
+            self.effect(measure, number.path) for number in self.derivatives if measure in number.values
+        ]
+        return sorted(effects, key=lambda effect: -abs(effect.value) if not math.isnan(effect.value) else 0.0)
 
     def ranked(self, measure: str) -> list[tuple[str, float]]:
         """Numbers and elasticities of a measure, the largest first."""
-        found = [
+        pairs = [
             (number.path, self.elasticity(measure, number.path))
             for number in self.derivatives
             if measure in number.values
         ]
-        return sorted(found, key=lambda item: -abs(item[1]))
+        return sorted(pairs, key=lambda item: -abs(item[1]))
 
     def spread(self, measure: str) -> float:
         """Return the widest range of a derivative of a measure that holds, as a share of the largest."""

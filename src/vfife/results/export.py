@@ -134,8 +134,8 @@ class Names(dict[str, str]):
     def __missing__(self, name: str) -> str:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
         plain = (plain if re.match(r"[A-Za-z]", plain) else f"x{plain}")[: LONGEST_NAME - 4]
-        taken, unique, k = set(self.values()), plain, 2
-        while unique in taken:
+        others, unique, k = set(self.values()), plain, 2
+        while unique in others:
             unique, k = f"{plain}_{k}", k + 1
         self[name] = unique
         return unique

@@ -141,12 +141,12 @@ class Fit(DataTable):
     notes: list[str] = field(default_factory=list)
 
     def __repr__(self) -> str:
-        found = ", ".join(
+        values = ", ".join(
             f"{one.name} = {one.value:.5g} {'' if one.unit == '1' else one.unit}".rstrip()
             for one in self.values
         )
         return (
-            f"<Fit of {self.mechanism!r} to {self.data!r}: {found}; see .to_dataframe(), .undetermined,"
+            f"<Fit of {self.mechanism!r} to {self.data!r}: {values}; see .to_dataframe(), .undetermined,"
             " .plot()>"
         )
 
@@ -337,16 +337,16 @@ def load_fit(path: str | Path) -> Fit:
     before its end.
     """
     with FitFile.open(path) as file:
-        found = file.fit()
-        if found is None:
-            kept = f"{len(file.keys('looks')):,} points are kept in it"
+        fit = file.fit()
+        if fit is None:
+            points = f"{len(file.keys('looks')):,} points are kept in it"
             if file.damage:
                 raise RunFileError(file.damaged("; ".join(file.damage)))
             raise RunFileError(
-                f"{file.path}: this fit has not come to its end, and {kept}; give the command that began it"
+                f"{file.path}: this fit has not come to its end, and {points}; give the command that began it"
                 " again"
             )
     warn_of_damage(
         Path(path), "fit", file.damage, "Give the command that made it again: it computes what is gone."
     )
-    return found
+    return fit

@@ -50,8 +50,8 @@ class MemberError:
     @property
     def words(self) -> str:
         """How the error was estimated."""
-        lost = f"; {self.failed:,} more gave no value" if self.failed else ""
-        return f"sample of {self.count:,}, step {self.step_ratio:.3g} times{lost}"
+        missing = f"; {self.failed:,} more gave no value" if self.failed else ""
+        return f"sample of {self.count:,}, step {self.step_ratio:.3g} times{missing}"
 
     def at_quantile(self, share: float) -> float:
         """Bound the numerical error of a quantile (unit of the measure).
@@ -123,7 +123,7 @@ def member_errors(
         for one in sample_of(members, outcomes)
         if one.number in repeats
     ]
-    found = {}
+    estimates = {}
     for name in measures:
         errors, ratios = [], []
         for own, other in pairs:
@@ -140,9 +140,11 @@ def member_errors(
             errors.append(abs(values[1] - values[0]) * error_over_change(ratios[-1], order))
         if errors:
             rms = math.sqrt(math.fsum(one * one for one in errors) / len(errors))
-            lost = len(pairs) - len(errors)
-            found[name] = MemberError(len(errors), median(errors), rms, max(errors), median(ratios), lost)
-    return found
+            missing = len(pairs) - len(errors)
+            estimates[name] = MemberError(
+                len(errors), median(errors), rms, max(errors), median(ratios), missing
+            )
+    return estimates
 
 
 def median(values: Sequence[float]) -> float:

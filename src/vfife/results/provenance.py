@@ -98,7 +98,7 @@ def sources(mechanism: Mechanism) -> dict[str, str]:
     }
 
 
-def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, tuple[int, int]]]:
+def named_rows(assembly: Assembly, recorded: NDArray[np.uint32]) -> list[tuple[str, tuple[int, int]]]:
     """Recorded rows as runs of a block: its name, its first row and the number of rows that follow one
     another.
     """
@@ -109,13 +109,13 @@ def named_rows(assembly: Assembly, kept: NDArray[np.uint32]) -> list[tuple[str, 
         where = layout.rows_of(name)
         block[where] = k
         entity[where] = np.arange(len(where))
-    b, e = block[kept], entity[kept]
+    b, e = block[recorded], entity[recorded]
     starts = (
         np.flatnonzero(np.r_[True, (np.diff(b) != 0) | (np.diff(e) != 1)])
-        if len(kept)
+        if len(recorded)
         else np.zeros(0, dtype=int)
     )
-    counts = np.diff(np.r_[starts, len(kept)])
+    counts = np.diff(np.r_[starts, len(recorded)])
     return [(names[b[at]], (int(e[at]), int(count))) for at, count in zip(starts, counts, strict=True)]
 
 
@@ -220,17 +220,17 @@ def restored(
         ) from error
     mechanism.source = meta.get("source")
     assembly = assembly_of(meta, mechanism, StepChoice(**{**meta["choice"], **pairs}), where)
-    kept = rows_named(assembly, meta["kept"], where)
-    if isinstance(rows, np.ndarray) and (rows.shape[1] != len(kept) or len(rows) != len(steps)):
+    recorded = rows_named(assembly, meta["kept"], where)
+    if isinstance(rows, np.ndarray) and (rows.shape[1] != len(recorded) or len(rows) != len(steps)):
         raise RunFileError(
-            f"{where}: {rows.shape[1]} rows were recorded and {len(kept)} are named; run the model again"
+            f"{where}: {rows.shape[1]} rows were recorded and {len(recorded)} are named; run the model again"
         )
     wall, loop, message = (
         float(meta.get("wall", 0.0)),
         str(meta.get("loop", "")),
         str(meta.get("message", "")),
     )
-    return Record(assembly, steps, rows, kept, wall, loop, status_of(meta, where), message=message)
+    return Record(assembly, steps, rows, recorded, wall, loop, status_of(meta, where), message=message)
 
 
 def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, where: str) -> Rows:
@@ -326,24 +326,28 @@ def restored_companions(file: RunFile, record: Record) -> Companions | None:
     """Companions of a record that was read from a file, None without any. Raises RunFileError if they do not
     fit the run.
     """
-    kept, meta = file.companions(), file.meta.get("companions")
-    if kept is None or meta is None:
+    stored, meta = file.companions(), file.meta.get("companions")
+    if stored is None or meta is None:
         return None
-    (told, steps, rows), where = kept, str(file.path)
+    (findings, steps, rows), where = stored, str(file.path)
     counts, names = counts_of(meta, record.assembly), rows_named(record.assembly, meta["kept"], where)
     if rows.shape[1] != len(names) * len(counts):
         raise RunFileError(
             f"{where}: {rows.shape[1]} numbers are kept of {len(counts)} companions with {len(names)} each;"
             " run the model again"
         )
-    parting = None if told["parting"] is None else Parting(float(told["parting"][0]), str(told["parting"][1]))
+    parting = (
+        None
+        if findings["parting"] is None
+        else Parting(float(findings["parting"][0]), str(findings["parting"][1]))
+    )
     window = steps >= oldest_needed(record.assembly, int(record.steps[-1]))
     rows = rows.reshape(len(rows), len(names), len(counts))[window]
     earlier = {name: (float(low), float(high)) for name, (low, high) in meta["earlier"].items()}
     turns, outputs = file.turns(), outputs_of_a_turn(record.assembly)
     some = 0 if outputs is None else (len(record.steps) - 1) // outputs
-    whole = turns[:some] if turns.shape[1:] == rows.shape[1:] and len(turns) >= some else turns[:0]
-    return Companions(counts, names, steps[window], rows, parting, tuple(told["lost"]), earlier, whole)
+    complete = turns[:some] if turns.shape[1:] == rows.shape[1:] and len(turns) >= some else turns[:0]
+    return Companions(counts, names, steps[window], rows, parting, tuple(findings["lost"]), earlier, complete)
 
 
 def refuse_displaced(meta: Mapping[str, Any], where: str) -> None:

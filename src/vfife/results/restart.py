@@ -59,9 +59,9 @@ def refuse_stateless(record: Record, name: str, alike: bool) -> None:
     if record.final is not None:
         return
     last, topology = int(record.steps[-1]), record.assembly.topology
-    if record.reached > last and (gone := [what for what in record.lost if what.startswith("output")]):
+    if record.reached > last and (missing := [what for what in record.lost if what.startswith("output")]):
         raise ResumeError(
-            f"the run of {name!r} is damaged ({', '.join(gone)}): where it ended is not known; run the model"
+            f"the run of {name!r} is damaged ({', '.join(missing)}): where it ended is not known; run the model"
             " again"
         )
     if alike and (topology.contact_bearing or topology.frame_nodes):
@@ -283,11 +283,11 @@ def _states(result: View, time: float | None) -> dict[str, tuple[Array, Array]]:
         )
     k = len(times) - 1 if time is None else int(np.argmin(np.abs(times - time)))
     moved, speeds = body_motion(result.record), body_velocity(result.record)
-    found = {}
+    states = {}
     for row, (name, body) in enumerate(result.record.assembly.bodies.items()):
         x, y, angle, w = (float(moved[key][k, row]) for key in ("x", "y", "angle", "angular_velocity"))
         s, c = sincos(angle)
         r = np.array([c * body.center[0] - s * body.center[1], s * body.center[0] + c * body.center[1]])
         u, v = (float(value) for value in speeds[k, row])
-        found[name] = np.array([x - r[0], y - r[1], angle]), np.array([u + w * r[1], v - w * r[0], w])
-    return found
+        states[name] = np.array([x - r[0], y - r[1], angle]), np.array([u + w * r[1], v - w * r[0], w])
+    return states

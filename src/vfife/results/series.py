@@ -151,7 +151,7 @@ def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
     A block in a guide keeps its four corners, a body its elements and particles, as dimensions.
     """
     data, dimensions = view.data, DIMENSIONS[kind]
-    found: dict[str, Any] = {}
+    variables: dict[str, Any] = {}
     for variable, values in data.data_vars.items():
         for entity in [one for one in values.dims if one in dimensions or (kind == "body" and one in FINE)]:
             names = [str(one) for one in data[entity].values]
@@ -162,16 +162,16 @@ def dataset_of(view: View, name: str, kind: str) -> xarray.Dataset:
                     if entity in FINE
                     else str(variable).removeprefix(PREFIXES.get(str(entity), ""))
                 )
-                found.setdefault(quantity, values.sel({entity: name if exact else parts}, drop=exact))
-    if not found:
-        known = [
+                variables.setdefault(quantity, values.sel({entity: name if exact else parts}, drop=exact))
+    if not variables:
+        owners = [
             one for entity, names in entities(view.record).items() if entity in dimensions for one in names
         ]
         raise VfifeError(
             f"there is no {kind} {shown(name)} in this result:"
-            f" {suggestion(str(name), known, f'name a {kind}')}"
+            f" {suggestion(str(name), owners, f'name a {kind}')}"
         )
-    dataset: xarray.Dataset = type(data)(found, attrs={**data.attrs, kind: name})
+    dataset: xarray.Dataset = type(data)(variables, attrs={**data.attrs, kind: name})
     return dataset
 
 
@@ -181,8 +181,8 @@ def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list
     Time (or the load factor) and the crank's angle come first, those of the whole mechanism last. Raises
     VfifeError for an unknown name.
     """
-    known = dict.fromkeys(
-        one for entity, owners in entities(view.record).items() if entity not in FINE for one in owners
+    owners = dict.fromkeys(
+        one for entity, names_of in entities(view.record).items() if entity not in FINE for one in names_of
     )
     for name in names:
         if not isinstance(name, str):
@@ -190,10 +190,10 @@ def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list
                 f"{shown(name)} is {kind_of(name)}, no name of a joint, body or spring; write them one by"
                 ' one, as in to_dataframe("C", "crank")'
             )
-        if not any(belongs(one, name) for one in known):
+        if not any(belongs(one, name) for one in owners):
             raise VfifeError(
                 f"there is no joint, body or spring {shown(name)} in this result:"
-                f" {suggestion(str(name), known, 'name one')}"
+                f" {suggestion(str(name), owners, 'name one')}"
             )
     variable, unit, meaning = (
         ("load_factor", "1", "load factor") if view.record.static else ("time", "s", "time")

@@ -186,10 +186,10 @@ def spectrum(
     VfifeError for arguments out of range.
     """
     parts = spectral.windows_of(np.asarray(values, dtype=float), spacing, length, overlap, np.size(values))
-    found = spectral.averaged(parts, spacing, window)
+    averages = spectral.averaged(parts, spacing, window)
     return Spectrum(
         name=label.get("name", ""), unit=label.get("unit", ""), turn=label.get("turn"), spacing=spacing, window=window, length=parts.length,
-        overlap=overlap, amplitudes=found.amplitudes, density=found.density, windows=len(parts.starts),
+        overlap=overlap, amplitudes=averages.amplitudes, density=averages.density, windows=len(parts.starts),
     )  # fmt: skip
 
 

@@ -71,11 +71,11 @@ class Study(DataTable):
             for one in own
             if outcomes[one.number].get("hash", one.hash) == one.hash
         }
-        known = {} if repeats is None else repeats
+        recorded = {} if repeats is None else repeats
         self.repeats = {
-            one.number: known[one.number]
+            one.number: recorded[one.number]
             for one in members
-            if known.get(one.number, {}).get("hash") == one.hash
+            if recorded.get(one.number, {}).get("hash") == one.hash
         }
         self.lost = 0
         self.damage: tuple[str, ...] = ()
@@ -84,16 +84,16 @@ class Study(DataTable):
     def open(cls, path: str | Path) -> Study:
         """A study file as it is now, also while it grows. Raises RunFileError."""
         with StudyFile.open(path) as file:
-            found = cls.of(file)
-        warn_of_damage(file.path, "study", found.damage, "The same study run again computes what is gone.")
-        return found
+            study = cls.of(file)
+        warn_of_damage(file.path, "study", study.damage, "The same study run again computes what is gone.")
+        return study
 
     @classmethod
     def of(cls, file: StudyFile) -> Study:
         """The study of an open file."""
-        found = cls(file.path, file.meta, file.members(), file.outcomes(), file.repeats())
-        found.lost, found.damage = file.lost, file.damage
-        return found
+        study = cls(file.path, file.meta, file.members(), file.outcomes(), file.repeats())
+        study.lost, study.damage = file.lost, file.damage
+        return study
 
     def __repr__(self) -> str:
         return (
@@ -104,8 +104,8 @@ class Study(DataTable):
     @property
     def asked(self) -> dict[str, Any]:
         """What was asked, as the file keeps it."""
-        found: dict[str, Any] = self.meta[WHAT]
-        return found
+        spec: dict[str, Any] = self.meta[WHAT]
+        return spec
 
     @property
     def name(self) -> str:
@@ -140,8 +140,8 @@ class Study(DataTable):
     @property
     def counts(self) -> dict[str, int]:
         """How many members ended in which way, and how many are left."""
-        found = dict(Counter(str(one["status"]) for one in self.outcomes.values()))
-        return {Status.COMPLETE.value: 0, **found, "left": len(self.left)}
+        counts = dict(Counter(str(one["status"]) for one in self.outcomes.values()))
+        return {Status.COMPLETE.value: 0, **counts, "left": len(self.left)}
 
     @property
     def status(self) -> str:
@@ -213,14 +213,14 @@ class Study(DataTable):
         """
         own = [self.at(one) for one in self.members]
         lines = [k for k, one in enumerate(self.parameters) if one.gridded]
-        found: dict[str, list[Any]] = {
+        axes: dict[str, list[Any]] = {
             self.parameters[k].name: in_order(values[k] for values in own) for k in lines
         }
         samples = list(dict.fromkeys(self._sample(values) for values in own))
         if len(lines) < len(self.parameters):
-            found[SAMPLE] = samples
-        full = math.prod(len(one) for one in found.values()) == len(own)
-        return found if full and lines else {MEMBER: own}
+            axes[SAMPLE] = samples
+        full = math.prod(len(one) for one in axes.values()) == len(own)
+        return axes if full and lines else {MEMBER: own}
 
     def _sample(self, values: tuple[Any, ...]) -> tuple[Any, ...]:
         return tuple(value for value, one in zip(values, self.parameters, strict=True) if not one.gridded)
@@ -249,11 +249,11 @@ class Study(DataTable):
 
     def laid_out(self, name: str) -> NDArray[np.float64]:
         """A measure, or turns, settled or step, along the axes; NaN of members that are left or have none."""
-        found = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
+        grid = np.full(tuple(len(values) for values in self.axes.values()), np.nan)
         outcomes = [self.outcomes[one.number] for one in self.done]
         values = [one["measures"].get(name) if name in self.measures else one[name] for one in outcomes]
-        found[self._along] = [math.nan if value is None else value for value in values]
-        return found
+        grid[self._along] = [math.nan if value is None else value for value in values]
+        return grid
 
     @cached_property
     def data(self) -> xarray.Dataset:
@@ -267,12 +267,12 @@ class Study(DataTable):
         status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
         status[self._along] = [str(self.outcomes[one.number]["status"]) for one in self.done]
         units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
-        found: dict[str, Any] = {
+        variables: dict[str, Any] = {
             name: (dims, values, {"units": units[name], **self.error_attributes(name)})
             for name, values in arrays.items()
         }
-        found["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})
-        return xarray.Dataset(found, self._coordinates(), self.attributes)
+        variables["status"] = (dims, status.astype(str), {"long_name": "how the member ended"})
+        return xarray.Dataset(variables, self._coordinates(), self.attributes)
 
     def error_attributes(self, measure: str) -> dict[str, float | str]:
         """Numerical error of a member as attributes of a measure in a file; nothing of what is no measure."""
@@ -287,25 +287,33 @@ class Study(DataTable):
         }
 
     def _coordinates(self) -> dict[str, Any]:
-        found: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {}
         for k, one in enumerate(self.parameters):
-            said = {"units": one.unit, "long_name": ", ".join(one.paths)}
+            attributes = {"units": one.unit, "long_name": ", ".join(one.paths)}
             if one.name in self.axes:
-                found[one.name] = (one.name, np.array(self.axes[one.name]), said)
+                coordinates[one.name] = (one.name, np.array(self.axes[one.name]), attributes)
             elif MEMBER in self.axes:
-                found[one.name] = (MEMBER, np.array([values[k] for values in self.axes[MEMBER]]), said)
+                coordinates[one.name] = (
+                    MEMBER,
+                    np.array([values[k] for values in self.axes[MEMBER]]),
+                    attributes,
+                )
             else:
                 among = [other.name for other in self.parameters if not other.gridded].index(one.name)
-                found[one.name] = (SAMPLE, np.array([values[among] for values in self.axes[SAMPLE]]), said)
-        return found
+                coordinates[one.name] = (
+                    SAMPLE,
+                    np.array([values[among] for values in self.axes[SAMPLE]]),
+                    attributes,
+                )
+        return coordinates
 
     @property
     def attributes(self) -> dict[str, Any]:
         """Where the data come from."""
-        wanted = self.asked["wanted"]
+        requested = self.asked["wanted"]
         return {
-            "model": self.model, "study": self.name, "note": self.asked.get("note", ""), "turns": wanted["turns"], "last": wanted["last"],
-            "settle": -1.0 if wanted["settle"] is None else wanted["settle"], "vfife_version": self.asked["versions"]["vfife"],
+            "model": self.model, "study": self.name, "note": self.asked.get("note", ""), "turns": requested["turns"], "last": requested["last"],
+            "settle": -1.0 if requested["settle"] is None else requested["settle"], "vfife_version": self.asked["versions"]["vfife"],
         }  # fmt: skip
 
     @property
@@ -317,7 +325,7 @@ class Study(DataTable):
         """A flat map for every member, for tables: parameters, measures, status, turns, settled, step,
         reason.
         """
-        found = []
+        rows = []
         for one in self.members:
             outcome = self.outcomes.get(one.number)
             row: dict[str, Any] = {
@@ -328,8 +336,8 @@ class Study(DataTable):
             row |= {name: measures.get(name) for name in self.measures}
             row |= {name: None if outcome is None else outcome[name] for name in OUTCOME}
             row["status"] = row["status"] or "left"
-            found.append(row)
-        return found
+            rows.append(row)
+        return rows
 
     if TYPE_CHECKING:  # attached by vfife.methods
 
@@ -385,5 +393,5 @@ def load_study(path: str | Path) -> Study:
 
 def in_order(values: Any) -> list[Any]:
     """Each value once: numbers in their order, words in that in which they came."""
-    found = list(dict.fromkeys(values))
-    return found if any(isinstance(value, str) for value in found) else sorted(found)
+    unique = list(dict.fromkeys(values))
+    return unique if any(isinstance(value, str) for value in unique) else sorted(unique)

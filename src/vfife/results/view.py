@@ -298,8 +298,8 @@ class View:
 
 def standing(assembly: Assembly) -> View:
     """View of a mechanism at its start, without a run."""
-    kept = recorded_rows(assembly)
-    return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[kept][None, :], kept))
+    recorded = recorded_rows(assembly)
+    return View(Record(assembly, np.zeros(1, dtype=np.int64), assembly.state[recorded][None, :], recorded))
 
 
 def latest_turns(view: View) -> xarray.Dataset:
@@ -328,12 +328,12 @@ def latest_turns(view: View) -> xarray.Dataset:
         for name, series in data.variables.items()
         if "time" in series.dims
     }
-    found = data.drop_dims("time").assign_coords(
+    dataset = data.drop_dims("time").assign_coords(
         turn=("turn", numbers, {"units": "1", "long_name": "turn of the run, counted from 1"}),
         crank_angle=("crank_angle", over, {"units": "deg", "long_name": f"angle of {view.crank}"}),
         time=(dims, view.time[window].reshape(shape), {"units": "s", "long_name": "time"}),
     )
-    return found.assign(variables).assign_attrs(
+    return dataset.assign(variables).assign_attrs(
         motion=motion.motion, measures_of=part_of(view.record, motion)
     )
 
@@ -356,15 +356,15 @@ class Reductions:
         parts = [View(one) for one in turns]
         own = [turn_of(one) for one in turns]
         time = joined([times(one)[at:] for one, at in zip(turns, own, strict=True)])
-        found: dict[str, float] = {}
+        values_by_name: dict[str, float] = {}
         for name, (how, channel) in self.requested.items():
             if channel in parts[0].series and len(time) > 1:
                 values = [
                     np.asarray(one.series.column(channel).values[at:], dtype=float)
                     for one, at in zip(parts, own, strict=True)
                 ]
-                found[name] = REDUCED[how](time, joined(values))
-        return {name: value for name, value in found.items() if math.isfinite(value)}
+                values_by_name[name] = REDUCED[how](time, joined(values))
+        return {name: value for name, value in values_by_name.items() if math.isfinite(value)}
 
 
 def turn_of(record: Record) -> int:

@@ -162,6 +162,6 @@ def unwritten(path: Path | str, what: str, needed: int = 0) -> str:
     if any(word in what.lower() for word in ("readonly", "read-only", "permi")):
         return f"{path}: {what}; you may not write to this file or its folder."
     free = free_bytes(Path(path))
-    wanted = f"{needed:,} bytes were to be written, " if needed else ""
-    room = "" if free is None else f" ({wanted}{free:,} bytes are free there)"
+    written = f"{needed:,} bytes were to be written, " if needed else ""
+    room = "" if free is None else f" ({written}{free:,} bytes are free there)"
     return f"{path}: {what}{room}; is the disk full, or the folder gone or read-only?"

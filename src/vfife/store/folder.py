@@ -60,14 +60,14 @@ def refuse_foreign(asked: Path | None, trace: str = RUN_FILE, what: str = "run")
 
 def own_files(folder: Path, model: str | None) -> list[Path]:
     """Files in a run folder whose content shows that a run wrote them; ``model`` is the text in its run file."""
-    found = [
+    files = [
         path
         for path in (folder / RUN_FILE, folder / MODEL, folder / SUMMARY)
         if path.is_file() and is_own(path, model)
     ]
-    if folder / RUN_FILE in found:
-        found += [folder / name for name in SQLITE_TRACES if (folder / name).is_file()]
-    return found + [
+    if folder / RUN_FILE in files:
+        files += [folder / name for name in SQLITE_TRACES if (folder / name).is_file()]
+    return files + [
         path
         for path in sorted((folder / FIGURES).glob("*"))
         if path.suffix in PICTURES and is_own(path, model)
@@ -91,13 +91,13 @@ def is_own(path: Path, model: str | None) -> bool:
         if path.name == MODEL:
             return read_bytes(path).decode("utf-8") == model
         if path.name == SUMMARY:
-            said = json.loads(read_bytes(path))
-            return isinstance(said, dict) and set(said) >= SUMMARY_KEYS
+            summary = json.loads(read_bytes(path))
+            return isinstance(summary, dict) and set(summary) >= SUMMARY_KEYS
         with path.open("rb") as stream:
-            told = stream.read(HEAD)
+            head = stream.read(HEAD)
             stream.seek(max(path.stat().st_size - HEAD, 0))
-            told += stream.read(HEAD) if path.suffix == ".pdf" else b""  # which says at its end who made it
-        return told.startswith(PICTURES[path.suffix]) and any(name in told for name in DRAWN_BY)
+            head += stream.read(HEAD) if path.suffix == ".pdf" else b""  # which says at its end who made it
+        return head.startswith(PICTURES[path.suffix]) and any(name in head for name in DRAWN_BY)
     except (OSError, ValueError, RecursionError, KeyError):
         return False
 
@@ -161,7 +161,7 @@ class RunFolder:
         inside = home.is_dir()
         parent, name = (home, "") if inside else (home.parent, f".{home.name}")
         if not inside:
-            self.made = tuple(above for above in parent.parents if not above.exists())
+            self.made = tuple(folder for folder in parent.parents if not folder.exists())
             self.made = (*((parent,) if not parent.exists() else ()), *self.made)
             parent.mkdir(parents=True, exist_ok=True)
         tidy(parent, name)

@@ -58,8 +58,8 @@ class MapFile(Store):
         """An array that was written before a leg, without which it means nothing; None where it is missing or
         damaged.
         """
-        found: Array | None = self.get("arrays", key, "data")
-        return found
+        array: Array | None = self.get("arrays", key, "data")
+        return array
 
     def state(self, number: int) -> Array:
         """The state after a leg, shape (rows, chains)."""
@@ -101,5 +101,5 @@ def _state(file: Store, table: str, number: int, name: str) -> Array:
         raise RunFileError(
             f"{file.path}: the state after {name} is damaged; make the {file.schema.kind} again"
         )
-    found: Array = row["state"]
-    return found
+    state: Array = row["state"]
+    return state

@@ -47,8 +47,8 @@ def unpacked(data: bytes, most: int = MOST_BYTES) -> NDArray[np.float64]:
 
 def seal(table: str, *values: Any) -> bytes:
     """Hash of a row: the table's name and all values beside the seal, each with its kind and length."""
-    whole = hashlib.blake2b(table.encode(), digest_size=SEAL_BYTES)
+    digest = hashlib.blake2b(table.encode(), digest_size=SEAL_BYTES)
     for value in values:
         part = value if isinstance(value, bytes) else str(value).encode("utf-8", "surrogatepass")
-        whole.update(f"|{type(value).__name__[0]}{len(part)}|".encode() + part)
-    return whole.digest()
+        digest.update(f"|{type(value).__name__[0]}{len(part)}|".encode() + part)
+    return digest.digest()

@@ -271,8 +271,8 @@ class RunFile(Store):
         entries, arrays = _split_arrays(meta)
         if not meta:
             return
-        known = self._entry("meta", KEYS)
-        entries[KEYS] = sorted({*entries, *arrays, *(json.loads(known) if known else ())})
+        names = self._entry("meta", KEYS)
+        entries[KEYS] = sorted({*entries, *arrays, *(json.loads(names) if names else ())})
         for table, values in (("meta", entries), ("arrays", arrays)):
             for key, value in values.items():
                 self.insert(table, key, value)
@@ -306,7 +306,7 @@ class RunFile(Store):
         RunFileError.
         """
         entries: dict[str, Any] = {}
-        lost: set[str] = set()
+        missing_entries: set[str] = set()
         copies = [str(key) for key in self.keys("copies")]
         with self.reported():
             for table, _ in META:
@@ -317,13 +317,13 @@ class RunFile(Store):
                 }:
                     value = self._entry(table, key)
                     if value is None:
-                        lost.add(str(key))
+                        missing_entries.add(str(key))
                     else:
                         entries[str(key)] = json.loads(value) if table == "meta" else unpacked(value)
         names = entries.pop(KEYS, None)
-        if names is None and (entries or lost):
+        if names is None and (entries or missing_entries):
             self._report_lost("the list of what it says")
-        for name in sorted((lost | set(names or ())) - set(entries) - {KEYS}):
+        for name in sorted((missing_entries | set(names or ())) - set(entries) - {KEYS}):
             self._report_lost(f"its {name}" if name.isprintable() else "an entry of what it says")
         entries.pop(COUNTED, None)
         if not entries:
@@ -340,8 +340,8 @@ class RunFile(Store):
         if unknown.
         """
         with self.reported():
-            found = json.loads(self._entry("meta", COUNTED) or "null")
-        return (found or {"history": (0, 0)}).get(table, 0)
+            counts = json.loads(self._entry("meta", COUNTED) or "null")
+        return (counts or {"history": (0, 0)}).get(table, 0)
 
     # -------------------------------------------------------------------------------------------------------
     # history
@@ -385,22 +385,22 @@ class RunFile(Store):
         and noted.
         """
         chunks, total = self._expected_counts()
-        steps, rows, filled, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
+        steps, rows, count, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
         for first, own, values in self._chunks(chunks, only_steps):
             if first > at:
                 self._report_lost(missing(at, first))
             if not only_steps and rows.size == 0:
                 rows = room_for_rows(total, values.shape[1])
-            if len(own) > total - filled or not (only_steps or values.shape == (len(own), rows.shape[1])):
+            if len(own) > total - count or not (only_steps or values.shape == (len(own), rows.shape[1])):
                 self._report_lost(missing(first, first + len(own)))
                 continue
-            steps[filled : filled + len(own)] = own
+            steps[count : count + len(own)] = own
             if not only_steps:
-                rows[filled : filled + len(own)] = values
-            filled, at = filled + len(own), first + len(own)
+                rows[count : count + len(own)] = values
+            count, at = count + len(own), first + len(own)
         if at < total:
             self._report_lost(missing(at, total))
-        return steps[:filled], rows[:filled]
+        return steps[:count], rows[:count]
 
     def later(self) -> Callable[[], Array]:
         """Return a function that reads the rows of the outputs, also after this file is closed."""
@@ -459,9 +459,9 @@ class RunFile(Store):
 
     def _sound_rows(self, table: str, what: str) -> list[Row] | None:
         """All rows of a table; None if some are damaged or missing, which is noted."""
-        found = [row for _, row in self.read(table)]
-        rows = [row for row in found if row is not None]
-        if len(rows) == len(found) >= self._counted(table):
+        stored = [row for _, row in self.read(table)]
+        rows = [row for row in stored if row is not None]
+        if len(rows) == len(stored) >= self._counted(table):
             return rows
         self._report_lost(what)
         return None
@@ -502,10 +502,10 @@ class RunFile(Store):
 
     def latest(self) -> Checkpoint | None:
         """Latest sound checkpoint, from which the run can continue; None without any."""
-        found = list(self.read("checkpoints"))
-        if len(found) < self._counted("checkpoints"):
+        stored = list(self.read("checkpoints"))
+        if len(stored) < self._counted("checkpoints"):
             self._report_lost("a checkpoint")
-        for step, row in reversed(found):
+        for step, row in reversed(stored):
             if row is not None:
                 return Checkpoint(
                     int(row["step"]), row["state"], row["more"], int(row["chunks"]), int(row["outputs"])
@@ -515,23 +515,23 @@ class RunFile(Store):
 
     def last_checkpoint(self) -> tuple[int, Array] | None:
         """Step number and state S of the latest checkpoint, or None."""
-        found = self.latest()
+        latest = self.latest()
         return (
             None
-            if found is None
+            if latest is None
             else (
-                found.step,
-                found.values if found.values.ndim == 1 else np.ascontiguousarray(found.values[:, 0]),
+                latest.step,
+                latest.values if latest.values.ndim == 1 else np.ascontiguousarray(latest.values[:, 0]),
             )
         )
 
     @property
     def events(self) -> list[tuple[int, str, str]]:
         """Step, time (UTC) and text of the events, in their order."""
-        found = [row.values[1:] for _, row in self.read("events") if row is not None]
-        if len(found) < self._counted("events"):
+        stored = [row.values[1:] for _, row in self.read("events") if row is not None]
+        if len(stored) < self._counted("events"):
             self._report_lost("some of its events")
-        return [(step, time, text) for step, time, text in found]
+        return [(step, time, text) for step, time, text in stored]
 
     @property
     def has_reference(self) -> bool:
@@ -544,10 +544,10 @@ class RunFile(Store):
         if not rows:
             return None
         with self.reported():
-            found = _reference_of({row["part"]: row["data"] for row in rows})
-        if found is None:
+            record = _reference_of({row["part"]: row["data"] for row in rows})
+        if record is None:
             self._report_lost("the ideal reference")
-        return found
+        return record
 
 
 def _reference_of(parts: Mapping[str, bytes]) -> StoredRecord | None:

@@ -49,12 +49,12 @@ class Schema(NamedTuple):
     @property
     def statements(self) -> list[str]:
         """SQL that makes the tables that a file lacks; the last column of each is the seal of the row."""
-        made = []
+        statements = []
         for table, columns in self.tables.items():
             first, *others = [*(f"{name} {TYPES[kind]}" for name, kind in columns.items()), "seal BLOB"]
             declared = [f"{first} PRIMARY KEY", *(f"{one} NOT NULL" for one in others)]
-            made.append(f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(declared)})")
-        return made
+            statements.append(f"CREATE TABLE IF NOT EXISTS {table} ({', '.join(declared)})")
+        return statements
 
     def head(self, path: Path) -> bytes | None:
         """The header of a file of this kind; None for any other file."""

@@ -366,7 +366,9 @@ class Store:
             finally:
                 self._connection.rollback()
         damage += [
-            f"{lost:,} {self._names()[table]} are damaged" for table, (_, lost) in counted.items() if lost
+            f"{damaged_rows:,} {self._names()[table]} are damaged"
+            for table, (_, damaged_rows) in counted.items()
+            if damaged_rows
         ]
         if tally is None and self.version >= TALLY_FORMAT:
             damage.append(
@@ -390,15 +392,15 @@ class Store:
         """The number of sound rows of a table and the exclusive or of their seals, and the number of damaged
         rows.
         """
-        count = seals = lost = 0
+        count = seals = damaged = 0
         for key, row in self.read(table):
             if table == "meta" and key == TALLY:
                 continue
             if row is None:
-                lost += 1
+                damaged += 1
             else:
                 count, seals = count + 1, seals ^ _number(row.seal)
-        return (count, seals), lost
+        return (count, seals), damaged
 
     def _structure(self) -> list[str]:
         """A sentence where pages of the file do not fit together: then a search by key fails although the row
@@ -416,12 +418,12 @@ class Store:
         """Sentences on rows that are in the tally but not in the file, beyond those that are damaged."""
         missing = []
         for table, name in self._names().items():
-            counts, lost = counted.get(table, ((0, 0), 0))
+            counts, damaged = counted.get(table, ((0, 0), 0))
             count, seals = tally.get(table, [0, "0"])
-            gone = int(count) - counts[0] - lost
-            if gone > 0:
-                missing.append(f"{gone:,} {name} are missing")
-            elif not lost and counts != (int(count), int(seals, 16)):
+            missing_rows = int(count) - counts[0] - damaged
+            if missing_rows > 0:
+                missing.append(f"{missing_rows:,} {name} are missing")
+            elif not damaged and counts != (int(count), int(seals, 16)):
                 missing.append(f"the {name} are not those that were written")
         return missing
 

@@ -105,11 +105,11 @@ class StudyFile(Store):
         for number, row in self.read("members"):
             if row is None:  # it is added anew
                 self._connection.execute("DELETE FROM members WHERE number = ?", (number,))
-        known = {name for (name,) in self._connection.execute("SELECT hash FROM members")}
+        hashes = {name for (name,) in self._connection.execute("SELECT hash FROM members")}
         first = number = 1 + int(self.query("SELECT coalesce(max(number), -1) FROM members")[0])
         for numbers in members:
-            if (name := hash_of(numbers)) not in known:
-                known.add(name)
+            if (name := hash_of(numbers)) not in hashes:
+                hashes.add(name)
                 self.insert("members", number, name, dict(numbers))
                 number += 1
         return number - first
@@ -138,7 +138,7 @@ class StudyFile(Store):
         ``table``: "repeats" of those with another step; none in a file that was written before there were
         any.
         """
-        found = {}
+        outcomes = {}
         with self.reported():
             for number, row in self.read(table):
                 if row is not None:
@@ -147,8 +147,8 @@ class StudyFile(Store):
                         "measures": json.loads(one["measures"]),
                         "settled": None if one["settled"] < 0 else one["settled"],
                     }
-                    found[int(number)] = one
-        return found
+                    outcomes[int(number)] = one
+        return outcomes
 
     def repeats(self) -> dict[int, dict[str, Any]]:
         """Outcomes of members of the sample with another step."""
