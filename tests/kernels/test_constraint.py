@@ -8,7 +8,7 @@ import pytest
 from vfife.compiler.trace.tables import tables
 from vfife.kernels.arrays import CONSTRAINT, CONSTRAINT_INDEX, CONTACT, CONTACT_INDEX, HEADER, PARTICLE
 from vfife.kernels.constraint import Row, apply_response, joint_compliance, levers
-from vfife.kernels.contact import apply_contact_force
+from vfife.kernels.contact_forces import apply_contact_force
 from vfife.kernels.factors import factor, fill
 from vfife.kernels.topology import LOCKED, PINNED, Topology
 from vfife.laws import Frictionless, LankaraniNikravesh

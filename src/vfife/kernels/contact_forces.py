@@ -1,0 +1,139 @@
+"""Forces of contacts on their two bodies, and normal forces that are solved together; names as in
+:mod:`~vfife.kernels.contact`.
+
+Contacts from outside that share a body and may begin in the same step get their
+normal forces together, whatever their order. Solved in turn, the first of two corners that meet a wall feels
+the last step's force of the second, the second the new one of the first, and a block that should stay upright
+turns. Here every contact answers to the same velocities, several times over (Jacobi's sweeps). With the force
+of a pair of bodies counted as often as contacts press on each of them, no such sweep overshoots: sum_ij x_i
+g_i g_j x_j <= c sum_i (g_i x_i)^2 for c contacts on a body (Cauchy and Schwarz), so the sweeps approach the
+common solution from any start. Joints whose bodies hang in ideal joints, and bearings around journals, are
+solved in turn.
+"""
+
+from .arrays import CONTACT, CONTACT_INDEX, HEADER, PARTICLE
+from .geometry import normal_force
+
+SWEEPS = 6  # over all contacts that are solved together
+
+
+def apply_contact_force(S, j, b, k, normal, friction):
+    """Add a normal and a friction force (N) of joint j to the forces on its two particles."""
+    nx = S[j + CONTACT.nx]
+    ny = S[j + CONTACT.ny]
+    px = normal * nx + friction * ny
+    py = friction * nx - normal * ny
+    S[k + PARTICLE.fx] -= px
+    S[k + PARTICLE.fy] += py
+    S[k + PARTICLE.mz] += friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn]
+    S[b + PARTICLE.fx] += px
+    S[b + PARTICLE.fy] -= py
+    S[b + PARTICLE.mz] -= friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn]
+
+
+def update_velocities(S, j, b, k, h, normal, friction):
+    """Change the velocities at t_n of the two particles of joint j as a change (N) of its force does."""
+    nx = S[j + CONTACT.nx]
+    ny = S[j + CONTACT.ny]
+    px = normal * nx + friction * ny
+    py = friction * nx - normal * ny
+    hk = h * S[k + PARTICLE.inverse_mass]
+    hb = h * S[b + PARTICLE.inverse_mass]
+    S[k + PARTICLE.vu] -= hk * px
+    S[k + PARTICLE.vv] += hk * py
+    S[k + PARTICLE.vw] += (
+        h * S[k + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.jt] - normal * S[j + CONTACT.jn])
+    )
+    S[b + PARTICLE.vu] += hb * px
+    S[b + PARTICLE.vv] -= hb * py
+    S[b + PARTICLE.vw] -= (
+        h * S[b + PARTICLE.inverse_inertia] * (friction * S[j + CONTACT.bt] - normal * S[j + CONTACT.bn])
+    )
+
+
+def approach_rate(S, j, b, k):
+    """Rate of the penetration (m/s) at the velocities of t_n."""
+    ru = S[k + PARTICLE.vu] - S[b + PARTICLE.vu]
+    rv = S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
+    return (
+        S[j + CONTACT.nx] * ru
+        + S[j + CONTACT.ny] * rv
+        + S[j + CONTACT.jn] * S[k + PARTICLE.vw]
+        - S[j + CONTACT.bn] * S[b + PARTICLE.vw]
+    )
+
+
+def sliding_rate(S, j, b, k):
+    """Sliding velocity along t (m/s) at the velocities of t_n."""
+    ru = S[k + PARTICLE.vu] - S[b + PARTICLE.vu]
+    rv = S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
+    return (
+        S[j + CONTACT.nx] * rv
+        - S[j + CONTACT.ny] * ru
+        + S[j + CONTACT.jt] * S[k + PARTICLE.vw]
+        - S[j + CONTACT.bt] * S[b + PARTICLE.vw]
+    )
+
+
+def solve_simultaneous(S, I, h):
+    """Solve the normal forces of contacts that may begin in the same step together, by Jacobi's sweeps; see
+    the top of this file.
+    """
+    # First count the contacts that press on each body: its mobility is multiplied by that in force_change.
+    for q in range(I[HEADER.jointed], I[HEADER.jointed_end]):
+        S[I[q] + PARTICLE.touches] = 0.0
+    for r in range(I[HEADER.contact], I[HEADER.contact_end], CONTACT_INDEX.SIZE):
+        if I[r + CONTACT_INDEX.simultaneous] != 0:
+            touching = 1.0 if S[I[r + CONTACT_INDEX.row] + CONTACT.penetration] > 0.0 else 0.0
+            S[I[r + CONTACT_INDEX.bearing] + PARTICLE.touches] += touching
+            S[I[r + CONTACT_INDEX.journal] + PARTICLE.touches] += touching
+    # All changes of a sweep follow from the velocities before it; only then are they applied.
+    for _ in range(SWEEPS):
+        for r in range(I[HEADER.contact], I[HEADER.contact_end], CONTACT_INDEX.SIZE):
+            if I[r + CONTACT_INDEX.simultaneous] != 0:
+                force_change(
+                    S, I[r + CONTACT_INDEX.row], I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], h
+                )
+        for r in range(I[HEADER.contact], I[HEADER.contact_end], CONTACT_INDEX.SIZE):
+            if I[r + CONTACT_INDEX.simultaneous] != 0:
+                j = I[r + CONTACT_INDEX.row]
+                apply_contact_force(
+                    S,
+                    j,
+                    I[r + CONTACT_INDEX.bearing],
+                    I[r + CONTACT_INDEX.journal],
+                    S[j + CONTACT.change],
+                    0.0,
+                )
+                update_velocities(
+                    S,
+                    j,
+                    I[r + CONTACT_INDEX.bearing],
+                    I[r + CONTACT_INDEX.journal],
+                    h,
+                    S[j + CONTACT.change],
+                    0.0,
+                )
+                S[j + CONTACT.normal] += S[j + CONTACT.change]
+
+
+def force_change(S, j, b, k, h):
+    """Store the change of a contact's normal force at the present velocities, its mobility counted once for
+    each contact on its bodies.
+    """
+    jn = S[j + CONTACT.jn]
+    bn = S[j + CONTACT.bn]
+    on_journal = S[k + PARTICLE.touches] * (
+        S[k + PARTICLE.inverse_mass] + jn * jn * S[k + PARTICLE.inverse_inertia]
+    )
+    on_bearing = S[b + PARTICLE.touches] * (
+        S[b + PARTICLE.inverse_mass] + bn * bn * S[b + PARTICLE.inverse_inertia]
+    )
+    g = h * (on_journal + on_bearing)
+    former = S[j + CONTACT.normal]
+    # The rate holds the former force already: g times it is added, so that the law is solved for the whole
+    # force and not for its change.
+    normal, _ = normal_force(
+        S[j + CONTACT.elastic], S[j + CONTACT.damping_coefficient], approach_rate(S, j, b, k) + g * former, g
+    )
+    S[j + CONTACT.change] = normal - former
