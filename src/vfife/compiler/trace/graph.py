@@ -58,105 +58,117 @@ class Graph:
     simultaneous: tuple[bool, ...]
 
 
+class Sides(NamedTuple):
+    """Bodies of a contact or an ideal joint; the carrier of its gears, or the ground."""
+
+    bearing: int
+    journal: int
+    carrier: int = 0
+
+
 @lru_cache(maxsize=64)
 def derive(topology: Topology) -> Graph:
     """The graph of a topology."""
     free = set(topology.free)
-    clearances = list(zip(topology.contact_bearing, topology.contact_journal, strict=True))
-    ideals = list(zip(topology.joint_bearing, topology.joint_journal, topology.carriers, strict=True))
-    uses = Counter(body for pair in [*clearances, *ideals] for body in set(pair) if body in free)
-    pinned = tuple(sorted({body for pair in ideals for body in pair if body in free}))
-    constrained = tuple(any(body in pinned for body in pair) for pair in clearances)
-    armed = set(
-        topology.trig
-    )  # on an arm, friction turns the body against the normal force: it counts as shared too
-    shared = tuple(any(uses[body] > 1 or body in armed & free for body in pair) for pair in clearances)
-    touched = {body for pair in clearances for body in pair if body in free}
-    jointed = tuple(sorted(touched | (set(pinned) if any(constrained) else set())))
+    contacts = list(map(Sides, topology.contact_bearing, topology.contact_journal))
+    joints = list(map(Sides, topology.joint_bearing, topology.joint_journal, topology.carriers))
+    uses = Counter(body for sides in [*contacts, *joints] for body in set(sides) if body in free)
+    pinned = {body for sides in joints for body in sides if body in free}
+    constrained = tuple(any(body in pinned for body in sides[:2]) for sides in contacts)
+    # On an arm, friction turns the body against the normal force: a contact with an arm counts as shared,
+    # too.
+    arms = set(topology.trig) & free
+    shared = tuple(any(uses[body] > 1 or body in arms for body in sides[:2]) for sides in contacts)
+    touched = {body for sides in contacts for body in sides if body in free}
     starts = topology.constraint_starts
-    order = elimination_order([sorted(set(three) & free) for three in ideals])
+    order = elimination_order([sorted(set(sides) & free) for sides in joints])
     rows = tuple(row for joint in order for row in range(starts[joint], starts[joint + 1]))
-    sides = [ideals[joint] for joint in order for _ in range(starts[joint + 1] - starts[joint])]
-    couples = _couples(sides, free)
-    reach = list(range(len(sides)))
-    for couple in couples:
-        reach[couple.row] = min(reach[couple.row], couple.other)
+    counts = [starts[joint + 1] - starts[joint] for joint in order]
+    couples = _couples(
+        [joints[joint] for joint, count in zip(order, counts, strict=True) for _ in range(count)], free
+    )
     # Elimination fills in only between the first entry of a row and its diagonal, so the profile of the
     # matrix is that of its factors.
+    first = list(range(len(rows)))
+    for couple in couples:
+        first[couple.row] = min(first[couple.row], couple.other)
     start, size = [], 0
-    for r, low in enumerate(reach):
-        start.append(size - low)
-        size += r - low + 1
-    again = any(constrained)
-    closing = _closing([(starts[joint + 1] - starts[joint], ideals[joint][:2]) for joint in order], free)
-    simultaneous = _simultaneous(topology, constrained)
+    for row, column in enumerate(first):
+        start.append(size - column)
+        size += row - column + 1
     return Graph(
-        order,
-        rows,
-        jointed,
-        pinned,
-        shared,
-        constrained,
-        couples,
-        tuple(reach),
-        tuple(start),
-        size,
-        again,
-        closing,
-        simultaneous,
+        order=order,
+        rows=rows,
+        jointed=tuple(sorted(touched | (pinned if any(constrained) else set()))),
+        pinned=tuple(sorted(pinned)),
+        shared=shared,
+        constrained=constrained,
+        couples=couples,
+        first=tuple(first),
+        start=tuple(start),
+        size=size,
+        close_again=any(constrained),
+        closing=_closing([joints[joint] for joint in order], counts, free),
+        simultaneous=_simultaneous(topology, contacts, constrained),
     )
 
 
-def _simultaneous(topology: Topology, constrained: tuple[bool, ...]) -> tuple[bool, ...]:
+def _simultaneous(
+    topology: Topology, contacts: list[Sides], constrained: tuple[bool, ...]
+) -> tuple[bool, ...]:
     """Contacts from outside, rounds and corners, that share a free body with another: they may begin in one
-    step and are solved together.
+    step and are solved together. Those whose bodies hang in ideal joints are solved in turn.
     """
-    kinds = topology.contact_kind or (BEARING,) * len(topology.contact_bearing)
-    pairs = list(zip(topology.contact_bearing, topology.contact_journal, strict=True))
+    kinds = topology.contact_kind or (BEARING,) * len(contacts)
     outside = [kind in (ROUND, LINE) and not hangs for kind, hangs in zip(kinds, constrained, strict=True)]
     free = set(topology.free)
     uses = Counter(
-        body for pair, counts in zip(pairs, outside, strict=True) if counts for body in pair if body in free
+        body for sides, counts in zip(contacts, outside, strict=True) if counts for body in {*sides} & free
     )
     return tuple(
-        counts and any(uses[body] > 1 for body in pair) for pair, counts in zip(pairs, outside, strict=True)
+        counts and any(uses[body] > 1 for body in sides)
+        for sides, counts in zip(contacts, outside, strict=True)
     )
 
 
-def _closing(order: list[tuple[int, tuple[int, int]]], free: set[int]) -> tuple[bool, ...]:
+def _closing(order: list[Sides], counts: list[int], free: set[int]) -> tuple[bool, ...]:
     """Whether each constraint joins bodies that joints before its own hold together already; bodies whose
     motion is prescribed are one.
 
-    Joints are given in their order, each with its rows and its two bodies. ``part`` leads from a body to one
-    that represents all that it hangs together with (union and find): a joint whose bodies have the same
-    representative closes a loop.
+    Joints are given in their ``order``, each with its ``counts`` of rows. ``parent`` leads from a body to one
+    that represents all that it hangs together with (union and find, Galler and Fischer 1964): a joint whose
+    bodies have the same representative closes a loop. The pivots of such rows alone can vanish: those of a
+    tree are at least an inverse mass (see the kernels' ``factors``).
     """
-    part: dict[int, int] = {}
+    parent: dict[int, int] = {}
     closing: list[bool] = []
-    for count, pair in order:
-        first, second = (body if body in free else 0 for body in pair)
-        while first in part:
-            first = part[first]
-        while second in part:
-            second = part[second]
+    for sides, count in zip(order, counts, strict=True):
+        first, second = (body if body in free else 0 for body in sides[:2])
+        while first in parent:
+            first = parent[first]
+        while second in parent:
+            second = parent[second]
         if first != second:
-            part[max(first, second)] = min(first, second)
+            parent[max(first, second)] = min(first, second)
         closing += [first == second] * count
     return tuple(closing)
 
 
-def _couples(sides: list[tuple[int, int, int]], free: set[int]) -> tuple[Couple, ...]:
-    """Pairs of constraint rows that share a body; ``sides`` are the bearing, journal and carrier of each row."""
+def _couples(sides: list[Sides], free: set[int]) -> tuple[Couple, ...]:
+    """Pairs of constraint rows that share a body; ``sides`` are the bodies of each row."""
     uses: dict[int, list[tuple[int, int]]] = {}
-    for row, three in enumerate(sides):
-        for side, body in enumerate(three):
+    for row, bodies in enumerate(sides):
+        for side, body in enumerate(bodies):
             if body in free:
                 uses.setdefault(body, []).append((row, side))
-    pairs = (
-        (body, one, two) for body, rows in uses.items() for one in rows for two in rows if two[0] <= one[0]
-    )
     return tuple(
-        sorted(Couple(row, other, body, side, other_side) for body, (row, side), (other, other_side) in pairs)
+        sorted(
+            Couple(row, other, body, side, other_side)
+            for body, rows in uses.items()
+            for row, side in rows
+            for other, other_side in rows
+            if other <= row
+        )
     )
 
 
@@ -164,12 +176,12 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     """Joints, each given by the free bodies that it joins, in the order of their elimination, those that wait
     for one another side by side.
     """
-    at: dict[int, set[int]] = {}
+    joints_of: dict[int, set[int]] = {}
     for joint, bodies in enumerate(joints):
         for body in bodies:
-            at.setdefault(body, set()).add(joint)
+            joints_of.setdefault(body, set()).add(joint)
     neighbours = [
-        set().union(*(at[body] for body in bodies)) - {joint} for joint, bodies in enumerate(joints)
+        set().union(*(joints_of[body] for body in bodies)) - {joint} for joint, bodies in enumerate(joints)
     ]
     waits = [0] * len(joints)
     after: list[list[int]] = [[] for _ in joints]  # joints of which this is the next that waits for them
@@ -178,7 +190,8 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     ready = [(len(others), 0, joint) for joint, others in enumerate(neighbours)]
     heapq.heapify(ready)
     eliminated: list[int] = []
-    # Entries of the heap are never removed: one whose degree or wait is no longer the joint's own is stale,
+    # The heap is ordered by degree, then by wait, then by number, so that the order is the same on every
+    # machine. Its entries are never removed: one whose degree or wait is no longer the joint's own is stale,
     # and a newer one is behind it.
     while ready:
         degree, waited, joint = heapq.heappop(ready)
@@ -186,11 +199,15 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
             continue
         place[joint] = len(eliminated)
         eliminated.append(joint)
+        # Eliminating a joint couples all its neighbours with one another (fill-in), and each of them waits
+        # for it.
         for other in neighbours[joint]:
             neighbours[other] |= neighbours[joint]
             neighbours[other] -= {joint, other}
             waits[other] = max(waits[other], waits[joint] + 1)
             heapq.heappush(ready, (len(neighbours[other]), waits[other], other))
+    # What is left of a joint's neighbours are those eliminated after it; the first of them is its parent in
+    # the elimination tree (Liu 1990), which alone has to come behind it.
     for joint in eliminated:
         later = min(neighbours[joint], key=place.__getitem__, default=None)
         (roots if later is None else after[later]).append(joint)
@@ -198,8 +215,11 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
 
 
 def _behind(roots: list[int], after: list[list[int]]) -> tuple[int, ...]:
-    """Every joint behind all that it waits for, and these one chain after the other: a profile is as narrow
-    as it can be then.
+    """Joints of an elimination tree from its leaves to its ``roots`` (postorder); ``after`` are the children
+    of each.
+
+    Every joint comes behind all that it waits for, and these one chain after the other: a row's entries begin
+    at the first joint below it, so a profile is as narrow as it can be then.
     """
     order: list[int] = []
     waiting = roots[::-1]
