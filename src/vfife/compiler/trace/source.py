@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from types import FunctionType
 from typing import Any, Protocol
@@ -230,47 +230,49 @@ def law_name(kind: str, law: type) -> str:
     return f"{kind}_{(law.__dict__.get('name') or law.__name__).replace('-', '_')}"
 
 
+def choice(head: str, answers: Sequence[str], cases: Mapping[int, Sequence[str]]) -> str:
+    """Text of a function that executes the lines of the case ``kind``; where there is none its answers are zero."""
+    lines = [f"def {head}:", *(f"    {answer} = 0.0" for answer in answers)]
+    for number, case in cases.items():
+        lines += [f"    if kind == {number}:", *(f"        {line}" for line in case)]
+    return "\n".join([*lines, f"    return {', '.join(answers)}"]) + "\n"
+
+
+def slots_of(law: Any) -> str:
+    """The tuple of a law's parameters, which lie in the rows from ``base``."""
+    return f"({''.join(f'S[base + {k}], ' for k in range(len(law.slots)))})"
+
+
 def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
-    """An if-chain over laws for the data-driven loop: ``contact_law(kind, ..., S, base)`` or
-    ``friction_law(kind, ..., S, base, memory)``.
+    """The choice between contact laws, ``contact_law(kind, depth, slowness, S, base)``, or friction laws.
 
-    The friction law's memory lies in the rows from ``memory`` and is wiped where no normal force holds the
-    surfaces together.
+    That is ``friction_law(kind, normal, free, mobility, dt, S, base, memory)``. A law's memory lies in the rows from
+    ``memory`` and is wiped where no normal force holds the surfaces together. A law with a table has no case: its
+    numbers are not among the slots (kernels/tabled.py).
     """
-    friction = kind == "friction"
-    signature = "normal, free, mobility, dt" if friction else "depth, slowness"
-    lines = [
-        f"def {kind}_law(kind, {signature}, S, base{', memory' if friction else ''}):",
-        "    first = 0.0",
-        "    second = 0.0",
-    ]
+    cases: dict[int, list[str]] = {}
     for number, law in enumerate(laws):
-        if getattr(law, "tabled", False):  # its table is not among the slots: kernels/tabled.py
-            lines += [f"    {'el' if number else ''}if kind == {number}:", "        first, second = 0.0, 0.0"]
+        if getattr(law, "tabled", False):
             continue
-        count, rows = room(kind, law)
+        rows = memory_rows(kind, law)
         name = gathered.add(law.force, law_name(kind, law))  # type: ignore[attr-defined]
-        slots = "".join(f"S[base + {k}], " for k in range(count))
-        held = [f"S[memory + {k}]" for k in range(rows)]
-        one = held[0] if rows == 1 else f"({', '.join(held)})" if held else "0.0"
-        arguments = f"normal, free, mobility, {one}, dt" if friction else signature
-        lines += [
-            f"    {'el' if number else ''}if kind == {number}:",
-            f"        first, second = {name}({arguments}, ({slots}))",
+        if kind == "contact":
+            cases[number] = [f"elastic, damping = {name}(depth, slowness, {slots_of(law)})"]
+            continue
+        row = [f"S[memory + {k}]" for k in range(rows)]
+        memory = row[0] if rows == 1 else f"({', '.join(row)})" if rows else "0.0"
+        after = [f"after{number}"] if rows == 1 else [f"after{number}[{k}]" for k in range(rows)]
+        cases[number] = [
+            f"force, after{number} = {name}(normal, free, mobility, {memory}, dt, {slots_of(law)})",
+            *(f"{to} = {value} if normal > 0.0 else 0.0" for to, value in zip(row, after, strict=True)),
         ]
-        if rows > 1:
-            lines[-1] = lines[-1].replace("second", f"kept{number}", 1)
-        values = ["second"] if rows == 1 else [f"kept{number}[{k}]" for k in range(rows)]
-        lines += [
-            f"        {row} = {value} if normal > 0.0 else 0.0"
-            for row, value in zip(held, values, strict=True)
-        ]
-    lines.append("    return first" if friction else "    return first, second")
-    return "\n".join(lines) + "\n"
+    if kind == "contact":
+        return choice("contact_law(kind, depth, slowness, S, base)", ("elastic", "damping"), cases)
+    return choice("friction_law(kind, normal, free, mobility, dt, S, base, memory)", ("force",), cases)
 
 
-def room(kind: str, law: Any) -> tuple[int, int]:
-    """How many parameters and rows of memory a law takes; SourceError where there are not that many."""
+def memory_rows(kind: str, law: Any) -> int:
+    """Rows of memory that a law takes; SourceError where there are not as many, or not as many parameters."""
     slots, memory = {"contact": (CONTACT_SLOTS, 0), "friction": (FRICTION_SLOTS, FRICTION_MEMORY)}[kind]
     count, rows = len(law.slots), len(law.memory) if kind == "friction" else 0
     if count > slots:
@@ -279,34 +281,27 @@ def room(kind: str, law: Any) -> tuple[int, int]:
         raise SourceError(
             f"law {law.name or law.__name__!r} remembers {rows} numbers; a law may remember {memory}"
         )
-    return count, rows
+    return rows
 
 
 def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
-    """An if-chain over friction laws whose curves have kinks: ``friction_regime(kind, sliding, S, base)``."""
-    lines = ["def friction_regime(kind, sliding, S, base):", "    regime = 0.0"]
+    """The choice between friction laws whose curves have kinks: ``friction_regime(kind, sliding, S, base)``."""
+    cases = {}
     for number, law in enumerate(laws):
         if getattr(law, "regime", None) is not None:
             name = gathered.add(law.regime, f"regime_{law_name('friction', law)}")  # type: ignore[attr-defined]
-            slots = "".join(f"S[base + {k}], " for k in range(len(law.slots)))  # type: ignore[attr-defined]
-            lines += [f"    if kind == {number}:", f"        regime = {name}(sliding, ({slots}))"]
-    return "\n".join([*lines, "    return regime"]) + "\n"
+            cases[number] = [f"regime = {name}(sliding, {slots_of(law)})"]
+    return choice("friction_regime(kind, sliding, S, base)", ("regime",), cases)
 
 
 def films(laws: tuple[type, ...], gathered: Collector) -> str:
-    """An if-chain over contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
-    signature, answer = "penetration, turning, sense", ("radial", "across", "damping", "along", "cross")
-    lines = [f"def film_law(kind, {signature}, S, base):", *(f"    {one} = 0.0" for one in answer)]
+    """The choice between contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
+    answers, cases = ("radial", "across", "damping", "along", "cross"), {}
     for number, law in enumerate(laws):
         if getattr(law, "film", False):
             name = gathered.add(law.film_force, f"film_{law_name('contact', law)}")  # type: ignore[attr-defined]
-            slots = "".join(f"S[base + {k}], " for k in range(len(law.slots)))  # type: ignore[attr-defined]
-            lines += [
-                f"    if kind == {number}:",
-                f"        {', '.join(answer)} = {name}({signature}, ({slots}))",
-            ]
-    lines.append(f"    return {', '.join(answer)}")
-    return "\n".join(lines) + "\n"
+            cases[number] = [f"{', '.join(answers)} = {name}(penetration, turning, sense, {slots_of(law)})"]
+    return choice("film_law(kind, penetration, turning, sense, S, base)", answers, cases)
 
 
 def data_driven(contact_laws: tuple[type, ...], friction_laws: tuple[type, ...]) -> str:
