@@ -19,14 +19,14 @@ class Axes {
       this.y.high += room;
     }
     pen.font = `11px ${FONT}`;
-    this.labels = this.ticks(this.y, height / 46).map((value) => [value, this.told(value, this.y)]);
+    this.labels = this.ticks(this.y, height / 46).map((value) => [value, this.tickText(value, this.y)]);
     const widest = Math.max(10, ...this.labels.map(([, text]) => pen.measureText(text).width));
     this.box = { left: widest + 26, top: 8, right: width - 12, bottom: height - 34 };
     if (legend.length > 1) this.legend(legend);
     this.frame();
   }
 
-  told(value, axis) {
+  tickText(value, axis) {
     if (axis.log) return powerOfTen(Math.round(Math.log10(value)));
     const rounded = Number(value.toPrecision(6));
     return Math.abs(rounded) >= 1e5 || (rounded !== 0 && Math.abs(rounded) < 1e-3) ? rounded.toExponential() : String(rounded);
@@ -68,23 +68,15 @@ class Axes {
     pen.textBaseline = "middle";
     for (const [value, text] of this.labels) {
       const y = this.up(value);
-      trail(pen, [
-        [left, y],
-        [right, y],
-      ]);
-      pen.stroke();
+      segment(pen, [left, y], [right, y]);
       pen.fillText(text, left - 5, y);
     }
     pen.textAlign = "center";
     pen.textBaseline = "top";
     for (const value of this.ticks(this.x, (right - left) / 62)) {
       const x = this.across(value);
-      trail(pen, [
-        [x, top],
-        [x, bottom],
-      ]);
-      pen.stroke();
-      pen.fillText(this.told(value, this.x), x, bottom + 4);
+      segment(pen, [x, top], [x, bottom]);
+      pen.fillText(this.tickText(value, this.x), x, bottom + 4);
     }
     pen.fillStyle = ink.ink;
     pen.fillText(this.x.label, 0.5 * (left + right), bottom + 19);
@@ -154,11 +146,7 @@ class Axes {
       pen.strokeStyle = ink.ink;
       pen.lineWidth = 1;
       pen.globalAlpha = 0.65;
-      trail(pen, [
-        [this.across(x), this.box.top],
-        [this.across(x), this.box.bottom],
-      ]);
-      pen.stroke();
+      segment(pen, [this.across(x), this.box.top], [this.across(x), this.box.bottom]);
       pen.globalAlpha = 1;
     });
   }
@@ -180,11 +168,7 @@ class Axes {
       pen.lineWidth = thick;
       pen.globalAlpha = thick > 4 ? 0.25 : 1;
       pen.setLineDash(dash);
-      trail(pen, [
-        [x, y],
-        [x + 24, y],
-      ]);
-      pen.stroke();
+      segment(pen, [x, y], [x + 24, y]);
       pen.setLineDash([]);
       pen.globalAlpha = 1;
       pen.fillStyle = ink.ink;

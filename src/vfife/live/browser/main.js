@@ -2,7 +2,7 @@
 
 const $ = (id) => document.getElementById(id);
 const selected = { joint: null, body: null, quantity: "angle" };
-const told = (text) => {
+const showMessage = (text) => {
   $("told").textContent = text;
 };
 
@@ -24,7 +24,7 @@ function changed(setting) {
   else clock.head = Math.min(clock.head, wholeRun);
   clock.wanted = clock.head;
   clock.begun = performance.now();
-  told("");
+  showMessage("");
   const until = Math.max(firstUntil, Math.ceil(clock.head + AHEAD * wholeTurns));
   running.begin(setting, until);
   other?.begin(other.setting, until); // the outputs of this moment may be kept no longer

@@ -1,19 +1,12 @@
 // Journals in their clearance circles, coloured by the force that the joint carries; blocks in their guides, their play magnified.
 
-const loose = Object.values(Object.groupBy ? Object.groupBy(given.contacts, ({ joint }) => joint) : grouped(given.contacts)).map((contacts) => ({
-  joint: contacts[0].joint,
-  kind: contacts[0].kind,
-  places: contacts.map((contact) => given.contacts.indexOf(contact)),
-}));
-
-function grouped(contacts) {
-  const found = blank();
-  for (const contact of contacts) {
-    found[contact.joint] ??= [];
-    found[contact.joint].push(contact);
-  }
-  return found;
-}
+// Joints with contacts, each with the places of its contacts; a block in a guide has four.
+const loose = [];
+given.contacts.forEach(({ joint, kind }, place) => {
+  const known = loose.find((one) => one.joint === joint);
+  if (known) known.places.push(place);
+  else loose.push({ joint, kind, places: [place] });
+});
 
 function drawOrbits(pen, width, height, running, head, other) {
   const room = (columns) => Math.min(width / columns, height / Math.ceil(loose.length / columns) - 20);
@@ -45,16 +38,8 @@ function orbit(pen, middle, radius, { joint, places: [k] }, running, head, other
   disc(pen, middle, scale * reader.plays[k], ink.grey, ink.card, 1.2);
   pen.strokeStyle = ink.faint;
   pen.lineWidth = 0.8;
-  trail(pen, [
-    [middle[0] - radius, middle[1]],
-    [middle[0] + radius, middle[1]],
-  ]);
-  pen.stroke();
-  trail(pen, [
-    [middle[0], middle[1] - radius],
-    [middle[0], middle[1] + radius],
-  ]);
-  pen.stroke();
+  segment(pen, [middle[0] - radius, middle[1]], [middle[0] + radius, middle[1]]);
+  segment(pen, [middle[0], middle[1] - radius], [middle[0], middle[1] + radius]);
   const at = ([x, y]) => [middle[0] + scale * x, middle[1] - scale * y];
   if (ghosts.length) {
     pen.strokeStyle = ink.other;
@@ -90,10 +75,15 @@ function orbit(pen, middle, radius, { joint, places: [k] }, running, head, other
   disc(pen, here, 4.5, ink.ink, ink.warm, 1.4);
 }
 
+// First and last output of the turn before the head, or of the whole run.
+function turnBefore(store, head) {
+  const last = Math.min(Math.floor(head), store.end - 1);
+  return [Math.max(store.begin, last - (perTurn ?? wholeRun)), last];
+}
+
 // Places of a journal in its bearing over the last turn, with the force at each.
 function path({ reader, store }, head, k) {
-  const last = Math.min(Math.floor(head), store.end - 1);
-  const first = Math.max(store.begin, last - (perTurn ?? wholeRun));
+  const [first, last] = turnBefore(store, head);
   const stride = Math.max(1, Math.ceil((last - first) / 720));
   const [normal, friction] = [reader.of("contact_normal_force")[k], reader.of("contact_friction_force")[k]];
   const found = [];
@@ -114,24 +104,17 @@ function block(pen, middle, radius, { places }, running, head) {
   const [wide, wall, tall] = [0.95 * radius, 0.8 * radius, 0.3 * radius];
   const reach = wall - tall; // of the play on each side, as drawn
   const gaps = depth.map((value) => (Math.max(-value, 0) / play) * reach);
-  hatched(
-    pen,
-    [
-      [-1, -1],
-      [1, -1],
-      [1, -1.18],
-      [-1, -1.18],
-    ].map(([x, y]) => [middle[0] + wide * x, middle[1] + wall * y]),
-  );
-  hatched(
-    pen,
-    [
-      [-1, 1],
-      [1, 1],
-      [1, 1.18],
-      [-1, 1.18],
-    ].map(([x, y]) => [middle[0] + wide * x, middle[1] + wall * y]),
-  );
+  const strip = [
+    [-1, 1],
+    [1, 1],
+    [1, 1.18],
+    [-1, 1.18],
+  ];
+  for (const side of [-1, 1])
+    hatched(
+      pen,
+      strip.map(([x, y]) => [middle[0] + wide * x, middle[1] + side * wall * y]),
+    );
   const [w, corners] = [0.7 * wide, [gaps[0], gaps[1], gaps[3], gaps[2]]];
   const points = [
     [-w, -wall + corners[0]],
@@ -161,8 +144,7 @@ function block(pen, middle, radius, { places }, running, head) {
 // Whatever else may touch: its gap or depth over the last turn.
 function gap(pen, middle, radius, { places: [k] }, running, head) {
   const { reader, store } = running;
-  const last = Math.min(Math.floor(head), store.end - 1);
-  const first = Math.max(store.begin, last - (perTurn ?? wholeRun));
+  const [first, last] = turnBefore(store, head);
   const column = reader.of("contact_penetration")[k];
   const values = [];
   for (let n = first; n <= last; n++) values.push(-store.data[store.offset(n) + column]);

@@ -9,6 +9,11 @@ function trail(pen, points, closed = false) {
   if (closed) pen.closePath();
 }
 
+function segment(pen, from, to) {
+  trail(pen, [from, to]);
+  pen.stroke();
+}
+
 function disc(pen, [x, y], radius, edge, inside, width = 1.6, alpha = 1) {
   pen.setLineDash([]);
   pen.beginPath();
@@ -36,8 +41,7 @@ function mark(pen, shape, at, colour) {
 function hatched(pen, [a, b, , d]) {
   pen.strokeStyle = ink.ink;
   pen.lineWidth = 1.4;
-  trail(pen, [a, b]);
-  pen.stroke();
+  segment(pen, a, b);
   const deep = Math.hypot(d[0] - a[0], d[1] - a[1]) || 1;
   const count = Math.max(2, Math.round(Math.hypot(b[0] - a[0], b[1] - a[1]) / 6));
   const lean = Math.min(deep / (Math.hypot(b[0] - a[0], b[1] - a[1]) || 1), 1);
@@ -61,8 +65,7 @@ function arrow(pen, from, to, colour, width) {
   pen.strokeStyle = colour;
   pen.fillStyle = colour;
   pen.lineWidth = width;
-  trail(pen, [from, [to[0] - 0.7 * tip * Math.cos(angle), to[1] - 0.7 * tip * Math.sin(angle)]]);
-  pen.stroke();
+  segment(pen, from, [to[0] - 0.7 * tip * Math.cos(angle), to[1] - 0.7 * tip * Math.sin(angle)]);
   trail(pen, [to, ...[0.42, -0.42].map((turn) => [to[0] - tip * Math.cos(angle + turn), to[1] - tip * Math.sin(angle + turn)])], true);
   pen.fill();
 }

@@ -67,10 +67,10 @@ class Setting {
 
   // What is moved, in words; the model's own setting where nothing is.
   get words() {
-    const told = given.slides.map((slide, s) =>
+    const words = given.slides.map((slide, s) =>
       this.positions[s] === slide.here ? "" : `${friendly(slide.name)} ${shownValue(slide, this.positions[s])}`,
     );
-    return told.filter(Boolean).join(", ") || "as in the model";
+    return words.filter(Boolean).join(", ") || "as in the model";
   }
 
   // The model file of this setting. Where lines of two sliders are one line, what is set stands above the model as the options that set it.

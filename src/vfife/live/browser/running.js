@@ -10,7 +10,7 @@ class Running {
     this.id = 0;
     this.worker = new Worker(workerPlace);
     this.worker.onmessage = ({ data }) => this.take(data);
-    this.worker.onerror = (event) => told(`The worker stopped: ${event.message}`);
+    this.worker.onerror = (event) => showMessage(`The worker stopped: ${event.message}`);
     const { worker: _text, vector: _vector, groups: _groups, model: _model, ...rest } = given;
     this.worker.postMessage({ kind: "given", given: rest });
     this.steps = 0;
@@ -49,7 +49,7 @@ class Running {
     this.spent += wall;
     if (!sound) {
       this.sound = false;
-      told("The numbers left all bounds here: this setting cannot be stepped with this step.");
+      showMessage("The numbers left all bounds here: this setting cannot be stepped with this step.");
     }
   }
 

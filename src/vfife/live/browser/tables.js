@@ -84,6 +84,6 @@ function ledgerText(running, head) {
   const left = summed(now, STORED) + summed(now, LOST) - summed(now, SUPPLIED) - summed(start, STORED);
   const largest = Math.max(...Object.values(now).map(Math.abs), summed(start, STORED), 1e-300);
   const parts = Object.entries(now).filter(([, value]) => Math.abs(value) > 1e-9 * largest);
-  const told = parts.map(([name, value]) => `${name} ${quantity(value, "J")}`).join(", ");
-  return `Since the start: ${told}. Left over: ${quantity(left, "J")}, ${((100 * Math.abs(left)) / largest).toExponential(1)} % of the largest.`;
+  const words = parts.map(([name, value]) => `${name} ${quantity(value, "J")}`).join(", ");
+  return `Since the start: ${words}. Left over: ${quantity(left, "J")}, ${((100 * Math.abs(left)) / largest).toExponential(1)} % of the largest.`;
 }

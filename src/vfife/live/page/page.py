@@ -27,7 +27,7 @@ WORKER = ("stepper.js",)
 SCRIPTS = (
     "pieces.js", "numbers.js", "store.js", "running.js", "path.js", "theme.js", "svg.js", "pen.js", "pose.js",
     "scene.js", "axes.js", "charts.js",
-    "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js", "looks.js",
+    "orbits.js", "tables.js", "sliders.js", "downloads.js", "main.js", "view.js",
 )  # fmt: skip
 LARGEST = 2_000_000  # bytes
 HEIGHT = 720  # pixels of a cell

@@ -154,30 +154,30 @@ function load(other = false, sliders = false) {
   here.next = frame;
   here.waits = true;
   $("stage").append(frame);
-  const looked = other ? null : here.frame?.contentWindow?.live?.looks?.();
+  const view = other ? null : here.frame?.contentWindow?.live?.viewState?.();
   let taken = false;
   const look = () => {
     if (here.next !== frame) return;
     const inside = frame.contentWindow;
     if (inside?.document.body?.dataset.said) return refused(frame, inside.document.body.textContent);
     const live = inside?.live;
-    if (live?.lookAs && looked && !taken) {
+    if (live?.restoreView && view && !taken) {
       taken = true;
-      live.lookAs({ ...looked, moved: { ...(here.moved ?? {}), ...looked.moved } });
+      live.restoreView({ ...view, moved: { ...(here.moved ?? {}), ...view.moved } });
     }
     // Sliders alone can wait until the new page has come to where one looks.
-    const there = live?.lookAs && live.running.store.end > (sliders ? live.clock.wanted : 1) && live.frames.count > 1;
-    if (there || (live?.lookAs && !live.running.sound)) seen(frame, sliders, looked);
+    const there = live?.restoreView && live.running.store.end > (sliders ? live.clock.wanted : 1) && live.frames.count > 1;
+    if (there || (live?.restoreView && !live.running.sound)) seen(frame, sliders, view);
     else requestAnimationFrame(look);
   };
   requestAnimationFrame(look);
 }
 
-function seen(frame, sliders, looked) {
+function seen(frame, sliders, view) {
   here.frame?.remove();
   here.frame = frame;
   here.next = null;
-  here.moved = sliders ? null : { ...(here.moved ?? {}), ...(looked?.moved ?? {}) };
+  here.moved = sliders ? null : { ...(here.moved ?? {}), ...(view?.moved ?? {}) };
   frame.className = "";
   if (here.measured !== null) here.took = performance.now() - here.measured;
   here.measured = null;

@@ -1,6 +1,6 @@
-// How the mechanism is looked at, which the next page of the same one takes over: the page that serves this one puts it there.
+// State of the view, which the next page of the same mechanism takes over: the page that serves both hands it on.
 
-function looks() {
+function viewState() {
   return {
     head: clock.head,
     perTurn,
@@ -17,7 +17,7 @@ function looks() {
   };
 }
 
-function lookAs(one) {
+function restoreView(one) {
   setTheme(one.theme);
   if (one.perTurn && perTurn)
     clock.head = perTurn * Math.min(Math.floor(one.head / one.perTurn), 1) + (one.head % one.perTurn) * (perTurn / one.perTurn);
@@ -40,4 +40,4 @@ function lookAs(one) {
   window.scrollTo(0, one.scrolled);
 }
 
-Object.assign(window.live, { looks, lookAs });
+Object.assign(window.live, { viewState, restoreView });
