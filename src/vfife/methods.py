@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .model.mechanism import Mechanism
     from .report.check import Checked
     from .results.fit import Fit
-    from .results.studied import Study
+    from .results.study import Study
     from .simulation.result import Result
 
 
@@ -133,7 +133,7 @@ METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not
         "_repr_html_": mechanism_html,
     },
     "simulation.result.Result": {"live": live_result, "report": report},
-    "results.studied.Study": {"plot": plot_study, "_repr_html_": notebook},
+    "results.study.Study": {"plot": plot_study, "_repr_html_": notebook},
     "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook},
     "results.comparison.Comparison": {"_repr_html_": notebook},
     "results.derivatives.Sensitivity": {"_repr_html_": notebook},

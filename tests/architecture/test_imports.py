@@ -95,7 +95,7 @@ def test_no_function_hides_an_import_of_a_room_above() -> None:
 # signals from its first line on. Everything else it imports at the top.
 DEFERRED = (
     "assembly", "dynamics", "identification", "job.cost", "laws", "live", "measures", "model", "modelfile",
-    "plots", "report", "results.fit", "results.studied", "schema", "simulation", "solvers.arguments",
+    "plots", "report", "results.fit", "results.study", "schema", "simulation", "solvers.arguments",
     "solvers.companions", "solvers.transient", "store.connections", "store.runfile", "studies", "tribology",
     "units",
 )  # fmt: skip

@@ -17,7 +17,7 @@ import pytest
 
 from fake_card import FakeDriver, in_this_machine
 from studies.studies import ASKED, Closed
-from vfife.results.studied import Study
+from vfife.results.study import Study
 from vfife.store.lock import Lock
 from vfife.studies import forecast
 from vfife.studies import study_work as studies

@@ -17,7 +17,7 @@ from vfife.measures.contacts import (
     contact_angle,
     impacts,
     line_pressure,
-    lost,
+    lost_energy,
     mean_power,
     mean_pressure,
     sliding_speed,
@@ -47,7 +47,7 @@ def test_losses_of_the_joints_are_those_of_the_ledger(name, request) -> None:
         assert sum(joints) == pytest.approx(over, rel=1e-9)
         powers = [value for key, value in found.items() if key.endswith(f".{kind}_power.mean")]
         assert sum(powers) == pytest.approx(over / (times(record)[-1] - times(record)[first]), rel=1e-9)
-        np.testing.assert_allclose(lost(record, kind).sum(axis=1), terms[term], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(lost_energy(record, kind).sum(axis=1), terms[term], rtol=1e-12, atol=1e-12)
         summed = (mean_power(record, kind)[1:] * np.diff(times(record))[:, None]).sum()
         assert summed == pytest.approx(terms[term][-1], rel=1e-9)
 
@@ -195,7 +195,9 @@ def test_all_that_happens_round_a_bearing_is_what_the_run_counted(record) -> Non
     for side in ("bearing", "journal"):
         found = around(record, side, bins=36)
         np.testing.assert_allclose(found.time.sum(axis=1), record.block("contact_duration")[-1], rtol=1e-12)
-        np.testing.assert_allclose(found.friction.sum(axis=1), lost(record, "friction")[-1], rtol=1e-12)
+        np.testing.assert_allclose(
+            found.friction.sum(axis=1), lost_energy(record, "friction")[-1], rtol=1e-12
+        )
         assert found.time.shape == (3, 36) and found.middles[0] == pytest.approx(-math.pi * 35 / 36)
     with pytest.raises(ValueError, match='side = "crank"'):
         around(record, "crank")

@@ -18,7 +18,7 @@ from support import TURN, four_bar, journal_in_bearing
 from vfife.errors import ModelError, VfifeError
 from vfife.measures.catalogue import measures
 from vfife.measures.error_ranges import SCATTER_OF_MEANS, error_range, over_turns
-from vfife.measures.measured import Measured
+from vfife.measures.values import Measured
 from vfife.report.digits import amount, decimals, measure_text, percent, plain_number, prefixed
 from vfife.report.summary import show
 from vfife.report.trust import scatter_over_turns, verdict

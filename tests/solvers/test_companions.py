@@ -24,9 +24,9 @@ from vfife.kernels.arrays import Layout
 from vfife.laws import Ambrosio, Frictionless
 from vfife.measures.catalogue import measures
 from vfife.measures.error_ranges import band, companion_records, own_ranges, ranged
-from vfife.measures.measured import Measured
 from vfife.measures.trust import trust
 from vfife.measures.turns import record_of_companion
+from vfife.measures.values import Measured
 from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism
 from vfife.report.trust import verdict

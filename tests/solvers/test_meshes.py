@@ -17,9 +17,9 @@ import vfife
 from vfife import gallery
 from vfife.assembly.assemble import assemble
 from vfife.laws import Material
-from vfife.measures.measured import Measured
 from vfife.measures.statics import error_of, sizes
 from vfife.measures.trust import trust
+from vfife.measures.values import Measured
 from vfife.model.bodies import Member, Section
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings

@@ -15,8 +15,8 @@ from support import with_settings
 from vfife import gallery
 from vfife.measures.catalogue import PEAKS
 from vfife.measures.error_ranges import error_of, estimate, ranged, sizes, values_of
-from vfife.measures.measured import Measured
 from vfife.measures.trust import Trust, finer, trust
+from vfife.measures.values import Measured
 from vfife.model.mechanism import Mechanism
 from vfife.simulation.result import Result
 from vfife.solvers.refinement import FINER, PARTS, SAMPLED, Differences, refine

@@ -15,7 +15,7 @@ import vfife
 from vfife.cli.app import app
 from vfife.modelfile import load
 from vfife.results.member_errors import MemberError, error_over_change, sample_of, sample_size
-from vfife.results.studied import Study
+from vfife.results.study import Study
 from vfife.studies.engine.cases import Outcome
 from vfife.studies.engine.run_missing import STEP, Engine, description_of, open_study
 from vfife.studies.methods.tolerance import failing_share, spreads

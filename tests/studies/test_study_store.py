@@ -17,7 +17,7 @@ import vfife
 from studies.studies import ASKED, BASE, Closed
 from vfife.errors import DamageWarning, HeldError, ModelError, RunFileError, VfifeError
 from vfife.job.job import Job
-from vfife.results.studied import Study
+from vfife.results.study import Study
 from vfife.store import studyfile
 from vfife.store.studyfile import StudyCase, StudyFile
 from vfife.studies import forecast

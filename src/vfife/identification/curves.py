@@ -22,7 +22,7 @@ from ..kinematics.initial import attempt
 from ..measures.motion import point_motion, times
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
-from ..results.channels import MADE, Channel, recorded
+from ..results.channels import ENTITY_CHANNELS, Channel, recorded
 from ..results.series import SeriesColumn, columns
 from ..results.view import View, standing
 from ..solvers.record import Record
@@ -95,7 +95,7 @@ class Channels:
         if entity not in entities:
             entities[entity] = recorded(record, entity)
         if variable not in entities[entity]:
-            entities[entity] = {**entities[entity], **MADE[entity](record)}
+            entities[entity] = {**entities[entity], **ENTITY_CHANNELS[entity](record)}
         return np.asarray(entities[entity][variable].values[:, column.index], dtype=float)
 
 

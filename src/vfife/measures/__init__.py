@@ -5,7 +5,7 @@ kernels.
 from .catalogue import influence, lip, measures
 from .energy import Ledger, ledger
 from .error_ranges import ranged
-from .measured import Measured, Measures
 from .turns import last_turn
+from .values import Measured, Measures
 
 __all__ = ["Ledger", "Measured", "Measures", "influence", "last_turn", "ledger", "lip", "measures", "ranged"]

@@ -23,8 +23,8 @@ from .energy import driving, efficiency
 from .forces import joint_force_max, joint_rows, largest_shaking, shares
 from .motion import largest_strokes
 from .statics import static_measures
-from .turns import Window, last_turn, named, whole_run
-from .wear import worn_depths, worn_volumes
+from .turns import Window, full_run, last_turn, named
+from .wear import wear_depths, wear_volumes
 
 # An ideal maximum below this share of the largest of its kind is round-off, and a ratio to it means nothing.
 NEGLIGIBLE = 1e-6
@@ -131,7 +131,7 @@ LOSSES = MeasureGroup(
     },
     ("contact_friction_work",),
 )
-VOLUMES = MeasureGroup(worn_volumes, {"bearing_wear.total": "m^3", "journal_wear.total": "m^3"})
+VOLUMES = MeasureGroup(wear_volumes, {"bearing_wear.total": "m^3", "journal_wear.total": "m^3"})
 PEAKS: Groups = (LOADS, PENETRATIONS, ACCELERATIONS)  # extremes between outputs, by which a step is judged
 OVER_TURN: Groups = (
     *PEAKS,
@@ -159,7 +159,7 @@ OVER_TURN: Groups = (
     MeasureGroup(largest_deflections, {"deflection.max": "m"}, ("frame_moment_1", "particle_x")),
     MeasureGroup(efficiency, {"efficiency": "1"}, ("driven_work", "particle_x")),
     VOLUMES,
-    MeasureGroup(worn_depths, {"bearing_wear_depth.max": "m", "journal_wear_depth.max": "m"}, ("wear_x",)),
+    MeasureGroup(wear_depths, {"bearing_wear_depth.max": "m", "journal_wear_depth.max": "m"}, ("wear_x",)),
 )  # fmt: skip
 OVER_RUN: Groups = (
     MeasureGroup(
@@ -218,7 +218,7 @@ def over_turn(record: Record, window: Window, groups: Groups | None = None) -> d
 
 def over_run(record: Record) -> dict[str, float]:
     """Compute the measures of a whole run, up to its last output."""
-    return over_turn(record, whole_run(record), OVER_RUN)
+    return over_turn(record, full_run(record), OVER_RUN)
 
 
 def lip(largest: float, ideal: float) -> float:
@@ -260,7 +260,7 @@ def compared(
     )
 
 
-def of_whole_runs(names: Sequence[str]) -> list[str]:
+def of_full_runs(names: Sequence[str]) -> list[str]:
     """Choose the names of measures of a whole run, for which it does not matter which turns are evaluated."""
     return [name for name in names if name.endswith(COUNTED) and "(" not in name]
 

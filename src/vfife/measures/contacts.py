@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 KINDS = {"friction": "contact_friction", "impact": "contact_damping"}  # blocks of lost work and power
 
 
-def lost(record: Record, kind: str) -> Array:
+def lost_energy(record: Record, kind: str) -> Array:
     """Energy (J) that each contact has lost to ``friction`` or ``impact`` since the start, shape (outputs,
     contacts).
 
@@ -41,7 +41,7 @@ def mean_power(record: Record, kind: str) -> Array:
     """Power (W) lost in each contact, the mean since the output before, so that nothing between outputs is
     missed; (outputs, contacts).
     """
-    return between(lost(record, kind), times(record))
+    return between(lost_energy(record, kind), times(record))
 
 
 def between(work: Array, time: Array) -> Array:
@@ -74,7 +74,7 @@ def losses(record: Record, window: Window) -> dict[str, float]:
     time = times(part)
     length = float(time[-1] - time[0])
     for kind in KINDS:
-        work = lost(part, kind)
+        work = lost_energy(part, kind)
         for name, energy in per_joint(record, work[-1] - work[0]).items():
             values[f"{name}.{kind}_energy.total"] = float(energy)
             if length > 0.0:
@@ -266,7 +266,11 @@ def around(record: Record, side: str = "bearing", bins: int = 72, window: Window
         raise ValueError(f'side = "{side}"; allowed: "bearing" or "journal"')
     edges = np.linspace(-np.pi, np.pi, bins + 1)
     angle, touching = contact_angle(record, side), contact_time(record)
-    rubbed = np.diff(lost(record, "friction"), axis=0, prepend=0.0) if record.assembly.contacts else touching
+    rubbed = (
+        np.diff(lost_energy(record, "friction"), axis=0, prepend=0.0)
+        if record.assembly.contacts
+        else touching
+    )
     every = (touching, touching * record.block("contact_normal_force"), rubbed)
     inside = np.ones(len(record.steps), dtype=bool) if window is None else window
     sums = np.zeros((3, len(record.assembly.contacts), bins))
@@ -360,7 +364,7 @@ def impacts(record: Record) -> Impacts:
     if not assembly.contacts or not record.keeps("contact_onsets"):
         return Impacts((), 0.0)
     time, crank = times(record), crank_angle(record)
-    onsets, work = record.block("contact_onsets"), lost(record, "impact")
+    onsets, work = record.block("contact_onsets"), lost_energy(record, "impact")
     speeds = record.block("contact_approach") if record.keeps("contact_approach") else None
     depths = record.block("contact_penetration_max")
     entries: list[Impact] = []

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 REST = 1e-6  # share of m g times the size of the mechanism below which energies are not judged
 LAST = 20  # outputs at all of which a drifting ledger is open
 STORED = ("kinetic", "strain", "contact", "spring")
-LOST = ("contact_loss", "friction_loss", "damping_loss", "spring_loss")
+LOSSES = ("contact_loss", "friction_loss", "damping_loss", "spring_loss")
 SUPPLIED = ("external", "driver")
 
 
@@ -44,7 +44,7 @@ class Ledger:
     def residual(self) -> Array:
         """Stored + lost - supplied - stored at output 0 (J), shape (outputs,); zero if the ledger closes."""
         stored = sum((self.terms[name] for name in STORED), np.zeros(1))
-        losses = sum((self.terms[name] for name in LOST), np.zeros(1))
+        losses = sum((self.terms[name] for name in LOSSES), np.zeros(1))
         supplied = sum((self.terms[name] for name in SUPPLIED), np.zeros(1))
         return np.asarray(stored + losses - supplied - stored[0], dtype=float)
 
@@ -267,7 +267,7 @@ def efficiency(record: Record, window: Window) -> dict[str, float]:
     done = {name: float(values[-1] - values[0]) for name, values in energies.terms.items()}
     output, losses = (
         sum(max(-done[name], 0.0) for name in ("driver", "external")),
-        sum(done[name] for name in LOST),
+        sum(done[name] for name in LOSSES),
     )
     if not output > max(IDLE * (output + losses), OPEN * energies.largest) or losses < 0.0:
         return {}

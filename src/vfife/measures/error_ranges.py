@@ -30,9 +30,9 @@ from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import outputs_of_a_turn
 from .catalogue import PEAKS, Groups, compared, measures, over_run, over_turn, unit_of
-from .measured import Measured, Measures
 from .statics import EXACT
-from .turns import Turns, each_turn, each_turn_beside, last_turn, part_of, record_of_companion, turns
+from .turns import Turns, companion_turns_of, each_turn, last_turn, part_of, record_of_companion, turns
+from .values import Measured, Measures
 
 Array = NDArray[np.float64]
 Some: TypeAlias = Groups | None  # some measures of a turn, or all
@@ -232,7 +232,7 @@ def samples(
             ratios,
         )
     companion_turns = (
-        each_turn_beside(record, k, motion.first, motion.last) for k in sound_companions(record)
+        companion_turns_of(record, k, motion.first, motion.last) for k in sound_companions(record)
     )
     lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
     values = [[_of_a_turn(one, reference, groups) for one in lane] for lane in lanes]

@@ -92,13 +92,13 @@ def body_motion(record: Record) -> dict[str, Array]:
         name: np.zeros((len(record.steps), len(bodies))) for name in ("x", "y", "angle", "angular_velocity")
     }
     for k, body in enumerate(bodies.values()):
-        of = _chord if body.elements else _carried
+        of = _chord if body.elements else _rigid_motion
         for name, values in zip(motions, of(record, body, position, velocity), strict=True):
             motions[name][:, k] = values
     return motions
 
 
-def _carried(
+def _rigid_motion(
     record: Record, body: BodyMap, position: dict[str, Array], velocity: dict[str, Array]
 ) -> tuple[Array, ...]:
     p = body.particles[0]

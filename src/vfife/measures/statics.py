@@ -16,9 +16,9 @@ from ..solvers.record import Estimate, Record
 from ..solvers.refinement import FOUR_TIMES, HALF, TWICE
 from ..solvers.relaxation import extent
 from .forces import joint_force, joint_moment, joint_rows
-from .measured import Measured
 from .motion import is_free, times
 from .turns import named
+from .values import Measured
 
 Array = NDArray[np.float64]
 MOMENT = ".moment.max"

@@ -169,7 +169,7 @@ def each_turn(record: Record, first: int, last: int) -> Iterator[Record]:
         )
 
 
-def each_turn_beside(record: Record, companion: int, first: int, last: int) -> Iterator[Record]:
+def companion_turns_of(record: Record, companion: int, first: int, last: int) -> Iterator[Record]:
     """Records of the turns of a companion: one row with the extremes of the turn and its end, after the row
     of the turn before.
     """
@@ -221,7 +221,7 @@ class WindowRecord(NamedTuple):
     inside: slice
 
 
-def whole_run(record: Record) -> Window:
+def full_run(record: Record) -> Window:
     """Choose all outputs."""
     return np.ones(len(record.steps), dtype=bool)
 
@@ -234,10 +234,10 @@ def last_turn(record: Record) -> Window:
     turn = record.assembly.choice.turn
     steps = record.steps
     if turn is None or len(steps) < 2:
-        return whole_run(record)
+        return full_run(record)
     begin = steps[-1] - turn / record.assembly.choice.step
     if begin < -0.5:
-        return whole_run(record)
+        return full_run(record)
     window = np.zeros(len(steps), dtype=bool)
     window[1:] = steps[:-1] > begin - 0.5
     return window

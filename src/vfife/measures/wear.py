@@ -35,7 +35,7 @@ class Rubbing(NamedTuple):
     spread: Array
 
 
-def worn_contacts(record: Record) -> dict[str, int]:
+def wear_contacts(record: Record) -> dict[str, int]:
     """Contacts of which wear is kept, by name, and their places among all contacts."""
     return {record.assembly.contacts[k]: k for k in record.assembly.topology.wears}
 
@@ -125,7 +125,7 @@ def is_round(record: Record, contact: int) -> bool:
     return record.assembly.topology.contact_kind[contact] == BEARING
 
 
-def worn_volumes(record: Record, window: Window) -> dict[str, float]:
+def wear_volumes(record: Record, window: Window) -> dict[str, float]:
     """``<joint>.bearing_wear.total``, ``.journal_wear.total`` (m^3): k W over the window, summed over the
     joint's contacts.
     """
@@ -139,12 +139,12 @@ def worn_volumes(record: Record, window: Window) -> dict[str, float]:
     return values
 
 
-def worn_depths(record: Record, window: Window) -> dict[str, float]:
+def wear_depths(record: Record, window: Window) -> dict[str, float]:
     """``<joint>.bearing_wear_depth.max``, ``.journal_wear_depth.max`` (m): the largest depth lost around the
     joint over the window.
     """
     part, values = of_window(record, window).record, dict[str, float]()
-    for name, contact in worn_contacts(record).items():
+    for name, contact in wear_contacts(record).items():
         if is_round(record, contact):
             for side, depth in zip(SIDES, depths(part, contact), strict=True):
                 values[f"{name}.{side}_wear_depth.max"] = float(depth.max())

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..results.studied import Study, Varied
+    from ..results.study import Study, Varied
 
 Array = NDArray[np.float64]
 MOST_TICKS = 7  # of a logarithmic axis

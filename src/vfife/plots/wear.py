@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..measures.turns import last_turn, of_window
-from ..measures.wear import PLACES, SIDES, depths, is_round, worn_contacts
+from ..measures.wear import PLACES, SIDES, depths, is_round, wear_contacts
 from .style import BLUE, FAINT, GREY, INK, STYLE, VERMILION, digits, heading, length_unit, scale_of
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def wear_of_turn(result: View) -> Figure:
     part, _ = of_window(record, last_turn(record))
     shown = [
         (name, side, factor * depth)
-        for name, contact in list(worn_contacts(record).items())[:MOST_JOINTS]
+        for name, contact in list(wear_contacts(record).items())[:MOST_JOINTS]
         if is_round(record, contact)
         for side, depth in zip(SIDES, depths(part, contact), strict=True)
         if depth.max() > 0.0

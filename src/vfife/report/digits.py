@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from decimal import Decimal
 from typing import Any
 
-from ..measures.measured import NOT_ESTIMATED
+from ..measures.values import NOT_ESTIMATED
 from ..numerics.scalar import log10
 
 Json = Mapping[str, Any]

@@ -39,7 +39,7 @@ from .study import (
 from .summary import run_summary
 
 if TYPE_CHECKING:
-    from ..results.studied import Study
+    from ..results.study import Study
     from ..results.view import View
 
 RELIABILITY = ("Step", "Run", "Turns", "Trust", "Energy")  # facts on how reliable the numbers are

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..measures.forces import MODES
-from ..measures.measured import NOT_ESTIMATED
 from ..measures.statics import EXACT
+from ..measures.values import NOT_ESTIMATED
 from .digits import (
     Json,
     amount,

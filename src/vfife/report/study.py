@@ -19,7 +19,7 @@ from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
     from ..results.member_errors import MemberError
-    from ..results.studied import Study
+    from ..results.study import Study
     from ..store.studyfile import StudyCase
     from ..studies.methods.allocation import Allocated, Allotment
     from ..studies.methods.tolerance import Spread

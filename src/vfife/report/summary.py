@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..measures import influence
 from ..measures.forces import MODES
-from ..measures.measured import Measured, lips
 from ..measures.statics import equilibria
+from ..measures.values import Measured, lips
 from ..model.bodies import Link
 from ..model.surfaces import surfaces
 from .cautions import largest_by_joint, static_cautions, transient_cautions, usual_remarks, wide_contacts

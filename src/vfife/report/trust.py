@@ -9,8 +9,8 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from ..measures.measured import NOT_ESTIMATED
 from ..measures.trust import HALVINGS, trust
+from ..measures.values import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
 from .digits import Json, amount, prefixed, unit_of

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..kernels.blocks import BY_NAME
 from ..measures import contacts, elastic, forces, motion
-from ..measures.contacts import contact_angle, lost, mean_power, sliding_speed
+from ..measures.contacts import contact_angle, lost_energy, mean_power, sliding_speed
 from ..measures.energy import Ledger
 from ..measures.forces import ground_load
 from ..measures.statics import displacement
@@ -150,7 +150,7 @@ def channels(record: Record, ledger: Ledger) -> dict[str, Channel]:
     """Every channel that the mechanism has."""
     present = entities(record)
     values: dict[str, Channel] = {}
-    for entity, make in MADE.items():
+    for entity, make in ENTITY_CHANNELS.items():
         if entity in present:
             values |= make(record)
             values |= recorded(record, entity, values)
@@ -264,8 +264,12 @@ def wear_channels(record: Record) -> dict[str, Channel]:
     pressures, slide = contacts.pressures(record), sliding_speed(record)
     load = pressures.bearing
     named = {
-        "friction_energy": (lost(record, "friction"), "J", "energy lost in friction since the start"),
-        "impact_energy": (lost(record, "impact"), "J", "energy lost in normal damping since the start"),
+        "friction_energy": (lost_energy(record, "friction"), "J", "energy lost in friction since the start"),
+        "impact_energy": (
+            lost_energy(record, "impact"),
+            "J",
+            "energy lost in normal damping since the start",
+        ),
         "friction_power": (
             mean_power(record, "friction"),
             "W",
@@ -303,10 +307,10 @@ def wear_channels(record: Record) -> dict[str, Channel]:
     for side, name in (("bearing", "contact_angle"), ("journal", "journal_contact_angle")):
         meaning = f"angle of the place of contact, or of what is nearest to it, seen from the {side}'s pin"
         values[name] = Channel(contact_angle(record, side), "clearance", "rad", meaning, side)
-    return values | (worn_channels(record) if record.assembly.topology.wears else {})
+    return values | (wear_volume_channels(record) if record.assembly.topology.wears else {})
 
 
-def worn_channels(record: Record) -> dict[str, Channel]:
+def wear_volume_channels(record: Record) -> dict[str, Channel]:
     """Volumes that the surfaces of joints with play have lost, by Archard's law."""
     wears, values = record.assembly.topology.wears, {}
     for k, side in enumerate(SIDES):
@@ -403,7 +407,7 @@ def elastic_channels(record: Record) -> dict[str, Channel]:
     return by_name
 
 
-MADE: Mapping[str, Callable[[Record], dict[str, Channel]]] = {
+ENTITY_CHANNELS: Mapping[str, Callable[[Record], dict[str, Channel]]] = {
     "body": _bodies,
     "joint": _joints,
     "clearance": _clearances,

@@ -25,7 +25,7 @@ from .table import table_rows, write_parquet
 if TYPE_CHECKING:
     import xarray
 
-    from .studied import Study
+    from .study import Study
     from .view import View
 
 IN_MEMORY = 2**30  # bytes of numbers beyond which a file is not made in memory

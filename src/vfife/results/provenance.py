@@ -143,7 +143,7 @@ def assembly_meta(assembly: Assembly) -> dict[str, Any]:
     }
 
 
-def kept_companions(
+def companions_meta(
     assembly: Assembly,
     counts: NDArray[np.int64],
     earlier: Mapping[str, tuple[float, float]],
@@ -274,15 +274,17 @@ def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoic
     contact = forms(ContactLaw, [joint.contact for joint in joints])
     friction = forms(FrictionLaw, [joint.friction for joint in joints])
     topology = Topology(
-        **_known(Topology, entries["topology"]),
+        **_current_fields(Topology, entries["topology"]),
         contact_laws=contact,
         friction_laws=friction,
         contact_form=tuple(contact.index(joint.contact.form()) for joint in joints),
         friction_form=tuple(friction.index(joint.friction.form()) for joint in joints),
     )
     layout = Layout(topology)
-    bodies = {body["name"]: BodyMap(**_known(BodyMap, body)) for body in entries["bodies"]}
-    mobility = None if entries["mobility"] is None else Mobility(**_known(Mobility, entries["mobility"]))
+    bodies = {body["name"]: BodyMap(**_current_fields(BodyMap, body)) for body in entries["bodies"]}
+    mobility = (
+        None if entries["mobility"] is None else Mobility(**_current_fields(Mobility, entries["mobility"]))
+    )
     names = {name: entries.get(name, ()) for name in NAMES}
     state = state_of(layout, entries["blocks"], meta["start"], where)
     return Assembly(
@@ -310,7 +312,7 @@ def state_of(
     return state
 
 
-def _known(kind: type[Any], values: Mapping[str, Any]) -> dict[str, Any]:
+def _current_fields(kind: type[Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """Values of the fields that a class has in this version."""
     return {field.name: values[field.name] for field in dataclasses.fields(kind) if field.name in values}
 

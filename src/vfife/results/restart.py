@@ -28,10 +28,10 @@ from ..solvers.status import Status
 from .view import View
 
 Array = NDArray[np.float64]
-STARTS_ANEW = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")
+RESET = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastest", "_steps")
 
 
-def refuse_ended(record: Record, until: float | None, where: str) -> None:
+def refuse_finished(record: Record, until: float | None, where: str) -> None:
     """Raise ResumeError for a run that cannot continue, with a remedy."""
     if any(what.startswith("output") for what in record.lost):
         raise ResumeError(
@@ -143,7 +143,7 @@ def restarted(assembly: Assembly, record: Record) -> Assembly:
     state, now, before = assembly.state.copy(), assembly.layout, record.assembly.layout
     old = record.assembly.state if record.final is None else record.final
     for block in BLOCKS:
-        fresh = block.entity in ("system", "function", "body") or block.name.endswith(STARTS_ANEW)
+        fresh = block.entity in ("system", "function", "body") or block.name.endswith(RESET)
         if block.role in ("state", "memory") and not fresh:
             state[now.rows_of(block.name)] = old[before.rows_of(block.name)]
     free = np.array(assembly.topology.free, dtype=int)

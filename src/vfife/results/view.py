@@ -104,7 +104,7 @@ class View:
         """Measures by name; see :mod:`vfife.measures.catalogue`.
 
         Each is a number with its uncertainty, ``low`` to ``high``, and its scatter over turns, ``lowest`` to
-        ``highest`` (:class:`~vfife.measures.measured.Measured`). :attr:`motion` names the turns that they are
+        ``highest`` (:class:`~vfife.measures.values.Measured`). :attr:`motion` names the turns that they are
         of.
         """
         return ranged(self.record, None if self.reference is None else self.reference.measures)

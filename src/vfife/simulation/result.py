@@ -11,9 +11,9 @@ from ..errors import RunFileError, StorageError
 from ..files import replacement
 from ..results.provenance import (
     companion_rows_of,
+    companions_meta,
     final_state,
     keep_reference,
-    kept_companions,
     provenance,
     restored,
     restored_companions,
@@ -126,7 +126,7 @@ class Result(View):
         return (
             meta
             if left is None
-            else meta | kept_companions(record.assembly, left.counts, left.earlier, left.kept)
+            else meta | companions_meta(record.assembly, left.counts, left.earlier, left.kept)
         )
 
     @classmethod
@@ -146,7 +146,7 @@ class Result(View):
     def of(cls, file: RunFile) -> Result:
         """The result that an open run file holds."""
         where, meta, last = str(file.path), file.meta, file.last_checkpoint()
-        alone = file.ended_steps()
+        alone = file.finished_steps()
         result = cls(
             restored(meta, *file.outputs(), where)
             if alone is None

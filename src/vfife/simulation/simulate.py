@@ -25,8 +25,8 @@ from ..model.mechanism import Mechanism
 from ..model.validation import validate
 from ..modelfile import dump
 from ..options import Run, Watch, with_options
-from ..results.provenance import keep_reference, kept_companions, provenance, refuse_displaced
-from ..results.restart import extended, on_clock, refuse_ended
+from ..results.provenance import companions_meta, keep_reference, provenance, refuse_displaced
+from ..results.restart import extended, on_clock, refuse_finished
 from ..solvers.arguments import Arguments, Loop, RunArguments
 from ..solvers.companions import companion_count, step_counts
 from ..solvers.record import IN_MEMORY, Checkpoint, Record, recorded_rows
@@ -94,7 +94,7 @@ class Prepared:
         asked = {**self.asked, "refined": self.refined}
         return (
             found
-            | kept_companions(assembly, step_counts(assembly.choice, self.companions), earlier or {})
+            | companions_meta(assembly, step_counts(assembly.choice, self.companions), earlier or {})
             | {"asked": asked}
         )
 
@@ -349,7 +349,7 @@ def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Check
     then. Raises ResumeError for a run that has nothing left to do, or whose outputs are damaged.
     """
     where, meta, former, last = str(file.path), file.meta, Result.of(file), file.latest()
-    refuse_ended(former.record, until, where)
+    refuse_finished(former.record, until, where)
     refuse_displaced(meta, where)
     record, asked = former.record, dict(meta.get("asked", {}))
     changed: dict[str, Any] = {"status": Status.RUNNING}

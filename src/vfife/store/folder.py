@@ -302,6 +302,6 @@ def refuse_in_the_way(folder: Path, model: str | None) -> None:
         )
 
 
-def kept_run(path: Path) -> RunFolder:
+def existing_run(path: Path) -> RunFolder:
     """Lock the folder of an existing run to continue it. Raises HeldError if another process writes into it."""
     return RunFolder(path, path=path, lock=Lock(path), settled=True)

@@ -103,7 +103,7 @@ def holder(folder: Path, name: str = LOCK) -> str | None:
     path = folder / name
     try:
         with open(path, "r+", encoding="utf-8", opener=_opened) as stream:
-            if not _taken(stream):
+            if not _is_locked(stream):
                 return None
             return _who(path)
     except OSError:
@@ -121,7 +121,7 @@ def _held(path: Path, what: str) -> IO[str]:
     while True:
         stream = open(path, "a+", encoding="utf-8", opener=_opened)  # noqa: SIM115 - the lock holds it
         try:
-            if _taken(stream):
+            if _is_locked(stream):
                 raise HeldError(_refusal(path, what))
             if os.path.samestat(os.fstat(stream.fileno()), path.stat()):
                 return stream
@@ -149,7 +149,7 @@ def _refusal(path: Path, what: str) -> str:
     return f"{where}: {_who(path)} writes {what}; wait until it has ended, or name another {other}"
 
 
-def _taken(stream: IO[str]) -> bool:
+def _is_locked(stream: IO[str]) -> bool:
     """Try to lock a file; True if another process holds it. A file system without locks lets everyone in."""
     try:
         if fcntl is not None:

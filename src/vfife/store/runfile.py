@@ -297,7 +297,7 @@ class RunFile(Store):
         """What was found damaged so far and is left out."""
         return tuple(self._lost)
 
-    def _report_lost(self, what: str) -> None:
+    def _report_damage(self, what: str) -> None:
         self._lost[what] = None
 
     @property
@@ -322,9 +322,9 @@ class RunFile(Store):
                         entries[str(key)] = json.loads(value) if table == "meta" else unpacked(value)
         names = entries.pop(KEYS, None)
         if names is None and (entries or missing_entries):
-            self._report_lost("the list of what it says")
+            self._report_damage("the list of what it says")
         for name in sorted((missing_entries | set(names or ())) - set(entries) - {KEYS}):
-            self._report_lost(f"its {name}" if name.isprintable() else "an entry of what it says")
+            self._report_damage(f"its {name}" if name.isprintable() else "an entry of what it says")
         entries.pop(COUNTED, None)
         if not entries:
             raise RunFileError(self.damaged("nothing is left of what it says"))
@@ -351,7 +351,7 @@ class RunFile(Store):
         """Step numbers of the outputs, shape (outputs,)."""
         return self.outputs(only_steps=True)[0]
 
-    def ended_steps(self) -> Steps | None:
+    def finished_steps(self) -> Steps | None:
         """Step numbers of a large file whose run ended, without reading its outputs; None for any other file."""
         if self.path.stat().st_size <= LARGE:
             return None
@@ -388,18 +388,18 @@ class RunFile(Store):
         steps, rows, count, at = np.zeros(total, dtype=np.int64), np.zeros((0, 0)), 0, 0
         for first, own, values in self._chunks(chunks, only_steps):
             if first > at:
-                self._report_lost(missing(at, first))
+                self._report_damage(missing(at, first))
             if not only_steps and rows.size == 0:
                 rows = room_for_rows(total, values.shape[1])
             if len(own) > total - count or not (only_steps or values.shape == (len(own), rows.shape[1])):
-                self._report_lost(missing(first, first + len(own)))
+                self._report_damage(missing(first, first + len(own)))
                 continue
             steps[count : count + len(own)] = own
             if not only_steps:
                 rows[count : count + len(own)] = values
             count, at = count + len(own), first + len(own)
         if at < total:
-            self._report_lost(missing(at, total))
+            self._report_damage(missing(at, total))
         return steps[:count], rows[:count]
 
     def later(self) -> Callable[[], Array]:
@@ -463,7 +463,7 @@ class RunFile(Store):
         rows = [row for row in stored if row is not None]
         if len(rows) == len(stored) >= self._counted(table):
             return rows
-        self._report_lost(what)
+        self._report_damage(what)
         return None
 
     def companions(self) -> StoredRecord | None:
@@ -483,7 +483,7 @@ class RunFile(Store):
             for one, other in zip(chunks, chunks[1:], strict=False)
         )
         if not (fit and follow):
-            self._report_lost("the companions")
+            self._report_damage("the companions")
             return None
         return StoredRecord(chunks[-1]["told"], np.concatenate(steps), np.concatenate(parts))
 
@@ -496,7 +496,7 @@ class RunFile(Store):
         if [row and row["turn"] for row in rows] != list(range(1, len(rows) + 1)) or len(
             {part.shape for part in parts}
         ) > 1:
-            self._report_lost("the companions' turns")
+            self._report_damage("the companions' turns")
             return np.zeros((0, 0, 0))
         return np.array(parts) if parts else np.zeros((0, 0, 0))
 
@@ -504,13 +504,13 @@ class RunFile(Store):
         """Latest sound checkpoint, from which the run can continue; None without any."""
         stored = list(self.read("checkpoints"))
         if len(stored) < self._counted("checkpoints"):
-            self._report_lost("a checkpoint")
+            self._report_damage("a checkpoint")
         for step, row in reversed(stored):
             if row is not None:
                 return Checkpoint(
                     int(row["step"]), row["state"], row["more"], int(row["chunks"]), int(row["outputs"])
                 )
-            self._report_lost(f"the checkpoint of step {step:,}")
+            self._report_damage(f"the checkpoint of step {step:,}")
         return None
 
     def last_checkpoint(self) -> tuple[int, Array] | None:
@@ -530,7 +530,7 @@ class RunFile(Store):
         """Step, time (UTC) and text of the events, in their order."""
         stored = [row.values[1:] for _, row in self.read("events") if row is not None]
         if len(stored) < self._counted("events"):
-            self._report_lost("some of its events")
+            self._report_damage("some of its events")
         return [(step, time, text) for step, time, text in stored]
 
     @property
@@ -546,7 +546,7 @@ class RunFile(Store):
         with self.reported():
             record = _reference_of({row["part"]: row["data"] for row in rows})
         if record is None:
-            self._report_lost("the ideal reference")
+            self._report_damage("the ideal reference")
         return record
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..results.comparison import Comparison as Comparison
-    from ..results.studied import Study as Study
-    from ..results.studied import load_study as load_study
+    from ..results.study import Study as Study
+    from ..results.study import load_study as load_study
     from ..solvers.ensemble import ensemble as ensemble
     from .methods.compare import compare as compare
     from .methods.derivatives import sensitivity as sensitivity
@@ -24,12 +24,12 @@ _MODULES = {  # of public names, each loaded when it is first used
     "Allocation": ".study_work",
     "Comparison": "..results.comparison",
     "Optimum": ".study_work",
-    "Study": "..results.studied",
+    "Study": "..results.study",
     "allocate": ".study_work",
     "compare": ".methods.compare",
     "ensemble": "..solvers.ensemble",
     "indices": ".methods.sensitivity_indices",
-    "load_study": "..results.studied",
+    "load_study": "..results.study",
     "optimise": ".study_work",
     "sensitivity": ".methods.derivatives",
     "study": ".study_work",

@@ -24,7 +24,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
 from ..results.member_errors import sample_size
-from ..results.studied import Study
+from ..results.study import Study
 from ..store.studyfile import hash_of
 from .engine.cases import run_members
 from .engine.lanes import streams

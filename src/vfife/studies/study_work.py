@@ -18,7 +18,7 @@ from ..job.job import Interrupted, Job, job_of
 from ..model.mechanism import Mechanism
 from ..modelfile import load
 from ..options import Compute, Save, Watch, with_options
-from ..results.studied import Study
+from ..results.study import Study
 from ..solvers.status import Status
 from ..store.lock import Lock
 from .engine.cases import Outcome

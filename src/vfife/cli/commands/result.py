@@ -48,7 +48,7 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
     from ...store.runfile import RunFile
 
     with RunFile.open(path) as file:
-        alone = None if check else file.ended_steps()
+        alone = None if check else file.finished_steps()
         meta, steps, events, last = (
             file.meta,
             file.steps if alone is None else alone,

@@ -17,7 +17,7 @@ from ...errors import HeldError, RunFileError, StorageError
 from ...files import write_text
 from ...job.progress import ProgressLine
 from ...solvers.status import Status
-from ...store.folder import MODEL, SUMMARY, kept_run, model_of, placed
+from ...store.folder import MODEL, SUMMARY, existing_run, model_of, placed
 from ...store.schemas import RUN, is_run_file
 from ..job import CommandJob
 from ..options import (
@@ -192,7 +192,7 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
     from ...simulation.simulate import taken_up
     from ...store.runfile import RunFile
 
-    place = kept_run(path)
+    place = existing_run(path)
 
     def reopen() -> OpenRun:
         file = RunFile.write(place.run_file, gather=GATHER)

@@ -30,7 +30,7 @@ from .optimise import allocate
 from .study_info import export, indices, plot, show, tolerance
 
 if TYPE_CHECKING:
-    from ...results.studied import Study
+    from ...results.study import Study
     from ...store.lock import Lock
     from ...studies.study_work import StudyWork
 

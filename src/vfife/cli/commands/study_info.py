@@ -12,7 +12,7 @@ from ..outputs import refuse_ending, refuse_taken
 from ..terminal import amount_of_bytes, answer, sentences, writing
 
 if TYPE_CHECKING:
-    from ...results.studied import Study
+    from ...results.study import Study
     from ...studies.spec.limits import Bound
 
 ENDINGS = (".csv", ".nc", ".parquet")
@@ -35,7 +35,7 @@ def show(options: ShowOptions) -> None:
 def read(file: Path) -> Study:
     """A study as its file has it now."""
     with sentences(str(file)):
-        from ...results.studied import Study
+        from ...results.study import Study
 
         return Study.open(file)
 

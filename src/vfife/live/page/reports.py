@@ -20,7 +20,7 @@ from ...plots.notebook import pictures as run_pictures
 from ...plots.study import pictures
 from ...report import pages
 from ...report.study import where
-from ...results.studied import Study
+from ...results.study import Study
 from ...simulation.result import Result
 from ...solvers.status import Status
 from ...store.studyfile import StudyCase

@@ -27,7 +27,7 @@ from ...modelfile import dump, loads
 from ...modelfile.paths import parsed
 from ...results.member_errors import sample_of
 from ...results.provenance import own_laws, versions
-from ...results.studied import Study
+from ...results.study import Study
 from ...solvers.status import Status
 from ...store.studyfile import WHAT, StudyCase, StudyFile, hash_of
 from ..spec.parameters import read_value

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import VfifeError
-from ...results.studied import Study
+from ...results.study import Study
 from ...solvers.status import Status
 from ..engine.run_missing import plan_of
 from ..spec.case_rows import sample_rows

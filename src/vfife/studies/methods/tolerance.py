@@ -14,7 +14,7 @@ import numpy as np
 
 from ...errors import VfifeError
 from ...results.member_errors import MemberError
-from ...results.studied import Study
+from ...results.study import Study
 from ..engine.run_missing import plan_of
 from ..spec.case_rows import case_rows
 from ..spec.limits import CONFIDENCE, Bound, Estimate, mean, quantile, read_bounds, share, widened

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ...assembly.assemble import assemble
 from ...errors import Fault, ModelError, Path, StepError, VfifeError, article, kind_of, shown, suggestion
-from ...measures.catalogue import UNITS, measures, of_whole_runs, unit_of
+from ...measures.catalogue import UNITS, measures, of_full_runs, unit_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
@@ -274,7 +274,7 @@ def check_turns(base: Mechanism, spec: StudySpec, by: Reading) -> None:
 
 def remark_on_last(spec: StudySpec) -> str:
     """Return a sentence on measures of the whole run, which do not heed ``last``; empty without any."""
-    names = of_whole_runs(spec.measures) if spec.last > 1 else []
+    names = of_full_runs(spec.measures) if spec.last > 1 else []
     if not names:
         return ""
     what = f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} of the whole run, from its first turn on"
