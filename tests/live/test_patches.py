@@ -4,14 +4,15 @@ is put into a group.
 
 import dataclasses
 import itertools
+import math
 
 import numpy as np
 import pytest
 
 from vfife import gallery
 from vfife.errors import VfifeError
-from vfife.live.page.patches import Assembler, slider_patches
-from vfife.live.page.sliders import Slide, default_slides, number_at, parse_slides
+from vfife.live.page.patches import GROUP_COMBINATIONS, Assembler, fewer_positions, slider_patches
+from vfife.live.page.sliders import POSITIONS, Slide, default_slides, number_at, parse_slides
 from vfife.model.mechanism import StartSettings
 from vfife.modelfile import dump
 
@@ -138,3 +139,14 @@ def test_a_slide_that_cannot_be_used_is_told_in_a_sentence(text, said):
 def test_what_has_no_motion_has_no_page():
     with pytest.raises(VfifeError, match="static"):
         slider_patches(gallery.toggle_press(), [])
+
+
+def test_a_group_keeps_the_models_own_position_and_few_combinations():
+    values = tuple(float(k) for k in range(31))
+    slides = tuple(Slide(name, (name,), "1", values, here) for name, here in (("a", 7), ("b", 29)))
+    thinned = fewer_positions(slides, [(0, 1)])
+    assert [slide.values[slide.here] for slide in thinned] == [7.0, 29.0]
+    assert [len(slide.values) for slide in thinned] == [20, 20]
+    assert math.prod(len(slide.values) for slide in thinned) <= GROUP_COMBINATIONS
+    (alone, _) = fewer_positions(slides, [(0,), (1,)])
+    assert len(alone.values) == POSITIONS + 1 and alone.values[alone.here] == 7.0
