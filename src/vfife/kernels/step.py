@@ -1,6 +1,6 @@
 """The data-driven step: any mechanism, compiled once, the topology read from integer tables.
 
-``codegen`` writes the same step out for one topology; the two must agree to the bit, so each sum here has one
+``compiler`` writes the same step out for one topology; the two must agree to the bit, so each sum here has one
 fixed order. The step n: drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2).
 Velocities at half steps are algebraically the paper's Eq. 3-5.
 """

@@ -5,8 +5,6 @@ Where a function has no value, one number raises the error of :mod:`math`; in an
 NaN.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

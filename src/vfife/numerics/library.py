@@ -1,7 +1,5 @@
 """The compiled routines: one text of all of them, one file of object code, loaded with the first call."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Products of dense matrices and vectors over leading dimensions; every sum runs in the order of its terms."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Gauss' rule of integration between -1 and 1."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Elementary functions of one number, as :mod:`math` has them, with the same bits on every machine."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

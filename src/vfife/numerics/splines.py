@@ -2,8 +2,6 @@
 place on, constant first.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 Places = Sequence[float]

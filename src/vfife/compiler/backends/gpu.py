@@ -2,8 +2,8 @@
 ``llvm.py``.
 
 Members lie in tiles of 32, as many as threads go together: row r of member m is S[(m // 32 rows + r) 32 + m %
-32]. Threads that go together read neighbours then, and where a row begins is a constant of the text. The lean
-step has its rows in registers for as long as nothing rare wants another step: what a processor's nearest
+32]. Threads that go together read neighbours then, and where a row begins is a constant of the text. The fast
+steps have their rows in registers for as long as nothing unlikely needs another step: what a processor's nearest
 cache holds for eight lanes does not fit there for thousands of threads.
 
 The same text, but for the two lines that ask a card which thread this is, runs on a processor, member by

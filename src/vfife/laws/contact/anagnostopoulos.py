@@ -1,7 +1,5 @@
 """Anagnostopoulos 1988: a linear spring, and a linear damper that follows from the restitution."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

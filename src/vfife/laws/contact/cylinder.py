@@ -2,8 +2,6 @@
 power of the penetration.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

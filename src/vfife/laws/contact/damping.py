@@ -4,8 +4,6 @@ restitution coefficient.
 Their sources stand in the laws of the same names.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Dubowsky and Freudenstein 1971: a pin in a cylindrical bearing."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

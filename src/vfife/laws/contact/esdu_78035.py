@@ -1,7 +1,5 @@
 """ESDU 78035, 1978: the tribology data item of the Engineering Sciences Data Unit."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

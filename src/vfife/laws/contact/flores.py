@@ -1,7 +1,5 @@
 """Flores, Machado, Silva and Martins 2011: for the whole range of restitution."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

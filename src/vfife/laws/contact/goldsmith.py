@@ -1,7 +1,5 @@
 """Goldsmith 1960: two cylinders."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Gonthier, McPhee, Lange and Piedboeuf 2004."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

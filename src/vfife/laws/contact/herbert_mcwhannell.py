@@ -1,7 +1,5 @@
 """Herbert and McWhannell 1977."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

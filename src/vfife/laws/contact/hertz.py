@@ -1,7 +1,5 @@
 """Hertz 1882: two elastic spheres, without dissipation or with the damping factor of another law."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Hu and Guo 2015: for the whole range of restitution."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Hunt and Crossley 1975: the first hysteresis damping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

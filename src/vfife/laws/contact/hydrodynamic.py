@@ -2,8 +2,6 @@
 Hertz' contact where it is thin.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """IMPACT: the contact force of Adams and its relatives, with damping that grows with the penetration."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

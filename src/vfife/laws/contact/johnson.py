@@ -1,7 +1,5 @@
 """Johnson 1985: two cylinders in line contact."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

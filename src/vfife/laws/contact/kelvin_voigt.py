@@ -1,7 +1,5 @@
 """Kelvin and Voigt: a linear spring and a linear damper side by side."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Lankarani and Nikravesh 1990: Hertz' elastic force with hysteresis damping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Lee and Wang 1983."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

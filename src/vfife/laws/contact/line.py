@@ -7,8 +7,6 @@ relation has a largest penetration, alpha beta/e at w = 1, where the stiffness b
 on, at 0.9953 of it, the force goes on along its tangent, 1/[alpha (w - 1)] = 10/alpha.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """A spring and a damper side by side, for laws that are linear."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """Liu, Zhang and Yang 2007: a journal inside a bearing, explicit in the penetration."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

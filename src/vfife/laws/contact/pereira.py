@@ -1,7 +1,5 @@
 """Pereira, Ramalho and Ambrosio 2011: the enhanced cylindrical contact force."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Radzimovsky 1953: two rolling cylinders."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

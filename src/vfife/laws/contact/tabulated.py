@@ -1,7 +1,5 @@
 """A law as a table: measured force over penetration, loading and unloading."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Zhiying and Qishao 2006."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

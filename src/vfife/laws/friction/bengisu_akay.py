@@ -1,7 +1,5 @@
 """Bengisu and Akay 1994: a parabola up to static friction, an exponential down to kinetic friction."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -2,8 +2,6 @@
 causes.
 """
 
-from __future__ import annotations
-
 
 def bend(
     normal_force: float, free_velocity: float, mobility: float, memory: tuple[float, float, float], dt: float,

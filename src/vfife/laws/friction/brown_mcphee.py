@@ -1,7 +1,5 @@
 """Brown and McPhee 2016: one smooth curve with a peak at the transition speed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

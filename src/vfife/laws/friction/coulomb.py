@@ -1,7 +1,5 @@
 """Coulomb 1785: set-valued dry friction, without any regularisation."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

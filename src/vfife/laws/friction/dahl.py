@@ -1,7 +1,5 @@
 """Dahl 1968: bristles that bend before they slide."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

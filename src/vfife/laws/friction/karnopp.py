@@ -1,7 +1,5 @@
 """Karnopp 1985: stick within a small band of velocities, static friction to leave it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """LuGre, Canudas de Wit, Olsson, Astrom and Lischinsky 1995: bristles with damping and a Stribeck curve."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar

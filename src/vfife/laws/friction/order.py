@@ -1,7 +1,5 @@
 """What coefficients of one law must satisfy together."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from ...errors import Fault

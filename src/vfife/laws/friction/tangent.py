@@ -1,7 +1,5 @@
 """Laws that are one curve of the speed, solved along its tangent: one evaluation a step, whatever the curve."""
 
-from __future__ import annotations
-
 
 def foreseen(free_velocity: float, reach: float, last: float, before: float) -> float:
     """Speed (m/s), in the direction of ``free_velocity``, that the last two sliding velocities extrapolate

@@ -1,7 +1,5 @@
 """Threlfall 1978: Coulomb friction with an exponential rise up to a speed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 
