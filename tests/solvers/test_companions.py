@@ -23,8 +23,8 @@ from vfife.errors import ModelError
 from vfife.kernels.arrays import Layout
 from vfife.laws import Ambrosio, Frictionless
 from vfife.measures.catalogue import measures
-from vfife.measures.error_ranges import band, companion_records, own_ranges, ranged
-from vfife.measures.trust import trust
+from vfife.measures.error_ranges import band, companion_records, over_tries, own_ranges, ranged
+from vfife.measures.trust import spreads_after_parting, trust
 from vfife.measures.turns import record_of_companion
 from vfife.measures.values import Measured
 from vfife.model.drivers import Harmonic
@@ -35,6 +35,7 @@ from vfife.solvers.companions import (
     DEFAULT,
     SENSITIVE,
     CompanionRecorder,
+    Parting,
     PartingWatch,
     SeparateLanes,
     SynchronisedLanes,
@@ -348,6 +349,29 @@ def test_a_companion_that_is_lost_makes_a_run_sensitive() -> None:
     said = trust(record)
     assert said is not None and said.sensitive and said.lost == 1
     assert len(list(companion_records(record))) == 2
+
+
+@pytest.mark.parametrize(("height", "counts"), [(0.97, True), (0.5, False)])
+def test_peaks_that_scatter_after_a_parting_count_where_they_may_be_the_largest(
+    height: float, counts: bool
+) -> None:
+    """All lanes agree on the largest penetration, which is before they part; later peaks differ by 2 % of it."""
+    record = run(assemble(four_bar("C"), 5e-6, turns=1.0), companions=3)
+    left, row = record.companions, record.assembly.layout["contact_penetration_max"][0]
+    assert left is not None
+    lanes = [record.rows[:, record.kept == row], *(left.rows[:, left.kept == row, k] for k in range(3))]
+    largest, middle = max(float(one.max()) for one in lanes), len(record.steps) // 2
+    before = [one.copy() for one in lanes]
+    shares = (height, height - 0.02, height, height - 0.01)
+    for share, one, peaks in zip(shares, lanes, before, strict=True):
+        one[:] = np.minimum(peaks, 0.4 * largest)
+        one[10], one[middle + 10] = largest, share * largest
+    record.rows[:, record.kept == row] = lanes[0]
+    for k in range(3):
+        left.rows[:, left.kept == row, k] = lanes[k + 1]
+    left.parting = Parting(float(record.steps[middle]) * record.assembly.choice.step, "C")
+    found = spreads_after_parting(record, over_tries(record))
+    assert found.get("C.penetration.max", 0.0) == pytest.approx(0.02 if counts else 0.0, abs=1e-9)
 
 
 # -------------------------------------------------------------------------------------------------------------- parting

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +10,20 @@ import numpy as np
 from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
 from ..solvers.status import Status
-from .catalogue import PEAKS
+from .catalogue import PEAKS, over_turn
 from .energy import ledger, own_floor
-from .error_ranges import over_tries, ranged, spreads
+from .error_ranges import (
+    companion_records,
+    evaluated_turns,
+    joined,
+    over_tries,
+    ranged,
+    sizes,
+    spreads,
+    step_ratios,
+)
 from .statics import spreads as static_spreads
-from .turns import turns
+from .turns import last_turn, turns
 from .values import Measured
 
 # How often an automatic step is halved at the most: for companions that diverge, and for a smooth run with
@@ -67,10 +77,15 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
     if record.static:
         widths = static_spreads(record, measures)
     else:
-        widths = spreads(
-            measures if companions is None else over_tries(record, groups=PEAKS), record.assembly.choice.step
-        )
+        hulls = measures if companions is None else over_tries(record, groups=PEAKS)
+        widths = spreads(hulls, record.assembly.choice.step)
     name, spread = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
+    if (
+        not record.static and spread <= SENSITIVE
+    ):  # all agree, perhaps as they part after their largest values
+        later = spreads_after_parting(record, hulls)
+        worst, largest = max(later.items(), key=lambda item: item[1], default=("", 0.0))
+        name, spread = (worst, largest) if largest > SENSITIVE else (name, spread)
     low, high = (measures[name].low, measures[name].high) if name else (0.0, 0.0)
     if companions is None:
         return Trust(
@@ -92,6 +107,29 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
         companions.parting,
         len(companions.lost),
     )
+
+
+def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict[str, float]:
+    """How far largest values after run and companions part differ, over their size (1), where they matter.
+
+    Until they part all of them have the same motion, and so the same largest value, which says nothing of what
+    comes after: there the motion depends on the steps, and its largest values scatter. They matter where their
+    range reaches beyond the largest value of all (``hulls``). Only runs that part within their last turn count.
+    """
+    companions, motion = record.companions, evaluated_turns(record)
+    if companions is None or companions.parting is None or (motion is not None and motion.several):
+        return {}
+    begin = companions.parting.time * (1.0 - 1e-9)
+    peaks = [
+        over_turn(one, last_turn(one) & (one.steps * one.assembly.choice.step >= begin), PEAKS)
+        for one in (record, *companion_records(record))
+    ]
+    size = sizes(hulls, record.assembly.choice.step)
+    return {
+        name: (later.high - later.low) / size[name]
+        for name, later in joined(peaks[0], peaks[1:], step_ratios(record)).items()
+        if name in size and later.error_range(name)[1] > hulls[name].high
+    }
 
 
 def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
