@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vfife.identification.parameters import FitParameter
-from vfife.identification.step_uncertainty import autocorrelation, confidence_of
+from vfife.identification.step_uncertainty import Sensitivity, autocorrelation, confidence_of
 
 
 def test_the_autocorrelation_of_a_line_is_known() -> None:
@@ -40,3 +40,23 @@ def test_errors_grow_with_what_residuals_follow_each_other() -> None:
     assert (high - low) / 2.0 == pytest.approx(2.7764451 * found.errors[0], rel=1e-7), (
         "Student's t of 4 degrees of freedom at 95 %"
     )
+
+
+@pytest.mark.parametrize(
+    ("change", "residual", "trusted"),
+    [
+        (0.09, 0.02, True),
+        (0.11, 0.02, False),
+        (0.3, 0.8, True),
+        (0.45, 0.8, False),
+        (0.4, 0.94, False),
+        (0.09, 1.2, False),
+    ],
+)
+def test_curves_are_trusted_while_they_change_by_less_than_noise_and_than_what_they_explain(
+    change: float, residual: float, trusted: bool
+) -> None:
+    """A residual of 0.94 leaves 0.34 of the data explained: curves that change by 0.4 explain nothing."""
+    nothing = np.zeros(1)
+    assert Sensitivity(change, 0.0, residual, 1.0, 1.0, nothing).trusted is trusted
+    assert Sensitivity(0.0, change, residual, 1.0, 1.0, nothing).trusted is trusted

@@ -58,7 +58,8 @@ class Confidence:
 
 
 def confidence_of(
-    residuals: Sequence[Array], parameters: Sequence[FitParameter], shares: Array, jacobian: Array | None, unknowns: int, level: float,
+    residuals: Sequence[Array], parameters: Sequence[FitParameter], shares: Array, jacobian: Array | None,
+    unknowns: int, level: float,
     inflation: float = 1.0,
 ) -> Confidence:  # fmt: skip
     """Confidence in parameters at ``shares`` of the ways between their bounds.
@@ -144,10 +145,15 @@ class Sensitivity:
 
     @property
     def trusted(self) -> bool:
-        """Whether the curves are those of the model rather than those of its steps, or of one turn."""
-        return max(self.by_steps, self.by_turns) <= max(
-            TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL * self.residual
-        )
+        """Whether the curves are those of the model rather than those of its steps, or of one turn.
+
+        Curves that change by more than the part of the data that they explain would explain other data as
+        well,
+        however much noise there is: the part is sqrt(1 - residual^2) of the deviation of the data.
+        """
+        explained = math.sqrt(max(1.0 - self.residual * self.residual, 0.0))
+        limit = max(TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL * self.residual)
+        return max(self.by_steps, self.by_turns) <= min(limit, explained)
 
 
 def sensitivity_of(
@@ -256,7 +262,8 @@ def concluded(
         errors, limits = widened(confidence, sensitivity, parameters, shares, evaluations.points)
     values = [
         FitValue(
-            one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high), (one.low, one.high), one.initial,
+            one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high),
+            (one.low, one.high), one.initial,
             one.logarithmic, sensitivity is None or sensitivity.trusted,
         )
         for one, x, e, (low, high) in zip(parameters, shares, errors, limits, strict=True)
@@ -264,9 +271,11 @@ def concluded(
     notes = [*search.notes, *cautions(evaluations, point.unsettled, sensitivity), *evaluations.reasons[:3]]
     by = "derivatives of the steps" if search.tangents else "differences of runs"
     return Fit(
-        name, misfit.measured.name, "interrupted" if slopes is None else "complete", values, confidence.correlation, confidence.directions,
+        name, misfit.measured.name, "interrupted" if slopes is None else "complete", values,
+        confidence.correlation, confidence.directions,
         best_offset(misfit, best), offset_error(slopes, confidence, misfit, best.along), misfit.measured.over,
-        best_curves(misfit, best, units), sorted(search.ends), evaluations.runs, len(evaluations.reasons), by, confidence.autocorrelation,
+        best_curves(misfit, best, units), sorted(search.ends), evaluations.runs, len(evaluations.reasons),
+        by, confidence.autocorrelation,
         level, time.monotonic() - evaluations.began, misfit.how, notes,
     )  # fmt: skip
 
