@@ -181,7 +181,8 @@ Axis = tuple[str, float | str, float | str]  # path of a number, its lowest and 
 
 @with_options(MapOptions, **MAP_DEFAULTS, turns=60)
 def basins(
-    mechanism: Mechanism, x: Axis, y: Axis, *, count: tuple[int, int] = (16, 16), exponents: bool = True, companions: int = SAMPLE,
+    mechanism: Mechanism, x: Axis, y: Axis, *, count: tuple[int, int] = (16, 16), exponents: bool = True,
+    companions: int = SAMPLE,
     **options: Unpack[MapOptions],
 ) -> Basins:  # fmt: skip
     """Find the motion to which each start of a grid leads; ``x`` and ``y`` are (path, from, to), with

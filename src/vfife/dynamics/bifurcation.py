@@ -222,10 +222,12 @@ def chain_values(
 
 @with_options(MapOptions, **MAP_DEFAULTS, turns=90)
 def bifurcation(
-    mechanism: Mechanism, path: str, low: float | str, high: float | str, *, count: int = 60, starts: Sequence[Mapping[str, float]] = (),
+    mechanism: Mechanism, path: str, low: float | str, high: float | str, *, count: int = 60,
+    starts: Sequence[Mapping[str, float]] = (),
     companions: int = SAMPLE, **options: Unpack[MapOptions],
 ) -> Bifurcation:  # fmt: skip
-    """Sweep the number at ``path`` from ``low`` to ``high`` and back in ``count`` values, the state carried on
+    """Sweep the number at ``path`` from ``low`` to ``high`` and back in ``count`` values, the state carried
+    on
     from one to the next.
 
     >>> bifurcation(mechanism, "joint.C.clearance", "0.1 mm", "1 mm", count=30).plot()  # doctest: +SKIP
@@ -268,7 +270,8 @@ def bifurcation(
     models = [with_steps(parameter.set(value), steps) for value in values]
     series, units = chosen_series(models[0], run.series)
     spec = SweepSpec(
-        text, path, values, run.turns, run.dropped, series, run.phase, steps, unit_at(mechanism, path), units, own, companions
+        text, path, values, run.turns, run.dropped, series, run.phase, steps, unit_at(mechanism, path),
+        units, own, companions
     )  # fmt: skip
     refuse_other_mechanisms(spec, models)
     with run.rows(Bifurcation, mechanism.name, spec) as rows:

@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 Range = tuple[str, float, float]  # path of a number, its lowest and its highest value (SI)
 
 
-# -------------------------------------------------------------------------------------------------------------- results
+# ---------------------------------------------------------------------------------------------------- results
 
 
 class MapSpec:
@@ -80,7 +80,7 @@ class Map(NotebookDocument, DataTable):
         return "; ".join(parts) or "no contacts"
 
 
-# -------------------------------------------------------------------------------------------------------------- running
+# ---------------------------------------------------------------------------------------------------- running
 
 
 class RunOptions(Watch, total=False):
@@ -169,7 +169,9 @@ class TurnRun(MapRun):
             self.dropped = self.turns - max(1, round((1.0 - self.dropped_share) * self.turns))
 
     def step_count(self, models: Sequence[Mechanism]) -> int:
-        """Steps in a turn of all models. Raises ModelError if there are no turns, or none is left to look at."""
+        """Steps in a turn of all models. Raises ModelError if there are no turns, or none is left to look
+        at.
+        """
         faults = []
         if turn_of(models[0]) is None:
             what = "no crank turns at constant speed, so there is no turn to look at once"
@@ -210,7 +212,7 @@ class MapRows:
             self.file.write_row(table, key, *values)
 
 
-# --------------------------------------------------------------------------------------------------------------- models
+# ----------------------------------------------------------------------------------------------------- models
 
 
 def models_along(mechanism: Mechanism, ranges: Sequence[Range]) -> list[Mechanism]:
@@ -272,7 +274,7 @@ def neighbours_of(mechanism: Mechanism, first: Assembly, steps: int) -> Neighbou
     raise ModelError([Fault("model", what)], mechanism.name)
 
 
-# --------------------------------------------------------------------------------------------------------------- series
+# ----------------------------------------------------------------------------------------------------- series
 
 # Turns, and outputs of each, by which series are compared.
 PROBE_TURNS, PROBE_OUTPUTS = 2, 36
@@ -378,7 +380,7 @@ def series_values(
     return values
 
 
-# ------------------------------------------------------------------------------------------------------------- forecast
+# --------------------------------------------------------------------------------------------------- forecast
 
 # Time of a step in which contact onsets are recorded, over that of a step in which they are not.
 IMPACTS = 1.8

@@ -84,7 +84,9 @@ def start_words(numbers: Iterable[tuple[str, float]]) -> str:
 
 
 def bodies_of(mechanism: Mechanism, paths: Iterable[str]) -> set[str]:
-    """Bodies whose velocity follows from that of a journal in its bearing, by paths such as ``start.pin.vx``."""
+    """Bodies whose velocity follows from that of a journal in its bearing, by paths such as
+    ``start.pin.vx``.
+    """
     joints = {
         path.split(".")[1]
         for path in paths
@@ -183,7 +185,9 @@ class StartStates:
         return at, rate
 
     def turned(self, model: Mechanism, time: float, alone: bool) -> Array:
-        """Where the bodies of the ideal mechanism are after a time (s), gone there in small parts of a turn."""
+        """Where the bodies of the ideal mechanism are after a time (s), gone there in small parts of a
+        turn.
+        """
         positions = {} if alone else self.positions
         if 0.0 not in positions:
             positions[0.0] = ideal_motion(model).position

@@ -155,7 +155,8 @@ def orbits(
 
 
 def chain_companions(
-    spec: TurnSpec, numbers: Sequence[int], models: Sequence[Assembly], near: Sequence[Neighbours], state: Array, done: int,
+    spec: TurnSpec, numbers: Sequence[int], models: Sequence[Assembly], near: Sequence[Neighbours],
+    state: Array, done: int,
     look: Callable[[], None] | None,
 ) -> list[Companion]:  # fmt: skip
     """Repeat the values with these ``numbers`` of both chains, from the ``state`` before them, shape (rows,

@@ -296,7 +296,8 @@ def waterfall(
             mechanism.name,
         )
     spec = WaterfallSpec(
-        text, path, unit_at(mechanism, path), values, run.turns, last, run.window, series, units, run.outputs, run.highest, step
+        text, path, unit_at(mechanism, path), values, run.turns, last, run.window, series, units,
+        run.outputs, run.highest, step
     )  # fmt: skip
     with run.rows(Waterfall, mechanism.name, spec, "this waterfall") as rows:
         rows.done |= {number: points for number, (points, _) in rows.legs(gaps=True).items()}
@@ -315,7 +316,8 @@ def work_of(run: SpectrumRun, mechanism: Mechanism, count: int, last: int, steps
         max(len(run.series), 1) * (run.highest * last + 1) / last,
     )
     return MapWork(
-        "run", count, run.turns, run.turns - last, steps, lanes, numbers, growth=False, start=ASSEMBLY, first_look=(FIRST_LOOK, run.turns)
+        "run", count, run.turns, run.turns - last, steps, lanes, numbers, growth=False, start=ASSEMBLY,
+        first_look=(FIRST_LOOK, run.turns)
     )  # fmt: skip
 
 

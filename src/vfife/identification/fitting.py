@@ -284,7 +284,8 @@ class FitSettings:
 
 
 def fit(
-    mechanism: Mechanism, data: str | Path | Measured, parameters: Mapping[Any, Any] | Sequence[str], *, file: str | Path | None = None,
+    mechanism: Mechanism, data: str | Path | Measured, parameters: Mapping[Any, Any] | Sequence[str], *,
+    file: str | Path | None = None,
     progress: Callable[[Progress], None] | None = None, confirm: bool = False, **options: Unpack[FitOptions],
 ) -> Fit:  # fmt: skip
     """Identify parameters of a mechanism from measured curves: a CSV file with time or crank_angle and
@@ -372,8 +373,10 @@ class FitTask:
         return {
             "model": self.text, "data": data.name, "numbers": numbers.hexdigest(), "over": data.over,
             "parameters": [[one.name, list(one.paths), one.low, one.high] for one in self.parameters],
-            "offset": [offset.low, offset.high, offset.free], "skip": self.misfit.skip, "compare": self.misfit.how, "window": self.misfit.window,
-            "step": timing.step, "outputs": timing.outputs, "every": timing.every, "duration": timing.duration,
+            "offset": [offset.low, offset.high, offset.free], "skip": self.misfit.skip,
+            "compare": self.misfit.how, "window": self.misfit.window,
+            "step": timing.step, "outputs": timing.outputs, "every": timing.every,
+            "duration": timing.duration,
         }  # fmt: skip
 
     @property
@@ -419,7 +422,8 @@ class FitTask:
             f" beside {stored:,} that are there" if stored else ""
         )
         return Forecast(
-            "run", left, one.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored, cores(), lanes, less=remedy, work=work,
+            "run", left, one.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored,
+            cores(), lanes, less=remedy, work=work,
             note="; half or twice of that by how the searches go",
         )  # fmt: skip
 

@@ -62,7 +62,8 @@ class Loop:
 
 
 def fit_law(
-    law: str, data: str | Path | Loop, given: Mapping[str, Any] | None = None, *, pair: Pair = SURFACES, confidence: float = 0.95,
+    law: str, data: str | Path | Loop, given: Mapping[str, Any] | None = None, *, pair: Pair = SURFACES,
+    confidence: float = 0.95,
     seed: int = 0,
 ) -> Fit:  # fmt: skip
     """Fit a contact law to a measured curve: a CSV file with penetration and force in the order of
@@ -139,7 +140,8 @@ def fit_law(
             )
         )
     return Fit(
-        f"law {kind.name}", loop.name, "complete", values, uncertainty.correlation, uncertainty.directions, 0.0, 0.0, "penetration", curves, ends, 0, 0,
+        f"law {kind.name}", loop.name, "complete", values, uncertainty.correlation, uncertainty.directions,
+        0.0, 0.0, "penetration", curves, ends, 0, 0,
         "differences", uncertainty.autocorrelation, confidence, time.monotonic() - began,
     )  # fmt: skip
 

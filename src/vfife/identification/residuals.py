@@ -141,7 +141,9 @@ class Misfit:
         return 0.0, 2.0 * math.pi if self.measured.over == "angle" else (trace.turn or self.offset.high)
 
     def __call__(self, trace: Trace, near: float | None = None) -> Fitted:
-        """Compare a trace at its best offset, which is searched ``near`` a known one, or in all of its range."""
+        """Compare a trace at its best offset, which is searched ``near`` a known one, or in all of its
+        range.
+        """
         low, high = self.range(trace)
         if self.offset.fixed:
             return self.at_offset(trace, low)

@@ -46,7 +46,9 @@ class Stepper(Protocol):
 
 
 def step_sizes(assembly: Assembly, counts: Counts) -> Array:
-    """Steps (s) of lanes that make ``counts`` steps between two outputs; that of the run itself to the bit."""
+    """Steps (s) of lanes that make ``counts`` steps between two outputs; that of the run itself to the
+    bit.
+    """
     choice = assembly.choice
     return np.where(counts == choice.outputs_every, choice.step, choice.step * choice.outputs_every / counts)
 
@@ -229,7 +231,8 @@ class SeparateLanes:
         self.states, parts = initial_states(assembly, counts), assembly.mechanism.settings.parts
         self.runners = [
             Runner(
-                assembly.topology, self.states[:, lane : lane + 1], assembly.tables[None, :], loop, recorded, parts=parts,
+                assembly.topology, self.states[:, lane : lane + 1], assembly.tables[None, :], loop, recorded,
+                parts=parts,
                 watched=watched([assembly], np.array([lane == 0])),
             )
             for lane in range(len(counts))
@@ -309,8 +312,10 @@ SMALLEST_RATIO, LARGEST_RATIO = (
 # range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
 SENSITIVE = 0.01
 SAMPLED = (
-    "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_fastest",
-    "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work", "contact_friction_power", "wear_work",
+    "joint_moment", "body_alpha", "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest",
+    "contact_fastest",
+    "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work",
+    "contact_friction_power", "wear_work",
 )  # fmt: skip
 
 

@@ -60,8 +60,10 @@ class Member:
 
 
 def ensemble(
-    mechanisms: Sequence[Mechanism], *, step: float | str | Sequence[float | str], turns: int, outputs: int = 720,
-    tolerance: float | None = None, loop: Loop = "auto", progress: Callable[[int, int], None] | None = None, **processor: Unpack[Processor],
+    mechanisms: Sequence[Mechanism], *, step: float | str | Sequence[float | str], turns: int,
+    outputs: int = 720,
+    tolerance: float | None = None, loop: Loop = "auto", progress: Callable[[int, int], None] | None = None,
+    **processor: Unpack[Processor],
 ) -> list[Member]:  # fmt: skip
     """Simulate driven mechanisms, each until its turns repeat within ``tolerance``, or for ``turns`` turns.
 

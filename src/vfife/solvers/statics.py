@@ -37,9 +37,12 @@ BEYOND_LOADS = 100.0
 AWAY = 100.0  # sizes of the mechanism from its start: beyond that nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
-    "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work", "spring_damping_power",
-    "spring_damping_work", "contact_damping_power", "contact_damping_work", "contact_friction_power", "contact_friction_work",
-    "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_duration", "function_rate",
+    "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work",
+    "spring_damping_power",
+    "spring_damping_work", "contact_damping_power", "contact_damping_work", "contact_friction_power",
+    "contact_friction_work",
+    "contact_onsets", "contact_grazing", "contact_deep", "contact_deepest", "contact_duration",
+    "function_rate",
     "function_acceleration", "body_alpha", "body_alpha_max",
 )  # fmt: skip
 
@@ -151,7 +154,9 @@ class Stage:
         return self.relaxation.iterations - self.first
 
     def run(self, settings: Settings) -> tuple[Status, str] | None:
-        """Go to the load factor and relax. Returns status and message if no equilibrium is found, else None."""
+        """Go to the load factor and relax. Returns status and message if no equilibrium is found, else
+        None.
+        """
         relaxation, loading = self.relaxation, self.loading
         count = self._count()
         path = np.linspace(self.old, self.new, PARTS + 1) if self.new != self.old else np.array([self.old])

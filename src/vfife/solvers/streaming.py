@@ -49,7 +49,8 @@ class Lane:
     """A simulation in a lane of :func:`stepped`: after ``every`` steps it hands out the rows ``handed`` of
     its state.
 
-    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``finished``. It is ``doubtful`` if
+    It keeps them all, unless a subclass overrides :meth:`take`, until it has ``finished``. It is
+    ``doubtful`` if
     numbers left all bounds. ``per`` is the number of outputs of a turn, or of all where there is no turn;
     ``done`` counts outputs after that of step 0.
     """

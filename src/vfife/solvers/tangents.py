@@ -1,4 +1,5 @@
-"""A run and its derivatives, which each step carries along: by numbers of its model, and of a small difference.
+"""A run and its derivatives, which each step carries along: by numbers of its model, and of a small
+difference.
 
 The derivative of the start is that of two assemblies, a little to both sides of the model. The run has the
 same bits as without derivatives.
@@ -28,7 +29,9 @@ Pairs: TypeAlias = "list[tuple[Record, Record]]"  # of a number, one for each of
 
 @dataclass(frozen=True)
 class Neighbours:
-    """Models whose number is a little larger, ``up``, and a little smaller, ``down``, by a ``distance`` in all."""
+    """Models whose number is a little larger, ``up``, and a little smaller, ``down``, by a ``distance`` in
+    all.
+    """
 
     up: Assembly
     down: Assembly
@@ -203,7 +206,8 @@ class TangentPass:
         handed = np.concatenate([self.recorded + np.uint32(k * rows) for k in range(directions + 1)])
         runner = Runner(
             assembly.topology, state.reshape(-1, lanes), table.reshape(lanes, -1), "generated", handed,
-            parts=assembly.mechanism.settings.parts, shares=np.resize(self.shares, lanes), directions=directions,
+            parts=assembly.mechanism.settings.parts, shares=np.resize(self.shares, lanes),
+            directions=directions,
         )  # fmt: skip
         pace = ChunkSize(self.look)
         trace = np.concatenate(
@@ -251,7 +255,8 @@ def steps_of_turn(assembly: Assembly) -> int:
 class LyapunovRunner:
     """Motions in lanes, each with a small difference whose growth is followed turn by turn.
 
-    The growth is that of the step's own derivative, which begins as that by a number of the model, is freed from
+    The growth is that of the step's own derivative, which begins as that by a number of the model, is freed
+    from
     it after a turn, and is scaled back to length one after each (Benettin et al., Meccanica 15 (1980) 9-30).
     ``near`` has of each lane the neighbours whose difference is the first one.
 

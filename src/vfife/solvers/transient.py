@@ -129,11 +129,13 @@ class Stepping:
     def _alone(self) -> Runner:
         """The run by itself."""
         return Runner(
-            self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop, self.kept,
-            parts=self.assembly.mechanism.settings.parts, watched=watched([self.assembly], np.ones(1, dtype=bool)),
+            self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop,
+            self.kept,
+            parts=self.assembly.mechanism.settings.parts, watched=watched([self.assembly], np.ones(1,
+            dtype=bool)),
         )  # fmt: skip
 
-    # ---------------------------------------------------------------------------------------------------------- begin
+    # -------------------------------------------------------------------------------------------------- begin
 
     def begin(self, resume: Checkpoint | None) -> None:
         """The first output, or the state of a checkpoint."""
@@ -161,7 +163,7 @@ class Stepping:
         if self.settling is not None and self.file is not None:
             self.settling.restore(self.file.later()())
 
-    # ------------------------------------------------------------------------------------------------------------ go on
+    # -------------------------------------------------------------------------------------------------- go on
 
     def to_the_end(self, progress: Callable[[Progress], None] | None) -> Status:
         """Chunk by chunk; each is whole before a signal is heard."""
@@ -296,7 +298,7 @@ class Stepping:
         if self.whole:
             self.checkpoint()
 
-    # -------------------------------------------------------------------------------------------------------------- end
+    # ---------------------------------------------------------------------------------------------------- end
 
     def _replayed(self, done: int) -> Burst | None:
         """Where the first number left all bounds: the last call again from the state before it, looked at

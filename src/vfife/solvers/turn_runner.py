@@ -130,7 +130,7 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
     return changed[: layout.rows], number + 1
 
 
-# --------------------------------------------------------------------------------------------------------------- sweeps
+# ----------------------------------------------------------------------------------------------------- sweeps
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,8 @@ class StartedValue(NamedTuple):
 
 
 Growths: TypeAlias = tuple[Array, Array, Any]
-Group: TypeAlias = "tuple[list[StartedValue], list[Array], Future[list[Growths]]]"  # values, their last states, rows and growth
+# values, their last states, rows and growth
+Group: TypeAlias = "tuple[list[StartedValue], list[Array], Future[list[Growths]]]"
 
 
 class Sweep:
@@ -169,7 +170,8 @@ class Sweep:
 
     ``phase`` (1) is the part of a turn at which it is looked at. ``near``: neighbours of the first of each
     chain, whose difference is the small one. Derivatives are carried along from ``ALIGNED`` turns before
-    those that are looked at, no sooner, for they cost twice as much as the motion, and at :data:`VALUES_AT_ONCE`
+    those that are looked at, no sooner, for they cost twice as much as the motion, and at
+    :data:`VALUES_AT_ONCE`
     values side by side. The last bits of a difference know of its neighbours in lanes, so these are the same
     ones always: what is gone on with begins where such values begin (:meth:`complete_legs`).
 
@@ -219,7 +221,9 @@ class Sweep:
     def _groups(
         self, workers: Workers, turns: int, before: int, resume: tuple[int, Array] | None
     ) -> Iterator[Group]:
-        """Go through the values, and have the second thread follow differences of some of them side by side."""
+        """Go through the values, and have the second thread follow differences of some of them side by
+        side.
+        """
         first, last = 0 if resume is None else resume[0] + 1, len(self.chains[0])
         if resume is None:
             self._take_up(0)
@@ -305,7 +309,7 @@ def side_by_side(first: Assembly, other: Assembly) -> Callable[[], str] | None:
     return None
 
 
-# --------------------------------------------------------------------------------------------------------------- starts
+# ----------------------------------------------------------------------------------------------------- starts
 
 
 @dataclass(frozen=True)
@@ -398,7 +402,7 @@ class Orbits:
         return runner.rows(self.turns - self.dropped), np.zeros((0, LANES))
 
 
-# ----------------------------------------------------------------------------------------------------------------- wear
+# ------------------------------------------------------------------------------------------------------- wear
 
 
 class WearRunner(TurnRunner):

@@ -3,7 +3,8 @@ jumps between them.
 
 dh/dN = r(h) with a rate that takes a block of turns to know. A jump is a step of Heun's method, its error the
 difference to Euler's,
-D/2 |r(h + D r) - r(h)|: of second order in the size D, so the next jump is as long as that error allows (Hairer, Norsett, Wanner: Solving Ordinary
+D/2 |r(h + D r) - r(h)|: of second order in the size D, so the next jump is as long as that error allows
+(Hairer, Norsett, Wanner: Solving Ordinary
 Differential Equations I, 2nd ed. (1993), Section II.4). Jumps for wear: Mukras, Kim, Sawyer, Jackson,
 Bergquist, Wear 266, 822 (2009).
 """

@@ -69,7 +69,8 @@ class WearOptions(TypedDict, total=False):
 
 def wear(
     mechanism: Mechanism, turns: float, *, step: float | None = None, file: str | Path | None = None,
-    progress: Callable[[float, float, int], None] | Job | None = None, confirm: bool = False, **options: Unpack[WearOptions],
+    progress: Callable[[float, float, int], None] | Job | None = None, confirm: bool = False,
+    **options: Unpack[WearOptions],
 ) -> Worn:  # fmt: skip
     """Wear the joints that have a table ``wear`` for ``turns`` of the crank, or until a limit is reached.
 
@@ -363,7 +364,8 @@ class WearSimulation:
         """Numbers of a point besides its depths, as they are stored."""
         play = clearances(self.surfaces, one.depth, self.spec.harmonics)
         return self.block_numbers | {
-            "turns": one.turns, "next": one.next, "size": one.size, "error": one.error, "refused": one.refused, "joints": joints, "play": play,
+            "turns": one.turns, "next": one.next, "size": one.size, "error": one.error,
+            "refused": one.refused, "joints": joints, "play": play,
             "sharp": sharpness(self.surfaces, one.depth, self.spec.harmonics), "simulated": self.blocks.turns,
         }  # fmt: skip
 

@@ -74,8 +74,10 @@ class Worn(NotebookDocument, DataTable):
     deepest places together, and the largest ``force`` (N) of the block of turns that was simulated there,
     shape (points, joints). ``errors`` (m) are those of the jumps that led to the points, ``spread`` (1) what
     the mean rate of a block leaves open, as a share. ``sharp`` (1): above 1 a journal would rest on the edges
-    of what it wore. ``step_difference``: how far the last rates are apart with half the step, of all volume and of the
-    deepest place, as shares; empty where that is not known. ``life_end``: turns, joint and limit (``by``) of a
+    of what it wore. ``step_difference``: how far the last rates are apart with half the step, of all volume
+    and of the
+    deepest place, as shares; empty where that is not known. ``life_end``: turns, joint and limit (``by``) of
+    a
     life that ended, or empty.
     """
 
@@ -276,7 +278,9 @@ def rates(record: Record, surfaces: Sequence[Surface], turns: int) -> tuple[Arra
 
 
 def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
-    """Play (m) of each joint: its clearance and the deepest places of its surfaces, as the geometry has them."""
+    """Play (m) of each joint: its clearance and the deepest places of its surfaces, as the geometry has
+    them.
+    """
     depths = smooth(depth, max(harmonics, 1)) + np.stack(
         [depth_at(one.profile, ANGLES)[0] for one in surfaces]
     )
@@ -312,7 +316,9 @@ def worn_of(
         for key in ("turns", "play", "force", "error", "spread", "sharp")
     }
     return Worn(
-        name, spec, tuple(surfaces), tuple(numbers[0]["joints"]), column["turns"], np.stack([own + point.depth for point in points]),
-        np.stack([point.rate for point in points]), column["play"], column["force"], column["error"], column["spread"], column["sharp"],
+        name, spec, tuple(surfaces), tuple(numbers[0]["joints"]), column["turns"],
+        np.stack([own + point.depth for point in points]),
+        np.stack([point.rate for point in points]), column["play"], column["force"], column["error"],
+        column["spread"], column["sharp"],
         numbers[-1]["simulated"], numbers[-1]["ended"], tuple(step_difference),
     )  # fmt: skip

@@ -111,7 +111,8 @@ def beyond(context: Context) -> Item:
         ),
     ]
     return Item("beyond", "Beyond the paper: what its results depend on", text, described(p), charts, tables,
-                [*survival(results), *step_verdicts(steps), angle_verdict(angles)], data | {"start": angles_data(angles)})  # fmt: skip
+                [*survival(results), *step_verdicts(steps), angle_verdict(angles)],
+                data | {"start": angles_data(angles)})  # fmt: skip
 
 
 def run_groups(
@@ -172,7 +173,8 @@ def group_table(name: str, members: Mapping[str, Sequence[Influence]]) -> Table:
         held = conclusions(runs)
         speeds = [*runs[3:], runs[1]]
         settled = sum(one.member.settled is not None for one in runs)
-        rows.append([label, *(_triple([one.lips[j] for one in chosen]) for chosen in (runs[:3], speeds) for j in (0, 1)), f"{settled}/{len(runs)}",
+        rows.append([label, *(_triple([one.lips[j] for one in chosen]) for chosen in (runs[:3],
+        speeds) for j in (0, 1)), f"{settled}/{len(runs)}",
                      *("yes" if h else "no" for h in held)])  # fmt: skip
     headings = [name, "LIP(F) at c", "LIP(a) at c", "LIP(F) at n", "LIP(a) at n", "settled", *CONCLUSIONS]
     return Table(

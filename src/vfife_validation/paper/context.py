@@ -1,4 +1,6 @@
-"""What the items share: the parameter set inferred from Table 3, and the runs that several of them look at."""
+"""What the items share: the parameter set inferred from Table 3, and the runs that several of them look
+at.
+"""
 
 from __future__ import annotations
 

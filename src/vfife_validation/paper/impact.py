@@ -83,13 +83,16 @@ def fig8(context: Context) -> Item:
         lines["depth"].append(Line(1e6 * hit["depth"], 1e-3 * hit["force"], label, style))
         loss = float(np.sum(0.5 * (hit["force"][1:] + hit["force"][:-1]) * np.diff(hit["depth"])))
         entry = {
-            "restitution": restitution, "peak_force": float(hit["force"].max()), "depth": float(hit["depth"].max()),
-            "contact_time": float(hit["time"][-1] + hit["depth"][-1] / rebound), "rebound": rebound, "delivered": delivered(chi), "loss": loss,
+            "restitution": restitution, "peak_force": float(hit["force"].max()),
+            "depth": float(hit["depth"].max()),
+            "contact_time": float(hit["time"][-1] + hit["depth"][-1] / rebound), "rebound": rebound,
+            "delivered": delivered(chi), "loss": loss,
         }  # fmt: skip
         data.append(entry)
         rebounds.append(abs(entry["rebound"] / SPEED - entry["delivered"]))
         rows.append(
-            [f"{restitution:g}", f"{entry['peak_force']:.0f}", f"{1e6 * entry['depth']:.2f}", f"{1e6 * entry['contact_time']:.1f}",
+            [f"{restitution:g}", f"{entry['peak_force']:.0f}", f"{1e6 * entry['depth']:.2f}",
+            f"{1e6 * entry['contact_time']:.1f}",
              f"{entry['rebound']:.4f}", f"{entry['delivered']:.4f}", f"{loss:.4f}"]
         )  # fmt: skip
     losses, depths = [entry["loss"] for entry in data], [entry["depth"] for entry in data]

@@ -55,7 +55,8 @@ def outcome(
         inside = int((misfits <= GOAL).sum())
         fits += fitting([limit(points[k]) for k in distant_points(points[:inside], STORED)])
         structures.append({
-            "structure": one.structure.words, "points": one.count, "generations": one.generations, "misfit": float(misfits[0]),
+            "structure": one.structure.words, "points": one.count, "generations": one.generations,
+            "misfit": float(misfits[0]),
             "within_goal": inside, "table_3": numbers[0].tolist(), "parameters": as_numbers(points[0]),
         })  # fmt: skip
     if not finalists:  # nothing comes near: the best of all stands for what can be reached
@@ -68,10 +69,12 @@ def outcome(
         "provenance": {
             "command": f"vfife paper infer --budget {budget:g} --seed {seed}", "vfife": versions()["vfife"],
             "seconds": round(budget if seconds is None else seconds),
-            "points": sum(s.count for s in searches), "fits": sum(s["within_goal"] for s in structures), "goal": GOAL,
+            "points": sum(s.count for s in searches), "fits": sum(s["within_goal"] for s in structures),
+            "goal": GOAL,
             "step": STEP, "steps_of_the_best": list(STEPS),
         },
-        "best": {"parameters": as_numbers(best), "table_3": numbers.tolist(), "misfit": float(np.abs(numbers - TARGET).max()),
+        "best": {"parameters": as_numbers(best), "table_3": numbers.tolist(),
+        "misfit": float(np.abs(numbers - TARGET).max()),
                  "misfit_at_the_worst_step": float(worst[at])},
         "structures": structures,
         "fits": fits,

@@ -131,8 +131,10 @@ def loosened(p: Parameters, mechanism: Mechanism, clearance: float) -> dict[str,
 
     return {
         name: ClearanceRevolute(
-            name=name, bearing=mechanism.joints[name].bearing, journal=mechanism.joints[name].journal, clearance=clearance,
-            bearing_radius=p.bearing_radius, axial_length=p.axial_length, contact=p.contact, friction=p.friction_law,
+            name=name, bearing=mechanism.joints[name].bearing, journal=mechanism.joints[name].journal,
+            clearance=clearance,
+            bearing_radius=p.bearing_radius, axial_length=p.axial_length, contact=p.contact,
+            friction=p.friction_law,
             friction_moment=p.friction_moment,
         )
         for name in JOINTS
@@ -149,7 +151,8 @@ def journal(
     m.point("O", 0.0, 0.0)
     m.point_mass("journal", mass=mass, velocity=(speed, 0.0, 0.0))
     m.clearance_joint(
-        "O", "ground.O", "journal.center", clearance=BEARING_RADIUS - JOURNAL_RADIUS, bearing_radius=BEARING_RADIUS,
+        "O", "ground.O", "journal.center", clearance=BEARING_RADIUS - JOURNAL_RADIUS,
+        bearing_radius=BEARING_RADIUS,
         axial_length=axial_length, contact=contact, friction=Frictionless(),
     )  # fmt: skip
     return m

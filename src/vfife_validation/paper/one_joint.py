@@ -150,10 +150,13 @@ def fig13(context: Context) -> Item:
     verdicts = [
         Verdict("The enhanced law penetrates less", deepest[second] < deepest[first],
                 f"{1e6 * deepest[first]:.1f} µm; enhanced {1e6 * deepest[second]:.1f} µm"),
-        Verdict("Enhanced with friction penetrates less often than Lankarani-Nikravesh without", counted[second] < counted[first],
+        Verdict("Enhanced with friction penetrates less often than Lankarani-Nikravesh without",
+        counted[second] < counted[first],
                 f"peaks of penetration in the turn: {counted[first]}; {counted[second]}"),
-        *(Verdict(f"Friction alone lowers the frequency of penetration: {b.removesuffix(' with friction')}", counted[b] < counted[a],
-                  f"peaks of penetration without friction {counted[a]}, with friction {counted[b]}") for a, b in pairs),
+        *(Verdict(f"Friction alone lowers the frequency of penetration: {b.removesuffix(' with friction')}",
+        counted[b] < counted[a],
+                  f"peaks of penetration without friction {counted[a]}, with friction {counted[b]}") for a,
+                  b in pairs),
     ]  # fmt: skip
     panels = [
         Panel("(a)", "crank angle (degrees)", "contact force of joint 2 (kN)", force),

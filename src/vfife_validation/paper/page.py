@@ -22,7 +22,8 @@ PAGE = Template("""<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>$title</title>
 <style>
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; margin: 0 auto; max-width: 76rem; padding: 1.5rem; }
+body { font: 16px/1.5 system-ui,
+sans-serif; color: #222; background: #fff; margin: 0 auto; max-width: 76rem; padding: 1.5rem; }
 h1 { font-size: 1.7rem; margin-bottom: .3rem; } h2 { font-size: 1.3rem; margin-top: 3rem; border-top: 1px solid #ccc; padding-top: 1rem; }
 nav a { display: inline-block; margin: 0 .9rem .3rem 0; } a { color: #0072b2; }
 p { max-width: 52rem; } figure { margin: 1.2rem 0; } img { max-width: 100%; height: auto; } figcaption { color: #555; font-size: .92rem; }
@@ -93,7 +94,9 @@ def marked(text: str) -> Element | str:
 
 
 class Folder:
-    """The folder of the page: index.html, the same pictures as files in figures/, all numbers in paper.json."""
+    """The folder of the page: index.html, the same pictures as files in figures/, all numbers in
+    paper.json.
+    """
 
     def __init__(self, path: Path, footer: str) -> None:
         self.path, self.footer, self.items = path, footer, list[Item]()

@@ -97,8 +97,10 @@ def parameters(structure: Structure, unit: Array) -> Parameters:
     angle = 2.0 * math.pi * math.floor(values.get("start", 0.0) * ANGLE_STEPS) / ANGLE_STEPS
     options: dict[str, Any] = {"bearing_radius": values["bearing_radius"]} if structure.moment else {}
     return Parameters(
-        contact=Pereira(restitution=values["restitution"]), axial_length=values["axial_length"], v0=values["v0"], v1=values["v0"] * values["ratio"],
-        link=structure.link, friction_moment="mid-overlap" if structure.moment else "off", below=structure.below, crank_angle=angle, **options,
+        contact=Pereira(restitution=values["restitution"]), axial_length=values["axial_length"],
+        v0=values["v0"], v1=values["v0"] * values["ratio"],
+        link=structure.link, friction_moment="mid-overlap" if structure.moment else "off",
+        below=structure.below, crank_angle=angle, **options,
     )  # fmt: skip
 
 

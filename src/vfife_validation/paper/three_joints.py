@@ -190,7 +190,8 @@ def entries(runs: Sequence[Influence]) -> list[dict[str, float]]:
     """Rows of a table of local influence parameters, as numbers."""
     return [
         {
-            "clearance_mm": 1e3 * one.case.clearance, "crank_speed": one.case.speed, "lip_force": one.lips[0], "lip_acceleration": one.lips[1],
+            "clearance_mm": 1e3 * one.case.clearance, "crank_speed": one.case.speed,
+            "lip_force": one.lips[0], "lip_acceleration": one.lips[1],
             "force_max": one.force, "acceleration_max": one.acceleration, "ideal_force_max": one.ideal_force,
             "ideal_acceleration_max": one.ideal_acceleration, "settled_at_turn": one.member.settled or 0,
         }
@@ -204,12 +205,14 @@ def table3(context: Context) -> Item:
     lips = np.array([one.lips for one in runs])
     deviations = np.abs(lips - np.array(TABLE_3).T)
     rows = [
-        [f"{1e3 * one.case.clearance:g}", f"{TABLE_3[0][k]:.2f}", f"{lips[k, 0]:.2f}", f"{TABLE_3[1][k]:.2f}", f"{lips[k, 1]:.2f}",
+        [f"{1e3 * one.case.clearance:g}", f"{TABLE_3[0][k]:.2f}", f"{lips[k, 0]:.2f}",
+        f"{TABLE_3[1][k]:.2f}", f"{lips[k, 1]:.2f}",
          f"{one.force:.0f}", f"{one.acceleration:.0f}", settling(one)]
         for k, one in enumerate(runs)
     ]  # fmt: skip
     table = Table(
-        ["c (mm)", "LIP(F) paper (%)", "ours (%)", "LIP(a) paper (%)", "ours (%)", "force (N)", "acceleration (rad/s²)", "settled"], rows,
+        ["c (mm)", "LIP(F) paper (%)", "ours (%)", "LIP(a) paper (%)", "ours (%)", "force (N)",
+        "acceleration (rad/s²)", "settled"], rows,
         f"Joint 2 at 50π rad/s; ideal joints: {runs[0].ideal_force:.1f} N, {runs[0].ideal_acceleration:.2f} rad/s²",
     )  # fmt: skip
     verdicts = [
@@ -252,13 +255,15 @@ def table4(context: Context) -> Item:
     runs = context.speeds
     spread = predicted(context)
     rows = [
-        [f"{one.case.speed / math.pi:.0f}π", f"{one.lips[0]:.2f}", _range(spread[k][:, 0]), f"{one.lips[1]:.2f}", _range(spread[k][:, 1]),
+        [f"{one.case.speed / math.pi:.0f}π", f"{one.lips[0]:.2f}", _range(spread[k][:, 0]),
+        f"{one.lips[1]:.2f}", _range(spread[k][:, 1]),
          f"{one.force:.0f}", f"{one.acceleration:.0f}", settling(one)]
         for k, one in enumerate(runs)
     ]  # fmt: skip
     count = len(spread[0])
     table = Table(
-        ["crank (rad/s)", "LIP(F) (%)", "over all fits", "LIP(a) (%)", "over all fits", "force (N)", "acceleration (rad/s²)", "settled"], rows,
+        ["crank (rad/s)", "LIP(F) (%)", "over all fits", "LIP(a) (%)", "over all fits", "force (N)",
+        "acceleration (rad/s²)", "settled"], rows,
         f"Joint 2 at c = 0.2 mm; the paper's numbers are lost; ranges over the {count} stored sets that fit Table 3",
     )  # fmt: skip
     data = {
@@ -278,7 +283,9 @@ def table4(context: Context) -> Item:
 
 
 def falling(runs: Sequence[Influence], spread: list[Any] | None = None) -> list[Verdict]:
-    """Whether local influence parameters fall with crank speed, for the best set and the share of all fits."""
+    """Whether local influence parameters fall with crank speed, for the best set and the share of all
+    fits.
+    """
     verdicts = []
     for j, name in enumerate(("LIP(F)", "LIP(a)")):
         values = [one.lips[j] for one in runs]

@@ -1,4 +1,6 @@
-"""A verification case: a model, numbers read from its run, and references that were not made by this program."""
+"""A verification case: a model, numbers read from its run, and references that were not made by this
+program.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,11 @@ Rows = Iterator["Row"]
 
 @dataclass(frozen=True)
 class Row:
-    """A number beside its reference: error = (value - reference)/scale, passed where |error| is at most the tolerance.
+    """A number beside its reference: error = (value - reference)/scale, passed where |error| is at most the
+    tolerance.
 
-    The scale is |reference| unless given, as it has to be where the reference is zero. A ``note`` says why there is no number.
+    The scale is |reference| unless given, as it has to be where the reference is zero. A ``note`` says why
+    there is no number.
     """
 
     quantity: str
@@ -103,7 +107,8 @@ verified = Register()
 def entry(one: Case, row: Row) -> dict[str, Any]:
     """A row as ``vfife verify --json`` prints it."""
     fields = {
-        "case": one.name, "quantity": row.quantity, "unit": row.unit, "source": one.source, "reference": row.reference, "value": row.value,
+        "case": one.name, "quantity": row.quantity, "unit": row.unit, "source": one.source,
+        "reference": row.reference, "value": row.value,
         "error": row.error, "tolerance": row.tolerance, "passed": row.passed,
     }  # fmt: skip
     return {**fields, "note": row.note} if row.note else fields

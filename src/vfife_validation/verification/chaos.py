@@ -168,7 +168,8 @@ def doubled(stiffness: float, steps: int, restitution: float = 0.5, nudge: float
     shares, hard = np.array([0.95, 0.965]), doubling(restitution)
     low, high = (G / OMEGA**2) * hard * shares
     diagram = bifurcation(
-        ball_on_a_table(float(shares[0] * hard), restitution * nudge, stiffness), "driver.shaker.amplitude", float(low), float(high),
+        ball_on_a_table(float(shares[0] * hard), restitution * nudge, stiffness), "driver.shaker.amplitude",
+        float(low), float(high),
         count=2, turns=50, dropped=35, series=["ball.y"], step=1.0 / FREQUENCY / steps,
     )  # fmt: skip
     sums = -np.exp(diagram.exponents[0, :, 0]) - restitution**2 * np.exp(-diagram.exponents[0, :, 0])

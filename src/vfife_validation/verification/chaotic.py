@@ -37,7 +37,7 @@ def turning(name: str, speed: float, gravity: float = 0.0) -> Mechanism:
     return m
 
 
-# ------------------------------------------------------------------------------------------------------------- Duffing
+# ---------------------------------------------------------------------------------------------------- Duffing
 
 
 def duffing(
@@ -121,7 +121,9 @@ def striking(restitution: float, stiffness: float) -> Gonthier:
 
 
 def steady_part(restitution: float) -> float:
-    """Velocity of the table (in g/omega) at the impacts of a ball that hops once a turn: pi (1 - e)/(1 + e)."""
+    """Velocity of the table (in g/omega) at the impacts of a ball that hops once a turn: pi (1 - e)/(1 +
+    e).
+    """
     return math.pi * (1.0 - restitution) / (1.0 + restitution)
 
 

@@ -63,7 +63,8 @@ def cantilever(stiffness: float = 1.0, elements: int = 20, **load: object) -> Me
 def elastica(nudge: Nudge) -> Rows:
     """1 - x/L and y/L of the tip at P L^2/(E I) = 0.5, 1, 2, 5, 10."""
     table = {
-        0.5: (0.015919, 0.162144), 1.0: (0.056433, 0.301721), 2.0: (0.160642, 0.493457), 5.0: (0.387628, 0.713792), 10.0: (0.554996, 0.810609),
+        0.5: (0.015919, 0.162144), 1.0: (0.056433, 0.301721), 2.0: (0.160642, 0.493457), 5.0: (0.387628,
+        0.713792), 10.0: (0.554996, 0.810609),
     }  # fmt: skip
     motion = run(static(cantilever(nudge("stiffness"), force=(0.0, 1.0)), *table))
     tip = motion.pin("beam", "end")
@@ -73,7 +74,8 @@ def elastica(nudge: Nudge) -> Rows:
 
 
 @verified(
-    "Cantilever bent to a circle by an end moment", "closed form: x/L = sin(2πq)/(2πq), y/L = (1 - cos 2πq)/(2πq)", nudges={"stiffness": 1.02},
+    "Cantilever bent to a circle by an end moment",
+    "closed form: x/L = sin(2πq)/(2πq), y/L = (1 - cos 2πq)/(2πq)", nudges={"stiffness": 1.02},
     quick=False,
 )  # fmt: skip
 def closed_circle(nudge: Nudge) -> Rows:

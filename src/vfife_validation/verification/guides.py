@@ -57,9 +57,11 @@ def ideal_values(nudge: Nudge, m: Mechanism, speed: float, references: dict[str,
         joint: float(np.hypot(motion.ideal(joint, "fx"), motion.ideal(joint, "fy")).max()) for joint in "BC"
     }
     values = {
-        "least slider acceleration": (float(a.min()), "m/s²"), "largest slider acceleration": (float(a.max()), "m/s²"),
+        "least slider acceleration": (float(a.min()), "m/s²"),
+        "largest slider acceleration": (float(a.max()), "m/s²"),
         "largest force rod-slider": (force["C"], "N"), "largest force crank-rod": (force["B"], "N"),
-        "least crank torque": (float(torque.min()), "N m"), "largest crank torque": (float(torque.max()), "N m"),
+        "least crank torque": (float(torque.min()), "N m"), "largest crank torque": (float(torque.max()),
+        "N m"),
     }  # fmt: skip
     for quantity, reference in references.items():
         value, unit = values[quantity]
@@ -71,7 +73,8 @@ def slider_crank_ideal(nudge: Nudge) -> Rows:
     """Extremes over a turn with ideal joints."""
     m = slider_crank((0.05, 0.30, 1e-4), (0.12, 0.21, 2.5e-4), (0.14, 1e-4))
     references = {
-        "least slider acceleration": -19419.4, "largest slider acceleration": 9695.9, "largest force rod-slider": 2718.7,
+        "least slider acceleration": -19419.4, "largest slider acceleration": 9695.9,
+        "largest force rod-slider": 2718.7,
         "largest force crank-rod": 6197.1, "least crank torque": -138.5, "largest crank torque": 138.5,
     }  # fmt: skip
     yield from ideal_values(nudge, m, 5000.0 * math.pi / 30.0, references)
@@ -88,7 +91,8 @@ def flores(g: float = 9.81) -> Mechanism:
 def guide_ideal(nudge: Nudge) -> Rows:
     """Extremes over a turn at constant speed with an ideal guide."""
     references = {
-        "least slider acceleration": -5163.75, "largest slider acceleration": 2612.59, "largest force rod-slider": 392.4,
+        "least slider acceleration": -5163.75, "largest slider acceleration": 2612.59,
+        "largest force rod-slider": 392.4,
         "largest force crank-rod": 556.0, "least crank torque": -42.9, "largest crank torque": 43.0,
     }  # fmt: skip
     yield from ideal_values(nudge, flores(), 150.0, references)
@@ -172,7 +176,9 @@ def guide_against_rigid_contacts(nudge: Nudge) -> Rows:
 
 
 def let_go(spin: float, restitution: float, duration: float) -> CaseMotion:
-    """The mechanism of Flores, Leine and Glocker with play in its guide, its crank let go with so many rad/s."""
+    """The mechanism of Flores, Leine and Glocker with play in its guide, its crank let go with so many
+    rad/s.
+    """
     m = flores()
     for name, velocity in {
         "crank": (0.0, 0.0, spin),
@@ -181,14 +187,17 @@ def let_go(spin: float, restitution: float, duration: float) -> CaseMotion:
     }.items():
         m.bodies[name] = dataclasses.replace(m.bodies[name], velocity=velocity)
     m.clearance_slider(
-        "S", "ground.O", "block.center", clearance=1e-3, length=0.1, height=0.05, contact=striking(restitution, 1e8),
+        "S", "ground.O", "block.center", clearance=1e-3, length=0.1, height=0.05,
+        contact=striking(restitution, 1e8),
         friction=Ambrosio(coefficient=0.01, v0=1e-4, v1=1e-2), corner_radius=1e-4,
     )  # fmt: skip
     return run(m, step=1e-6, duration=duration, outputs=round(2e5 * duration))
 
 
 def first_contact(clearance: float) -> tuple[float, int]:
-    """Time (s) and number of the corner that meets a wall first: by Lagrange's equations for the two angles."""
+    """Time (s) and number of the corner that meets a wall first: by Lagrange's equations for the two
+    angles.
+    """
     l1, l2, m1, m2, m3, j1, j2, g = 0.1530, 0.3060, 0.038, 0.038, 0.076, 7.4e-5, 5.9e-4, 9.81
     a11, a22, a12 = (
         j1 + 0.25 * m1 * l1**2 + (m2 + m3) * l1**2,

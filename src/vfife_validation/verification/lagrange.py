@@ -19,7 +19,9 @@ Forces = Callable[[float, Array, Array], Array]
 
 @dataclass(frozen=True)
 class Pin:
-    """Point ``p`` (m, from the centre of mass) of body ``a`` on point ``q`` of body ``b``; -1 is the ground."""
+    """Point ``p`` (m, from the centre of mass) of body ``a`` on point ``q`` of body ``b``; -1 is the
+    ground.
+    """
 
     a: int
     p: tuple[float, float]

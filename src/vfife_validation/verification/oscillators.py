@@ -62,7 +62,9 @@ def spring_mass_damper(nudge: Nudge) -> Rows:
 
 @verified("Stiff damper", "closed form: rest after m v/c", nudges={"damping": 30.0})
 def stiff_damper(nudge: Nudge) -> Rows:
-    """A mass is brought to rest within m v/c, also where the step is forty time constants of the damper long."""
+    """A mass is brought to rest within m v/c, also where the step is forty time constants of the damper
+    long.
+    """
     m = Mechanism(
         "stiff damper", settings=Settings(energy_limit=10.0)
     )  # so long a step loses more than there was
@@ -140,7 +142,9 @@ def bushing_oscillator(nudge: Nudge) -> Rows:
     nudges={"stiffness": 1.02, "damping": 1.05, "loss": 0.1},
 )
 def stop_rebound(nudge: Nudge) -> Rows:
-    """A disc meets its stop at 10 rad/s: rebound, deepest turn into it, and time of contact without damping."""
+    """A disc meets its stop at 10 rad/s: rebound, deepest turn into it, and time of contact without
+    damping.
+    """
     inertia, k, w = 0.01, 400.0, 10.0
 
     def disc(c: float) -> Mechanism:

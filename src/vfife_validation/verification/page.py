@@ -7,9 +7,11 @@ from collections.abc import Iterable
 from .case import Case, Row
 
 FAMILIES = {
-    "beams": "Elastic beams in motion", "chaos": "Chaos and its beginnings", "drives": "Gears, motors and prescribed motion",
+    "beams": "Elastic beams in motion", "chaos": "Chaos and its beginnings",
+    "drives": "Gears, motors and prescribed motion",
     "equilibria": "Equilibria", "fourbars": "Four-bar",
-    "guides": "Sliders and guides", "impacts": "Contacts", "oscillators": "Springs, dampers, bushings and stops",
+    "guides": "Sliders and guides", "impacts": "Contacts",
+    "oscillators": "Springs, dampers, bushings and stops",
     "pendulums": "Pendulums and closed chains", "squeezer": "Andrews' squeezer",
 }  # fmt: skip
 HEAD = "| quantity | unit | reference | ours | error | tolerance |\n|---|---|--:|--:|--:|--:|"

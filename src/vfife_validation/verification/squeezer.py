@@ -16,11 +16,13 @@ SOURCE = (
     " benchmark A03"
 )
 BETA, GAMMA, PHI, DELTA, OMEGA, EPSILON = (
-    -0.0617138900142764496, 0.455279819163070380, 0.222668390165885885, 0.487364979543842550, -0.222668390165885885, 1.23054744454982120,
+    -0.0617138900142764496, 0.455279819163070380, 0.222668390165885885, 0.487364979543842550,
+    -0.222668390165885885, 1.23054744454982120,
 )  # fmt: skip
 # angles of beta, theta, gamma, phi, delta, omega, epsilon at 0.03 s
 REFERENCE = {
-    "beta": 15.81077119629904, "theta": -15.75637105984298, "gamma": 0.04082224013073101, "phi": -0.5347301163226948,
+    "beta": 15.81077119629904, "theta": -15.75637105984298, "gamma": 0.04082224013073101,
+    "phi": -0.5347301163226948,
     "delta": 0.5244099658805304, "omega": 0.5347301163226948, "epsilon": 1.048080741042263,
 }  # fmt: skip
 
@@ -111,7 +113,8 @@ def andrews_squeezer(nudge: Nudge) -> Rows:
     quarter = 0.5 * math.pi
     beta, delta, epsilon = end["k1"], end["k5"], end["k7"] + quarter
     angles = {
-        "beta": beta, "theta": end["k2"] - math.pi - beta, "gamma": end["k3"] + quarter, "phi": end["k4"] + quarter - delta,
+        "beta": beta, "theta": end["k2"] - math.pi - beta, "gamma": end["k3"] + quarter,
+        "phi": end["k4"] + quarter - delta,
         "delta": delta, "omega": end["k6"] - epsilon, "epsilon": epsilon,
     }  # fmt: skip
     for name, reference in REFERENCE.items():
