@@ -13,7 +13,7 @@ from itertools import islice
 from typing import Any
 
 Path = tuple[str | int, ...]
-MOST_TOLD = 100  # more faults than this are counted, not told
+MOST_FAULTS = 100  # more faults than this are counted, not told
 MOST_NAMES = 1000  # names looked through for one that looks alike
 
 
@@ -98,10 +98,10 @@ class Fault(VfifeError):
         """The same fault at another place; ``value`` is shown where the fault has none. Paths ``given``
         beside the file are marked.
         """
-        found = Fault(where, self.what, self.value or value, self.limit, self.remedy)
+        fault = Fault(where, self.what, self.value or value, self.limit, self.remedy)
         if isinstance(where, tuple):
-            found.where = place(where, given)
-        return found
+            fault.where = place(where, given)
+        return fault
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Fault) and self._parts == other._parts
@@ -143,12 +143,12 @@ class ModelError(VfifeError):
         count = len(self.faults)
         lines = [
             f"{file}, {f'line {fault.line}, ' if fault.line else ''}{fault}"
-            for fault in self.faults[:MOST_TOLD]
+            for fault in self.faults[:MOST_FAULTS]
         ]
         if count > 1:
             lines = [f"{file} has {count} faults:", *(f"  {k}. {line}" for k, line in enumerate(lines, 1))]
-        if count > MOST_TOLD:
-            lines.append(f"  ... and {count - MOST_TOLD} more")
+        if count > MOST_FAULTS:
+            lines.append(f"  ... and {count - MOST_FAULTS} more")
         super().__init__("\n".join(lines))
 
 

@@ -50,7 +50,7 @@ def replacement(path: Path) -> Iterator[Path]:
     OSError where the folder cannot be written to; then, and after an error in the block, the old file is
     unchanged.
     """
-    temporary = create_beside(path)
+    temporary = create_temporary(path)
     UNFINISHED.add(temporary)
     try:
         yield temporary
@@ -63,7 +63,7 @@ def replacement(path: Path) -> Iterator[Path]:
         UNFINISHED.discard(temporary)
 
 
-def create_beside(path: Path) -> Path:
+def create_temporary(path: Path) -> Path:
     """Create an empty file with a random name in the folder of ``path`` and return its name. Raises OSError."""
     flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
     for _ in range(ATTEMPTS):
@@ -130,12 +130,12 @@ def open_regular(path: str | Path) -> BinaryIO:
         raise
 
 
-def require_regular(found: os.stat_result, path: str | Path) -> None:
+def require_regular(status: os.stat_result, path: str | Path) -> None:
     """Raise OSError with the kind of a file that is not regular; ``found`` is what the system says of
     ``path``.
     """
     for is_kind, number, words in KINDS:
-        if is_kind(found.st_mode):
+        if is_kind(status.st_mode):
             raise OSError(number, words, str(path))
 
 

@@ -76,20 +76,20 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
 
     def decorate(function: Function) -> Function:
         @functools.wraps(function)
-        def call(*values: Any, **given: Any) -> Any:
-            if strange := [name for name in given if name not in known]:
+        def call(*values: Any, **values_by_name: Any) -> Any:
+            if strange := [name for name in values_by_name if name not in signature]:
                 faults = [
                     Fault(
                         (name,),
                         "there is no such keyword",
-                        shown(given[name]),
+                        shown(values_by_name[name]),
                         "",
-                        suggestion(name, known, "leave it out"),
+                        suggestion(name, signature, "leave it out"),
                     )
                     for name in strange
                 ]
                 raise ArgumentError(faults, f"{function.__name__}()")
-            return function(*values, **{**names, **given})
+            return function(*values, **{**names, **values_by_name})
 
         own = inspect.signature(function)
         parameters = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
@@ -102,8 +102,8 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
             )
             for name, default in names.items()
         ]
-        known = own.replace(parameters=[*parameters, *keywords]).parameters
-        setattr(call, "__signature__", own.replace(parameters=list(known.values())))  # noqa: B010 - a checker forbids the assignment
+        signature = own.replace(parameters=[*parameters, *keywords]).parameters
+        setattr(call, "__signature__", own.replace(parameters=list(signature.values())))  # noqa: B010 - a checker forbids the assignment
         return call  # type: ignore[return-value]
 
     return decorate

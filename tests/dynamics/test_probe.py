@@ -79,7 +79,7 @@ def test_the_step_of_a_sweep_is_the_finest_of_ends_and_middle(monkeypatch) -> No
 def test_what_is_not_written_out_is_refused_before_it_is_run(monkeypatch) -> None:
     monkeypatch.setattr("vfife.simulation.turn_steps.choose_loop", lambda *_: "data-driven")
     monkeypatch.setattr(
-        "vfife.simulation.turn_steps.carry_out", lambda *_: pytest.fail("a large frame takes minutes")
+        "vfife.simulation.turn_steps.run_prepared", lambda *_: pytest.fail("a large frame takes minutes")
     )
     with pytest.raises(ModelError, match="not swept"):
         run_step(light())

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from vfife.model.geometry.polynomials import Polynomials, moved
-from vfife.model.geometry.tabulated import closes, held, repeated, table, two_ways, whole_turns
+from vfife.model.geometry.tabulated import closes, full_turns, held, repeated, table, two_ways
 
 PLACES, VALUES = (0.0, 0.1, 0.3, 0.35, 0.6), (0.0, 2.0, 2.1, 9.0, 0.0)
 INTERPOLANTS = {
@@ -79,9 +79,9 @@ def test_two_ways_lie_a_gap_apart_with_a_kink_between_them():
 def test_what_closes_and_what_goes_round():
     assert closes((1.0, 5.0, 1.0 + 1e-12)) and not closes((1.0, 5.0, 1.1))
     assert (
-        whole_turns((0.5, 1.0, 0.5 + 4.0 * math.pi))
-        and not whole_turns((0.0, 3.0))
-        and not whole_turns((0.0, 6.0))
+        full_turns((0.5, 1.0, 0.5 + 4.0 * math.pi))
+        and not full_turns((0.0, 3.0))
+        and not full_turns((0.0, 6.0))
     )
 
 

@@ -13,7 +13,7 @@ import pytest
 import vfife
 from support import bits
 from vfife.compiler.runtime.runner import Runner
-from vfife.simulation.simulate import carry_out, prepare
+from vfife.simulation.simulate import prepare, run_prepared
 from vfife.solvers import interrupts
 from vfife.solvers.arguments import RunArguments
 from vfife.solvers.companions import SynchronisedLanes
@@ -29,7 +29,7 @@ def write(
 ) -> vfife.Result:
     prepared = prepare(mechanism, asked, reference)
     with RunFile.create(path, prepared.kept) as file:
-        result = carry_out(prepared, file=file)
+        result = run_prepared(prepared, file=file)
         result.finish(file)
     return result
 
@@ -70,7 +70,7 @@ def killed_run(path: Path, mechanism: vfife.Mechanism, asked: RunArguments, refe
     prepared = prepare(mechanism, asked, reference)
     file = RunFile.create(path, prepared.kept)
     try:
-        carry_out(prepared, file=file).finish(file)
+        run_prepared(prepared, file=file).finish(file)
     except Killed:
         return True
     finally:

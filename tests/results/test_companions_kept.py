@@ -13,7 +13,7 @@ from support import four_bar
 from vfife.errors import ResumeError
 from vfife.measures.trust import trust
 from vfife.simulation.result import Result
-from vfife.simulation.simulate import carry_out, prepare
+from vfife.simulation.simulate import prepare, run_prepared
 from vfife.solvers import transient
 from vfife.solvers.arguments import RunArguments
 from vfife.store.runfile import RunFile
@@ -47,7 +47,7 @@ def test_saved_and_read(result: Result, tmp_path: Path) -> None:
 def test_written_while_it_runs(result: Result, tmp_path: Path) -> None:
     prepared = prepare(four_bar("BCD"), RunArguments(turns=1.5))
     with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
-        written = carry_out(prepared, file=file)
+        written = run_prepared(prepared, file=file)
         written.finish(file)
     same(written, result)
     same(Result.load(tmp_path / "run.sqlite"), result)
@@ -62,7 +62,7 @@ def test_an_interrupted_run_has_ranges(tmp_path: Path, monkeypatch: pytest.Monke
             raise KeyboardInterrupt
 
     with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
-        written = carry_out(prepared, file=file, progress=stop)
+        written = run_prepared(prepared, file=file, progress=stop)
     assert written.record.status == "interrupted"
     killed = Result.load(tmp_path / "run.sqlite")
     assert killed.record.status == "unfinished"
@@ -95,7 +95,7 @@ def test_chunks_that_nobody_needs_are_gone(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(transient, "CHUNK_BYTES", 2**17)
     prepared = prepare(four_bar("C"), RunArguments(turns=6.0, outputs=100, step=1e-5))
     with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
-        carry_out(prepared, file=file).finish(file)
+        run_prepared(prepared, file=file).finish(file)
     with sqlite3.connect(tmp_path / "run.sqlite") as connection:
         kept, every = (
             connection.execute(f"SELECT sum(outputs) FROM {table}").fetchone()[0]

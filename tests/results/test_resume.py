@@ -15,7 +15,7 @@ import vfife
 from results.killed import Killed, arch, full_at, kill_at, killed_run, paced, same, write
 from support import bits, four_bar, journal_in_bearing
 from vfife.errors import HeldError, ResumeError
-from vfife.simulation.simulate import carry_out, prepare
+from vfife.simulation.simulate import prepare, run_prepared
 from vfife.solvers import transient
 from vfife.solvers.arguments import RunArguments
 from vfife.store.lock import Lock
@@ -147,7 +147,7 @@ def test_a_started_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
             paced(monkeypatch, 500)
             restore = kill_at(monkeypatch, 6)
         try:
-            result = carry_out(prepared, file=files[name])
+            result = run_prepared(prepared, file=files[name])
             result.finish(files[name])
         except Killed:
             restore()
@@ -235,7 +235,7 @@ def test_a_disk_that_is_full_loses_the_last_transaction_only(
         prepared = prepare(journal_in_bearing(), asked)
         file = RunFile.create(path, prepared.kept)
         try:
-            carry_out(prepared, file=file).finish(file)
+            run_prepared(prepared, file=file).finish(file)
         except vfife.errors.StorageError as error:
             assert "disk is full" in str(error) and "bytes are free there" in str(error)
         file.close()

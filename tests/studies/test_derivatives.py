@@ -270,7 +270,8 @@ def test_patterns_that_fit_nothing_are_told_together():
 
 def test_a_measure_that_no_run_has_is_told_before_there_is_one(monkeypatch):
     monkeypatch.setattr(
-        "vfife.studies.methods.derivatives.carry_out", lambda *given, **more: pytest.fail("a run was begun")
+        "vfife.studies.methods.derivatives.run_prepared",
+        lambda *given, **more: pytest.fail("a run was begun"),
     )
     for wrong in ("pin.forc.max", "*.forc.max", "pinn.force.maxi"):
         with pytest.raises(ModelError, match=re.escape(wrong)):

@@ -20,7 +20,18 @@ from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Contact
 from ..model.lumping import Mesh, is_elastic, mesh, rigid_properties
 from ..model.mechanism import Mechanism
-from ..model.rows import Along, Apart, Guided, OnPath, Row, Touching, Turn, loosened, place_row, turn_row
+from ..model.rows import (
+    Along,
+    FixedDistance,
+    Guided,
+    OnPath,
+    Row,
+    Touching,
+    Turn,
+    loosened,
+    place_row,
+    turn_row,
+)
 from ..model.springs import AnySpring
 from .assembled import BodyMap
 
@@ -164,7 +175,7 @@ class Ideal:
     def length(self) -> float:
         """Length of a massless link (m), else 0."""
         row = place_row(self.rows)
-        return row.length if isinstance(row, Apart) else 0.0
+        return row.length if isinstance(row, FixedDistance) else 0.0
 
     @property
     def path(self) -> Path | None:

@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Any
 
 from ..errors import VfifeError
-from ..model.rows import Along, Apart, Coincide, Guided, OnPath, Place, Row, Turn, place_row, turn_row
+from ..model.rows import Along, Coincide, FixedDistance, Guided, OnPath, Place, Row, Turn, place_row, turn_row
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,13 @@ class Constraint:
         """
         place = self.place
         direction = place.unit() if isinstance(place, Guided) else (1.0, 0.0)
-        keeps = self.aim if isinstance(place, Along) else place.length if isinstance(place, Apart) else 0.0
+        keeps = (
+            self.aim
+            if isinstance(place, Along)
+            else place.length
+            if isinstance(place, FixedDistance)
+            else 0.0
+        )
         return (
             *self.point_a,
             *self.point_b,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..errors import AssemblyError
 from ..model.bodies import Link
 from ..model.mechanism import Mechanism
-from ..model.rows import Apart, place_row
+from ..model.rows import FixedDistance, place_row
 from ..numerics.products import dot
 from ..numerics.scalar import integer_power, log10
 from .drives import rigid_system
@@ -136,7 +136,7 @@ def sensitive(
     lengths = {name: body.length for name in bodies if isinstance(body := mechanism.bodies[name], Link)}
     for name in joints:
         place = place_row(mechanism.joints[name].rows()) if name in mechanism.joints else None
-        lengths |= {name: place.length} if isinstance(place, Apart) else {}
+        lengths |= {name: place.length} if isinstance(place, FixedDistance) else {}
     for name, length in lengths.items():
         systems = [
             rigid_system(sized(mechanism, name, length * (1.0 + part)), datum=datum) for part in (0.0, NUDGE)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..kernels import constraint, geometry
 from ..kernels.constraint import Guide
 from ..kernels.topology import ACROSS, ALONG, NOWHERE, ON_PATH, PINNED, SPACED
-from ..model.rows import Across, Along, Apart, Coincide, OnPath
+from ..model.rows import Across, Along, Coincide, FixedDistance, OnPath
 from ..numerics.elementwise import sincos
 from .constraints import Constraint
 from .linalg import DENSE, Matrix, matrix
@@ -37,7 +37,7 @@ PLACE_KINDS = {
     Coincide: PINNED,
     Across: ACROSS,
     Along: ALONG,
-    Apart: SPACED,
+    FixedDistance: SPACED,
     OnPath: ON_PATH,
 }
 SIGNS = np.array([[-1.0], [1.0]])  # of what a row measures, on bodies a and b

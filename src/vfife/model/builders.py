@@ -98,7 +98,7 @@ class Builder:
     @property
     def arguments(self) -> list[Argument]:
         """Its name, what it connects, and all else by keyword."""
-        found = []
+        arguments = []
         for name, field in self.fields.items():
             held = None if name == "name" else value_of(field)
             needed = name in self.needed or required(field)
@@ -115,8 +115,8 @@ class Builder:
                 "str" if held is None else annotation_of(held) + (" | None" if default is None else "")
             )
             kind = Argument.POSITIONAL_OR_KEYWORD if leading else Argument.KEYWORD_ONLY
-            found.append(Argument(name, kind, default=default, annotation=annotation))
-        return sorted(found, key=lambda one: (one.kind, one.default is not Argument.empty))
+            arguments.append(Argument(name, kind, default=default, annotation=annotation))
+        return sorted(arguments, key=lambda one: (one.kind, one.default is not Argument.empty))
 
     @property
     def help(self) -> str:
@@ -134,11 +134,13 @@ class Builder:
         leading = [one.name for one in arguments if one.kind is Argument.POSITIONAL_OR_KEYWORD]
 
         def add(mechanism: Mechanism, *places: Any, **values: Any) -> Any:
-            given = dict(zip(leading, places, strict=False)) | values
-            path = (self.section, str(given.get("name") or called(given)))
+            arguments_by_name = dict(zip(leading, places, strict=False)) | values
+            path = (self.section, str(arguments_by_name.get("name") or called(arguments_by_name)))
             faults = strange(path, self, leading, places, values)
             lacking = [
-                one.name for one in arguments if one.default is Argument.empty and one.name not in given
+                one.name
+                for one in arguments
+                if one.default is Argument.empty and one.name not in arguments_by_name
             ]
             faults += [
                 Fault((*path, one), "this keyword is missing", remedy=f"add {one}=...") for one in lacking
@@ -146,7 +148,7 @@ class Builder:
             return admit(
                 mechanism,
                 self.kind,
-                {key: value for key, value in given.items() if key in self.fields},
+                {key: value for key, value in arguments_by_name.items() if key in self.fields},
                 faults=faults,
             )
 
@@ -161,11 +163,11 @@ class Builder:
 
 def builders() -> dict[str, Builder]:
     """Builders by name: of bodies, of gears, and of each kind that is registered."""
-    found = [Builder(name, section_of(kind), kind) for name, kind in OTHERS.items()]
+    every = [Builder(name, section_of(kind), kind) for name, kind in OTHERS.items()]
     for base, section in SECTIONS.items():
         for kind in vars(base)["registry"].values() if issubclass(base, Kind) else ():
-            found += [Builder(name, section, kind, *exceptions) for name, exceptions in kind.builders.items()]
-    return {one.name: one for one in found}
+            every += [Builder(name, section, kind, *exceptions) for name, exceptions in kind.builders.items()]
+    return {one.name: one for one in every}
 
 
 def annotation_of(held: Value) -> str:
@@ -206,7 +208,7 @@ class Builders:
         one of this name.
         """
         reading, at = ScriptReading(), ("ground", str(name))
-        found = PLACE.read((x, y), at, reading)
+        place = PLACE.read((x, y), at, reading)
         if not name or "." in str(name):
             reading.refuse(
                 ("ground", ""),
@@ -217,7 +219,7 @@ class Builders:
             reading.refuse(at, f"there is a point called {shown(name)} already", remedy="choose another name")
         if reading.faults:
             raise ModelError(reading.faults, str(self.name) or "mechanism")
-        self.points[name] = found
+        self.points[name] = place
         return Pin(f"ground.{name}")
 
     def clearance(self, *places: Any, **values: Any) -> Any:
@@ -237,7 +239,7 @@ class Builders:
 
 
 def admit(
-    mechanism: Mechanism, kind: Any, given: Mapping[str, Any], name: Any = None, faults: Sequence[Fault] = ()
+    mechanism: Mechanism, kind: Any, raw: Mapping[str, Any], name: Any = None, faults: Sequence[Fault] = ()
 ) -> Any:
     """Read the values of a kind, check it among what the mechanism has, and add it. Raises ModelError with
     all ``faults`` known before, and these.
@@ -246,9 +248,9 @@ def admit(
     """
     from .validation.single import faults_of
 
-    section, name = section_of(kind), name or given.get("name") or called(given)
+    section, name = section_of(kind), name or raw.get("name") or called(raw)
     path: Path = (section, name if isinstance(name, str) else "?")
-    item, refused = read(path, kind, given)
+    item, refused = read(path, kind, raw)
     if name is not None and not isinstance(name, str):
         refused.append(Fault(path, "this is no name", shown(name), "a text", "put it in quotes"))
     elif name in items(mechanism, section):
@@ -281,35 +283,35 @@ def section_of(kind: type) -> str:
     )
 
 
-def called(found: Mapping[str, Any]) -> Any:
+def called(values: Mapping[str, Any]) -> Any:
     """The name of what has none of its own."""
-    target = next((found[one] for one in TARGETS if found.get(one)), None)
+    target = next((values[one] for one in TARGETS if values.get(one)), None)
     return target.replace(".", " ") if isinstance(target, str) else getattr(target, "name", target)
 
 
 def strange(
-    path: Path, builder: Builder, leading: list[str], places: tuple[Any, ...], given: Mapping[str, Any]
+    path: Path, builder: Builder, leading: list[str], places: tuple[Any, ...], values: Mapping[str, Any]
 ) -> list[Fault]:
     """Arguments that there are not, or that come twice."""
-    found, names = [], list(builder.fields)
-    for key, value in given.items():
+    faults, names = [], list(builder.fields)
+    for key, value in values.items():
         if key not in names:
             every = (one for one in builders().values() if one.section == builder.section)
             others = [f"{one.name}()" for one in every if key == one.name or key in one.fields]
             advice = f"use {' or '.join(others[:3])} for it" if others else "remove it"
-            found.append(
+            faults.append(
                 Fault(
                     (*path, key), "there is no such keyword", shown(value), "", suggestion(key, names, advice)
                 )
             )
         elif key in leading[: len(places)]:
-            found.append(Fault((*path, key), "this is given twice", shown(value), "", "give it once"))
+            faults.append(Fault((*path, key), "this is given twice", shown(value), "", "give it once"))
     if len(places) > len(leading):
         what, rest = (
             f"only {', '.join(leading)} stand without a keyword",
             [name for name in names if name not in leading],
         )
-        found.append(
+        faults.append(
             Fault(
                 (*path, ""),
                 what,
@@ -318,35 +320,35 @@ def strange(
                 f"write {rest[0]}=..." if rest else "leave it out",
             )
         )
-    return found
+    return faults
 
 
-def read(path: Path, kind: Any, given: Mapping[str, Any]) -> tuple[Any, list[Fault]]:
+def read(path: Path, kind: Any, raw: Mapping[str, Any]) -> tuple[Any, list[Fault]]:
     """The object of what is given, known in part where something is refused, and the faults."""
-    reading, values = ScriptReading(), {key: given[key] for key in ("name",) if key in given}
-    along = bool(given.get("slider") or given.get("point"))
+    reading, values = ScriptReading(), {key: raw[key] for key in ("name",) if key in raw}
+    along = bool(raw.get("slider") or raw.get("point"))
     fields: dict[str, Field] = {field.name: field for field in described_fields(kind)}
     for key, field in fields.items():
-        if key not in given or (given[key] is None and field.default is None):
+        if key not in raw or (raw[key] is None and field.default is None):
             continue
         at = (*path, key_of(field, along))
-        values[key] = value_of(field, along).read(given[key], at, reading)
-        if users := users_of(kind, fields, key, given):
-            reading.add(idle(kind, given[kind.selected_by], users, given[key]).at(at))
+        values[key] = value_of(field, along).read(raw[key], at, reading)
+        if users := users_of(kind, fields, key, raw):
+            reading.add(idle(kind, raw[kind.selected_by], users, raw[key]).at(at))
     lacking = [key for key, field in fields.items() if required(field) and key not in values]
     return partial(kind, values) if lacking or reading.faults else kind(**values), reading.faults
 
 
-def users_of(kind: Any, fields: Mapping[str, Field], key: str, given: Mapping[str, Any]) -> tuple[str, ...]:
+def users_of(kind: Any, fields: Mapping[str, Field], key: str, raw: Mapping[str, Any]) -> tuple[str, ...]:
     """Models that would have a use for a value that is no default, where the model that is named has none."""
     only, field = fields[key].metadata.get("only"), fields[key]
-    word = given.get(getattr(kind, "selected_by", ""))
+    word = raw.get(getattr(kind, "selected_by", ""))
     default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
     if (
         not only
         or word is None
         or word in only
-        or given[key] == default
+        or raw[key] == default
         or word not in fields[kind.selected_by].metadata["choices"]
     ):
         return ()
@@ -356,8 +358,8 @@ def users_of(kind: Any, fields: Mapping[str, Field], key: str, given: Mapping[st
 def items(mechanism: Mechanism, section: str) -> dict[str, Any]:
     """The objects of a section by name."""
     field = next(field for field in described_fields(type(mechanism)) if key_of(field) == section)
-    found: dict[str, Any] = getattr(mechanism, field.name)
-    return found
+    entries: dict[str, Any] = getattr(mechanism, field.name)
+    return entries
 
 
 for _one in builders().values():

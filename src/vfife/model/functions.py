@@ -47,13 +47,13 @@ def crank_of(mechanism: Mechanism, named: str = "") -> str:
     """The body on whose angle a load depends: the one that is ``named``, else the fastest that a driver
     turns. ValueError where there is none.
     """
-    found = {
+    speeds = {
         (driver.body or name): turning_speed(driver)
         for name, driver in mechanism.drivers.items()
         if driver.moves
     }
-    fastest = max(found, key=found.__getitem__, default="")
-    if not named and not found.get(fastest):
+    fastest = max(speeds, key=speeds.__getitem__, default="")
+    if not named and not speeds.get(fastest):
         raise ValueError(
             "a load goes by the angle of a crank, and no driver turns a body; name the body, with crank"
         )
@@ -72,11 +72,13 @@ def carrier_of(mechanism: Mechanism, gear: Gear) -> str:
     if gear.carrier is not None:
         return gear.carrier
     pins = list(_pins(mechanism))
-    carried = [_carriers(pins, wheel) for wheel in (gear.first, gear.second)]
-    found = [
-        body for body in carried[0] if body in carried[1] and body not in (gear.first, gear.second, "ground")
+    candidates = [_carriers(pins, wheel) for wheel in (gear.first, gear.second)]
+    carriers = [
+        body
+        for body in candidates[0]
+        if body in candidates[1] and body not in (gear.first, gear.second, "ground")
     ]
-    return found[0] if found and not all("ground" in one for one in carried) else "ground"
+    return carriers[0] if carriers and not all("ground" in one for one in candidates) else "ground"
 
 
 def _pins(mechanism: Mechanism) -> Iterator[tuple[Place, Place]]:
@@ -93,11 +95,11 @@ def _pins(mechanism: Mechanism) -> Iterator[tuple[Place, Place]]:
 def _carriers(pins: list[tuple[Place, Place]], wheel: str) -> list[str]:
     """Bodies that carry a wheel."""
     own = [other for side, other in _both(pins) if side[0] == wheel]
-    found = [body for body, _ in own]
+    bodies = [body for body, _ in own]
     axes = [place for place in own if place[0] == "ground"]
     if wheel == "ground":  # a ring that stands: whatever turns on the ground may carry its planets
         return [body for (here, _), (body, _) in _both(pins) if here == "ground"]
-    return found + [side[0] for side, other in _both(pins) if other in axes and side[0] != wheel]
+    return bodies + [side[0] for side, other in _both(pins) if other in axes and side[0] != wheel]
 
 
 def _both(pins: list[tuple[Place, Place]]) -> Iterator[tuple[Place, Place]]:

@@ -16,7 +16,7 @@ from ..numerics.elementwise import hypot
 from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Strain
 
 Array = NDArray[np.float64]
-_KEPT, _WEIGHED = "_mesh", "_weighed"
+_MESH, _WEIGHED = "_mesh", "_weighed"
 THIN = 1e-6  # inertia of a body that has none of its own, over its mass times the square of its reach
 ROUNDING = 1e-14  # of the same: what is left of none where masses are summed up
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
@@ -75,22 +75,22 @@ def mesh(body: Body) -> Mesh:
     """
     if not isinstance(body, Frame | Link):
         raise TypeError(f"{type(body).__name__} {body.name!r} has no elements")
-    made_of = (dict(body.nodes), dict(body.masses)) if isinstance(body, Frame) else ()
-    kept = vars(body).get(_KEPT)
-    if kept is None or kept[0] != made_of:
-        kept = made_of, _frame(body) if isinstance(body, Frame) else _link(body)
+    sources = (dict(body.nodes), dict(body.masses)) if isinstance(body, Frame) else ()
+    cached = vars(body).get(_MESH)
+    if cached is None or cached[0] != sources:
+        cached = sources, _frame(body) if isinstance(body, Frame) else _link(body)
         for values in (
-            kept[1].position,
-            kept[1].mass,
-            kept[1].inertia,
-            kept[1].nodes,
-            kept[1].axial,
-            kept[1].bending,
+            cached[1].position,
+            cached[1].mass,
+            cached[1].inertia,
+            cached[1].nodes,
+            cached[1].axial,
+            cached[1].bending,
         ):
             values.setflags(write=False)
-        vars(body)[_KEPT] = kept  # a frozen noun has no other way to remember what follows from it
-    found: Mesh = kept[1]
-    return found
+        vars(body)[_MESH] = cached  # a frozen noun has no other way to remember what follows from it
+    result: Mesh = cached[1]
+    return result
 
 
 def _link(link: Link) -> Mesh:
@@ -233,15 +233,15 @@ def rigid_properties(body: Body) -> MassProperties:
     is asked for them at each of its pins, so they are kept with it; they are found anew where its pins or
     masses were changed in place.
     """
-    made_of = _made_of(body)
-    kept = vars(body).get(_WEIGHED)
-    if kept is None or len(kept[0]) != len(made_of) or not all(map(operator.is_, kept[0], made_of)):
-        kept = vars(body)[_WEIGHED] = made_of, _weighed(body)
-    found: MassProperties = kept[1]
-    return found
+    sources = _sources_of(body)
+    cached = vars(body).get(_WEIGHED)
+    if cached is None or len(cached[0]) != len(sources) or not all(map(operator.is_, cached[0], sources)):
+        cached = vars(body)[_WEIGHED] = sources, _weighed(body)
+    result: MassProperties = cached[1]
+    return result
 
 
-def _made_of(body: Body) -> tuple[Any, ...]:
+def _sources_of(body: Body) -> tuple[Any, ...]:
     """What of a body may be another thing than before: its mesh, its pins and masses."""
     if is_elastic(body):
         return (mesh(body),)
@@ -256,7 +256,7 @@ def _weighed(body: Body) -> MassProperties:
     attached = body.masses if isinstance(body, RigidBody | Link) and not is_elastic(body) else {}
     if attached:
         at = np.array([center, *(body.points[pin] for pin in attached)], dtype=float)
-        mass, center, inertia = _together(
+        mass, center, inertia = _sum_of_masses(
             at, np.array([mass, *attached.values()]), np.array([inertia, *(0.0 for _ in attached)])
         )
     if not mass > 0.0:
@@ -288,7 +288,7 @@ def _own_properties(body: Body) -> MassProperties:
         turning = (
             parts.inertia if not (isinstance(body, Link) and body.release == "both") else 0.0 * parts.inertia
         )
-        return _together(parts.position, parts.mass, turning)
+        return _sum_of_masses(parts.position, parts.mass, turning)
     if not isinstance(body, Link):
         raise TypeError(f"{type(body).__name__} is no body")
     if body.via and (body.inertia is None or body.center_at is None):
@@ -297,7 +297,7 @@ def _own_properties(body: Body) -> MassProperties:
     inertia = body.own_mass * (body.length * body.length) / 12.0 if body.inertia is None else body.inertia
     at = np.array([(center, 0.0), (0.0, 0.0), (body.length, 0.0)])
     masses = np.array([body.own_mass, body.start_mass, body.end_mass])
-    return _together(at, masses, np.array([inertia, body.start_inertia, body.end_inertia]))
+    return _sum_of_masses(at, masses, np.array([inertia, body.start_inertia, body.end_inertia]))
 
 
 def _rigid_polyline(link: Link) -> MassProperties:
@@ -306,23 +306,23 @@ def _rigid_polyline(link: Link) -> MassProperties:
     length = _sizes(np.diff(corners, axis=0))
     mass = link.own_mass * length / length.sum()
     at = np.vstack([0.5 * (corners[1:] + corners[:-1]), corners[[0, -1]]])
-    return _together(
+    return _sum_of_masses(
         at,
         np.array([*mass, link.start_mass, link.end_mass]),
         np.array([*mass * (length * length) / 12.0, link.start_inertia, link.end_inertia]),
     )
 
 
-def _together(at: Array, mass: Array, inertia: Array) -> MassProperties:
+def _sum_of_masses(at: Array, mass: Array, inertia: Array) -> MassProperties:
     """Mass, centre and inertia of masses at places [n, 2]."""
     total = float(mass.sum())
     if not total > 0.0:
         return MassProperties(0.0, (float(at[0, 0]), float(at[0, 1])), float(inertia.sum()))
     center = (mass[:, None] * at).sum(axis=0) / total
     away = at - center
-    apart = (away * away).sum(axis=1)
+    distances_squared = (away * away).sum(axis=1)
     return MassProperties(
-        total, (float(center[0]), float(center[1])), float(inertia.sum() + (mass * apart).sum())
+        total, (float(center[0]), float(center[1])), float(inertia.sum() + (mass * distances_squared).sum())
     )
 
 

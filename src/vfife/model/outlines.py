@@ -66,8 +66,8 @@ def corners(points: NDArray[np.float64]) -> tuple[list[int], bool]:
     if spread[-1] <= COLLINEAR * spread[0]:
         along = away @ away[np.argmax(np.linalg.norm(away, axis=1))]
         return [int(k) for k in np.argsort(along)], False
-    found = _hull(points)
-    return [*found, found[0]], True
+    hull = _hull(points)
+    return [*hull, hull[0]], True
 
 
 def _hull(points: NDArray[np.float64]) -> list[int]:
@@ -94,12 +94,12 @@ def axis_between(mechanism: Mechanism, first: str, second: str) -> str | None:
     else any pin of it; None without.
     """
     joints = mechanism.joints.values()
-    for wanted in ({first, second}, {"ground", second}):
+    for pair in ({first, second}, {"ground", second}):
         for joint in joints:
             if (
                 joint.revolves
                 and not isinstance(joint, Contact)
-                and {joint.sides[0][0], joint.sides[1][0]} == wanted
+                and {joint.sides[0][0], joint.sides[1][0]} == pair
             ):
                 return joint.bearing
     for joint in joints:

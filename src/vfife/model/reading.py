@@ -28,9 +28,9 @@ class LawReading(Reading):
         super().__init__(written=True)
         self.name = name
 
-    def unknown(self, path: Path, value: Any, known: Iterable[str] = ()) -> None:
+    def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
         """A parameter that the law does not have."""
-        remedy = suggestion(str(path[-1]), known, f'remove it, or name another law than "{self.name}"')
+        remedy = suggestion(str(path[-1]), names, f'remove it, or name another law than "{self.name}"')
         self.refuse(path, "unknown key", shown(value), "", remedy)
 
     def missing(self, path: Path, field: Field) -> None:
@@ -59,9 +59,9 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
     try:
         good = law(**{key: value for key, value in values.items() if value is not None})
     except LawError as error:
-        known = {fault.path[0] for fault in reading.faults}
+        refused = {fault.path[0] for fault in reading.faults}
         for fault in error.faults:
-            if fault.where not in known:
+            if fault.where not in refused:
                 reading.add(fault.at((fault.where,)))
     except (ArithmeticError, TypeError, ValueError) as error:
         if not reading.faults:
@@ -98,13 +98,13 @@ def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
         )
         by.refuse((*path, "tube"), what, shown(value["tube"]), limit, "give the outer diameter first")
     if len(by.faults) > before:
-        found: Section = partial(Section, {} if shapes else read)
-        return found
+        partial_section: Section = partial(Section, {} if shapes else read)
+        return partial_section
     if not shapes:
         return Section(**read)
     sizes = read[shapes[0]]
-    made: Section = getattr(Section, shapes[0])(*(sizes if isinstance(sizes, tuple) else (sizes,)))
-    return made
+    section: Section = getattr(Section, shapes[0])(*(sizes if isinstance(sizes, tuple) else (sizes,)))
+    return section
 
 
 Quantity: TypeAlias = float | str  # 0.1, or "100 mm"
@@ -180,9 +180,9 @@ class ScriptReading(Reading):
     def one_of(self, path: Path, kind: type, value: Any) -> Any:
         """A noun as it is: it was made by Python, where numbers are numbers."""
         plain = Reading()
-        found = plain.one_of(path, kind, value)
+        item = plain.one_of(path, kind, value)
         self.faults += plain.faults
-        return found
+        return item
 
 
 def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
@@ -213,27 +213,27 @@ def with_units(*path: str) -> Callable[[Noun], Noun]:
     """
 
     def decorate(noun: Noun) -> Noun:
-        made: Callable[..., None] = vars(noun)["__init__"]
+        init_fields: Callable[..., None] = vars(noun)["__init__"]
         names = [field.name for field in dataclasses.fields(noun)]
         held = {field.name: (key_of(field), value_of(field)) for field in described_fields(noun)}
         quantities = {name for name, (_, value) in held.items() if not isinstance(value, Text | Choice)}
 
-        @functools.wraps(made)
+        @functools.wraps(init_fields)
         def init(self: Any, *args: Any, **values: Any) -> None:
             faults = [
                 strange((*path, key), value, names) for key, value in values.items() if key not in names
             ]
             if faults:
                 raise ArgumentError(faults, f"{noun.__name__}()")
-            given, reading = dict(zip(names, args, strict=False)) | values, ScriptReading()
+            arguments, reading = dict(zip(names, args, strict=False)) | values, ScriptReading()
             if len(args) <= len(names):
-                for name in quantities & given.keys():
-                    if written(given[name]):
-                        given[name] = held[name][1].read(given[name], (*path, held[name][0]), reading)
-                args, values = (), given
+                for name in quantities & arguments.keys():
+                    if written(arguments[name]):
+                        arguments[name] = held[name][1].read(arguments[name], (*path, held[name][0]), reading)
+                args, values = (), arguments
             if reading.faults:
                 raise ModelError(reading.faults, f"{noun.__name__}()")
-            made(self, *args, **values)
+            init_fields(self, *args, **values)
 
         setattr(noun, "__init__", init)  # noqa: B010 - a checker forbids the assignment
         return noun

@@ -71,12 +71,12 @@ class OnPath:
 
 
 @dataclass(frozen=True)
-class Apart:
+class FixedDistance:
     """Two pins stay a ``length`` (m) apart: one row."""
 
     length: float
 
-    def mirrored(self) -> Apart:
+    def mirrored(self) -> FixedDistance:
         """The row with y turned round."""
         return self
 
@@ -94,8 +94,8 @@ class Turn:
         return self
 
 
-Row = Coincide | Across | Along | OnPath | Apart | Turn
-Place = Coincide | Across | Along | OnPath | Apart
+Row = Coincide | Across | Along | OnPath | FixedDistance | Turn
+Place = Coincide | Across | Along | OnPath | FixedDistance
 
 
 def turn_row(rows: tuple[Row, ...]) -> Turn | None:

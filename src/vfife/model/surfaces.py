@@ -24,39 +24,43 @@ def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
     return joint.pair(*materials).between(1.0 / inverse if inverse else None)
 
 
-def cautions(mechanism: Mechanism, found: Mapping[str, tuple[float, float]] | None = None) -> tuple[str, ...]:
+def cautions(
+    mechanism: Mechanism, extremes: Mapping[str, tuple[float, float]] | None = None
+) -> tuple[str, ...]:
     """Sentences on where the laws of the joints leave their ranges; joints that say the same share one.
 
     Without ``found`` what is known before a run; with it, the deepest penetration (m) and the fastest impact
     (m/s) of each joint, what only the run could tell, of the worst of those joints that have the same laws
     and surfaces.
     """
-    said: dict[str, list[str]] = {}
+    joints: dict[str, list[str]] = {}
     for (law, pair), names in _alike(mechanism).items():
-        known = law.cautions(pair)
-        if found is not None:
-            known = tuple(one for one in law.cautions(pair, *_worst(found, names)) if one not in known)
-        for sentence in known:
-            said.setdefault(f"{law.name}, {sentence}.", []).extend(names)
+        sentences = law.cautions(pair)
+        if extremes is not None:
+            sentences = tuple(
+                one for one in law.cautions(pair, *_worst(extremes, names)) if one not in sentences
+            )
+        for sentence in sentences:
+            joints.setdefault(f"{law.name}, {sentence}.", []).extend(names)
     return tuple(
-        f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in said.items()
+        f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: {sentence}" for sentence, names in joints.items()
     )
 
 
-def remarks(mechanism: Mechanism, found: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
+def remarks(mechanism: Mechanism, extremes: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
     """A line on impacts beyond the theory of the laws, as nearly all machines have them, its joints together;
     ``found`` as in :func:`cautions`.
     """
     beyond: dict[float, list[str]] = {}
     for (law, pair), names in _alike(mechanism).items():
         usual = law.usual(pair)
-        if usual is not None and usual[0] < _worst(found, names)[1] <= usual[1]:
+        if usual is not None and usual[0] < _worst(extremes, names)[1] <= usual[1]:
             beyond.setdefault(usual[0], []).extend(names)
-    said = (
+    line = (
         "{}: impacts of up to {:.3g} m/s, the law being quasi-static up to {:.3g} m/s, as usual in machines"
     )
     return tuple(
-        said.format(", ".join(names), _worst(found, names)[1], limit) for limit, names in beyond.items()
+        line.format(", ".join(names), _worst(extremes, names)[1], limit) for limit, names in beyond.items()
     )
 
 
@@ -71,6 +75,6 @@ def _alike(mechanism: Mechanism) -> dict[tuple[Law, Pair], list[str]]:
     return alike
 
 
-def _worst(found: Mapping[str, tuple[float, float]], names: list[str]) -> tuple[float, float]:
-    depths, speeds = zip(*(found[name] for name in names), strict=True)
+def _worst(extremes: Mapping[str, tuple[float, float]], names: list[str]) -> tuple[float, float]:
+    depths, speeds = zip(*(extremes[name] for name in names), strict=True)
     return max(depths), max(speeds)

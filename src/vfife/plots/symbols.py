@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measures.motion import pin_path
-from ..model.drawing.strokes import Block, Curve, JointSeen, Label, Mark, PairSeen, Stroke, Surface
+from ..model.drawing.strokes import Block, Curve, JointView, Label, Mark, PairView, Stroke, Surface
 from ..model.joints import Gear, Joint
 from ..model.loads.load import Push
 from ..model.outlines import CENTER, FEW, axis_between, corners, drawn_pins, wheels_at
@@ -207,7 +207,7 @@ def draw_joints(sheet: Sheet) -> None:
         draw(sheet, joint.strokes(joint_view(sheet, joint)), (joint.sides[0][0], joint.sides[1][0]))
 
 
-def joint_view(sheet: Sheet, joint: Joint) -> JointSeen:
+def joint_view(sheet: Sheet, joint: Joint) -> JointView:
     """Position of a joint on the sheet."""
     bodies = (joint.sides[0][0], joint.sides[1][0])
     angles = [sheet.angles(body) for body in bodies]
@@ -221,7 +221,7 @@ def joint_view(sheet: Sheet, joint: Joint) -> JointSeen:
     now, start = ((float(angles[0][k]), float(angles[1][k])) for k in (sheet.shown, 0))
     ground = (bodies[0] == "ground", bodies[1] == "ground")
     at = sheet.at(joint.bearing)
-    return JointSeen(
+    return JointView(
         at, sheet.at(joint.journal), now, start, ground, sheet.factor, sheet.size, travel_range,
         lambda: _leaving(sheet, joint, at),
     )  # fmt: skip
@@ -287,12 +287,12 @@ def draw_springs(sheet: Sheet) -> None:
         draw(sheet, spring.strokes(spring_view(sheet, spring)))
 
 
-def spring_view(sheet: Sheet, spring: AnySpring) -> PairSeen:
+def spring_view(sheet: Sheet, spring: AnySpring) -> PairView:
     """Position of a spring on the sheet: its pins, or twice the axis about which its bodies rotate."""
     if spring.between_pins:
-        return PairSeen(sheet.at(spring.first), sheet.at(spring.second), 0.0, sheet.size)
+        return PairView(sheet.at(spring.first), sheet.at(spring.second), 0.0, sheet.size)
     at = axis_of(sheet, spring.first, spring.second)
-    return PairSeen(at, at, float(sheet.angles(spring.first)[sheet.shown]), sheet.size)
+    return PairView(at, at, float(sheet.angles(spring.first)[sheet.shown]), sheet.size)
 
 
 def draw_gears(sheet: Sheet) -> None:
@@ -301,7 +301,7 @@ def draw_gears(sheet: Sheet) -> None:
         draw(sheet, gear.strokes(gear_view(sheet, gear)), (gear.first, gear.second))
 
 
-def gear_view(sheet: Sheet, gear: Gear) -> PairSeen:
+def gear_view(sheet: Sheet, gear: Gear) -> PairView:
     """Position of a gear on the sheet: the axes of its wheels."""
     one, two = wheels_at(
         sheet.mechanism,
@@ -309,7 +309,7 @@ def gear_view(sheet: Sheet, gear: Gear) -> PairSeen:
         lambda first, second: axis_of(sheet, first, second),
         lambda a, b: bool(np.allclose(a, b)),
     )
-    return PairSeen(one, two, 0.0, sheet.size)
+    return PairView(one, two, 0.0, sheet.size)
 
 
 def axis_of(sheet: Sheet, first: str, second: str) -> Array:

@@ -164,9 +164,9 @@ class Result(View):
         record.reached = int(record.steps[-1]) if last is None else max(last[0], int(record.steps[-1]))
         if last is not None and last[0] == record.steps[-1]:
             record.final = final_state(meta, record.assembly, last[1], where)
-        kept = file.reference()
-        if kept is not None:
-            result.reference = cls(restored(*kept, where=where))
+        reference = file.reference()
+        if reference is not None:
+            result.reference = cls(restored(*reference, where=where))
         record.lost = file.lost
         return result
 

@@ -90,12 +90,12 @@ class Prepared:
         """The same of a run with another step; ``model`` is the text of the mechanism where it is written
         already.
         """
-        found = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
-        asked = {**self.asked, "refined": self.refined}
+        meta = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
+        arguments = {**self.asked, "refined": self.refined}
         return (
-            found
+            meta
             | companions_meta(assembly, step_counts(assembly.choice, self.companions), earlier or {})
-            | {"asked": asked}
+            | {"asked": arguments}
         )
 
 
@@ -157,7 +157,7 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     given.kind("confirm", options["confirm"], (bool,), "True or False")
     given.check()
     with job_of("simulate", None if file is None else file.path, options["confirm"], progress) as job:
-        return carry_out(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
+        return run_prepared(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
 
 
 def forecast(
@@ -207,25 +207,25 @@ def prepare(
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
         mechanism = on_clock(mechanism, former)
-    seen = outlook(mechanism, asked.turns, asked.duration) if former is None else Outlook()
+    prospect = outlook(mechanism, asked.turns, asked.duration) if former is None else Outlook()
     ideal = reference if isinstance(reference, Result) else None
-    if reference is True and seen.through:
-        alone = ideal_of(mechanism, asked.turns, asked.duration, former, seen.motion)
+    if reference is True and prospect.through:
+        alone = ideal_of(mechanism, asked.turns, asked.duration, former, prospect.motion)
         if job is not None and alone is not None and run_cost(alone).seconds > BRIEF:
             forecast(job, alone)
         ideal = referred(alone)
     length = Length(
         turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step
     )
-    begin = RunStart(mechanism, length, former, seen, expected_forces(ideal))
-    wanted = companions_of(mechanism, asked.companions)
-    assembly = begin.first(asked.step, asked.loop, wanted)
-    companions = companion_count(assembly, choose_loop(assembly, asked.loop), wanted)
-    refined = repeated(assembly, wanted, asked.loop)
+    begin = RunStart(mechanism, length, former, prospect, expected_forces(ideal))
+    requested = companions_of(mechanism, asked.companions)
+    assembly = begin.first(asked.step, asked.loop, requested)
+    companions = companion_count(assembly, choose_loop(assembly, asked.loop), requested)
+    refined = repeated(assembly, requested, asked.loop)
     if job is not None:
         forecast(job, assembly, None if ideal is None else ideal.record.assembly, refined, companions)
-    kept = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
-    return Prepared(assembly, ideal, asked.loop, begin, companions, refined, kept)
+    description = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
+    return Prepared(assembly, ideal, asked.loop, begin, companions, refined, description)
 
 
 def _prepare_static(
@@ -239,11 +239,11 @@ def _prepare_static(
             remedy="leave it out",
         )
         raise ModelError([fault], "simulate()")
-    given = {
+    changed = {
         name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None
     }
     begin = StaticStart(
-        dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **given))
+        dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **changed))
     )
     assembly = begin.assemble()
     refined = repeated(assembly, companions_of(mechanism, asked.companions), asked.loop)
@@ -273,7 +273,7 @@ def repeated(assembly: Assembly, wanted: int | str, loop: Loop = "auto") -> bool
     return smooth and (wanted != "auto" or worth_refining(assembly))
 
 
-def carry_out(
+def run_prepared(
     prepared: Prepared,
     *,
     progress: Callable[[Progress], None] | None = None,
@@ -281,7 +281,7 @@ def carry_out(
     resume: Checkpoint | None = None,
 ) -> Result:
     """Runs what was prepared. A run file that does not have it yet takes the model and the reference before
-    the first step; one that was taken up (:func:`taken_up`) goes on from its checkpoint, ``resume``.
+    the first step; one that was taken up (:func:`reopen_run`) goes on from its checkpoint, ``resume``.
 
     An automatic step is found by the run itself: it is halved while run and companions lie further apart than
     the tolerance of the settings, or first contacts land deeper than a joint allows, and what was tried is
@@ -341,7 +341,7 @@ def concluded(record: Record, reference: Result | None) -> Result:
     return result
 
 
-def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Checkpoint | None]:
+def reopen_run(file: RunFile, until: float | None = None) -> tuple[Prepared, Checkpoint | None]:
     """What a run file holds, ready to go on, and the checkpoint to go on from; what was written after it is
     taken away.
 
@@ -351,15 +351,15 @@ def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Check
     where, meta, former, last = str(file.path), file.meta, Result.of(file), file.latest()
     refuse_finished(former.record, until, where)
     refuse_displaced(meta, where)
-    record, asked = former.record, dict(meta.get("asked", {}))
+    record, arguments = former.record, dict(meta.get("asked", {}))
     changed: dict[str, Any] = {"status": Status.RUNNING}
     if until is not None:
         record.assembly = extended(record, until, where)
-        asked |= {"turns": None, "duration": until, "searches": False}
+        arguments |= {"turns": None, "duration": until, "searches": False}
         changed |= {
             "model": dump(record.assembly.mechanism),
             "choice": dataclasses.asdict(record.assembly.choice),
-            "asked": asked,
+            "asked": arguments,
         }
     if last is None:
         file.begin(meta | changed)
@@ -368,14 +368,14 @@ def taken_up(file: RunFile, until: float | None = None) -> tuple[Prepared, Check
         file.put(changed)
         other = (
             ""
-            if asked.get("sources") == sources_of_the_step().decode()
+            if arguments.get("sources") == sources_of_the_step().decode()
             else "; the step before was that of another version"
         )
         file.event(last.step, f"goes on from here{other}")
-    return _prepared_again(former, asked, meta.get("companions", {})), last
+    return restore_prepared(former, arguments, meta.get("companions", {})), last
 
 
-def _prepared_again(former: Result, asked: dict[str, Any], beside: Mapping[str, Any]) -> Prepared:
+def restore_prepared(former: Result, asked: dict[str, Any], beside: Mapping[str, Any]) -> Prepared:
     """What a file holds, as :func:`prepare` had it. Of companions rows may be gone that were needed before
     the checkpoint, and are not after it.
     """
@@ -405,14 +405,14 @@ def resume(
     where there is nothing to go on with, HeldError where another process writes into the folder, RunFileError
     and StorageError where the file cannot be read or written.
     """
-    given = Arguments("resume")
-    end = given.quantity("until", until, "s")
-    given.callable("progress", progress)
-    given.check()
+    arguments = Arguments("resume")
+    end = arguments.quantity("until", until, "s")
+    arguments.callable("progress", progress)
+    arguments.check()
     path = located(RUN, Path(run))
     with Lock(path.parent), RunFile.write(path) as file:
-        prepared, last = taken_up(file, end)
-        result = carry_out(prepared, progress=progress, file=file, resume=last)
+        prepared, last = reopen_run(file, end)
+        result = run_prepared(prepared, progress=progress, file=file, resume=last)
         result.finish(file)
     return result
 

@@ -15,7 +15,7 @@ from ..modelfile import dump
 from ..solvers.arguments import RunArguments
 from ..solvers.status import Status
 from ..solvers.transient import choose_loop
-from .simulate import carry_out, prepare
+from .simulate import prepare, run_prepared
 
 # Turns of the run that finds a step. In ten turns a run notices that its turns do not repeat and halves its
 # step less often.
@@ -62,7 +62,7 @@ def run_step(model: Mechanism) -> float:
     """
     prepared = prepare(model, RunArguments(turns=SEARCH_TURNS))
     refuse_large_frame(prepared.assembly)
-    record = carry_out(prepared).record
+    record = run_prepared(prepared).record
     if record.status == Status.INTERRUPTED:
         raise KeyboardInterrupt
     return record.assembly.choice.step

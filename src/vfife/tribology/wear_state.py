@@ -171,7 +171,7 @@ def surfaces_of(mechanism: Mechanism) -> list[Surface]:
     """Sides of journals in bearings that have a coefficient of wear."""
     surface_list = []
     for name, joint in mechanism.contacts.items():
-        if joint.wear is None or not joint.shapes_worn:
+        if joint.wear is None or not joint.keeps_profile:
             continue
         pair = surfaces(mechanism, joint)
         for side in SIDES:

@@ -163,7 +163,7 @@ def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> 
     """
     from ...laws.check import try_out
     from ...model.reading import read_law
-    from ...model.validation.settings import senseless
+    from ...model.validation.settings import unsuitable
     from ...modelfile.csvtables import expand_curves
     from ...modelfile.paths import parsed
 
@@ -173,7 +173,7 @@ def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> 
     faults = broken + [one for one in faults if one.path[:1] not in {fault.path for fault in broken}]
     if found is None or faults:
         raise ValueError("\n".join(f"--set {fault}" for fault in faults))
-    if what := senseless(found, pair):
+    if what := unsuitable(found, pair):
         raise ValueError(
             f"{what} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or"
             " --material"

@@ -189,7 +189,7 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
     """Go on with the run in a folder. Raises HeldError where another process does, ResumeError where there is
     nothing to go on with.
     """
-    from ...simulation.simulate import taken_up
+    from ...simulation.simulate import reopen_run
     from ...store.runfile import RunFile
 
     place = existing_run(path)
@@ -197,7 +197,7 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
     def reopen() -> OpenRun:
         file = RunFile.write(place.run_file, gather=GATHER)
         try:
-            prepared, last = taken_up(file, until)
+            prepared, last = reopen_run(file, until)
         except BaseException:
             file.close()
             raise
@@ -234,7 +234,7 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
     """Run into a place until the run ends, in whatever way; ends with a sentence and an exit code where it
     cannot be finished.
     """
-    from ...simulation.simulate import carry_out
+    from ...simulation.simulate import run_prepared
 
     NOW.saved = NOTHING if not place.settled else kept_in(place)
     NOW.last.append(place.leave)
@@ -242,7 +242,7 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
     try:
         file, prepared, last = open_run()
         with ProgressLine(quiet) as line:
-            result = carry_out(prepared, progress=line, file=file, resume=last)
+            result = run_prepared(prepared, progress=line, file=file, resume=last)
         NOW.saved = kept_in(place)
         if result.record.status == Status.INTERRUPTED:
             file.put({"status": Status.INTERRUPTED})  # a summary of a long run takes its time

@@ -18,7 +18,7 @@ from ...kernels.blocks import BLOCKS
 from ...kernels.topology import CURRENT
 from ...measures.forces import KINDS, joint_rows, normals, peaks
 from ...model.bodies import PointMass
-from ...model.drawing.strokes import PairSeen
+from ...model.drawing.strokes import PairView
 from ...model.joints import Gear
 from ...model.outlines import FEW, axis_between, corners, drawn_pins, loose_pins, wheels_at
 from ...model.springs import AnySpring
@@ -255,7 +255,7 @@ def springs(assembly: Assembly) -> list[Json]:
         turner = 0 if sides[0] == "ground" else assembly.bodies[sides[0]].particles[0]
         drawn = strokes.pair_strokes(noun, strokes.Inputs(one, two, (_angle(assembly, [turner]), 0.0), size))
         wheels = (
-            noun.wheels(PairSeen(np.array(one), np.array(two), 0.0, size)) if isinstance(noun, Gear) else ()
+            noun.wheels(PairView(np.array(one), np.array(two), 0.0, size)) if isinstance(noun, Gear) else ()
         )
         turned = [
             [0 if side == "ground" else assembly.bodies[side].particles[0], float(r)]

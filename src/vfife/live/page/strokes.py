@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.drawing.strokes import Block, Curve, JointSeen, Mark, PairSeen, Stroke, Surface, facing
+from ...model.drawing.strokes import Block, Curve, JointView, Mark, PairView, Stroke, Surface, facing
 
 Array = NDArray[np.float64]
 STEP = 0.25  # m or rad, of the differences; exact for affine functions
@@ -79,7 +79,7 @@ def strokes_of(
 
     leaving = np.array([1.0, 0.0])  # a clamp is drawn to the left of what it holds
     first, second = np.array(inputs.first), np.array(inputs.second)
-    view = JointSeen(first, second, inputs.angles, start, ground, 1.0, inputs.size, travel, lambda: leaving)
+    view = JointView(first, second, inputs.angles, start, ground, 1.0, inputs.size, travel, lambda: leaving)
     return list(joint.strokes(view))
 
 
@@ -87,7 +87,7 @@ def pair_strokes(item: Any, inputs: Inputs) -> list[dict[str, Any]]:
     """The strokes of a spring or gear as data."""
     return _attached(
         lambda one: list(
-            item.strokes(PairSeen(np.array(one.first), np.array(one.second), one.angles[0], one.size))
+            item.strokes(PairView(np.array(one.first), np.array(one.second), one.angles[0], one.size))
         ),
         inputs,
     )

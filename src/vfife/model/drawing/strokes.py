@@ -91,7 +91,7 @@ class Extent(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class JointSeen:
+class JointView:
     """A joint in a drawing: places of its pins, angles (rad) of its bodies there and at the start, ``ground``
     where a side is the ground's.
 
@@ -124,7 +124,7 @@ class JointSeen:
 
 
 @dataclass(frozen=True, eq=False)
-class PairSeen:
+class PairView:
     """A spring or gear in a drawing: places of its two ends (of bodies: where they turn), angle (rad) of the
     first body, size of the drawing.
     """
@@ -157,51 +157,51 @@ def ring(centre: Array, radius: float, **look: Any) -> Curve:
     return Curve(centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1), **look)
 
 
-def standing(seen: JointSeen) -> list[Stroke]:
+def standing(view: JointView) -> list[Stroke]:
     """A triangle on a hatched strip where a pin is the ground's."""
     import numpy as np
 
-    if not any(seen.ground):
+    if not any(view.ground):
         return []
-    x, y = seen.bearing if seen.ground[0] else seen.journal
-    half, tall, deep = (part * seen.size for part in (0.028, 0.045, GROUND_DEPTH))
+    x, y = view.bearing if view.ground[0] else view.journal
+    half, tall, deep = (part * view.size for part in (0.028, 0.045, GROUND_DEPTH))
     corners = [(x, y), (x - half, y - tall), (x + half, y - tall), (x, y)]
     strip = np.array([x - 1.6 * half, y - tall]), np.array([x + 1.6 * half, y - tall])
     return [Curve(corners, rank=2.0), Surface(*strip, np.array([0.0, -1.0]), deep - tall)]
 
 
-def under(seen: JointSeen) -> Label:
+def under(view: JointView) -> Label:
     """The name of a pin: under the sign of the ground, else beside the pin."""
     import numpy as np
 
-    if not seen.ground[0]:
-        return Label(seen.journal)
-    return Label(seen.bearing - np.array([0.0, (GROUND_DEPTH + 0.03) * seen.size]), fixed=True)
+    if not view.ground[0]:
+        return Label(view.journal)
+    return Label(view.bearing - np.array([0.0, (GROUND_DEPTH + 0.03) * view.size]), fixed=True)
 
 
-def rails(seen: JointSeen, direction: tuple[float, float], length: float, gap: float) -> list[Stroke]:
+def rails(view: JointView, direction: tuple[float, float], length: float, gap: float) -> list[Stroke]:
     """Two rails as far as the journal goes, hatched outside where the guide is the ground's."""
-    along = seen.along(direction)
-    across, reach = left_of(along), seen.way(math.atan2(direction[1], direction[0]))
+    along = view.along(direction)
+    across, reach = left_of(along), view.way(math.atan2(direction[1], direction[0]))
     ends = [
-        seen.bearing + (reach[0] - 0.8 * length) * along,
-        seen.bearing + (reach[1] + 0.8 * length) * along,
+        view.bearing + (reach[0] - 0.8 * length) * along,
+        view.bearing + (reach[1] + 0.8 * length) * along,
     ]
-    found: list[Stroke] = []
+    strokes: list[Stroke] = []
     for side in (1.0, -1.0):
         rail = [end + side * gap * across for end in ends]
-        if seen.ground[0]:
-            found.append(Surface(rail[0], rail[1], side * across, 0.02 * seen.size))
+        if view.ground[0]:
+            strokes.append(Surface(rail[0], rail[1], side * across, 0.02 * view.size))
         else:
-            found.append(Curve(rail, "bearing", 1.6, 3.5))
-    return found
+            strokes.append(Curve(rail, "bearing", 1.6, 3.5))
+    return strokes
 
 
-def beside(seen: JointSeen, direction: tuple[float, float], gap: float) -> Label:
+def beside(view: JointView, direction: tuple[float, float], gap: float) -> Label:
     """The name of a guide: over its upper rail, or to the right of it."""
-    across = left_of(seen.along(direction))
+    across = left_of(view.along(direction))
     across = across * (1.0 if across[1] > 0.3 or (abs(across[1]) <= 0.3 and across[0] > 0.0) else -1.0)
-    return Label(seen.journal + (gap + (0.05 + 0.03 * abs(across[0])) * seen.size) * across, fixed=True)
+    return Label(view.journal + (gap + (0.05 + 0.03 * abs(across[0])) * view.size) * across, fixed=True)
 
 
 def zigzag(first: Array, second: Array, width: float) -> Array:

@@ -42,7 +42,7 @@ FUNCTIONS = {
     "min": 2,
     "max": 2,
 }  # and how many arguments
-MEANT = {
+NUMPY_NAMES = {
     "+": "add",
     "-": "subtract",
     "*": "multiply",
@@ -97,8 +97,8 @@ class Node:
             from ...numerics import elementwise
 
             return np.asarray(getattr(elementwise, OWN[self.word])(*parts))
-        found: Array = getattr(np, MEANT.get(self.word, self.word))(*parts)
-        return found
+        values: Array = getattr(np, NUMPY_NAMES.get(self.word, self.word))(*parts)
+        return values
 
     def switches(self) -> Iterator[Node]:
         """What changes its sign where a bend or a leap is: arguments of abs and step, differences of those of
@@ -164,23 +164,23 @@ class _Parser:
         """The token that follows."""
         while self.at < len(self.text) and self.text[self.at].isspace():
             self.at += 1
-        found = TOKEN.match(self.text, self.at)
-        if found is None:
+        match = TOKEN.match(self.text, self.at)
+        if match is None:
             return Token("end", "", len(self.text) + 1)
-        self.at = found.end()
-        return Token(str(found.lastgroup), found[0], found.start() + 1)
+        self.at = match.end()
+        return Token(str(match.lastgroup), match[0], match.start() + 1)
 
     def take(self) -> Token:
         """This token, and on to the next."""
-        taken, self.here = self.here, self.next()
-        return taken
+        token, self.here = self.here, self.next()
+        return token
 
-    def refuse(self, wanted: str, remedy: str) -> None:
+    def refuse(self, expected: str, remedy: str) -> None:
         """Raises Fault: something else stands here."""
         what = (
-            f"{wanted} is missing at the end"
+            f"{expected} is missing at the end"
             if self.here.kind == "end"
-            else f'"{self.here.text}" stands where {wanted} should'
+            else f'"{self.here.text}" stands where {expected} should'
         )
         raise self.here.fault(what, remedy)
 
@@ -193,35 +193,35 @@ class _Parser:
     def sum(self, depth: int) -> Node:
         """Terms."""
         self.shallow(depth)
-        found = self.product(depth)
+        tree = self.product(depth)
         while self.here.text in ("+", "-") and self.here.kind == "mark":
-            found = Node(self.take().text, parts=(found, self.product(depth)))
-        return found
+            tree = Node(self.take().text, parts=(tree, self.product(depth)))
+        return tree
 
     def product(self, depth: int) -> Node:
         """Factors."""
-        found = self.signed(depth)
+        tree = self.signed(depth)
         while self.here.text in ("*", "/") and self.here.kind == "mark":
-            found = Node(self.take().text, parts=(found, self.signed(depth)))
-        return found
+            tree = Node(self.take().text, parts=(tree, self.signed(depth)))
+        return tree
 
     def signed(self, depth: int) -> Node:
         """A power with its sign."""
         if self.here.text in ("+", "-"):
             self.shallow(depth)
             sign = self.take().text
-            found = self.signed(depth + 1)
-            return found if sign == "+" else Node("-", parts=(Node("number"), found))
+            tree = self.signed(depth + 1)
+            return tree if sign == "+" else Node("-", parts=(Node("number"), tree))
         return self.power(depth)
 
     def power(self, depth: int) -> Node:
         """A value, raised perhaps."""
         self.shallow(depth)
-        found = self.value(depth)
+        tree = self.value(depth)
         if self.here.text == "^":
             self.take()
-            return Node("^", parts=(found, self.signed(depth + 1)))
-        return found
+            return Node("^", parts=(tree, self.signed(depth + 1)))
+        return tree
 
     def value(self, depth: int) -> Node:
         """A number, the variable, a function, or what stands in parentheses."""
@@ -230,9 +230,9 @@ class _Parser:
             return self.number()
         if token.text == "(":
             self.take()
-            found = self.sum(depth + 1)
+            tree = self.sum(depth + 1)
             self.close()
-            return found
+            return tree
         if token.kind != "name":
             again = self.here.text == "*"
             self.refuse(
@@ -245,12 +245,12 @@ class _Parser:
         if token.text in FUNCTIONS:
             return self.function(token, depth)
         if token.text not in VARIABLES:
-            known = (*FUNCTIONS, *VARIABLES, "pi")
-            near = suggestion(token.text, known, "")
+            names = (*FUNCTIONS, *VARIABLES, "pi")
+            near = suggestion(token.text, names, "")
             remedy = (
                 near
                 if near.startswith("did you mean")
-                else f"there are {', '.join(known)}; a unit goes in brackets"
+                else f"there are {', '.join(names)}; a unit goes in brackets"
             )
             raise token.fault(f'there is no "{token.text}"', remedy)
         if self.variable not in ("", token.text):
@@ -263,11 +263,11 @@ class _Parser:
         """A number, with its unit perhaps."""
         token, begin = self.here, self.at
         if self.next_is_bracket():
-            found = UNIT.match(self.text, self.text.index("[", begin) + 1)
-            if found is None:
+            unit_match = UNIT.match(self.text, self.text.index("[", begin) + 1)
+            if unit_match is None:
                 raise token.fault("the unit's bracket is not closed", "write it as in 2.5[kN]")
-            self.at = found.end()
-            unit = found[0][:-1].strip()
+            self.at = unit_match.end()
+            unit = unit_match[0][:-1].strip()
             self.here = self.next()
             try:
                 return Node("number", quantity_in_si(token.text, unit))
@@ -290,10 +290,10 @@ class _Parser:
             self.take()
             parts.append(self.sum(depth + 1))
         self.close()
-        wanted = FUNCTIONS[token.text]
-        if len(parts) != wanted:
+        arity = FUNCTIONS[token.text]
+        if len(parts) != arity:
             what = f"{token.text} has {len(parts)} argument{'s' * (len(parts) > 1)}"
-            raise token.fault(what, f"give it {wanted}")
+            raise token.fault(what, f"give it {arity}")
         return Node(token.text, parts=tuple(parts))
 
     def close(self) -> None:

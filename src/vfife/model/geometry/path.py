@@ -130,24 +130,24 @@ def polyline(points: tuple[Point, ...], fillet: float) -> Path:
         tangents.append(((b[0] - a[0]) / length, (b[1] - a[1]) / length))
         lengths.append(length)
     turns = [atan2(_cross(t, u), _dot(t, u)) for t, u in zip(tangents, tangents[1:], strict=False)]
-    taken = [0.0, *(_taken(turn, fillet, number) for number, turn in enumerate(turns, start=2)), 0.0]
+    cut = [0.0, *(_arc_length_share(turn, fillet, number) for number, turn in enumerate(turns, start=2)), 0.0]
     pieces, last = [], len(lengths) - 1
     for k, (length, t) in enumerate(zip(lengths, tangents, strict=True)):
-        if taken[k] + taken[k + 1] > length * (1.0 + 1e-12):
+        if cut[k] + cut[k + 1] > length * (1.0 + 1e-12):
             raise ValueError(
-                f"the fillets of {fillet:.4g} m take {taken[k] + taken[k + 1]:.4g} m of the {length:.4g} m"
+                f"the fillets of {fillet:.4g} m take {cut[k] + cut[k + 1]:.4g} m of the {length:.4g} m"
                 f" between points {k + 1} and {k + 2} of the path; take a smaller fillet, or points farther"
                 " apart"
             )
-        begin, end = _moved(points[k], t, taken[k]), _moved(points[k + 1], t, -taken[k + 1])
+        begin, end = _moved(points[k], t, cut[k]), _moved(points[k + 1], t, -cut[k + 1])
         pieces.append(Piece(begin, t, 0.0, end, t, opens=k > 0, closes=k < last))
         if k < last and turns[k] != 0.0:
-            after = _moved(points[k + 1], tangents[k + 1], taken[k + 1])
+            after = _moved(points[k + 1], tangents[k + 1], cut[k + 1])
             pieces.append(Piece(end, t, math.copysign(1.0 / fillet, turns[k]), after, tangents[k + 1]))
     return Path(tuple(pieces))
 
 
-def _taken(turn: float, fillet: float, number: int) -> float:
+def _arc_length_share(turn: float, fillet: float, number: int) -> float:
     """Length (m) that the arc in a corner takes of both pieces beside it."""
     if abs(turn) > SHARPEST:
         raise ValueError(

@@ -104,13 +104,13 @@ class Polynomials:
         sizes = np.maximum(
             sizes, 1e-300 if self.order else max(1e-300, float(np.abs(self._rows[:, 0]).max()))
         )
-        apart: NDArray[np.float64] = np.abs(before - after)
-        apart[apart * scales <= KINK * sizes[:, None]] = 0.0
+        jumps: NDArray[np.float64] = np.abs(before - after)
+        jumps[jumps * scales <= KINK * sizes[:, None]] = 0.0
         if self.period is None:
-            apart[0] = 0.0
+            jumps[0] = 0.0
         if self.edges is not None:
-            apart[np.setdiff1d(np.arange(len(self.starts)), self.edges)] = 0.0
-        return apart
+            jumps[np.setdiff1d(np.arange(len(self.starts)), self.edges)] = 0.0
+        return jumps
 
     @cached_property
     def _kinked(self) -> NDArray[np.bool_]:
@@ -119,9 +119,9 @@ class Polynomials:
         """
         import numpy as np
 
-        found: NDArray[np.bool_] = np.asarray((self._jumps[:, : self.order + 1] > 0.0).any(axis=1))
-        found[list(self.breaks)] = True
-        return found
+        kinked: NDArray[np.bool_] = np.asarray((self._jumps[:, : self.order + 1] > 0.0).any(axis=1))
+        kinked[list(self.breaks)] = True
+        return kinked
 
     @cached_property
     def bends(self) -> tuple[tuple[float, float], ...]:
@@ -251,16 +251,20 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
             for at, order in ENDS
         ]
     )
-    shares, scales, wanted = [at * h for at, _ in ENDS], [integer_power(h, order) for _, order in ENDS], []
+    shares, scales, conditions = (
+        [at * h for at, _ in ENDS],
+        [integer_power(h, order) for _, order in ENDS],
+        [],
+    )
     for piece in range(HARMONIC_PIECES):
         begin = piece * h + phase
-        wanted.append(
+        conditions.append(
             [
                 scale * sin(begin + share + quarter)
                 for scale, share, quarter in zip(scales, shares, quarters, strict=True)
             ]
         )
-    c = amplitude * solve(matrix, np.array(wanted).T).T
+    c = amplitude * solve(matrix, np.array(conditions).T).T
     c[:, 0] += offset - amplitude * sin(phase)
     rows = tuple(map(tuple, (c / [integer_power(time, k) for k in range(7)]).tolist()))
     return Polynomials(tuple(piece * time for piece in range(HARMONIC_PIECES)), rows, 1.0 / frequency)

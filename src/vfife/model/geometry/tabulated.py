@@ -24,7 +24,7 @@ JOINING = (
     "how a table's values are joined: monotone (never beyond them), linear, or a spline, which is smoother"
     " and may overshoot"
 )
-APART = 64.0  # ranges of a table by which that of the way back lies before that of the way out
+GAP_RANGES = 64.0  # ranges of a table by which that of the way back lies before that of the way out
 CLOSED = (
     1e-8  # of the largest value, by which the first and the last value of a table that repeats may differ
 )
@@ -50,16 +50,16 @@ def rows_between(
     if how == "spline":
         return tuple(splines.periodic(places, values) if repeated else splines.natural(places, values))
     if repeated:
-        period, more = places[-1] - places[0], min(count, 2)
+        period, overlap = places[-1] - places[0], min(count, 2)
         around = (
-            *(p - period for p in places[-1 - more : -1]),
+            *(p - period for p in places[-1 - overlap : -1]),
             *places,
-            *(p + period for p in places[1 : 1 + more]),
+            *(p + period for p in places[1 : 1 + overlap]),
         )
         there = splines.monotone(
-            around, (*values[-1 - more : -1], *values[:-1], values[0], *values[1 : 1 + more])
+            around, (*values[-1 - overlap : -1], *values[:-1], values[0], *values[1 : 1 + overlap])
         )
-        return tuple(there[more : more + count])
+        return tuple(there[overlap : overlap + count])
     return tuple(splines.monotone(places, values))
 
 
@@ -141,7 +141,7 @@ def two_ways(out: Pieces, back: Pieces) -> tuple[Polynomials, float]:
     Each keeps its end values beyond its ends; between them is a kink, so that a step in which the way changes
     is taken in parts.
     """
-    gap = APART * out.span
+    gap = GAP_RANGES * out.span
     before, after = moved(held(back), -gap), held(out)
     halfway = 0.5 * (back.end - gap + out.starts[0])
     starts = (*before.starts, halfway, *after.starts[1:])
@@ -160,7 +160,7 @@ def closes(values: Places) -> bool:
     return abs(values[-1] - values[0]) <= CLOSED * max(abs(value) for value in values)
 
 
-def whole_turns(angles: Places) -> bool:
+def full_turns(angles: Places) -> bool:
     """Whether a table's angles (rad) go round once, or a whole number of times."""
     turns = (angles[-1] - angles[0]) / (2.0 * math.pi)
     return round(turns) >= 1 and abs(turns - round(turns)) < 1e-9
@@ -202,11 +202,11 @@ def sampled(text: str, first: float, last: float) -> Pieces:
         missed = max(
             missed, missed_between(row, low, grid, values, *np.searchsorted(grid, (low, high)).tolist())
         )
-        ended = high - low <= 8.0 * float(np.spacing(max(abs(low), abs(high))))
-        if missed <= RIGHT * size or (ended and missed <= ROUGH * size):
+        smallest = high - low <= 8.0 * float(np.spacing(max(abs(low), abs(high))))
+        if missed <= RIGHT * size or (smallest and missed <= ROUGH * size):
             starts.append(low)
             rows.append(row)
-        elif ended or len(starts) + len(pending) > MOST:
+        elif smallest or len(starts) + len(pending) > MOST:
             where = f"{expression.variable} = {0.5 * (low + high):.6g}"
             raise SamplingError(
                 f"it cannot be followed near {where}: it leaps, grows beyond all bounds, or has too many"
@@ -248,8 +248,8 @@ def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tup
     nodes, fit, checks, powers = scheme()
     width = high - low
     row: Array = times(fit, expression(low + width * nodes))
-    wanted: Array = expression(low + width * checks)
-    missed = float(np.abs(np.subtract(times(powers, row), wanted)).max())
+    values: Array = expression(low + width * checks)
+    missed = float(np.abs(np.subtract(times(powers, row), values)).max())
     return tuple(float(value) for value in row / np.vander([width], COUNT, increasing=True)[0]), (
         missed if np.isfinite(missed) else np.inf
     )
@@ -273,14 +273,14 @@ def breaks(expression: Expression, grid: Array) -> list[float]:
     """Where the function may bend or leap: between two places of the grid, to the last bit."""
     import numpy as np
 
-    found = set()
+    places = set()
     with np.errstate(all="ignore"):
         for switch in expression.tree.switches():
             values = switch.at(grid)
             for k in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0.0):
-                found.add(crossing(switch.at, float(grid[k]), float(grid[k + 1])))
-            found |= {float(grid[k]) for k in np.flatnonzero(values[1:-1] == 0.0) + 1}
-    return sorted(place for place in found if grid[0] < place < grid[-1])
+                places.add(crossing(switch.at, float(grid[k]), float(grid[k + 1])))
+            places |= {float(grid[k]) for k in np.flatnonzero(values[1:-1] == 0.0) + 1}
+    return sorted(place for place in places if grid[0] < place < grid[-1])
 
 
 def crossing(function: Callable[[Array], Array], low: float, high: float) -> float:

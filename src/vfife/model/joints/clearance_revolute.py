@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from ...errors import Fault
 from ...laws import Material, Pair
 from ...schema import quantity
-from ..drawing.strokes import Extent, JointSeen, Mark, Stroke, ring, standing
+from ..drawing.strokes import Extent, JointView, Mark, Stroke, ring, standing
 from ..rows import Touching
 from .contact import Contact
 from .ideal_revolute import IdealRevolute
@@ -33,7 +33,7 @@ class ClearanceRevolute(Contact):
     sizes: ClassVar[tuple[str, ...]] = ("clearance", "bearing_radius")
     extent: ClassVar[tuple[str, str]] = ("bearing_radius", "the bearing's radius")
     refits: ClassVar[bool] = True
-    shapes_worn: ClassVar[bool] = True
+    keeps_profile: ClassVar[bool] = True
 
     clearance: float = quantity("m", "bearing radius less journal radius", above=0.0)
     bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
@@ -66,19 +66,19 @@ class ClearanceRevolute(Contact):
         """The joint without play."""
         return IdealRevolute(name=self.name, bearing=self.bearing, journal=self.journal)
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """A ring with a dot, or the two circles where they are large enough to be seen; the ground under it."""
-        found = standing(seen)
-        if self.bearing_radius * seen.factor > LARGE_BEARING * seen.size:
-            found.append(ring(seen.bearing, seen.factor * self.bearing_radius, width=1.8, rank=4.0))
-            found.append(
-                ring(seen.journal, seen.factor * (self.bearing_radius - self.clearance), width=0.9, rank=4.0)
+        strokes = standing(view)
+        if self.bearing_radius * view.factor > LARGE_BEARING * view.size:
+            strokes.append(ring(view.bearing, view.factor * self.bearing_radius, width=1.8, rank=4.0))
+            strokes.append(
+                ring(view.journal, view.factor * (self.bearing_radius - self.clearance), width=0.9, rank=4.0)
             )
-            return [*found, Mark(None, "bearing", sign="bearing and journal")]
+            return [*strokes, Mark(None, "bearing", sign="bearing and journal")]
         return [
-            *found,
-            Mark(seen.bearing, "ring", sign="joint with clearance"),
-            Mark(seen.bearing, "dot", sign="joint with clearance"),
+            *strokes,
+            Mark(view.bearing, "ring", sign="joint with clearance"),
+            Mark(view.bearing, "dot", sign="joint with clearance"),
         ]
 
     @property

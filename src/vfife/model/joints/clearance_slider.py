@@ -11,7 +11,7 @@ from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2, hypot, sincos
 from ...schema import Direction, described, quantity
-from ..drawing.strokes import Block, Extent, JointSeen, Label, Stroke, beside, facing, rails
+from ..drawing.strokes import Block, Extent, JointView, Label, Stroke, beside, facing, rails
 from ..rows import Across, Touching
 from .contact import Contact
 from .joint import Point
@@ -68,12 +68,12 @@ class ClearanceSlider(Contact):
         s, c = sincos(turned)
         ax, ay = c * x - s * y, s * x + c * y  # the guide in the frame of the block's body
         r, rise = self.corner_radius, 0.5 * self.height
-        half, wall, found = 0.5 * self.length - r, rise + self.clearance, []
+        half, wall, touchings = 0.5 * self.length - r, rise + self.clearance, []
         for along, side in ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)):
             p, q = along * half, side * (rise - r)
             at = (p * ax - q * ay, p * ay + q * ax)
-            found.append(Touching("line", wall - r, (wall, r), at, (-side * y, side * x)))
-        return tuple(found)
+            touchings.append(Touching("line", wall - r, (wall, r), at, (-side * y, side * x)))
+        return tuple(touchings)
 
     def ideal(self) -> Slider:
         """The joint without play."""
@@ -84,21 +84,21 @@ class ClearanceSlider(Contact):
         """What it is, in a word or two."""
         return "clearance slider"
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """The walls, and the block as it lies between them."""
-        length, height = seen.factor * self.length, seen.factor * self.height
+        length, height = view.factor * self.length, view.factor * self.height
         lies = (
-            seen.angles[1]
-            - seen.start_angles[1]
-            + seen.start_angles[0]
+            view.angles[1]
+            - view.start_angles[1]
+            + view.start_angles[0]
             + atan2(self.direction[1], self.direction[0])
         )
-        block = Block(seen.journal, facing(lies), length, height, sign="block with play")
-        return [*rails(seen, self.direction, length, 0.5 * height + seen.factor * self.clearance), block]
+        block = Block(view.journal, facing(lies), length, height, sign="block with play")
+        return [*rails(view, self.direction, length, 0.5 * height + view.factor * self.clearance), block]
 
-    def label(self, seen: JointSeen) -> Label:
+    def label(self, view: JointView) -> Label:
         """Beside the guide."""
-        return beside(seen, self.direction, seen.factor * (0.5 * self.height + self.clearance))
+        return beside(view, self.direction, view.factor * (0.5 * self.height + self.clearance))
 
     @property
     def drawn(self) -> Extent:

@@ -65,7 +65,7 @@ class Contact(Joint):
         "",
     )  # the field of the size (m) that no contact in a sound run is as deep as, and its name
 
-    shapes_worn: ClassVar[bool] = False  # whether its surfaces may have a worn profile
+    keeps_profile: ClassVar[bool] = False  # whether its surfaces may have a worn profile
 
     def conflicts(self) -> Iterator[Fault]:
         """What wears slides on its surface, without a film."""
@@ -91,7 +91,7 @@ class Contact(Joint):
                 "",
                 remedy,
             )
-        if any(self.wear.harmonics) and not self.shapes_worn:
+        if any(self.wear.harmonics) and not self.keeps_profile:
             remedy = "remove the profiles; volumes are kept of any joint with play"
             yield Fault(("wear",), "a worn profile is of a journal in its bearing alone", "", "", remedy)
 

@@ -13,7 +13,7 @@ from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import hypot
 from ...schema import PLACE, Many, described, quantity
-from ..drawing.strokes import Curve, Extent, JointSeen, Label, Mark, Stroke, left_of, ring
+from ..drawing.strokes import Curve, Extent, JointView, Label, Mark, Stroke, left_of, ring
 from ..geometry.path import Path, circle, polyline
 from ..rows import OnPath, Row, Touching
 from .contact import Contact
@@ -45,9 +45,9 @@ class Slot:
         """Where the journal's pin stands before the mechanism is closed, seen from the bearing's (m)."""
         return self.path.pieces[0].begin
 
-    def label(self, seen: JointSeen) -> Label:
+    def label(self, view: JointView) -> Label:
         """Above the pin."""
-        return Label(seen.journal + (0.0, LABEL * seen.size), fixed=True)
+        return Label(view.journal + (0.0, LABEL * view.size), fixed=True)
 
     @property
     def drawn(self) -> Extent:
@@ -86,11 +86,11 @@ class CurvedSlot(Slot, Joint):
         """What it is, in a few words."""
         return "pin in a curved slot"
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """The two walls, and the pin between them."""
         return [
-            *walls(seen, self.path, 0.5 * WIDTH * seen.size),
-            Mark(seen.journal, "pin", "journal", "pin in a curved slot"),
+            *walls(view, self.path, 0.5 * WIDTH * view.size),
+            Mark(view.journal, "pin", "journal", "pin in a curved slot"),
         ]
 
 
@@ -149,26 +149,26 @@ class ClearanceCurvedSlot(Slot, Contact):
         """What it is, in a few words."""
         return "pin with play in a curved slot"
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """The two walls, and the pin between them."""
         pin = ring(
-            seen.journal,
-            seen.factor * self.journal_radius,
+            view.journal,
+            view.factor * self.journal_radius,
             colour="journal",
             width=1.6,
             sign="pin with play in a curved slot",
         )
-        return [*walls(seen, self.path, seen.factor * self.half_width), pin]
+        return [*walls(view, self.path, view.factor * self.half_width), pin]
 
 
 def slot_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Path:
     """The path of a slot of ``half`` its width (m). Raises Fault where its sizes make none."""
     for fault in no_path(slot, half):
         raise fault.at(("joint", slot.name, *fault.path))
-    return made(slot)
+    return geometry_of(slot)
 
 
-def made(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
+def geometry_of(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
     """The path of a slot. ValueError where it is none."""
     return polyline(slot.points, slot.fillet) if slot.radius is None else circle(slot.centre, slot.radius)
 
@@ -183,7 +183,7 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
         )
         return
     try:
-        sharpest = made(slot).sharpest
+        sharpest = geometry_of(slot).sharpest
     except ValueError as error:
         what, _, remedy = str(error).rpartition("; ")
         yield Fault(("points",), what, "", "", remedy)
@@ -202,18 +202,18 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
         )
 
 
-def walls(seen: JointSeen, path: Path, gap: float) -> list[Stroke]:
+def walls(view: JointView, path: Path, gap: float) -> list[Stroke]:
     """The two walls beside the middle of a slot, ``gap`` from it as drawn."""
     import numpy as np
 
-    found: list[Stroke] = []
+    strokes: list[Stroke] = []
     for side in (1.0, -1.0):
         wall = []
         for piece in path.pieces:
-            middle = seen.space(piece.points())
+            middle = view.space(piece.points())
             ways = np.diff(middle, axis=0, append=2.0 * middle[-1:] - middle[-2:-1])
             ways[1:] += np.roll(ways, 1, axis=0)[1:]
             across = np.array([left_of(way / hypot(*way)) for way in ways])
             wall.append(middle + side * gap * across)
-        found.append(Curve(np.concatenate(wall), "bearing", 1.6, 3.5))
-    return found
+        strokes.append(Curve(np.concatenate(wall), "bearing", 1.6, 3.5))
+    return strokes

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 from ...numerics.scalar import cos, sin
 from ...schema import quantity
-from ..drawing.strokes import Curve, JointSeen, Label, Mark, Stroke
-from ..rows import Apart, Row
+from ..drawing.strokes import Curve, JointView, Label, Mark, Stroke
+from ..rows import FixedDistance, Row
 from .joint import Joint, Point
 
 
@@ -33,7 +33,7 @@ class Distance(Joint):
 
     def rows(self) -> tuple[Row, ...]:
         """Two pins a distance apart."""
-        return (Apart(self.length),)
+        return (FixedDistance(self.length),)
 
     @property
     def first_place(self) -> Point:
@@ -45,11 +45,11 @@ class Distance(Joint):
         """What it is, in a few words."""
         return "massless link"
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """A thin line between two rings."""
-        line = Curve([seen.bearing, seen.journal], "grey", 1.6, 3.0, sign="massless link")
-        return [line, Mark(seen.bearing, "ring"), Mark(seen.journal, "ring")]
+        line = Curve([view.bearing, view.journal], "grey", 1.6, 3.0, sign="massless link")
+        return [line, Mark(view.bearing, "ring"), Mark(view.journal, "ring")]
 
-    def label(self, seen: JointSeen) -> Label:
+    def label(self, view: JointView) -> Label:
         """In the middle of the link."""
-        return Label(0.5 * (seen.bearing + seen.journal))
+        return Label(0.5 * (view.bearing + view.journal))

@@ -11,7 +11,7 @@ from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2
 from ...schema import Direction, described, quantity
-from ..drawing.strokes import Curve, Extent, JointSeen, Label, Stroke, Surface, left_of, ring
+from ..drawing.strokes import Curve, Extent, JointView, Label, Stroke, Surface, left_of, ring
 from ..rows import Across, Touching
 from .contact import Contact
 from .joint import Point
@@ -93,26 +93,26 @@ class ExternalContact(Contact):
         )
         return 0.5 * radius, f"half the radius of {radius:g} m"
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """A round on a line, hatched if it is the ground's, or beside another round."""
         journal = ring(
-            seen.journal, seen.factor * self.journal_radius, colour="journal", width=1.6, sign="contact"
+            view.journal, view.factor * self.journal_radius, colour="journal", width=1.6, sign="contact"
         )
         if self.bearing_radius is not None:
             return [
                 journal,
-                ring(seen.bearing, seen.factor * self.bearing_radius, colour="bearing", width=1.6),
+                ring(view.bearing, view.factor * self.bearing_radius, colour="bearing", width=1.6),
             ]
-        along, reach = seen.along(self.direction), seen.way(atan2(self.direction[1], self.direction[0]))
-        beyond = max(0.05 * seen.size, 1.5 * seen.factor * self.journal_radius)
-        ends = [seen.bearing + (reach[0] - beyond) * along, seen.bearing + (reach[1] + beyond) * along]
-        if seen.ground[0]:
-            return [journal, Surface(ends[0], ends[1], -left_of(along), 0.03 * seen.size)]
+        along, reach = view.along(self.direction), view.way(atan2(self.direction[1], self.direction[0]))
+        beyond = max(0.05 * view.size, 1.5 * view.factor * self.journal_radius)
+        ends = [view.bearing + (reach[0] - beyond) * along, view.bearing + (reach[1] + beyond) * along]
+        if view.ground[0]:
+            return [journal, Surface(ends[0], ends[1], -left_of(along), 0.03 * view.size)]
         return [journal, Curve(ends, "bearing", 3.0, 3.5)]
 
-    def label(self, seen: JointSeen) -> Label:
+    def label(self, view: JointView) -> Label:
         """Beside the round."""
-        return Label(seen.journal)
+        return Label(view.journal)
 
     @property
     def drawn(self) -> Extent:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ...numerics.scalar import hypot
 from ...schema import Text, described, quantity
-from ..drawing.strokes import Array, Curve, PairSeen, Stroke, ring, tangent
+from ..drawing.strokes import Array, Curve, PairView, Stroke, ring, tangent
 from ..rows import Row, Turn
 
 
@@ -44,23 +44,23 @@ class Gear:
         """What it is, in a few words."""
         return f"gear, ratio {self.ratio:.6g}"
 
-    def wheels(self, seen: PairSeen) -> tuple[tuple[Array, float], tuple[Array, float]]:
+    def wheels(self, view: PairView) -> tuple[tuple[Array, float], tuple[Array, float]]:
         """Centre and radius of both wheels: r_1 = |ratio| r_2, touching where the gears are external."""
 
-        distance, ratio = hypot(*(seen.second - seen.first)) or 0.2 * seen.size, abs(self.ratio)
+        distance, ratio = hypot(*(view.second - view.first)) or 0.2 * view.size, abs(self.ratio)
         second = distance / (1.0 + ratio) if self.ratio < 0.0 else 0.3 * distance / max(1.0, ratio)
-        return (seen.first, ratio * second), (seen.second, second)
+        return (view.first, ratio * second), (view.second, second)
 
-    def strokes(self, seen: PairSeen) -> list[Stroke]:
+    def strokes(self, view: PairView) -> list[Stroke]:
         """Pitch circles of external gears; wheels with a belt where both turn the same way."""
         import numpy as np
 
-        first, second = self.wheels(seen)
-        found: list[Stroke] = [
+        first, second = self.wheels(view)
+        strokes: list[Stroke] = [
             ring(centre, radius, colour=colour, width=1.6, dashes="-." if self.ratio < 0.0 else "-", rank=4.0)
             for (centre, radius), colour in ((first, "bearing"), (second, "journal"))
         ]
         if self.ratio < 0.0:
-            return [*found, Curve(np.zeros((0, 2)), width=1.4, dashes="-.", sign="gears, pitch circles")]
+            return [*strokes, Curve(np.zeros((0, 2)), width=1.4, dashes="-.", sign="gears, pitch circles")]
         belt = [Curve(tangent(first, second, side), "grey", 1.4, 4.0) for side in (1.0, -1.0)]
-        return [*found, *belt, Curve(np.zeros((0, 2)), width=1.4, sign="wheels with a belt")]
+        return [*strokes, *belt, Curve(np.zeros((0, 2)), width=1.4, sign="wheels with a belt")]

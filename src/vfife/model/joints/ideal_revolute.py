@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..drawing.strokes import JointSeen, Mark, Stroke, standing
+from ..drawing.strokes import JointView, Mark, Stroke, standing
 from ..rows import Coincide, Row
 from .joint import Joint
 
@@ -21,6 +21,6 @@ class IdealRevolute(Joint):
         """Two pins in one place."""
         return (Coincide(),)
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """A ring, and the ground under it."""
-        return [*standing(seen), Mark(seen.bearing, "ring", sign="ideal joint")]
+        return [*standing(view), Mark(view.bearing, "ring", sign="ideal joint")]

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from ...errors import Fault
 from ...schema import Text, described
-from ..drawing.strokes import Extent, JointSeen, Label, Stroke, under
+from ..drawing.strokes import Extent, JointView, Label, Stroke, under
 from ..kind import Kind
 from ..rows import Coincide, Row, place_row
 
@@ -74,13 +74,13 @@ class Joint(Kind):
         """What it is, in a word or two."""
         return self.kind
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """How it is drawn."""
         return []
 
-    def label(self, seen: JointSeen) -> Label:
+    def label(self, view: JointView) -> Label:
         """Where its name stands."""
-        return under(seen)
+        return under(view)
 
     @property
     def drawn(self) -> Extent:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...schema import Direction, Switch, described
-from ..drawing.strokes import BLOCK, Block, JointSeen, Label, Mark, Stroke, beside, rails
+from ..drawing.strokes import BLOCK, Block, JointView, Label, Mark, Stroke, beside, rails
 from ..rows import Across, Row, Turn
 from .joint import Joint, Point
 
@@ -37,14 +37,14 @@ class Slider(Joint):
         """What it is, in a word or two."""
         return "pin in a slot" if self.turning else "slider"
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """Rails, and the block or the pin between them."""
-        length, height = (share * seen.size * (0.6 if self.turning else 1.0) for share in BLOCK)
-        guide = rails(seen, self.direction, length, 0.5 * height)
+        length, height = (share * view.size * (0.6 if self.turning else 1.0) for share in BLOCK)
+        guide = rails(view, self.direction, length, 0.5 * height)
         if self.turning:
-            return [*guide, Mark(seen.journal, "pin", "journal", "pin in a slot")]
-        return [*guide, Block(seen.journal, seen.along(self.direction), length, height, sign="ideal slider")]
+            return [*guide, Mark(view.journal, "pin", "journal", "pin in a slot")]
+        return [*guide, Block(view.journal, view.along(self.direction), length, height, sign="ideal slider")]
 
-    def label(self, seen: JointSeen) -> Label:
+    def label(self, view: JointView) -> Label:
         """Beside the guide."""
-        return beside(seen, self.direction, 0.5 * BLOCK[1] * seen.size)
+        return beside(view, self.direction, 0.5 * BLOCK[1] * view.size)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..drawing.strokes import JointSeen, Label, Mark, Stroke, Surface, left_of
+from ..drawing.strokes import JointView, Label, Mark, Stroke, Surface, left_of
 from ..rows import Coincide, Row, Turn
 from .joint import Joint
 
@@ -20,15 +20,15 @@ class Weld(Joint):
         """Two pins in one place and no turning."""
         return Coincide(), Turn()
 
-    def strokes(self, seen: JointSeen) -> list[Stroke]:
+    def strokes(self, view: JointView) -> list[Stroke]:
         """A filled square; with the ground, a clamp in a wall."""
-        found: list[Stroke] = [Mark(seen.bearing, "square", sign="weld")]
-        if any(seen.ground):
-            away = seen.leaving()
-            across = 0.045 * seen.size * left_of(away)
-            found.append(Surface(seen.bearing - across, seen.bearing + across, -away, 0.03 * seen.size))
-        return found
+        strokes: list[Stroke] = [Mark(view.bearing, "square", sign="weld")]
+        if any(view.ground):
+            away = view.leaving()
+            across = 0.045 * view.size * left_of(away)
+            strokes.append(Surface(view.bearing - across, view.bearing + across, -away, 0.03 * view.size))
+        return strokes
 
-    def label(self, seen: JointSeen) -> Label:
+    def label(self, view: JointView) -> Label:
         """Beside it."""
-        return Label(seen.journal)
+        return Label(view.journal)

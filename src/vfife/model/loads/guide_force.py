@@ -116,14 +116,14 @@ class GuideForce(Tabular):
     @property
     def values(self) -> Values:
         """Forces (N), or pressures above ambient (Pa)."""
-        return self.force if self.pressure is None else self._above(self.pressure)
+        return self.force if self.pressure is None else self._gauge(self.pressure)
 
     @property
     def values_back(self) -> Values:
         """Those of the way back."""
-        return self.force_back if self.pressure is None else self._above(self.pressure_back)
+        return self.force_back if self.pressure is None else self._gauge(self.pressure_back)
 
-    def _above(self, pressure: Values) -> Values:
+    def _gauge(self, pressure: Values) -> Values:
         if isinstance(pressure, Sequence):
             return tuple(one - self.ambient for one in pressure)
         return None if pressure is None else pressure - self.ambient

@@ -17,12 +17,12 @@ from ..geometry.tabulated import (
     Interpolation,
     Pieces,
     closes,
+    full_turns,
     held,
     repeated,
     sampled,
     table,
     two_ways,
-    whole_turns,
 )
 from .load import OVER, Load, Over
 
@@ -94,8 +94,8 @@ class Tabular(Load):
     @property
     def places(self) -> tuple[float, ...]:
         """The places of its table, or the range of its expression: a turn, if nothing is said of an angle's."""
-        found: tuple[float, ...] | None = getattr(self, self.axis) if self.axis else None
-        return found or ((0.0, 2.0 * math.pi) if self.axis == "angles" and self.expression else ())
+        places: tuple[float, ...] | None = getattr(self, self.axis) if self.axis else None
+        return places or ((0.0, 2.0 * math.pi) if self.axis == "angles" and self.expression else ())
 
     @property
     def over(self) -> Over:
@@ -113,7 +113,7 @@ class Tabular(Load):
         if self.repeat is not None:
             return self.repeat and self.axis in ("times", "angles")
         return (
-            self.axis == "angles" and len(self.places) > 1 and whole_turns(self.places) and closes(self.ends)
+            self.axis == "angles" and len(self.places) > 1 and full_turns(self.places) and closes(self.ends)
         )
 
     @property
@@ -125,8 +125,8 @@ class Tabular(Load):
     def way(self, values: Values, expression: str, *, repeated: bool = False) -> Pieces | None:
         """The pieces of a table's values, or of an expression, where there is one."""
         if expression and len(self.places) > 1:
-            found = sampled(expression, self.places[0], self.places[-1])
-            return replace(found, rows=tuple((row[0] - self.below, *row[1:]) for row in found.rows))
+            pieces = sampled(expression, self.places[0], self.places[-1])
+            return replace(pieces, rows=tuple((row[0] - self.below, *row[1:]) for row in pieces.rows))
         if self.axis and isinstance(values, Sequence):
             return table(self.places, values, self.interpolation, repeated=repeated)
         return None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...schema import Each, Measure, described
-from ..drawing.strokes import PairSeen, Stroke, ring
+from ..drawing.strokes import PairView, Stroke, ring
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -48,9 +48,9 @@ class Bushing(ForceElement):
         x, y, turning = self.stiffness
         return f"bushing, {x:.6g} and {y:.6g} N/m, {turning:.6g} N m/rad"
 
-    def strokes(self, seen: PairSeen) -> list[Stroke]:
+    def strokes(self, view: PairView) -> list[Stroke]:
         """Rings of rubber."""
         return [
-            ring(seen.first, 0.022 * seen.size, colour="spring", width=3.5, fade=0.6),
-            ring(seen.first, 0.012 * seen.size, colour="spring", sign="bushing"),
+            ring(view.first, 0.022 * view.size, colour="spring", width=3.5, fade=0.6),
+            ring(view.first, 0.012 * view.size, colour="spring", sign="bushing"),
         ]

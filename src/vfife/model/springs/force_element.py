@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 
 from ...errors import Fault
 from ...schema import Text, described
-from ..drawing.strokes import PairSeen, Stroke
+from ..drawing.strokes import PairView, Stroke
 from ..kind import Kind
 
 Axes = Literal["linear", "torsional", "stop", "bushing"]
@@ -72,6 +72,6 @@ class ForceElement(Kind):
         """What it is, in a few words."""
         return self.kind
 
-    def strokes(self, seen: PairSeen) -> list[Stroke]:
+    def strokes(self, view: PairView) -> list[Stroke]:
         """How it is drawn."""
         return []

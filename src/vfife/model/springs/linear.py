@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...schema import quantity
-from ..drawing.strokes import Curve, PairSeen, Stroke, zigzag
+from ..drawing.strokes import Curve, PairView, Stroke, zigzag
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -40,6 +40,6 @@ class Spring(ForceElement):
         """What it is, in a few words."""
         return f"spring, {self.stiffness:.6g} N/m, {self.damping:.6g} N s/m"
 
-    def strokes(self, seen: PairSeen) -> list[Stroke]:
+    def strokes(self, view: PairView) -> list[Stroke]:
         """A zigzag."""
-        return [Curve(zigzag(seen.first, seen.second, 0.018 * seen.size), "spring", 1.5, 6.0, sign="spring")]
+        return [Curve(zigzag(view.first, view.second, 0.018 * view.size), "spring", 1.5, 6.0, sign="spring")]

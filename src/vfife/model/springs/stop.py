@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from ...errors import Fault
 from ...numerics.elementwise import cos, sin
 from ...schema import Text, described, quantity
-from ..drawing.strokes import Curve, PairSeen, Stroke, facing
+from ..drawing.strokes import Curve, PairView, Stroke, facing
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -53,14 +53,14 @@ class Stop(ForceElement):
         """What it is, in a few words."""
         return f"stop between {self.low:.6g} and {self.high:.6g} rad, {self.stiffness:.6g} N m/rad"
 
-    def strokes(self, seen: PairSeen) -> list[Stroke]:
+    def strokes(self, view: PairView) -> list[Stroke]:
         """Cheeks at the two angles of the second body seen from the first; the sector between them is free."""
         import numpy as np
 
-        at, radius, found = seen.second, 0.06 * seen.size, []
+        at, radius, strokes = view.second, 0.06 * view.size, []
         for angle in (self.low, self.high):
-            out = radius * facing(seen.angle + angle)
-            found.append(Curve([at + 0.4 * out, at + 1.25 * out], width=2.6, rank=6.0))
-        turn = seen.angle + np.linspace(self.low, self.high, 60)
+            out = radius * facing(view.angle + angle)
+            strokes.append(Curve([at + 0.4 * out, at + 1.25 * out], width=2.6, rank=6.0))
+        turn = view.angle + np.linspace(self.low, self.high, 60)
         arc = at + radius * np.stack([cos(turn), sin(turn)], axis=1)
-        return [*found, Curve(arc, width=1.0, rank=6.0, dashes=":", sign="stop")]
+        return [*strokes, Curve(arc, width=1.0, rank=6.0, dashes=":", sign="stop")]

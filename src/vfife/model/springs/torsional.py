@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from ...numerics.elementwise import cos, sin
 from ...schema import Text, described, quantity
-from ..drawing.strokes import Curve, PairSeen, Stroke
+from ..drawing.strokes import Curve, PairView, Stroke
 from .force_element import Axes, ForceElement, SpringNumbers
 
 
@@ -44,11 +44,11 @@ class TorsionalSpring(ForceElement):
         """What it is, in a few words."""
         return f"torsional spring, {self.stiffness:.6g} N m/rad, {self.damping:.6g} N m s/rad"
 
-    def strokes(self, seen: PairSeen) -> list[Stroke]:
+    def strokes(self, view: PairView) -> list[Stroke]:
         """A spiral."""
         import numpy as np
 
         turn = np.linspace(0.0, 4.5 * np.pi, 200)
-        radius = seen.size * (0.012 + 0.022 * turn / turn[-1])
-        points = seen.second + radius[:, None] * np.stack([cos(turn), sin(turn)], axis=1)
+        radius = view.size * (0.012 + 0.022 * turn / turn[-1])
+        points = view.second + radius[:, None] * np.stack([cos(turn), sin(turn)], axis=1)
         return [Curve(points, "spring", 1.3, 6.0, sign="torsional spring")]

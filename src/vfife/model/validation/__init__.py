@@ -26,9 +26,9 @@ __all__ = ["Checks", "across", "check_laws", "faults", "validate"]
 
 def validate(mechanism: Mechanism) -> None:
     """Raises ModelError with every fault of a mechanism."""
-    found = faults(mechanism)
-    if found:
-        raise ModelError(found, str(mechanism.name) or "mechanism")
+    every = faults(mechanism)
+    if every:
+        raise ModelError(every, str(mechanism.name) or "mechanism")
 
 
 def faults(mechanism: Mechanism) -> list[Fault]:
@@ -36,14 +36,16 @@ def faults(mechanism: Mechanism) -> list[Fault]:
     their surfaces.
     """
     reading = Reading()
-    known = read(mechanism, reading)
+    partial_mechanism = read(mechanism, reading)
     checks = Checks(
-        known, told={fault.path for fault in reading.faults}, written=lambda path: written(mechanism, path)
+        partial_mechanism,
+        told={fault.path for fault in reading.faults},
+        written=lambda path: written(mechanism, path),
     )
     # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a
     # speed.
-    found = reading.faults + across(checks, settings=mechanism.settings.analysis != "static")
-    return found or check_laws(mechanism)
+    every = reading.faults + across(checks, settings=mechanism.settings.analysis != "static")
+    return every or check_laws(mechanism)
 
 
 def across(checks: Checks, settings: bool = True) -> list[Fault]:
@@ -65,14 +67,14 @@ def across(checks: Checks, settings: bool = True) -> list[Fault]:
 
 def read(mechanism: Mechanism, reading: Reading) -> Mechanism:
     """The mechanism with None in place of what is refused."""
-    known: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for field in described_fields(Mechanism):
         value, path, held = getattr(mechanism, field.name), (key_of(field),), value_of(field)
         if isinstance(held, Entries):
-            known[field.name] = entries(value, path, held.base, reading)
+            values[field.name] = entries(value, path, held.base, reading)
         else:
-            known[field.name] = held.read(value, path, reading)
-    return dataclasses.replace(mechanism, **known)
+            values[field.name] = held.read(value, path, reading)
+    return dataclasses.replace(mechanism, **values)
 
 
 def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, Any]:
@@ -80,15 +82,15 @@ def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, A
     if not isinstance(value, dict):
         reading.refuse(path, f"this is {kind_of(value)}", shown(value), "a dict of nouns by name", "give one")
         return {}
-    found = {}
+    items = {}
     for name, noun in value.items():
         along = isinstance(noun, Driver) and noun.along
-        found[name] = (
+        items[name] = (
             reading.fields((*path, name), noun, along)
             if isinstance(noun, base)
             else reading.one_of((*path, name), base, noun)
         )
-    return found
+    return items
 
 
 def written(mechanism: Mechanism, path: Path) -> str:

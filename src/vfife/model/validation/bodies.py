@@ -162,7 +162,7 @@ def check_frame(checks: Checks, path: Path, body: Any) -> None:
         if member is not None:
             check_member(checks, (*path, "members", k), member, body, size, joined)
     check_total(checks, path, body.members)
-    loose = apart([one for one in joined if len(one) == 2], list(nodes))
+    loose = unreached([one for one in joined if len(one) == 2], list(nodes))
     if loose and all(one is not None and {one.start, one.end} <= set(nodes) for one in body.members):
         listed = ", ".join(loose[:6]) + (", ..." if len(loose) > 6 else "")
         remedy = "add a member that leads there, remove the node, or make it a body of its own"
@@ -245,16 +245,16 @@ def check_total(checks: Checks, path: Path, members: Any) -> None:
         )
 
 
-def apart(members: list[frozenset[str]], nodes: list[str]) -> list[str]:
+def unreached(members: list[frozenset[str]], nodes: list[str]) -> list[str]:
     """Nodes that no members lead to from the first."""
-    beside: dict[str, list[str]] = {node: [] for node in nodes}
+    neighbours: dict[str, list[str]] = {node: [] for node in nodes}
     for pair in members:
         one, two = pair
-        beside[one].append(two)
-        beside[two].append(one)
+        neighbours[one].append(two)
+        neighbours[two].append(one)
     reached, waiting = set(nodes[:1]), nodes[:1]
     while waiting:
-        for node in beside[waiting.pop()]:
+        for node in neighbours[waiting.pop()]:
             if node not in reached:
                 reached.add(node)
                 waiting.append(node)

@@ -109,18 +109,18 @@ class Checks:
         """What a table is over ascends, has two values at least, and each has its value; both with their
         keys.
         """
-        (key, given), (axis, points) = values, over
+        (key, values_of_table), (axis, points) = values, over
         if self.told((*path, key)) or self.told((*path, axis)):
             return
-        for missing, other, value in ((axis, key, points), (key, axis, given)):
+        for missing, other, value in ((axis, key, points), (key, axis, values_of_table)):
             if value is None:
                 self.add(
                     (*path, missing), f"{other} and {missing} go together, and {missing} is missing", "add it"
                 )
-        if points is None or given is None:
+        if points is None or values_of_table is None:
             return
-        count = len(given) if isinstance(given, tuple | list) else 1
-        if count != len(points) or not isinstance(given, tuple | list):
+        count = len(values_of_table) if isinstance(values_of_table, tuple | list) else 1
+        if count != len(points) or not isinstance(values_of_table, tuple | list):
             self.add(
                 (*path, key),
                 f"{count} for {len(points)} {axis}",

@@ -77,10 +77,10 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
             return
     pivots = checks.pivots.get(body, [])
     if against == "ground" and len(pivots) != 1 and not dangling(checks):
-        found = " and ".join(pivots) or "none"
+        listed = " and ".join(pivots) or "none"
         remedy = 'hold the body by one joint of kind "ideal" whose other side is a point of the ground'
         checks.add(
-            (*path, ""), f"a driven body turns about one ideal joint to the ground; here: {found}", remedy
+            (*path, ""), f"a driven body turns about one ideal joint to the ground; here: {listed}", remedy
         )
 
 

@@ -89,10 +89,10 @@ def check_gears(checks: Checks) -> None:
                 remedy,
                 "any number but 0",
             )
-        found = [checks.body((*path, key), body) for key, body in (("first", one), ("second", two))]
-        if gear.carrier is not None and (not checks.body((*path, "carrier"), gear.carrier) or not all(found)):
+        exist = [checks.body((*path, key), body) for key, body in (("first", one), ("second", two))]
+        if gear.carrier is not None and (not checks.body((*path, "carrier"), gear.carrier) or not all(exist)):
             continue
-        if not all(found):
+        if not all(exist):
             continue
         if gear.carrier in (one, two) and gear.carrier != "ground":
             checks.add(

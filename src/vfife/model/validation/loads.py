@@ -79,32 +79,30 @@ def check_expression(checks: Checks, path: Path, load: Any) -> None:
 
 def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
     """Whether the range of an expression is given, as two places, in what it depends on."""
-    wanted = VARIABLES.get(variable, "")
-    others = [key for key in OVER if getattr(load, key) is not None and key != wanted]
+    axis = VARIABLES.get(variable, "")
+    others = [key for key in OVER if getattr(load, key) is not None and key != axis]
     if others:
         what = (
-            f"an expression of {variable} goes over {wanted}"
-            if wanted
+            f"an expression of {variable} goes over {axis}"
+            if axis
             else "a constant expression goes over nothing"
         )
         checks.add(
             (*path, others[0]),
             f"{what}, not over {others[0]}",
-            f"give {wanted} = [first, last]" if wanted else "remove it",
+            f"give {axis} = [first, last]" if axis else "remove it",
         )
-    elif wanted and not load.places:
+    elif axis and not load.places:
         what = f"an expression of {variable} needs the range over which it is meant"
+        checks.add((*path, axis), what, f"give {axis} = [first, last]; beyond them it keeps its end values")
+    elif axis and (len(load.places) != 2 or load.places[1] <= load.places[0]):
         checks.add(
-            (*path, wanted), what, f"give {wanted} = [first, last]; beyond them it keeps its end values"
-        )
-    elif wanted and (len(load.places) != 2 or load.places[1] <= load.places[0]):
-        checks.add(
-            (*path, wanted),
+            (*path, axis),
             "the range of an expression is its first and its last place",
-            f"give {wanted} = [first, last]",
+            f"give {axis} = [first, last]",
         )
     else:
-        return bool(wanted) and not any(checks.told((*path, key)) for key in OVER)
+        return bool(axis) and not any(checks.told((*path, key)) for key in OVER)
     return False
 
 
@@ -142,9 +140,9 @@ def check_table(checks: Checks, path: Path, load: Any) -> None:
             "give both, or neither",
         )
     axis = axes[0] if axes else "times"
-    given = getattr(load, value)
-    if axes or isinstance(given, tuple | list):
-        checks.series(path, (value, given), (axis, getattr(load, axis)))
+    values = getattr(load, value)
+    if axes or isinstance(values, tuple | list):
+        checks.series(path, (value, values), (axis, getattr(load, axis)))
         if getattr(load, back) is not None:
             checks.series(path, (back, getattr(load, back)), (axis, getattr(load, axis)))
     if getattr(load, back) is not None and axis != "travels":

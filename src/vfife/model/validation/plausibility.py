@@ -13,7 +13,7 @@ from ..mechanism import Mechanism
 OUT_OF_SCALE = 100.0  # of the median of the others: metres for millimetres are a thousand
 HUGE = 50.0  # m
 GYRATION = 50.0  # radii of gyration to a size, or the other way: 0.29 of a rod
-WHOLE_TURN = 2.0 * math.pi
+FULL_TURN = 2.0 * math.pi
 
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
@@ -41,24 +41,24 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
     }
     for name, (x, y) in mechanism.points.items():
         sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
-    told = False
+    cautioned = False
     for where, size in sizes.items():
         others = [value for key, value in sizes.items() if key != where]
         ratio = size / median(others) if others else 1.0
         if len(others) > 1 and ratio > OUT_OF_SCALE:
-            told = True
+            cautioned = True
             yield (
                 f"{where} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
                 " without a unit are metres."
             )
         elif len(others) > 1 and ratio < 1.0 / OUT_OF_SCALE:
-            told = True
+            cautioned = True
             yield (
                 f"{where} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
                 " unit."
             )
     largest = max(sizes, key=lambda key: sizes[key], default="")
-    if largest and not told and sizes[largest] > HUGE and mechanism.settings.analysis != "static":
+    if largest and not cautioned and sizes[largest] > HUGE and mechanism.settings.analysis != "static":
         yield (
             f"{largest} is {sizes[largest]:.6g} m long. Numbers without a unit are metres: is this meant, and"
             " not mm?"
@@ -94,8 +94,8 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
         if not driver.along and (amplitude := getattr(driver, "amplitude", None)) is not None:
             values[f"driver.{name}.amplitude"] = amplitude
     for where, value in values.items():
-        if abs(value) > WHOLE_TURN * (1.0 + 1e-9):
-            turns = f"{abs(value) / WHOLE_TURN:.3g} turns"
+        if abs(value) > FULL_TURN * (1.0 + 1e-9):
+            turns = f"{abs(value) / FULL_TURN:.3g} turns"
             yield (
                 f"{where} is {value:.6g} rad, which is {turns}: is it {value:.6g} deg? Numbers without a unit"
                 " are radians."
@@ -114,20 +114,20 @@ def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
 
 def _loose(mechanism: Mechanism) -> Iterator[str]:
     """Bodies that hang on nothing, and groups of bodies that nothing ties to the ground."""
-    beside: dict[str, set[str]] = {name: set() for name in ("ground", *mechanism.bodies)}
+    neighbours: dict[str, set[str]] = {name: set() for name in ("ground", *mechanism.bodies)}
     for one, two in connections(mechanism):
         first, second = one.partition(".")[0], two.partition(".")[0]
-        beside[first].add(second)
-        beside[second].add(first)
+        neighbours[first].add(second)
+        neighbours[second].add(first)
     pushed = {load.place.partition(".")[0] for load in mechanism.loads.values()} | set(mechanism.drivers)
     pushed |= {(driver.body or driver.point.partition(".")[0]) for driver in mechanism.drivers.values()}
-    seen = _reached(beside, "ground")
+    reached = _reached(neighbours, "ground")
     several = len(mechanism.bodies) > 1
     for name, body in mechanism.bodies.items():
-        if name in seen:
+        if name in reached:
             continue
-        group = _reached(beside, name)
-        seen |= group
+        group = _reached(neighbours, name)
+        reached |= group
         if any(
             any(mechanism.bodies[one].velocity) or one in pushed or isinstance(body, PointMass)
             for one in group
@@ -146,13 +146,13 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
             )
 
 
-def _reached(beside: dict[str, set[str]], start: str) -> set[str]:
-    seen, waiting = {start}, [start]
+def _reached(neighbours: dict[str, set[str]], start: str) -> set[str]:
+    reached, waiting = {start}, [start]
     while waiting:
-        for one in beside[waiting.pop()] - seen:
-            seen.add(one)
+        for one in neighbours[waiting.pop()] - reached:
+            reached.add(one)
             waiting.append(one)
-    return seen
+    return reached
 
 
 def _open(mechanism: Mechanism) -> Iterator[str]:
@@ -182,7 +182,7 @@ def _open(mechanism: Mechanism) -> Iterator[str]:
         )
 
 
-APART = 0.1  # of the section's mass, by which a given one may differ without a remark
+MASS_TOLERANCE = 0.1  # of the section's mass, by which a given one may differ without a remark
 
 
 def contradictions(mechanism: Mechanism) -> tuple[str, ...]:
@@ -190,11 +190,11 @@ def contradictions(mechanism: Mechanism) -> tuple[str, ...]:
     times length.
     """
     return tuple(
-        f"{name}: its mass is given as {given:.4g} kg, its section and density make {made:.4g} kg; the given"
+        f"{name}: its mass is given as {own_mass:.4g} kg, its section and density make {section_mass:.4g} kg; the given"
         " one counts for inertia, the section for stiffness and stress. Leave the mass out, or check units"
         " and section."
-        for name, given, made in _weighed(mechanism)
-        if abs(given - made) > APART * made
+        for name, own_mass, section_mass in _weighed(mechanism)
+        if abs(own_mass - section_mass) > MASS_TOLERANCE * section_mass
     )
 
 

@@ -23,8 +23,10 @@ def check_settings(checks: Checks) -> None:
         check_static(checks, settings)
         return
     check_settle(checks, settings)
-    given = [getattr(settings, key) is not None or checks.told(("run", key)) for key in ("turns", "duration")]
-    if all(given):
+    lengths = [
+        getattr(settings, key) is not None or checks.told(("run", key)) for key in ("turns", "duration")
+    ]
+    if all(lengths):
         checks.add(("run", "duration"), "turns and duration exclude each other", "remove one of the two")
         return
     # A driver of which nothing is known is told itself, and may be meant to turn something.
@@ -86,22 +88,22 @@ LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 
 def check_laws(mechanism: Mechanism) -> list[Fault]:
     """Faults of the laws of all joints with play, of a mechanism that has no other fault."""
-    found = []
+    faults = []
     for name, joint in mechanism.contacts.items():
         pair = surfaces(mechanism, joint)
         for kind in LAWS:
-            what = senseless(getattr(joint, kind), pair)
+            what = unsuitable(getattr(joint, kind), pair)
             if what:
                 size = f" (clearance {pair.clearance:g} m)" if pair.clearance else ""
                 remedy = "check clearance, bearing_radius, axial_length and materials, or take another law"
-                found.append(Fault(place(("joint", name, kind)), what + size, "", "", remedy))
-        found += [] if joint.wear is None else softless(name, joint.wear, pair)
-    return found
+                faults.append(Fault(place(("joint", name, kind)), what + size, "", "", remedy))
+        faults += [] if joint.wear is None else unknown_hardness(name, joint.wear, pair)
+    return faults
 
 
-def softless(name: str, wear: Wear, pair: Pair) -> list[Fault]:
+def unknown_hardness(name: str, wear: Wear, pair: Pair) -> list[Fault]:
     """Surfaces that wear by a pair of materials by name, whose hardness is not known."""
-    found = []
+    faults = []
     for side in ("bearing", "journal"):
         named, material = getattr(wear, side), getattr(pair, side)
         if coefficient(named, material) is None:
@@ -112,11 +114,11 @@ def softless(name: str, wear: Wear, pair: Pair) -> list[Fault]:
             remedy = (
                 f'give the material of the {side} its hardness, or the coefficient itself, as in "1e-15 1/Pa"'
             )
-            found.append(Fault(place(("joint", name, "wear", side)), what, shown(named), "", remedy))
-    return found
+            faults.append(Fault(place(("joint", name, "wear", side)), what, shown(named), "", remedy))
+    return faults
 
 
-def senseless(law: Law, pair: Pair) -> str:
+def unsuitable(law: Law, pair: Pair) -> str:
     """What a law cannot make of these two surfaces, or nothing: its numbers must be real and finite."""
     try:
         values = [float(value) for value in law.parameters(pair)]
@@ -152,7 +154,7 @@ def check_names(checks: Checks) -> None:
             f"it has {len(checks.mechanism.name):,} signs",
             f"{TITLE_LIMIT} are the most; a note may be longer",
         )
-    for path in named_things(checks):
+    for path in named_paths(checks):
         check_name(checks, path)
     for section, field in SECTIONS.items():
         for key, noun in known(getattr(checks.mechanism, field)):
@@ -175,7 +177,7 @@ def check_name(checks: Checks, path: Path) -> None:
         checks.add((*path[:-1], ""), f"the name {shown(name)} cannot be part of a path", remedy)
 
 
-def named_things(checks: Checks) -> Iterator[Path]:
+def named_paths(checks: Checks) -> Iterator[Path]:
     """Paths of everything that the user gives a name."""
     model = checks.mechanism
     yield from (("ground", name) for name in model.points or ())

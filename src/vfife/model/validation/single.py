@@ -64,15 +64,15 @@ def faults_of(
 
 def references(checks: Checks, path: Path, noun: Any) -> list[str]:
     """What a noun names; pins of bodies that are there already are looked for, and the form of all names."""
-    found = []
+    names = []
     for field in described_fields(type(noun)):
         held, text = value_of(field), getattr(noun, field.name)
         if not isinstance(held, Text) or not held.refers or not text or checks.told((*path, key_of(field))):
             continue
-        found.append(text)
+        names.append(text)
         at, body = (*path, key_of(field)), text.partition(".")[0]
         if held.refers == "pin" and (body in checks.bodies or not text.partition(".")[2]):
             checks.side(at, text)
         elif held.refers == "body" and "." in text:
             checks.body(at, text)
-    return found
+    return names

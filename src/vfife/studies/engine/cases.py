@@ -32,7 +32,7 @@ from ...model.validation import Checks, across
 from ...modelfile import dump, loads
 from ...modelfile.parameter import Parameter, replaced
 from ...results.view import Reductions
-from ...simulation.simulate import carry_out, prepare
+from ...simulation.simulate import prepare, run_prepared
 from ...simulation.start import ideals_of
 from ...solvers.arguments import RunArguments
 from ...solvers.interrupts import Workers
@@ -443,7 +443,7 @@ def single(cases: Cases, numbers: Numbers) -> Outcome:
     try:
         mechanism = cases.mechanism(numbers)
         arguments = RunArguments(turns=float(spec.turns), step=spec.step, companions=0, settle=spec.settle)
-        result = carry_out(prepare(mechanism, arguments))
+        result = run_prepared(prepare(mechanism, arguments))
     except VfifeError as error:
         return Outcome(status=FAILED, reason=sentence(error))
     record, choice = result.record, result.record.assembly.choice

@@ -32,7 +32,7 @@ from ...options import Run, Watch, with_options
 from ...results.comparison import Comparison
 from ...simulation.result import Result
 from ...simulation.simulate import Prepared, concluded, halved, prepare
-from ...simulation.simulate import carry_out as run_prepared
+from ...simulation.simulate import run_prepared as run_prepared
 from ...simulation.start import reference_of
 from ...solvers.arguments import Arguments, RunArguments
 from ...solvers.record import Record

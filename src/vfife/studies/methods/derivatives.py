@@ -32,7 +32,7 @@ from ...options import Length, Watch, with_options
 from ...results.derivatives import Derivative, Sensitivity
 from ...results.view import standing
 from ...simulation.result import Result
-from ...simulation.simulate import Prepared, carry_out, prepare
+from ...simulation.simulate import Prepared, prepare, run_prepared
 from ...solvers.arguments import Arguments
 from ...solvers.companions import SENSITIVE
 from ...solvers.ensemble import step_sizes
@@ -104,7 +104,7 @@ def sensitivity(
     with job_of("sensitivity", None, options["confirm"], options["progress"]) as job:
         prepared = prepare(mechanism, run_arguments)
         job.begin(forecast(prepared, mechanism, sum(value != 0.0 for value in chosen.values()), runs))
-        result = carry_out(prepared, progress=job)
+        result = run_prepared(prepared, progress=job)
     if result.record.status == Status.INTERRUPTED:
         raise Interrupted(Sensitivity(mechanism.name, {}, complete=False))
     refuse_unended(result.record)

@@ -48,7 +48,7 @@ PRECISION = 1e-9  # change of the measure, as a share of it, below which the sea
 INSIGNIFICANT = 0.05
 
 
-class Stop(Exception):
+class SearchEnd(Exception):
     """End of the search, with the reason."""
 
 
@@ -101,7 +101,7 @@ def refine(
         reason = "" if last.success else f"the method ended early ({last.message})"
     except Contradiction as error:
         reason = f"{one_line(error)}; {search_by_values(problem)}"
-    except (Stop, VfifeError) as error:
+    except (SearchEnd, VfifeError) as error:
         reason = one_line(error)
     return Refinement(tuple(problem.candidates), reason)
 
@@ -117,7 +117,7 @@ def search_by_values(problem: ScaledProblem) -> str:
     ranks = problem.rank(points)
     try:
         pattern_search(points[min(range(len(points)), key=lambda k: ranks[k])], problem.rank)
-    except Stop as reason:
+    except SearchEnd as reason:
         return f"by values, {reason}"
     return "values alone led to the end"
 
@@ -212,7 +212,7 @@ class ScaledProblem:
         ]
 
     def cases(self, points: Sequence[Array]) -> list[Candidate]:
-        """Return the candidates at points, computing the new ones side by side. Raises Stop where there may
+        """Return the candidates at points, computing the new ones side by side. Raises SearchEnd where there may
         be no more of them.
         """
         points = [np.clip(x, 0.0, 1.0) for x in points]
@@ -227,7 +227,7 @@ class ScaledProblem:
             )
             self.candidates.append(one)
         if len(new) > room:
-            raise Stop(f"refine = {self.search.refine} members are taken; with more it goes on")
+            raise SearchEnd(f"refine = {self.search.refine} members are taken; with more it goes on")
         return [self.known[x.tobytes()] for x in points]
 
     def parameters(self, x: Array) -> Parameters:
@@ -244,7 +244,7 @@ class ScaledProblem:
         )
 
     def case(self, x: Array) -> Candidate:
-        """Return the candidate at a point that SLSQP asks for. Raises Stop where it failed, or points no
+        """Return the candidate at a point that SLSQP asks for. Raises SearchEnd where it failed, or points no
         longer move.
         """
         clipped = np.clip(x, 0.0, 1.0)
@@ -252,12 +252,12 @@ class ScaledProblem:
             near = any(np.abs(clipped - np.frombuffer(key)).max() < CLOSE for key in self.known)
             self.close = self.close + 1 if near else 0
             if self.close > MOST_CLOSE:
-                raise Stop(
+                raise SearchEnd(
                     "steps lead nowhere any more: the measure has a kink here, or limits cannot be kept"
                 )
         (one,) = self.cases([x])
         if not self.complete(one):
-            raise Stop("a member failed on the way that derivatives led")
+            raise SearchEnd("a member failed on the way that derivatives led")
         return one
 
     def value(self, x: Array) -> float:
@@ -293,7 +293,7 @@ class ScaledProblem:
         return self.slopes[x.tobytes()]
 
     def rank(self, points: Sequence[Array]) -> list[Rank]:
-        """Rank points for pattern search. Raises Stop where there may be no more of them."""
+        """Rank points for pattern search. Raises SearchEnd where there may be no more of them."""
         return [
             (
                 sum(max(-limit.margin(one), 0.0) for limit in self.limits),
