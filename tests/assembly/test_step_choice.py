@@ -21,13 +21,13 @@ from vfife.assembly.timestep import (
     Bounds,
     StepRequest,
     Times,
-    chosen,
     coarseness,
     length_of,
     missed,
     size_of,
     spin_of,
     static_choice,
+    step_within,
 )
 from vfife.errors import StepError
 from vfife.model.mechanism import Mechanism, Settings
@@ -46,7 +46,9 @@ def choice(
 ) -> StepChoice:
     """The step of a run of 0.2 s with turns of 0.1 s and 100 outputs each, nothing else being prescribed."""
     times = Times(turn, length, more.pop("own", math.inf))
-    return chosen(Settings(), bounds, times, lambda: iter(()), StepRequest(step, outputs=outputs, **more))
+    return step_within(
+        Settings(), bounds, times, lambda: iter(()), StepRequest(step, outputs=outputs, **more)
+    )
 
 
 def test_a_step_that_is_given_divides_a_turn_into_outputs() -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Literal
+from functools import partial
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 from ..errors import Fault, ModelError, StepError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
-from ..kinematics.forces import driven_body
-from ..model.functions import motion_function, timed, turn_of
-from ..model.geometry.polynomials import Polynomials
+from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
 from ..numerics.elementwise import hypot
 from .assembled import StepChoice
+from .prescribed import MISSED, RESOLVED, Prescribed, prescribed, prescribed_limits
 from .stability import (
     Limits,
     arm_limits,
@@ -37,171 +36,6 @@ if TYPE_CHECKING:
     from .entities import Touch
 
 Array = NDArray[np.float64]
-
-RESOLVED = 5e-4  # of the largest acceleration, or force: by how much an automatic step may miss it anywhere
-MISSED = 1e-2  # the same of a step that is given, beyond which it is told
-SAMPLES, MOST_SAMPLES = 8, 50_000  # a piece; of a function
-BETWEEN_KINKS = 100  # steps
-SHORTEST = 1e-6  # of the time looked at: no step that is sought is smaller
-SEVERAL = 3  # halvings after which a function stays resolved
-SPLITS = 10  # bisections: to a thousandth of the step
-EPS = float(np.finfo(float).eps)
-
-
-@dataclass(frozen=True)
-class Prescribed:
-    """A function, whose it is, and where (s; rad over an angle) a run asks for it; ``pace``: its argument's
-    rate (1/s; 1 over time).
-
-    ``motion``: rows are closed by its second difference; else it is a force, which moves by its second
-    integral. ``reach`` (m): the size of what a travel moves, 1 for an angle (rad), infinite for what turns
-    nothing.
-    """
-
-    name: str
-    function: Polynomials
-    window: tuple[float, float]
-    motion: bool
-    pace: float = 1.0
-    reach: float = math.inf
-
-
-def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) -> Iterator[Prescribed]:
-    """What drivers and loads prescribe in a run so long (s), bodies turning at up to ``spin`` (rad/s), links
-    so long (m).
-    """
-    for name, driver in mechanism.drivers.items():
-        body = driven_body(name, driver)
-        if driver.moves:
-            whose = f"the motion law of {f'joint {driver.slider}' if driver.slider else driver.point or body}"
-            reach = (
-                math.inf if driver.revolves and body else 1.0 if body else size
-            )  # round and round: that is a turn, which is divided anyway
-            if reach == math.inf and driver.steady_speed is not None:
-                continue  # of an even turning nothing is missed
-            yield Prescribed(
-                whose, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach
-            )
-        elif driver.over == "time":
-            yield Prescribed(
-                f"the force on {driver.point or body}",
-                timed(driver.effort(), mechanism.clock),
-                (0.0, length),
-                False,
-            )
-        elif driver.over == "angle" and spin > 0.0:
-            effort = driver.effort()
-            yield Prescribed(
-                f"the torque on {body}", effort, (effort.starts[0], effort.starts[-1]), False, spin
-            )
-    for name, load in mechanism.loads.items():
-        function, gap = load.course()
-        ends = (function.starts[0], function.starts[-1])
-        if load.over == "time":
-            yield Prescribed(f"the load {name}", timed(function, mechanism.clock), (0.0, length), False)
-        elif load.over == "angle" and spin > 0.0:
-            yield Prescribed(
-                f"the load {name}",
-                function,
-                ends if function.period is None else (0.0, function.period),
-                False,
-                spin,
-            )
-        elif load.over == "travel" and spin > 0.0 and len(function.starts) > 1:
-            stroke = 0.5 * (
-                ends[1] - ends[0] - gap
-            )  # its table has as much before its first place; half of it goes by sin(spin t)
-            yield Prescribed(f"the load {name}", function, ends, False, 0.5 * spin * stroke)
-
-
-def prescribed_limits(
-    result: Iterator[Prescribed], share: float, turn_steps: float
-) -> list[tuple[str, float]]:
-    """Largest step (s) at which each is missed by no more than ``share`` of its largest value, and
-    ``turn_steps`` are left to a turn; inf else.
-    """
-    limits = []
-    for one in result:
-        step = _missed_at(one, share) / one.pace
-        rate = float(np.abs(_times_of(one)[1][:, 1]).max(initial=0.0)) if math.isfinite(one.reach) else 0.0
-        limits.append(
-            (one.name, min(step, 2.0 * math.pi * one.reach / (rate * turn_steps) if rate > 0.0 else math.inf))
-        )
-    return limits
-
-
-@lru_cache(maxsize=64)
-def _times_of(one: Prescribed) -> tuple[Array, Array]:
-    """Where a function is looked at, its knots among them, and its value and derivatives there."""
-    first, last = one.window
-    function = one.function
-    if function.period is not None:
-        last = min(last, first + function.period)
-    knots = np.array([first, *(start for start in function.starts if first < start < last), last])
-    parts = max(1, min(SAMPLES, MOST_SAMPLES // len(knots)))
-    inside = knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(parts) / parts)
-    times = np.append(inside.ravel(), last)
-    return times, function.sampled(times)
-
-
-@lru_cache(maxsize=64)
-def _missed_at(one: Prescribed, share: float) -> float:
-    """Largest step (in the function's argument) at which it is missed by a share of its largest value; inf
-    where none misses it so.
-    """
-    times, values = _times_of(one)
-    kinks = np.array(one.function.kinks)
-    span = float(times[-1] - times[0])
-    spacing = np.diff(kinks[(kinks >= times[0]) & (kinks <= times[-1])])
-    longest: float = min(0.25 * span, float(spacing.min()) / BETWEEN_KINKS if len(spacing) else math.inf)
-    if not span > 0.0 or not np.abs(values[:, 1:]).max() > 0.0:
-        return math.inf
-    if one.motion and not np.abs(values[:, 2]).max() > 0.0:  # nothing of an even motion is missed at any step
-        return longest if len(spacing) else math.inf
-
-    def missed(step: float) -> bool:
-        return _miss(one, times, values, kinks, step) > share
-
-    result, step, resolved = math.inf, longest, 0
-    while step > SHORTEST * span and resolved < SEVERAL:  # a step of a whole wave misses nothing of it
-        result, resolved = (step, 0) if missed(step) else (result, resolved + math.isfinite(result))
-        step *= 0.5
-    if not math.isfinite(result):
-        return longest if len(spacing) else math.inf
-    low, high = 0.5 * result, result
-    for _ in range(SPLITS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if missed(middle) else (middle, high)
-    return low
-
-
-def _miss(one: Prescribed, times: Array, values: Array, kinks: Array, step: float) -> float:
-    """Share of the largest value by which a step misses it, where no kink is near: steps with kinks are taken
-    in parts.
-
-    A bend of a force counts as if its pieces shared it.
-    """
-    bends = np.array(one.function.bends).reshape(-1, 2)
-    breaks = np.sort(np.append(kinks, bends[:, 0]))
-    at = (
-        np.searchsorted(breaks, times - step * (1.0 + 1e-9)),
-        np.searchsorted(breaks, times + step * (1.0 + 1e-9)),
-    )
-    smooth = at[0] == at[1]
-    before, after = (one.function.sampled(times[smooth] + side * step)[:, 0] for side in (-1.0, 1.0))
-    here = values[smooth, 0]
-    second = after - 2.0 * here + before
-    noise = 8.0 * EPS * float(np.abs(values[:, 0]).max(initial=0.0))
-    if one.motion:
-        largest = float(np.abs(values[:, 2]).max()) * (step * step)
-        error = np.abs(second - values[smooth, 2] * (step * step))
-    else:
-        largest, error = float(np.abs(values[:, 0]).max()), np.abs(second) / 12.0
-    worst = max(
-        0.0, float(error.max(initial=0.0)) - noise, float(bends[:, 1].max(initial=0.0)) * (step * step) / 12.0
-    )
-    return worst / largest if largest > 0.0 else 0.0
-
 
 SAFETY = 0.9
 CONTACT_STEPS = (
@@ -277,13 +111,8 @@ def choose_step(model: StepModel, request: StepRequest) -> StepChoice:
     turn = turn_of(mechanism)
     length = length_of(mechanism, request.turns, request.duration, turn)
     own = _time_scale(mechanism, layout, state, length) if model.free or not turn else math.inf
-    return chosen(
-        mechanism.settings,
-        bounds(model),
-        Times(turn, length, own),
-        partial(_prescribed, mechanism, layout, state, length),
-        request,
-    )
+    motions = partial(_prescribed, mechanism, layout, state, length)
+    return step_within(mechanism.settings, bounds(model), Times(turn, length, own), motions, request)
 
 
 @dataclass(frozen=True)
@@ -306,70 +135,95 @@ def bounds(model: StepModel) -> Bounds:
     )
 
 
-def chosen(
+class Limit(NamedTuple):
+    """A step (s) that something does not allow to be larger, and what it is."""
+
+    step: float
+    culprit: str
+
+
+class Division(NamedTuple):
+    """A step (s), steps between two outputs, and what set the step."""
+
+    step: float
+    every: int
+    culprit: str
+
+
+def step_within(
     settings: Settings,
-    result: Bounds,
+    bounds: Bounds,
     times: Times,
     motions: Callable[[], Iterator[Prescribed]],
     request: StepRequest,
 ) -> StepChoice:
-    """The step within bounds, of a run of such times in which bodies are ``told`` to move."""
-    turn, length, own, contact_steps = times.turn, times.length, times.own, request.contact_steps
-    limits = result.parts + sorted(result.arms, key=lambda entry: entry[1])[:1]
-    stable, culprit = min(((value, name) for name, value in limits), default=(math.inf, "nothing"))
+    """Choose the step within ``bounds`` for a run of such ``times``. Raises StepError.
+
+    ``motions`` yields what is prescribed; sampling it takes longer than all else, so that only an automatic
+    step does.
+    """
+    # Arms are of the start alone and turn later: of all of them only the strictest counts, beside all parts.
+    limits = bounds.parts + sorted(bounds.arms, key=lambda entry: entry[1])[:1]
+    stable = min((Limit(value, name) for name, value in limits), default=Limit(math.inf, "nothing"))
     step: float | Literal["auto"] | str = settings.step if request.step is None else request.step
     per = request.outputs or settings.outputs
     if step == "auto":
-        largest = SAFETY * stable
-        for name, half in result.periods:
-            accurate = half / contact_steps
-            largest, culprit = min(
-                (largest, culprit),
-                (accurate, f"joint {name}, {contact_steps} steps in half a period of its contact"),
-            )
-        default = (
-            min(turn or math.inf, own) / TURN_STEPS,
-            f"{TURN_STEPS} steps a turn" if turn and turn <= own else "the motion itself",
-        )
-        largest, culprit = min((largest, culprit), default)
-        for name, allowed in prescribed_limits(motions(), RESOLVED, TURN_STEPS):
-            largest, culprit = min((largest, culprit), (allowed, name))
-        chunk = turn or length / max(1, round(length / (turn or length)))
-        every = max(1, math.ceil(chunk / per / largest * (1.0 - 1e-12))) * (
-            2 if contact_steps == FIRST_CONTACT_STEPS else 1
-        )
-        size = chunk / (per * every)
+        division = _automatic(stable, bounds.periods, times, motions(), request.contact_steps, per)
     else:
-        size = float(step)
-        if size > SAFETY * stable and not request.force_step:
-            raise StepError(
-                f"a step of {size:.4g} s is too large: {culprit} allows {stable:.4g} s, and {SAFETY} of it"
-                f" ({SAFETY * stable:.4g} s) is the most "
-                f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step;'
-                f" in Python force_step=True)"
-            )
-        _refuse_long(size, length, request.force_step)
-        every = _divisor(max(1, round((turn or length) / size)), per)
-    every = min(
-        every, max(1, math.ceil(length / size * (1.0 - 1e-9)))
-    )  # a run may be shorter than the time between two outputs of a turn
+        division = _requested(float(step), stable, times, request.force_step, per)
+    size, length = division.step, times.length
+    # a run may be shorter than the time between two outputs of a turn
+    every = min(division.every, max(1, math.ceil(length / size * (1.0 - 1e-9))))
     count = max(1, math.ceil(length / size / every * (1.0 - 1e-9)))
     if not every * count <= MOST_STEPS:
         raise StepError(
             f"a run of {length:.4g} s in steps of {size:.4g} s takes {length / size:.1e} of them, and no run"
             f" does more than {MOST_STEPS:.0e}; the step was"
-            f" {f'chosen for {culprit}' if step == 'auto' else 'given'}: check the units of lengths,"
+            f" {f'chosen for {division.culprit}' if step == 'auto' else 'given'}: check the units of lengths,"
             " masses, stiffnesses and speeds"
         )
-    return StepChoice(size, stable, culprit, step == "auto", tuple(limits), turn, every, count)
+    return StepChoice(
+        size, stable.step, division.culprit, step == "auto", tuple(limits), times.turn, every, count
+    )
 
 
-def _refuse_long(size: float, length: float, force: bool) -> None:
-    if size > LONGEST_STEP * length and not force:
+def _automatic(
+    stable: Limit, periods: Limits, times: Times, motions: Iterator[Prescribed], contact_steps: int, per: int
+) -> Division:
+    """The largest step that stability, contacts, turns and prescribed motions allow, ``per`` outputs a turn."""
+    turn, length = times.turn, times.length
+    reason = f"{TURN_STEPS} steps a turn" if turn and turn <= times.own else "the motion itself"
+    limits = [Limit(SAFETY * stable.step, stable.culprit)]
+    for name, half in periods:
+        accurate = f"joint {name}, {contact_steps} steps in half a period of its contact"
+        limits.append(Limit(half / contact_steps, accurate))
+    limits.append(Limit(min(turn or math.inf, times.own) / TURN_STEPS, reason))
+    limits += [Limit(allowed, name) for name, allowed in prescribed_limits(motions, RESOLVED, TURN_STEPS)]
+    largest = min(limits)
+    # Outputs lie at the same angles in every turn, so a turn (or the run) is divided into whole intervals and
+    # these into whole steps. Where companions double the step, the number of steps has to be even.
+    chunk = turn or length / max(1, round(length / (turn or length)))
+    even = 2 if contact_steps == FIRST_CONTACT_STEPS else 1
+    every = max(1, math.ceil(chunk / per / largest.step * (1.0 - 1e-12))) * even
+    return Division(chunk / (per * every), every, largest.culprit)
+
+
+def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) -> Division:
+    """A step that was asked for, if it is stable and no longer than the run, or is forced."""
+    if size > SAFETY * stable.step and not force:
         raise StepError(
-            f"a step of {size:.4g} s is longer than the whole run of {length:.4g} s; check their units, or"
-            " leave the step out"
+            f"a step of {size:.4g} s is too large: {stable.culprit} allows {stable.step:.4g} s, and {SAFETY} of"
+            f" it ({SAFETY * stable.step:.4g} s) is the most "
+            f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step;'
+            f" in Python force_step=True)"
         )
+    if size > LONGEST_STEP * times.length and not force:
+        raise StepError(
+            f"a step of {size:.4g} s is longer than the whole run of {times.length:.4g} s; check their units,"
+            " or leave the step out"
+        )
+    every = _divisor(max(1, round((times.turn or times.length) / size)), per)
+    return Division(size, every, stable.culprit)
 
 
 def static_choice(mechanism: Mechanism) -> StepChoice:

@@ -1,0 +1,188 @@
+"""Motions and forces that drivers and loads prescribe, and the largest step that resolves each of them.
+
+A step misses a motion by its second difference less the acceleration, and a force by a twelfth of its second
+difference. How much that is depends on the step in no simple way where a function has waves of several
+lengths, so the largest step is sought from above: halved until the function stays resolved, then bisected.
+Bisecting at once would stop at a step that happens to be a whole wave, of which nothing seems to be missed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kinematics.forces import driven_body
+from ..model.functions import motion_function, timed
+from ..model.geometry.polynomials import Polynomials
+from ..model.mechanism import Mechanism
+
+Array = NDArray[np.float64]
+
+RESOLVED = 5e-4  # of the largest acceleration, or force: by how much an automatic step may miss it anywhere
+MISSED = 1e-2  # the same of a step that is given, beyond which it is told
+SAMPLES, MOST_SAMPLES = 8, 50_000  # a piece; of a function
+BETWEEN_KINKS = 100  # steps
+SHORTEST = 1e-6  # of the time looked at: no step that is sought is smaller
+SEVERAL = 3  # halvings after which a function stays resolved
+SPLITS = 10  # bisections: to a thousandth of the step
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """A function, whose it is, and where (s; rad over an angle) a run asks for it; ``pace``: its argument's
+    rate (1/s; 1 over time).
+
+    ``motion``: rows are closed by its second difference; else it is a force, which moves by its second
+    integral. ``reach`` (m): the size of what a travel moves, 1 for an angle (rad), infinite for what turns
+    nothing.
+    """
+
+    name: str
+    function: Polynomials
+    window: tuple[float, float]
+    motion: bool
+    pace: float = 1.0
+    reach: float = math.inf
+
+
+def prescribed(mechanism: Mechanism, length: float, spin: float, size: float) -> Iterator[Prescribed]:
+    """What drivers and loads prescribe in a run so long (s), bodies turning at up to ``spin`` (rad/s), links
+    so long (m).
+    """
+    for name, driver in mechanism.drivers.items():
+        body = driven_body(name, driver)
+        if driver.moves:
+            whose = f"the motion law of {f'joint {driver.slider}' if driver.slider else driver.point or body}"
+            reach = (
+                math.inf if driver.revolves and body else 1.0 if body else size
+            )  # round and round: that is a turn, which is divided anyway
+            if reach == math.inf and driver.steady_speed is not None:
+                continue  # of an even turning nothing is missed
+            yield Prescribed(
+                whose, motion_function(driver, 0.0, mechanism.clock), (0.0, length), True, reach=reach
+            )
+        elif driver.over == "time":
+            yield Prescribed(
+                f"the force on {driver.point or body}",
+                timed(driver.effort(), mechanism.clock),
+                (0.0, length),
+                False,
+            )
+        elif driver.over == "angle" and spin > 0.0:
+            effort = driver.effort()
+            yield Prescribed(
+                f"the torque on {body}", effort, (effort.starts[0], effort.starts[-1]), False, spin
+            )
+    for name, load in mechanism.loads.items():
+        function, gap = load.course()
+        ends = (function.starts[0], function.starts[-1])
+        if load.over == "time":
+            yield Prescribed(f"the load {name}", timed(function, mechanism.clock), (0.0, length), False)
+        elif load.over == "angle" and spin > 0.0:
+            yield Prescribed(
+                f"the load {name}",
+                function,
+                ends if function.period is None else (0.0, function.period),
+                False,
+                spin,
+            )
+        elif load.over == "travel" and spin > 0.0 and len(function.starts) > 1:
+            stroke = 0.5 * (
+                ends[1] - ends[0] - gap
+            )  # its table has as much before its first place; half of it goes by sin(spin t)
+            yield Prescribed(f"the load {name}", function, ends, False, 0.5 * spin * stroke)
+
+
+def prescribed_limits(
+    result: Iterator[Prescribed], share: float, turn_steps: float
+) -> list[tuple[str, float]]:
+    """Largest step (s) at which each is missed by no more than ``share`` of its largest value, and
+    ``turn_steps`` are left to a turn; inf else.
+    """
+    limits = []
+    for one in result:
+        step = _missed_at(one, share) / one.pace
+        rate = float(np.abs(_times_of(one)[1][:, 1]).max(initial=0.0)) if math.isfinite(one.reach) else 0.0
+        limits.append(
+            (one.name, min(step, 2.0 * math.pi * one.reach / (rate * turn_steps) if rate > 0.0 else math.inf))
+        )
+    return limits
+
+
+@lru_cache(maxsize=64)
+def _times_of(one: Prescribed) -> tuple[Array, Array]:
+    """Where a function is looked at, its knots among them, and its value and derivatives there."""
+    first, last = one.window
+    function = one.function
+    if function.period is not None:
+        last = min(last, first + function.period)
+    knots = np.array([first, *(start for start in function.starts if first < start < last), last])
+    parts = max(1, min(SAMPLES, MOST_SAMPLES // len(knots)))
+    inside = knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(parts) / parts)
+    times = np.append(inside.ravel(), last)
+    return times, function.sampled(times)
+
+
+@lru_cache(maxsize=64)
+def _missed_at(one: Prescribed, share: float) -> float:
+    """Largest step (in the function's argument) at which it is missed by a share of its largest value; inf
+    where none misses it so.
+    """
+    times, values = _times_of(one)
+    kinks = np.array(one.function.kinks)
+    span = float(times[-1] - times[0])
+    spacing = np.diff(kinks[(kinks >= times[0]) & (kinks <= times[-1])])
+    longest: float = min(0.25 * span, float(spacing.min()) / BETWEEN_KINKS if len(spacing) else math.inf)
+    if not span > 0.0 or not np.abs(values[:, 1:]).max() > 0.0:
+        return math.inf
+    if one.motion and not np.abs(values[:, 2]).max() > 0.0:  # nothing of an even motion is missed at any step
+        return longest if len(spacing) else math.inf
+
+    def missed(step: float) -> bool:
+        return _miss(one, times, values, kinks, step) > share
+
+    result, step, resolved = math.inf, longest, 0
+    while step > SHORTEST * span and resolved < SEVERAL:  # a step of a whole wave misses nothing of it
+        result, resolved = (step, 0) if missed(step) else (result, resolved + math.isfinite(result))
+        step *= 0.5
+    if not math.isfinite(result):
+        return longest if len(spacing) else math.inf
+    low, high = 0.5 * result, result
+    for _ in range(SPLITS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if missed(middle) else (middle, high)
+    return low
+
+
+def _miss(one: Prescribed, times: Array, values: Array, kinks: Array, step: float) -> float:
+    """Share of the largest value by which a step misses it, where no kink is near: steps with kinks are taken
+    in parts.
+
+    A bend of a force counts as if its pieces shared it.
+    """
+    bends = np.array(one.function.bends).reshape(-1, 2)
+    breaks = np.sort(np.append(kinks, bends[:, 0]))
+    at = (
+        np.searchsorted(breaks, times - step * (1.0 + 1e-9)),
+        np.searchsorted(breaks, times + step * (1.0 + 1e-9)),
+    )
+    smooth = at[0] == at[1]
+    before, after = (one.function.sampled(times[smooth] + side * step)[:, 0] for side in (-1.0, 1.0))
+    here = values[smooth, 0]
+    second = after - 2.0 * here + before
+    noise = 8.0 * EPS * float(np.abs(values[:, 0]).max(initial=0.0))
+    if one.motion:
+        largest = float(np.abs(values[:, 2]).max()) * (step * step)
+        error = np.abs(second - values[smooth, 2] * (step * step))
+    else:
+        largest, error = float(np.abs(values[:, 0]).max()), np.abs(second) / 12.0
+    worst = max(
+        0.0, float(error.max(initial=0.0)) - noise, float(bends[:, 1].max(initial=0.0)) * (step * step) / 12.0
+    )
+    return worst / largest if largest > 0.0 else 0.0
