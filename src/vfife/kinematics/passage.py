@@ -18,12 +18,12 @@ from ..model.mechanism import Mechanism
 from ..model.rows import FixedDistance, place_row
 from ..numerics.products import dot
 from ..numerics.scalar import integer_power, log10
+from .descent import FELT, Parted, closing_joint, parted
 from .drives import rigid_system
 from .follower import TURN, Follower, Passage, Way, followed, ways_of
 from .forces import Datum
 from .initial import Motion, ideal_motion
 from .linalg import DENSE
-from .parted import FELT, Parted, closing_joint, parted
 from .pins import first_guess
 from .system import mirrored
 

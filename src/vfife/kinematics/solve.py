@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from ..errors import AssemblyError, VfifeError
 from ..numerics.elementwise import cos
 from ..numerics.products import norm
-from .descent import LARGEST_TURN, Closure, descend
+from .descent import LARGEST_TURN, Closure, closing_joint, descend, parted
 from .linalg import DENSE, RANK_TOLERANCE, constrained, independent, shared_out, times
-from .parted import closing_joint, parted
 from .rows import ConstraintRows
 from .system import RigidSystem, checked, flat, metrics, of_bodies, rows_of
 
