@@ -201,7 +201,7 @@ def test_variants_in_lanes_have_the_measures_of_runs_alone(turns):
 
     alone = [look(run(one)) for one in variants]
     assert measures_of([(one, recorded_rows(base), look) for one in variants]) == alone
-    merged = measures_of([(one, recorded_rows(base), look) for one in variants], whole=True)
+    merged = measures_of([(one, recorded_rows(base), look) for one in variants], merged=True)
     assert [dict(one, outputs=0.0) for one in merged] == [dict(one, outputs=0.0) for one in alone]
     assert all(one["outputs"] < alone[0]["outputs"] for one in merged)
 
