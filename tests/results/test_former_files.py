@@ -89,3 +89,13 @@ def test_kinds_are_told_apart() -> None:
     assert len(set(applications)) == len(SCHEMAS)
     for one in SCHEMAS:
         assert set(one.rows) < set(one.tables) and one.oldest <= one.format
+
+
+def test_a_row_that_is_replaced_counts_once(tmp_path: Path) -> None:
+    """The tally of a table holds the seal of the new row, not that of the old one."""
+    with MapFile.create(tmp_path / "a.map", {"map": {}}) as file:
+        for value in (1.0, 2.0, 3.0):
+            file.write_row("arrays", "noise", np.full(3, value))
+    with MapFile.open(tmp_path / "a.map") as file:
+        stored = file.array("noise")
+        assert file.damage == () and stored is not None and stored.tolist() == [3.0, 3.0, 3.0]

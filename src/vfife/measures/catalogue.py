@@ -29,7 +29,8 @@ from .wear import wear_depths, wear_volumes
 # An ideal maximum below this share of the largest of its kind is round-off, and a ratio to it means nothing.
 NEGLIGIBLE = 1e-6
 COUNTS = {
-    "impacts": "onsets", "grazing": "grazing", "deep_landings": "deep", "landing_depth.max": "deepest", "approach_speed.max": "fastest"
+    "impacts": "onsets", "grazing": "grazing", "deep_landings": "deep", "landing_depth.max": "deepest",
+    "approach_speed.max": "fastest"
 }  # fmt: skip
 
 
@@ -136,10 +137,13 @@ PEAKS: Groups = (LOADS, PENETRATIONS, ACCELERATIONS)  # extremes between outputs
 OVER_TURN: Groups = (
     *PEAKS,
     MeasureGroup(
-        driving, {"torque.mean": "N m", "torque.ripple": "1", "power.mean": "W"}, ("driven_work", "particle_theta")
+        driving, {"torque.mean": "N m", "torque.ripple": "1", "power.mean": "W"},
+        ("driven_work", "particle_theta"),
     ),
     LOSSES,
-    MeasureGroup(largest_sliding, {"sliding_velocity.max": "m/s", "sliding_distance.total": "m"}, ("particle_u",)),
+    MeasureGroup(
+        largest_sliding, {"sliding_velocity.max": "m/s", "sliding_distance.total": "m"}, ("particle_u",)
+    ),
     MeasureGroup(
         largest_pressures,
         {
@@ -154,7 +158,8 @@ OVER_TURN: Groups = (
     ),
     MeasureGroup(largest_shaking, {"shaking_force.max": "N", "shaking_moment.max": "N m"}, ("particle_x",)),
     MeasureGroup(
-        largest_stresses, {"tension.max": "Pa", "compression.max": "Pa", "stress.place": "m"}, ("frame_axial_force",)
+        largest_stresses, {"tension.max": "Pa", "compression.max": "Pa", "stress.place": "m"},
+        ("frame_axial_force",)
     ),
     MeasureGroup(largest_deflections, {"deflection.max": "m"}, ("frame_moment_1", "particle_x")),
     MeasureGroup(efficiency, {"efficiency": "1"}, ("driven_work", "particle_x")),
@@ -165,7 +170,8 @@ OVER_RUN: Groups = (
     MeasureGroup(
         contact_counts,
         {
-            "impacts": "1", "grazing": "1", "deep_landings": "1", "landing_depth.max": "m", "approach_speed.max": "m/s",
+            "impacts": "1", "grazing": "1", "deep_landings": "1", "landing_depth.max": "m",
+            "approach_speed.max": "m/s",
             "share.free_flight": "1", "share.impact": "1", "share.continuous_contact": "1",
         },
     ),

@@ -193,7 +193,8 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
     ``<contact>.contact_pressure.max`` (Pa) and ``.contact_half_width.max`` (m) are of the largest force
     between outputs, friction included: with a coefficient of 0.1 a pressure 0.25 % too high.
     ``.pressure_velocity.max`` and ``.mean``
-    (W/m^2) are of |F/(2 R_J L) v| at the outputs, the mean over time, in which the surfaces apart count as zero.
+    (W/m^2) are of |F/(2 R_J L) v| at the outputs, the mean over time,
+    in which the surfaces apart count as zero.
     """
     names = record.assembly.contacts
     force = np.sqrt(record.block("contact_force_squared_max")[window].max(axis=0))

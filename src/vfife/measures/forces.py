@@ -1,4 +1,6 @@
-"""Forces of the joints on their journals and of the mechanism on the ground; eccentricity, penetration and mode of contacts."""
+"""Forces of the joints on their journals and of the mechanism on the ground; eccentricity, penetration and
+mode of contacts.
+"""
 
 from __future__ import annotations
 

@@ -118,7 +118,8 @@ MOVING = frozenset(
         *(f"particle_{name}" for name in ("u", "v", "w", "ax", "ay", "aw")),
         "body_angular_velocity", "body_angular_acceleration", "body_angular_acceleration_max",
         "impacts", "grazing", "mode", "penetration_max", "joint_force_max", "driver_torque_max",
-        "friction_energy", "impact_energy", "friction_power", "impact_power", "sliding_velocity", "pressure_velocity",
+        "friction_energy", "impact_energy", "friction_power", "impact_power", "sliding_velocity",
+        "pressure_velocity",
         "bearing_wear", "journal_wear",
         "slider_velocity", "slider_acceleration", "driver_power",
     )

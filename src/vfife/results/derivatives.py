@@ -176,10 +176,13 @@ class Sensitivity(DataTable):
         changed = measure in self._by(path).changes
         least, most = self.change_span(measure, path) if changed else (None, None)
         return {
-            "measure": measure, "value": self.measures[measure], "number": path, "model": self._by(path).value,
-            "derivative": self.derivative(measure, path), "elasticity": self.elasticity(measure, path), "from": low, "to": high,
+            "measure": measure, "value": self.measures[measure], "number": path,
+            "model": self._by(path).value,
+            "derivative": self.derivative(measure, path), "elasticity": self.elasticity(measure, path),
+            "from": low, "to": high,
             "meaningless": not self.known(measure, path), "kind": self.kind(measure, path),
-            "change": self.change(measure, path) if changed else None, "change_from": least, "change_to": most,
+            "change": self.change(measure, path) if changed else None, "change_from": least,
+            "change_to": most,
         }  # fmt: skip
 
     def table(self) -> Iterator[Sequence[Any]]:

@@ -76,8 +76,10 @@ class FitValue:
     def json(self) -> dict[str, Any]:
         """Return it as JSON has it."""
         return {
-            "name": self.name, "paths": list(self.paths), "unit": self.unit, "value": self.value, "standard_error": self.error,
-            "low": self.low, "high": self.high, "bounds": list(self.bounds), "former": self.former, "known": self.known,
+            "name": self.name, "paths": list(self.paths), "unit": self.unit, "value": self.value,
+            "standard_error": self.error,
+            "low": self.low, "high": self.high, "bounds": list(self.bounds), "former": self.former,
+            "known": self.known,
             "told": self.determined, "at_bound": self.at_bound,
         }  # fmt: skip
 
@@ -225,14 +227,18 @@ class Fit(DataTable):
     def json(self) -> dict[str, Any]:
         """All of it but the curves, as JSON has it."""
         return {
-            "model": self.mechanism, "data": self.data, "status": self.status, "compared": self.compared, "confidence": self.confidence,
+            "model": self.mechanism, "data": self.data, "status": self.status, "compared": self.compared,
+            "confidence": self.confidence,
             "parameters": [value.json() for value in self.values], "correlation": self.correlation.tolist(),
-            "undetermined": self.undetermined, "offset": {"value": self.offset, "error": self.offset_error, "unit": UNITS[self.over]},
-            "curves": [{"channel": c.channel, "column": c.head, "unit": c.unit, "residual": c.share, "factor": c.factor, "level": c.level}
+            "undetermined": self.undetermined,
+            "offset": {"value": self.offset, "error": self.offset_error, "unit": UNITS[self.over]},
+            "curves": [{"channel": c.channel, "column": c.head, "unit": c.unit, "residual": c.share,
+                        "factor": c.factor, "level": c.level}
                        for c in self.curves],
             "residual": self.share, "autocorrelation": self.autocorrelation, "derivatives": self.derivatives,
             "starts": [{"cost": cost, "values": list(values)} for cost, values in self.starts],
-            "evaluations": self.evaluations, "failed": self.failed, "seconds": self.seconds, "notes": self.notes,
+            "evaluations": self.evaluations, "failed": self.failed, "seconds": self.seconds,
+            "notes": self.notes,
         }  # fmt: skip
 
     def to_dataframe(self) -> pandas.DataFrame:

@@ -112,8 +112,10 @@ def same_layout(assembly: Assembly, record: Record) -> bool:
     the other.
     """
     one, other = assembly.topology, record.assembly.topology
-    same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing", "joint_journal",
-            "joint_place", "joint_turn", "path_pieces", "spring_first", "spring_second", "spring_kind", "driven", "path_unit")  # fmt: skip
+    same = ("particles", "frame_nodes", "contact_bearing", "contact_journal", "contact_kind", "joint_bearing",
+    "joint_journal",
+            "joint_place", "joint_turn", "path_pieces", "spring_first", "spring_second", "spring_kind",
+            "driven", "path_unit")  # fmt: skip
     laws = [[topology.friction_laws[k] for k in topology.friction_form] for topology in (one, other)]
     return all(getattr(one, name) == getattr(other, name) for name in same) and laws[0] == laws[1]
 

@@ -188,7 +188,8 @@ def spectrum(
     parts = spectral.windows_of(np.asarray(values, dtype=float), spacing, length, overlap, np.size(values))
     averages = spectral.averaged(parts, spacing, window)
     return Spectrum(
-        name=label.get("name", ""), unit=label.get("unit", ""), turn=label.get("turn"), spacing=spacing, window=window, length=parts.length,
+        name=label.get("name", ""), unit=label.get("unit", ""), turn=label.get("turn"), spacing=spacing,
+        window=window, length=parts.length,
         overlap=overlap, amplitudes=averages.amplitudes, density=averages.density, windows=len(parts.starts),
     )  # fmt: skip
 
@@ -217,8 +218,10 @@ def spectrogram(
     )
     times = label.get("start", 0.0) + (parts.starts + 0.5 * (parts.length - 1)) * spacing
     return Spectrogram(
-        name=label.get("name", ""), unit=label.get("unit", ""), turn=label.get("turn"), spacing=spacing, window=window, length=parts.length,
-        overlap=overlap, times=np.asarray(times, dtype=float), amplitudes=spectral.short_time(parts.values, parts.starts, window, parts.length),
+        name=label.get("name", ""), unit=label.get("unit", ""), turn=label.get("turn"), spacing=spacing,
+        window=window, length=parts.length,
+        overlap=overlap, times=np.asarray(times, dtype=float), amplitudes=spectral.short_time(parts.values,
+        parts.starts, window, parts.length),
     )  # fmt: skip
 
 

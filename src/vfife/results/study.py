@@ -312,8 +312,10 @@ class Study(DataTable):
         """Where the data come from."""
         requested = self.asked["wanted"]
         return {
-            "model": self.model, "study": self.name, "note": self.asked.get("note", ""), "turns": requested["turns"], "last": requested["last"],
-            "settle": -1.0 if requested["settle"] is None else requested["settle"], "vfife_version": self.asked["versions"]["vfife"],
+            "model": self.model, "study": self.name, "note": self.asked.get("note", ""),
+            "turns": requested["turns"], "last": requested["last"],
+            "settle": -1.0 if requested["settle"] is None else requested["settle"],
+            "vfife_version": self.asked["versions"]["vfife"],
         }  # fmt: skip
 
     @property

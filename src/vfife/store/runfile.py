@@ -82,7 +82,8 @@ class RunFile(Store):
 
     @classmethod
     def create(
-        cls, path: str | Path, meta: Mapping[str, Any] | None = None, fill: Callable[[Self], object] | None = None, *, replace: bool = False,
+        cls, path: str | Path, meta: Mapping[str, Any] | None = None, fill: Callable[[Self],
+        object] | None = None, *, replace: bool = False,
         gather: float = 0.0,
     ) -> Self:  # fmt: skip
         """Make a run file with ``meta``: arrays and what JSON can express, as
@@ -147,8 +148,8 @@ class RunFile(Store):
         """Add outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept); step 0
         starts the run again.
 
-        ``companions``: rows of companions at the last of these outputs; older ones that are no longer needed are
-        removed. ``checkpoint``: the state after these outputs.
+        ``companions``: rows of companions at the last of these outputs; older ones that are no longer needed
+        are removed. ``checkpoint``: the state after these outputs.
         """
         if len(steps) == 0 and checkpoint is None:
             return

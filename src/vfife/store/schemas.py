@@ -74,8 +74,8 @@ class Schema(NamedTuple):
 META = {"key": "text", "json": "json"}
 ARRAYS = {"key": "text", "data": "array"}
 OUTCOMES = {
-    "number": "integer", "hash": "text", "status": "text", "reason": "text", "turns": "integer", "settled": "integer", "steps": "integer",
-    "step": "real", "measures": "json",
+    "number": "integer", "hash": "text", "status": "text", "reason": "text", "turns": "integer",
+    "settled": "integer", "steps": "integer", "step": "real", "measures": "json",
 }  # fmt: skip
 
 # A run is counted when it ends, not in every transaction. Format 3 is that of version 0.2; 1 and 2 had no
@@ -86,11 +86,14 @@ RUN = Schema(
         "meta": META,
         "arrays": ARRAYS,
         "copies": {"key": "text", "data": "bytes"},
-        "history": {"chunk": "integer", "first": "integer", "outputs": "integer", "steps": "array", "data": "array"},
-        "checkpoints": {"step": "integer", "chunks": "integer", "outputs": "integer", "more": "json", "state": "array"},
+        "history": {"chunk": "integer", "first": "integer", "outputs": "integer", "steps": "array",
+            "data": "array"},
+        "checkpoints": {"step": "integer", "chunks": "integer", "outputs": "integer", "more": "json",
+            "state": "array"},
         "events": {"number": "integer", "step": "integer", "time": "text", "text": "text"},
         "reference": {"part": "text", "data": "bytes"},
-        "companions": {"first": "integer", "outputs": "integer", "last": "integer", "told": "json", "steps": "array", "data": "array"},
+        "companions": {"first": "integer", "outputs": "integer", "last": "integer", "told": "json",
+            "steps": "array", "data": "array"},
         "turns": {"turn": "integer", "last": "integer", "data": "array"},
     },
     {}, "a run file; see vfife info, plot and report", f"name the folder or the {RUN_FILE} that a run left",
@@ -98,25 +101,39 @@ RUN = Schema(
 # Format 1 of the four below had no tally; it is added when something is written.
 STUDY = Schema(
     "study", 0x56465354, 2, 1,  # "VFST"
-    {"meta": META, "members": {"number": "integer", "hash": "text", "numbers": "json"}, "outcomes": OUTCOMES, "repeats": OUTCOMES},
+    {
+        "meta": META, "members": {"number": "integer", "hash": "text", "numbers": "json"},
+        "outcomes": OUTCOMES, "repeats": OUTCOMES,
+    },
     {"members": "members", "outcomes": "outcomes", "repeats": "repetitions"},
-    "a study file, of many runs; see vfife study show, plot and export, and vfife report", "`vfife study STUDY.toml` makes one",
+    "a study file, of many runs; see vfife study show, plot and export, and vfife report",
+    "`vfife study STUDY.toml` makes one",
 )  # fmt: skip
 MAP = Schema(
     "map", 0x56464D50, 2, 1,  # "VFMP"
-    {"meta": META, "arrays": ARRAYS, "legs": {"number": "integer", "points": "array", "growth": "array", "state": "array"}},
+    {
+        "meta": META, "arrays": ARRAYS,
+        "legs": {"number": "integer", "points": "array", "growth": "array", "state": "array"},
+    },
     {"legs": "values", "arrays": "arrays"},
     "a map file, of many turns; see vfife map show", "name a file that vfife map left",
 )  # fmt: skip
 WEAR = Schema(
     "wear", 0x56465752, 2, 1,  # "VFWR"
-    {"meta": META, "points": {"number": "integer", "told": "json", "depth": "array", "rate": "array", "state": "array"}},
+    {
+        "meta": META,
+        "points": {"number": "integer", "told": "json", "depth": "array", "rate": "array", "state": "array"},
+    },
     {"points": "points"},
     "a wear file, of many turns; see vfife wear, which shows it", "name a file that vfife wear left",
 )  # fmt: skip
 FIT = Schema(
     "fit", 0x56464654, 2, 1,  # "VFFT"
-    {"meta": META, "looks": {"key": "text", "told": "json", "data": "array"}, "found": {"key": "text", "told": "json", "data": "array"}},
+    {
+        "meta": META,
+        "looks": {"key": "text", "told": "json", "data": "array"},
+        "found": {"key": "text", "told": "json", "data": "array"},
+    },
     {"looks": "points", "found": "results"},
     "a fit file, of many runs; see vfife fit, which shows it", "name a file that vfife fit left",
 )  # fmt: skip
