@@ -87,15 +87,15 @@ class Panels:
         columns, lines = self._legend(list(entries), width - 0.3)
         title_lines = broken(self.figure, title, width - 0.4, 12.0)
         titled = any(ax.get_title(loc="left") or ax.get_title(loc="center") for ax in self.axes)
-        above = (TOP if titled else 0.08) + TITLE * len(title_lines) + 0.08
+        top_margin = (TOP if titled else 0.08) + TITLE * len(title_lines) + 0.08
         below = 0.12 + LINE * lines if lines else 0.05
         below += BOTTOM if any(ax.get_xlabel() for ax in self.axes) else 0.15
-        height = below + sum(heights) + self.down * (len(rows) - 1) + above
+        height = below + sum(heights) + self.down * (len(rows) - 1) + top_margin
         self.figure.set_size_inches(width, height)
         for k, (ax, (wide, tall)) in enumerate(zip(self.axes, self.sizes, strict=True)):
             row, column = divmod(k, self.columns)
             x = LEFT + sum(widths[:column]) + self.across * column
-            y = height - above - sum(heights[:row]) - self.down * row - tall
+            y = height - top_margin - sum(heights[:row]) - self.down * row - tall
             ax.set_position((x / width, y / height, wide / width, tall / height))
         for k, bar_axes in self.bars:
             place = self.axes[k].get_position()
