@@ -30,7 +30,7 @@ def test_three_numbers_of_the_papers_four_bar_come_back_within_3_per_cent(tmp_pa
     found = vfife.fit(base, path, BOUNDS, seed=seed)
     for name, value in TRUTH.items():
         assert found[name].value == pytest.approx(value, rel=0.03), name
-        assert found[name].told and not found[name].at_bound
+        assert found[name].determined and not found[name].at_bound
     assert found.share == pytest.approx(0.02, rel=0.2) and found.undetermined == []
 
 
@@ -76,5 +76,5 @@ def test_a_motion_that_does_not_repeat_is_called_not_known(tmp_path):
         m, path, {"joint.pin.clearance": ("50 um", "250 um")}, step="2 us", screened=32, starts=2
     )
     one = found["joint.pin.clearance"]
-    assert not one.known and not one.told and one.low < 1.2e-4 < one.high and one.high - one.low > 5e-5
+    assert not one.known and not one.determined and one.low < 1.2e-4 < one.high and one.high - one.low > 5e-5
     assert any("so no confidence is known" in note for note in found.notes)

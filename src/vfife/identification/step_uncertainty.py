@@ -148,8 +148,7 @@ class Sensitivity:
         """Whether the curves are those of the model rather than those of its steps, or of one turn.
 
         Curves that change by more than the part of the data that they explain would explain other data as
-        well,
-        however much noise there is: the part is sqrt(1 - residual^2) of the deviation of the data.
+        well, however much noise there is: the part is sqrt(1 - residual^2) of the deviation of the data.
         """
         explained = math.sqrt(max(1.0 - self.residual * self.residual, 0.0))
         limit = max(TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL * self.residual)
