@@ -1,14 +1,13 @@
 """Closing positions, and opening them at a single joint.
 
 Positions are closed by damped Newton steps of all cases of a batch side by side, each of which goes its own
-way.
+way. Solved is min |W phi(q)|^2 by dq = -(G^T G + mu)^-1 G^T phi, of least norm in (x, y, l theta). The
+damping mu vanishes with phi^2, so that steps converge quadratically, and redundant joints and free motions
+are both allowed (Levenberg-Marquardt; Fan and Yuan, Computing 74 (2005) 23-39). A step that does not reduce
+|W phi| is not taken, and the damping grows. Cases leave the batch when they are closed, or fall no more;
+until then no case sees another one, since every operation is elementwise or on one matrix at a time.
 
-Solved is min |W phi(q)|^2 by dq = -(G^T G + mu)^-1 G^T phi, of least norm in (x, y, l theta). The damping mu vanishes with phi^2,
-so that steps converge quadratically, and redundant joints and free motions are both allowed
-(Levenberg-Marquardt; Fan and Yuan,
-Computing 74 (2005) 23-39). A step that does not reduce |W phi| is not taken, and the damping grows. Cases leave the batch when they
-are closed, or fall no more; until then no case sees another one, since every operation is elementwise or on
-one matrix at a time.
+A position that cannot be closed is opened at the joint that closes its loop, by the method of multipliers.
 """
 
 from __future__ import annotations
@@ -81,7 +80,9 @@ class Closure:
 
 
 def descend(systems: Sequence[RigidSystem], starts: Array) -> list[Closure]:
-    """Reduce |phi| of systems of one structure from positions [cases, n, 3] until it is round-off or falls no more; it may still be open then."""
+    """Reduce |phi| of systems of one structure from positions [cases, n, 3] until it is round-off or falls no
+    more; a position may still be open then.
+    """
     if 3 * len(systems[0].names) - 3 > DENSE and len(systems) > 1:
         return [descend([system], start[None])[0] for system, start in zip(systems, starts, strict=True)]
     result: list[Closure | None] = [None] * len(systems)
@@ -108,8 +109,8 @@ class _Descent:
     """Cases on their way, by ``number``: where they are, what is open there, the error of the next step, and
     the place their last step was refused.
 
-    ``error`` is phi, the drives advancing no faster than the joints can follow: no more than ``limit`` in a step. ``cost``: |W phi|^2 at the last
-    look for a bottom.
+    ``error`` is phi, the drives advancing no faster than the joints can follow: no more than ``limit`` in a
+    step. ``cost``: |W phi|^2 at the last look for a bottom.
     """
 
     rows: ConstraintRows
@@ -200,6 +201,8 @@ class _Descent:
         """Each case goes where it is better there; where not, its damping grows."""
         trial = self.position.copy()
         trial[:, 1:] += step.reshape(len(trial), -1, 3)
+        # The gain is judged by the error of this step, not by all of phi: a drive far from its aim advances
+        # by its limit only, and would hide what the joints lose meanwhile.
         if (
             trial == self.refused
         ).all():  # near round-off the damping grows for long before a position feels it

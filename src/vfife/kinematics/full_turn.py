@@ -23,9 +23,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 POSITIONS_PER_TURN = 36  # as far apart as the longest strides of the follower
-DETERMINANT_MARGIN = (
-    0.03  # of the largest determinant of a turn: what never falls below changes no sign between two angles
-)
+# of the largest determinant of a turn: what never falls below changes no sign between two angles
+DETERMINANT_MARGIN = 0.03
 PREDICTION_TOLERANCE = 0.3  # of a stride, by which a position may be off the one predicted from velocities
 LAST_CORRECTION = 1e-5  # of the extent: a correction this small squares to round-off
 CLOSURE_TOLERANCE = 1e-6  # of the extent: it has come back
@@ -108,6 +107,8 @@ class _Corrector:
         positions = positions.copy()
         turns: list[FullTurn | None] = [None] * len(self.start)
         going = np.ones(len(turns), dtype=bool)
+        # All angles of all cases take one Newton step at once. A case leaves with its last correction, or where
+        # a matrix is singular; the others go on, and what is left of it in the arrays is not read again.
         for _ in range(CORRECTIONS):
             step, determinant = self.step(positions, self.angles)
             going &= (determinant != 0.0).all(axis=0) & np.isfinite(step).all(axis=(0, 2, 3))

@@ -152,8 +152,8 @@ def datum_of(mechanism: Mechanism, start_state: StartState | None = None) -> Dat
     """Where travels, distances and angles count from: the start, closed without the drivers of travels and
     paths.
 
-    Travels, paths and driven angles count from the position of ``start_state``, if there is one; free lengths are
-    those of the model's own start.
+    Travels, paths and driven angles count from the position of ``start_state``, if there is one; free lengths
+    are those of the model's own start.
     """
     [result] = datums([mechanism], start_state)
     if isinstance(result, VfifeError):

@@ -290,6 +290,8 @@ class ConstraintRows:
         lead = ex.shape[:-1]
         phi, entries = np.zeros((*lead, self.pattern.size)), np.empty((*lead, self.constant.shape[-1]))
         entries[...] = self.constant
+        # Kind by kind: all pins, then all guides of a sort. The order of constraints does not matter, since
+        # each has entries and rows of its own.
         for kind, (own, row, blocks) in self.pattern.groups:
             own_x, own_y, gap = arm[0][..., own], arm[1][..., own], (ex[..., own], ey[..., own])
             if kind == PINNED:
