@@ -55,7 +55,9 @@ def pictures(folder: Path) -> None:
     for law in told():
         if law["name"] not in WITHOUT:
             base: Any = ContactLaw if law["kind"] == "contact" else FrictionLaw
-            noun: Any = lawplot.made(base.registry[law["name"]], law["kind"], GIVEN.get(law["name"]), pair)
+            noun: Any = lawplot.build_law(
+                base.registry[law["name"]], law["kind"], GIVEN.get(law["name"]), pair
+            )
             _, what = (
                 lawplot.contact(noun, pair, 1.0, 1.0)
                 if law["kind"] == "contact"

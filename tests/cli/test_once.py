@@ -13,8 +13,8 @@ from vfife import modelfile
 from vfife.assembly import assemble as assembling
 from vfife.model import lumping
 from vfife.modelfile import read
+from vfife.results import provenance
 from vfife.simulation import start
-from vfife.store import provenance
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

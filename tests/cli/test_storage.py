@@ -162,7 +162,7 @@ def test_a_page_of_the_paper_is_whole_or_as_it_was(monkeypatch: pytest.MonkeyPat
 MADE: list[memoryview] = []
 
 
-def made_once(*args: Any, made: Any = export._made) -> memoryview:
+def made_once(*args: Any, made: Any = export._in_memory) -> memoryview:
     """The bytes of an export, which are always the same here and take a quarter of a second."""
     if not MADE:
         MADE.append(made(*args))
@@ -174,7 +174,7 @@ def made_once(*args: Any, made: Any = export._made) -> memoryview:
 def test_an_export_is_whole_or_not_there(
     command: Callable, kept: Path, monkeypatch: pytest.MonkeyPatch, fault: Any, there: bool
 ) -> None:
-    monkeypatch.setattr(export, "_made", made_once)
+    monkeypatch.setattr(export, "_in_memory", made_once)
     if there:
         Path("out.nc").write_text("before")
     for owner, name in ((files.Path, "open"), (files.os, "replace"), (files.os, "fsync")):

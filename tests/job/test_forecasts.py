@@ -63,9 +63,9 @@ def test_members_of_a_study_and_of_what_was_added_to_it(closed: Closed, tmp_path
     assert job.forecast.count == len(closed.computed) == 2 and job.last.done == job.last.steps == 2
     vary["joint.C.clearance"].append("0.3 mm")
     vfife.study(model, vary, "C.force.max", turns=2, file=tmp_path / "s.study", progress=job, force=True)
-    assert job.forecast.count == 3 and job.forecast.known == 0
+    assert job.forecast.count == 3 and job.forecast.done == 0
     vfife.study(model, vary, "C.force.max", turns=2, file=tmp_path / "s.study", progress=job)
-    assert (job.forecast.count, job.forecast.known) == (0, 3) and "nothing is left" in job.forecast.remarks[0]
+    assert (job.forecast.count, job.forecast.done) == (0, 3) and "nothing is left" in job.forecast.remarks[0]
 
 
 def test_machines_of_an_allocation(closed: Closed) -> None:

@@ -100,11 +100,11 @@ class CommandJob(Job):
             self.bars.__exit__(kind)
 
     @contextmanager
-    def at_work(self, name: str, kept: str = "") -> Iterator[None]:
+    def at_work(self, name: str, saved: str = "") -> Iterator[None]:
         """While the work goes on: an end with a sentence and an exit code where it cannot; ``name``: what
         faults are about; ``kept``: what a full disk leaves.
         """
-        with sentences(name), writing(str(self.target), kept):
+        with sentences(name), writing(str(self.target), saved):
             try:
                 yield
             except BaseException as error:
@@ -128,4 +128,4 @@ class StudyCommand(CommandJob):
             )
         saved = f"Members that ended are kept in {place}; the same command goes on after them."
         super().__init__(what, place, yes=yes, quiet=options.quiet, saved=saved)
-        self.kept = saved if place.exists() else ""
+        self.saved_before = saved if place.exists() else ""

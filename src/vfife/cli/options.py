@@ -5,7 +5,7 @@ read.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from inspect import Parameter, Signature
+from inspect import Parameter, Signature, cleandoc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, dataclass_transform, get_type_hints
 
@@ -81,7 +81,11 @@ def typer_function(function: Callable[[Any], None]) -> Callable[..., None]:
     def command(**values: Any) -> None:
         function(kind(**values))
 
-    command.__name__, command.__doc__ = function.__name__, function.__doc__
+    paragraphs = cleandoc(function.__doc__ or "").split("\n\n")
+    command.__name__, command.__doc__ = (
+        function.__name__,
+        "\n\n".join(" ".join(text.split()) for text in paragraphs),
+    )
     command.__annotations__ = {name: fields[name] for name in names}
     parameters = [
         Parameter(name, Parameter.KEYWORD_ONLY, default=getattr(kind, name), annotation=fields[name])
@@ -174,7 +178,7 @@ class FileOptions(Options):
     csv: Path | None = option(None, "Write it as a table.", "FILE.csv")
 
 
-# ------------------------------------------------------------------------------------------ options of studies
+# ---------------------------------------------------------------------------------------- options of studies
 
 ON_CARD = "Step members on an NVIDIA card (extra gpu); we have not tried it on one."
 CLUSTER = (
@@ -240,7 +244,7 @@ class StudyRunOptions(MemberOptions, LawOptions):
     yes: bool = flag("--yes", "Run whatever it takes: hours, or half the disk.")
 
 
-# -------------------------------------------------------------------------------------------------------------- reading
+# --------------------------------------------------------------------------------------------------- reading
 
 
 def overrides(texts: Iterable[str] | None) -> list[tuple[str, str]]:

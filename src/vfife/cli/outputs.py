@@ -23,7 +23,7 @@ def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[P
     """
     read = [path for one in inputs if one is not None for path in (one, *tables_of(one))]
     refusals: list[str] = []
-    seen: list[tuple[str, Path]] = []
+    targets_so_far: list[tuple[str, Path]] = []
     for option, path in targets:
         if path is None:
             continue
@@ -33,9 +33,9 @@ def refuse_inputs(targets: Iterable[tuple[str, Path | None]], inputs: Iterable[P
             refusals.append(
                 f"{option} {path}: this file is read, and would be written over; name another file"
             )
-        elif (other := next((word for word, one in seen if same(path, one)), None)) is not None:
+        elif (other := next((word for word, one in targets_so_far if same(path, one)), None)) is not None:
             refusals.append(f"{option} {path}: {other} is written there too; name another file")
-        seen.append((option, path))
+        targets_so_far.append((option, path))
     if refusals:
         raise ValueError("; ".join(refusals))
 
@@ -89,14 +89,14 @@ def refuse_endings(
 def refuse_ending(target: Path, endings: Sequence[str]) -> None:
     """Raise ValueError where the ending of a file is none of these."""
     if target.suffix.lower() not in endings:
-        known = f"{', '.join(endings[:-1])} and {endings[-1]}"
+        endings_text = f"{', '.join(endings[:-1])} and {endings[-1]}"
         raise ValueError(
             f'nothing is written as "{target.suffix or target.name}"; name a file such as {target.stem}.csv:'
-            f" there are {known}"
+            f" there are {endings_text}"
         )
 
 
-def refuse_taken(target: Path, force: bool) -> None:
+def refuse_existing(target: Path, force: bool) -> None:
     """Raise ValueError where a file cannot be written, or would replace another one without ``force``."""
     if target.is_dir():
         raise ValueError(f"this is a folder; name a file, such as out{target.suffix}")
@@ -117,7 +117,7 @@ def refuse_folder(option: str, target: Path) -> None:
         )
 
 
-def figure_beside(place: Path, kind: str, figure: Path | None, csv: Path | None, own_folder: bool) -> Path:
+def figure_path(place: Path, kind: str, figure: Path | None, csv: Path | None, own_folder: bool) -> Path:
     """Where the figure of a file of a ``kind`` goes; ``own_folder``: the folder of the file is made.
 
     Raises ValueError for a place that cannot be, or that is of another file.

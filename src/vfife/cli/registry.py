@@ -181,5 +181,5 @@ def load_command(name: str) -> Any:
 
 
 def add_command(group: typer.Typer, function: Callable[[Any], None], name: str | None = None) -> None:
-    """Add the function of a command, whose argument is its :class:`~vfife.cli.options.Options`, to a group."""
+    """Add a command to a group: a function of its :class:`~vfife.cli.options.Options`."""
     group.command(name, cls=Command)(typer_function(function))

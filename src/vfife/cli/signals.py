@@ -71,7 +71,7 @@ def listen() -> None:
 
 
 def rest() -> None:
-    """The command is done: what it printed goes out, and the process ends as it was about to, whatever comes."""
+    """The command is done: its output is flushed, and later signals do not change how the process ends."""
     NOW.saved = DONE
     try:
         sys.stdout.flush()

@@ -53,10 +53,10 @@ def command() -> str:
 
     called = sys.argv[0]
     if os.path.basename(called).partition(".")[0] == "vfife":
-        found = shutil.which("vfife")
+        program = shutil.which("vfife")
         return (
             "vfife"
-            if found and os.path.exists(called) and os.path.samefile(found, called)
+            if program and os.path.exists(called) and os.path.samefile(program, called)
             else shlex.quote(called)
         )
     if os.path.basename(called) == "__main__.py":
@@ -134,7 +134,7 @@ def sentences(name: str) -> Iterator[None]:
 
 
 @contextmanager
-def writing(name: str, kept: str = "") -> Iterator[None]:
+def writing(name: str, saved: str = "") -> Iterator[None]:
     """Ends with exit code 5 where something cannot be written: what, why, free bytes where these may be why,
     and what is ``kept``.
 
@@ -149,21 +149,21 @@ def writing(name: str, kept: str = "") -> Iterator[None]:
             if not at.parent.is_dir()
             else "Name another place"
         )
-        fail(f"{name}: {error.strerror or error}. {remedy}. {kept}".rstrip())
+        fail(f"{name}: {error.strerror or error}. {remedy}. {saved}".rstrip())
     except (OSError, MemoryError) as error:
         free = free_bytes(Path(getattr(error, "filename", None) or name))
         forbidden = isinstance(error, PermissionError) or getattr(error, "errno", None) == errno.EROFS
         room = "" if free is None or forbidden else f"; {free:,} bytes are free there"
-        said = (
+        sentence = (
             of_the_system(name, error)
             if isinstance(error, OSError)
             else f"{name}: there is not enough memory"
         )
-        fail(f"{said}{room}. {kept}".rstrip(), STORAGE)
+        fail(f"{sentence}{room}. {saved}".rstrip(), STORAGE)
     except ValueError as error:
         if not isinstance(error, StorageError):
             raise
-        fail(f"{error} {kept}".rstrip(), STORAGE)
+        fail(f"{error} {saved}".rstrip(), STORAGE)
 
 
 def of_the_system(name: str, error: OSError) -> str:

@@ -65,7 +65,7 @@ LONG, SHARE = (
 @dataclass(frozen=True)
 class Forecast:
     """The cost of work that is left: ``count`` runs (called by the ``noun``) of ``steps`` steps, beside
-    ``known`` ones that are in the file.
+    those ``done`` that are in the file.
 
     ``seconds`` on this machine without other load, with so many ``threads`` of ``lanes``; bytes of ``memory``
     and on the ``disk``. ``work`` are words for what is computed, in place of those of count and steps;
@@ -78,7 +78,7 @@ class Forecast:
     seconds: float = 0.0
     memory: float = LIBRARIES
     disk: float = 0.0
-    known: int = 0
+    done: int = 0
     threads: int = 1
     lanes: int = 1
     work: str = ""
@@ -111,8 +111,8 @@ class Forecast:
 
     def sentence(self, place: Path | None) -> str:
         """The forecast in a line."""
-        known = f" beside {self.known:,} that are there" if self.known else ""
-        work = self.work or f"{counted(self.count, self.noun)}{known}, some {self.steps:,.0f} steps each"
+        done = f" beside {self.done:,} that are there" if self.done else ""
+        work = self.work or f"{counted(self.count, self.noun)}{done}, some {self.steps:,.0f} steps each"
         lanes = f" of {counted(self.lanes, 'lane')}" if self.lanes > 1 else ""
         disk = f", {amount_of_bytes(self.disk)} in {place}" if place is not None and self.disk else ""
         return f"{work}: {span(self.seconds)} with {counted(self.threads, 'thread')}{lanes}{disk}{self.note}."
@@ -131,12 +131,12 @@ def physical_memory() -> int | None:
         return None
 
 
-# ------------------------------------------------------------------------------------------------------------------ runs
+# ------------------------------------------------------------------------------------------------------ runs
 
 
 @dataclass(frozen=True)
 class RunCost:
-    """The cost of one run: loop, time of a step (ns), of all of it and of a first compilation (s), rows of the
+    """Cost of one run: loop, time of a step (ns), of all of it and of a first compilation (s), rows of the
     state, bytes of the record; time of the ideal reference, and of the steps of the run without its
     companions; bytes of memory and on the disk. Of an automatic step the first try is meant.
     """
@@ -210,7 +210,7 @@ def _alone(assembly: Assembly) -> RunCost:
     return RunCost(loop, step, 1e-9 * step * steps, compilation, assembly.layout.rows, size)
 
 
-# --------------------------------------------------------------------------------------------------------------- measured
+# -------------------------------------------------------------------------------------------------- measured
 
 
 def timed(work: Callable[[], Any]) -> float:
@@ -234,7 +234,7 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
     return timed(lambda: run(short, companions=companions)) / short.choice.steps
 
 
-# ------------------------------------------------------------------------------------------------------------------ lanes
+# ----------------------------------------------------------------------------------------------------- lanes
 
 
 @dataclass(frozen=True)
@@ -272,6 +272,6 @@ def pilot(once: Callable[[int], Any], turns: int, count: int, width: float = mat
     first = timed(lambda: once(1)) / count
     if turns == 1:
         return Stream(0.5 * first, 0.5 * first, width)
-    more = min(turns, 4)
-    turn = max(0.0, (timed(lambda: once(more)) / count - first) / (more - 1))
+    spare = min(turns, 4)
+    turn = max(0.0, (timed(lambda: once(spare)) / count - first) / (spare - 1))
     return Stream(max(first - turn, 0.0), turn * turns, width)

@@ -14,13 +14,13 @@ from ..schema import (
     Choice,
     Each,
     Inner,
+    Integer,
     Many,
     Measure,
     Named,
     Names,
     Text,
     Value,
-    Whole,
     described,
     quantity,
 )
@@ -224,7 +224,7 @@ class Link(Body):
         "m", "centre of mass, from the start; the middle if left out", None, only=("rigid",)
     )
     elements: int = described(
-        Whole(1, MOST_ELEMENTS), "number of frame elements of an elastic link", 4, only=("elastic",)
+        Integer(1, MOST_ELEMENTS), "number of frame elements of an elastic link", 4, only=("elastic",)
     )
     section: Section | None = described(Inner(Section), "cross section", None)
     release: Release = described(
@@ -325,7 +325,7 @@ class Member:
 
     start: str = described(Text(), "node where it starts")
     end: str = described(Text(), "node where it ends")
-    elements: int = described(Whole(1, MOST_ELEMENTS), "number of frame elements", 1)
+    elements: int = described(Integer(1, MOST_ELEMENTS), "number of frame elements", 1)
     section: Section | None = described(Inner(Section), "cross section; that of the frame if left out", None)
     material: Material | None = described(
         Named(Material), "name of a material; that of the frame if left out", None

@@ -26,13 +26,13 @@ from ..schema import (
     Each,
     Field,
     Inner,
+    Integer,
     Many,
     Measure,
     Named,
     Names,
     Switch,
     Value,
-    Whole,
     described_fields,
     key_of,
     meaning_of,
@@ -189,7 +189,7 @@ def annotation_of(held: Value) -> str:
     named = {"body": "str | Body", "joint": "str | Joint"}
     return (
         "int"
-        if isinstance(held, Whole)
+        if isinstance(held, Integer)
         else "bool"
         if isinstance(held, Switch)
         else named.get(getattr(held, "refers", ""), "str")

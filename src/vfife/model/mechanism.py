@@ -13,11 +13,11 @@ from ..schema import (
     Each,
     Entries,
     Inner,
+    Integer,
     Many,
     Measure,
     Names,
     Text,
-    Whole,
     described,
     quantity,
 )
@@ -100,15 +100,15 @@ class Settings:
         'time step, or "auto" for the largest that is stable and accurate',
         "auto",
     )
-    outputs: int = described(Whole(1, 100_000_000), "outputs per turn; per run without a crank", 720)
+    outputs: int = described(Integer(1, 100_000_000), "outputs per turn; per run without a crank", 720)
     parts: int = described(
-        Whole(1, 64),
+        Integer(1, 64),
         "smaller steps in which a step is taken again when something begins, ends or changes in it; 1: as it"
         " is, as in the paper",
         8,
     )
     companions: int | Literal["auto"] = described(
-        Whole(0, MOST_COMPANIONS, words=("auto",)),
+        Integer(0, MOST_COMPANIONS, words=("auto",)),
         'runs with other step sizes, which estimate the error of a run with contact; "auto" for three, 0 for'
         " none",
         "auto",
@@ -127,7 +127,7 @@ class Settings:
         above=0.0,
     )
     damping: float = quantity("1/s", "mass-proportional damping", 0.0, low=0.0)
-    path_unit: int = described(Whole(1, 1_000_000), "steps in a path unit of the elements", 1)
+    path_unit: int = described(Integer(1, 1_000_000), "steps in a path unit of the elements", 1)
     analysis: Literal["dynamic", "static"] = described(
         Choice(("dynamic", "static")),
         "dynamic: motion over time; static: equilibrium under each of the load factors",
@@ -156,7 +156,7 @@ class Settings:
         only=STATIC,
     )
     iterations: int = described(
-        Whole(1, 1_000_000_000),
+        Integer(1, 1_000_000_000),
         "of a static analysis: most iterations for a load factor",
         1_000_000,
         only=STATIC,

@@ -124,7 +124,7 @@ class ScriptReading(Reading):
             if kind is Section:
                 return read_section(self, path, value)
             before = len(self.faults)
-            return self.made(
+            return self.build(
                 kind,
                 self.values(path, {field.name: field for field in described_fields(kind)}, value),
                 before,

@@ -42,23 +42,23 @@ def expand(raw: Raw, file: str | None) -> list[Fault]:
             if CSV not in holder:
                 continue
             path: Path = (section, name, CSV)
-            told = holder.pop(CSV)
+            file_name = holder.pop(CSV)
             try:
                 held = units_of(columns, holder, section)
-                found = read(told, file, held)
-                for key in found:
+                columns_read = read(file_name, file, held)
+                for key in columns_read:
                     if key in holder:
                         raise Fault(
                             "",
-                            f"{told} has a column for {key}, which the model has too",
+                            f"{file_name} has a column for {key}, which the model has too",
                             "",
                             "",
                             "remove one of the two",
                         )
             except Fault as fault:
-                broken.append(in_file(fault, told, path))
+                broken.append(in_file(fault, file_name, path))
             else:
-                holder.update(found)
+                holder.update(columns_read)
     for name, holder in entries(raw, "joint"):
         law = holder.get("contact")
         if isinstance(law, dict):
@@ -78,15 +78,17 @@ def expand_curves(holder: Raw, file: str | None, path: Path = ()) -> list[Fault]
     """Puts the points of CSV files in the place of their names in the table of a law that is a table."""
     broken = []
     for key in CURVES if holder.get("law") == TABULATED else ():
-        if not isinstance(told := holder.get(key), str):
+        if not isinstance(name := holder.get(key), str):
             continue
         try:
-            found = read(told, file, CURVE)
+            columns_read = read(name, file, CURVE)
         except Fault as fault:
-            broken.append(in_file(fault, told, (*path, key)))
+            broken.append(in_file(fault, name, (*path, key)))
             holder[key] = []
         else:
-            points = [list(point) for point in zip(found["penetrations"], found["force"], strict=True)]
+            points = [
+                list(point) for point in zip(columns_read["penetrations"], columns_read["force"], strict=True)
+            ]
             holder[key] = points if points[0][0] <= points[-1][0] else points[::-1]
     return broken
 
@@ -102,9 +104,9 @@ def units_of(columns: Mapping[str, str], holder: Raw, section: str) -> dict[str,
     }
 
 
-def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, list[float]]:
+def read(name: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, list[float]]:
     """Lists of numbers in SI units by key. Raises Fault."""
-    text = contents(told, file)
+    text = contents(name, file)
     lines = [line for line in text.splitlines() if line.strip()]
     first = next((line for line in lines if not line.lstrip().startswith("#")), "")
     delimiter = max(",;\t", key=first.count)
@@ -118,7 +120,7 @@ def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
             else "its first line does not name two columns"
         )
         raise Fault("", what, shown(first), "", 'begin with a line such as "angle (deg), force (kN)"')
-    found: dict[str, list[float]] = {key: [] for key, _ in keys}
+    columns_read: dict[str, list[float]] = {key: [] for key, _ in keys}
     for line, row in rows:
         if len(row) != len(keys):
             raise Fault(
@@ -128,15 +130,19 @@ def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
                 f"{len(keys)} values",
                 "give each column one",
             )
-        if len(found[keys[0][0]]) >= MOST_ROWS:
+        if len(columns_read[keys[0][0]]) >= MOST_ROWS:
             raise Fault("", f"line {line} is too many", "", f"at most {MOST_ROWS} rows", "thin the table out")
         for column, ((key, unit), cell) in enumerate(zip(keys, row, strict=True), 1):
-            found[key].append(
+            columns_read[key].append(
                 cell_of(
                     cell, unit, columns[key], f"line {line}, column {column} ({heads[column - 1].strip()})"
                 )
             )
-            if key in AXES and len(found[key]) > 1 and not found[key][-1] > found[key][-2]:
+            if (
+                key in AXES
+                and len(columns_read[key]) > 1
+                and not columns_read[key][-1] > columns_read[key][-2]
+            ):
                 where = f"line {line}, column {column} ({heads[column - 1].strip()})"
                 raise Fault(
                     "",
@@ -145,15 +151,17 @@ def read(told: Any, file: str | None, columns: Mapping[str, str]) -> dict[str, l
                     "",
                     "sort the rows, and keep one for each place",
                 )
-    if len(found[keys[0][0]]) < 2:
-        raise Fault("", f"{told} has {len(found[keys[0][0]])} rows of numbers", "", "two or more", "add more")
-    return found
+    if len(columns_read[keys[0][0]]) < 2:
+        raise Fault(
+            "", f"{name} has {len(columns_read[keys[0][0]])} rows of numbers", "", "two or more", "add more"
+        )
+    return columns_read
 
 
-def contents(told: Any, file: str | None) -> str:
+def contents(name: Any, file: str | None) -> str:
     """The text of a file beside the model. Raises Fault."""
-    if not isinstance(told, str):
-        raise Fault("", f"this is {kind_of(told)}", shown(told), "the name of a CSV file", "put it in quotes")
+    if not isinstance(name, str):
+        raise Fault("", f"this is {kind_of(name)}", shown(name), "the name of a CSV file", "put it in quotes")
     if file is None:
         raise Fault(
             "",
@@ -162,15 +170,15 @@ def contents(told: Any, file: str | None) -> str:
             "",
             "read it from its file, or write the lists into it",
         )
-    folder, path = FilePath(file).resolve().parent, FilePath(told)
+    folder, path = FilePath(file).resolve().parent, FilePath(name)
     try:
-        found = (folder / path).resolve()
-        there = found.is_file()
+        columns_read = (folder / path).resolve()
+        there = columns_read.is_file()
     except (OSError, RuntimeError, ValueError):  # too long, a link to itself, a character that no name has
         raise Fault(
             "", "this is no name of a file", "", "a file beside the model", "correct the name"
         ) from None
-    if path.is_absolute() or path.drive or not found.is_relative_to(folder):
+    if path.is_absolute() or path.drive or not columns_read.is_relative_to(folder):
         raise Fault(
             "",
             "this leads out of the folder of the model",
@@ -179,16 +187,16 @@ def contents(told: Any, file: str | None) -> str:
             "copy it there",
         )
     if not there:
-        near = [one.name for one in found.parent.glob("*.csv")] if found.parent.is_dir() else []
+        near = [one.name for one in columns_read.parent.glob("*.csv")] if columns_read.parent.is_dir() else []
         raise Fault(
             "",
             "there is no such file beside the model",
             "",
             "",
-            suggestion(told, near, f"put it into {folder}"),
+            suggestion(name, near, f"put it into {folder}"),
         )
     try:
-        data = read_bytes(found, LARGEST)
+        data = read_bytes(columns_read, LARGEST)
     except OSError as error:
         if error.errno == errno.EFBIG:
             raise Fault(

@@ -34,7 +34,7 @@ Json = dict[str, Any]
 DIALECT = "http://json-schema.org/draft-07/schema#"
 IDENTITY = "urn:vfife:model"
 TITLE = "Model file of vfife"
-BESIDE: Json = {
+CSV_FILE: Json = {
     "type": "string",
     "description": "a CSV file beside the model with the columns of a table, as in: angle (deg), force (kN)",
 }
@@ -51,10 +51,10 @@ def model_schema() -> Json:
     properties = {}
     for key, field in Table(Mechanism).fields.items():
         held = value_of(field)
-        told: Json = {"$ref": reference(held.noun)} if isinstance(held, Inner) else held.json()
+        schema: Json = {"$ref": reference(held.noun)} if isinstance(held, Inner) else held.json()
         if isinstance(held, Entries):
-            told = {"type": "object", "additionalProperties": one_of(named_tables(key, definitions))}
-        properties[key] = {**told, "description": described(meaning_of(field), held)}
+            schema = {"type": "object", "additionalProperties": one_of(named_tables(key, definitions))}
+        properties[key] = {**schema, "description": described(meaning_of(field), held)}
         if field.default is not dataclasses.MISSING:
             properties[key]["default"] = plain(field.default)
     materials = "materials by name, beside those of `vfife materials`"
@@ -65,7 +65,7 @@ def model_schema() -> Json:
     }
     for noun, header in ((Material, "[material.NAME]"), (Settings, "[run]"), (StartSettings, "[start]")):
         definitions[f"{noun.__name__}Table"] = noun_table(
-            Table(noun, whole=noun is Material), header, definitions
+            Table(noun, complete=noun is Material), header, definitions
         )
     laws = {f"{kind}_law": {"oneOf": list(law_tables(kind))} for kind in LAWS}
     heads = {"$schema": DIALECT, "$id": IDENTITY, "title": TITLE, "description": "A model file."}
@@ -130,7 +130,7 @@ def noun_table(what: Table, header: str, definitions: Json) -> Json:
     for key, (held, meaning) in getattr(what.noun, "shapes", {}).items():
         properties[key] = {**held.json(), "description": described(meaning, held)}
     if getattr(what.noun, "tabled", False):
-        properties[CSV] = BESIDE
+        properties[CSV] = CSV_FILE
     return closed(f"{header}: {summary(what.noun)}", properties, what.needed)
 
 
@@ -142,7 +142,7 @@ def driver_table(target: str) -> Json:
         properties[key] = entry(what.fields[key], what.value(key), what.along)
         if not must and key not in TARGETS[target]:
             properties[key].pop("default", None)
-    properties[CSV] = BESIDE
+    properties[CSV] = CSV_FILE
     needed = tuple(key for key, (_, must) in keys.items() if must)
     return closed(f"[driver.NAME] of a {target}: {DRIVERS}", properties, needed)
 
@@ -173,17 +173,17 @@ def nouns_in(held: Value) -> Iterator[type]:
 
 def entry(field: Field, held: Value, along: bool = False) -> Json:
     """What a key may be."""
-    told = {**held.json(), "description": described(meaning_of(field, along), held)}
+    schema = {**held.json(), "description": described(meaning_of(field, along), held)}
     default = (
         field.default
         if field.default_factory is dataclasses.MISSING or isinstance(held, Chosen)
         else field.default_factory()
     )
     if isinstance(default, Material):
-        told["default"] = default.name
+        schema["default"] = default.name
     elif default not in (None, dataclasses.MISSING, ""):
-        told["default"] = plain(default)
-    return told
+        schema["default"] = plain(default)
+    return schema
 
 
 def described(meaning: str, held: Value) -> str:
@@ -216,10 +216,10 @@ def law_tables(kind: str) -> Iterator[Json]:
 
 def parameter(field: Field) -> Json:
     """What a parameter of a law may be; its unit may wait for the law's exponent."""
-    told = entry(field, value_of(field))
+    schema = entry(field, value_of(field))
     unit = field.metadata["unit"]
-    if "x-unit" in told and told["x-unit"] != unit:
-        told["x-unit"] = unit
-        limits = [part for part in (unit, told["x-limits"]) if part]
-        told["description"] = f"{meaning_of(field)} [{', '.join(limits)}]"
-    return told
+    if "x-unit" in schema and schema["x-unit"] != unit:
+        schema["x-unit"] = unit
+        limits = [part for part in (unit, schema["x-limits"]) if part]
+        schema["description"] = f"{meaning_of(field)} [{', '.join(limits)}]"
+    return schema

@@ -55,14 +55,14 @@ class Parameter:
     def __init__(self, model: Mechanism | Raw, path: str) -> None:
         self.mechanism = model if isinstance(model, Mechanism) else None
         parts = tuple(part.strip() for part in path.split("."))
-        found = held_by(self.mechanism, parts) if self.mechanism is not None else None
+        place = held_by(self.mechanism, parts) if self.mechanism is not None else None
         self.steps: Path | None = (
             None  # attributes, names and indices from the mechanism to the number, where an object holds it
         )
         self.keys: Path
         self.field: Value | None
-        if found is not None:
-            self.keys, self.steps, self.field = found
+        if place is not None:
+            self.keys, self.steps, self.field = place
         else:
             self.tables = tables_of(model) if isinstance(model, Mechanism) else model
             self.keys = resolve(self.tables, path)
@@ -152,22 +152,22 @@ class Parameter:
 
 
 def with_values(mechanism: Mechanism, values: Mapping[str, Any]) -> Mechanism:
-    """The mechanism with other values, by their paths. Raises Fault or ModelError with all that cannot be so."""
-    found = mechanism
+    """The mechanism with other values, by their paths. Raises Fault or ModelError with all faults."""
+    changed = mechanism
     for path, value in values.items():
-        parameter = Parameter(found, path)
+        parameter = Parameter(changed, path)
         if parameter.steps is None:
             return of_tables(tables_of(mechanism), values.items())
-        found = parameter.set(value)
-    return found
+        changed = parameter.set(value)
+    return changed
 
 
 def holds(mechanism: Mechanism, path: str, value: float) -> bool:
     """Whether an object of the mechanism has that very number at a full path: not of a shared material, nor
     of one that others follow from.
     """
-    found = held_by(mechanism, path.split("."))
-    return found is not None and Parameter(mechanism, path).get() == value
+    place = held_by(mechanism, path.split("."))
+    return place is not None and Parameter(mechanism, path).get() == value
 
 
 def numbers(mechanism: Mechanism) -> dict[str, float]:

@@ -22,7 +22,7 @@ from .tables import (
     Table,
     body_table,
     entries,
-    known_keys,
+    keys_at,
     law_fields,
     slots_at,
     table,
@@ -32,21 +32,21 @@ from .tables import (
 
 def override(raw: Raw, items: Iterable[tuple[str, Any]]) -> tuple[list[Fault], set[Path]]:
     """Sets the values in the raw tables; returns faults of their paths, and the paths set."""
-    faults, given = [], set()
+    faults, paths_set = [], set()
     for text, value in items:
         try:
             path = resolve(raw, text)
             assign(raw, path, parsed(value) if isinstance(value, str) else copy.deepcopy(value))
-            given.add(path)
+            paths_set.add(path)
         except Fault as fault:
             faults.append(fault.at(f"path {shown(text)} (given by set)"))
-    for path in given:
-        clear_idle(raw, path, given)
-    return faults, given
+    for path in paths_set:
+        clear_idle(raw, path, paths_set)
+    return faults, paths_set
 
 
 def parsed(text: str) -> Any:
-    """A TOML value if the text is one, else the text itself: 0.5, true, [1, 2] and "0.5 mm", quoted or not."""
+    """A TOML value if the text is one, as 0.5, true and [1, 2], else the text itself, as "0.5 mm"."""
     try:
         values = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
@@ -61,7 +61,7 @@ def resolve(raw: Raw, text: str) -> Path:
     parts: list[str | int] = [part.strip() for part in text.split(".")]
     if not all(parts):
         raise Fault("", "a path is names joined by dots", remedy='write it as in "joint.C.clearance"')
-    top = known_keys(()) or ()
+    top = keys_at(()) or ()
     if parts[0] not in top:
         raise Fault(
             "", f"there is nothing called {parts[0]!r} at the top of a model", remedy=nearest(raw, text)
@@ -80,23 +80,23 @@ def resolve(raw: Raw, text: str) -> Path:
 def entry(raw: Raw, section: str, name: str, text: str) -> str:
     """The name in a section that is meant."""
     if section == "material" and name in MATERIALS:
-        known = MATERIALS[name]
+        material = MATERIALS[name]
         materials = raw.setdefault("material", {})
         if isinstance(materials, dict):
             materials.setdefault(
                 name,
-                {key: value for key, value in vars(known).items() if key != "name" and value is not None},
+                {key: value for key, value in vars(material).items() if key != "name" and value is not None},
             )
     if name in table(raw, section):
         return name
-    found = [joint for joint, ends in connected(raw) if name in ends] if section == "joint" else []
-    if len(found) == 1:
-        return found[0]
-    if found:
+    joints = [joint for joint, ends in connected(raw) if name in ends] if section == "joint" else []
+    if len(joints) == 1:
+        return joints[0]
+    if joints:
         raise Fault(
             "",
             f"more than one joint connects {name}",
-            remedy=f"name the one that is meant: {' or '.join(found)}",
+            remedy=f"name the one that is meant: {' or '.join(joints)}",
         )
     raise Fault("", f"there is no {section} {name!r}", remedy=nearest(raw, text))
 
@@ -108,24 +108,24 @@ def connected(raw: Raw) -> Iterator[tuple[str, tuple[str, str]]]:
         yield name, (f"{one}-{two}", f"{two}-{one}")
 
 
-def step(raw: Raw, above: Path, part: str, text: str) -> str | int:
+def step(raw: Raw, parent: Path, part: str, text: str) -> str | int:
     """The key or index that ``part`` names in what is at ``above``."""
     here: Any = raw
-    for key in above:
+    for key in parent:
         here = here.get(key, {}) if isinstance(here, dict) else here[key]
     if isinstance(here, list):
         if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(here):
             return int(part)
         raise Fault(
             "",
-            f"{'.'.join(map(str, above))} is a list of {len(here)}",
+            f"{'.'.join(map(str, parent))} is a list of {len(here)}",
             remedy=f"end the path in a number from 0 to {len(here) - 1}",
         )
     if not isinstance(here, dict):
-        raise Fault("", f"{'.'.join(map(str, above))} is a value, not a table", remedy=nearest(raw, text))
-    known = known_keys(above)
-    if part not in here and (known is None or part not in known):
-        raise Fault("", f"there is no {part!r} in {'.'.join(map(str, above))}", remedy=nearest(raw, text))
+        raise Fault("", f"{'.'.join(map(str, parent))} is a value, not a table", remedy=nearest(raw, text))
+    keys = keys_at(parent)
+    if part not in here and (keys is None or part not in keys):
+        raise Fault("", f"there is no {part!r} in {'.'.join(map(str, parent))}", remedy=nearest(raw, text))
     return part
 
 
@@ -138,14 +138,14 @@ def paths(raw: Raw) -> Iterator[str]:
     """Paths that this model has, and those that it could have besides."""
     yield from leaves(raw, "")
     for section in ("run", "start"):
-        yield from (f"{section}.{key}" for key in known_keys((section,)) or ())
+        yield from (f"{section}.{key}" for key in keys_at((section,)) or ())
     for name, ends in connected(raw):
-        yield from (f"joint.{name}.{key}" for key in known_keys(("joint", name)) or ())
+        yield from (f"joint.{name}.{key}" for key in keys_at(("joint", name)) or ())
         yield from (f"joint.{ends[0]}.{key}" for key in table(raw, "joint", name))
     for section in ("body", "gear", "spring", "driver", "load"):
         for name, _ in entries(raw, section):
-            yield from (f"{section}.{name}.{key}" for key in known_keys((section, name)) or ())
-    yield from (key for key in known_keys(()) or () if not isinstance(raw.get(key), dict))
+            yield from (f"{section}.{name}.{key}" for key in keys_at((section, name)) or ())
+    yield from (key for key in keys_at(()) or () if not isinstance(raw.get(key), dict))
 
 
 def leaves(value: Any, path: str, depth: int = 6) -> Iterator[str]:
@@ -165,7 +165,7 @@ def assign(raw: Raw, path: Path, value: Any) -> None:
     here[path[-1]] = value
 
 
-def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
+def clear_idle(raw: Raw, path: Path, paths_set: set[Path]) -> None:
     """Where a model, a kind or a law is set, drops what the file says beside it and the new one has no use
     for.
 
@@ -179,12 +179,12 @@ def clear_idle(raw: Raw, path: Path, given: set[Path]) -> None:
         idle = [key for key in holder if what.idle(key, holder)]
     elif path[0] in FAMILIES and path[2:] == ("kind",):
         chosen = [what for what in tables(str(path[0])) if what.word == value]
-        idle = set(known_keys((path[0], "")) or ()) - set(chosen[0].keys) if chosen else ()
+        idle = set(keys_at((path[0], "")) or ()) - set(chosen[0].keys) if chosen else ()
     elif path[0] == "joint" and len(path) == 4 and path[3] == "law" and path[2] in LAWS:
         law = LAWS[str(path[2])].known().get(str(value))
         idle = set(holder) - {"law", *law_fields(law)} if law else ()
     for key in idle:
-        if not any(have[: len(path)] == (*path[:-1], key) for have in given):
+        if not any(have[: len(path)] == (*path[:-1], key) for have in paths_set):
             holder.pop(key, None)
 
 
@@ -202,8 +202,8 @@ def field_at(raw: Raw, path: Path) -> Value | None:
 def default_at(raw: Raw, path: Path) -> Any:
     """The value (SI) at a path where a file leaves it out; None where there is none."""
     slot = slot_at(raw, path)
-    if path[-1] == "law" and (above := slot_at(raw, path[:-1])) and isinstance(above.held, Chosen):
-        return DEFAULTS[above.held.word].name
+    if path[-1] == "law" and (law_slot := slot_at(raw, path[:-1])) and isinstance(law_slot.held, Chosen):
+        return DEFAULTS[law_slot.held.word].name
     return (
         None
         if slot is None or slot.field is None or slot.field.default is dataclasses.MISSING

@@ -27,7 +27,7 @@ SQLITE, MARK = (
     b"SQLite format 3\0",
     slice(68, 72),
 )  # how such a file begins, and where its header says whose it is
-KEPT = {
+OWN_FILES = {
     b"VFIF": (
         "this is what a run was kept in",
         "see vfife info, plot, report, impacts and resume, or name its model.toml",
@@ -40,11 +40,11 @@ KEPT = {
 }
 
 
-def kept(data: bytes) -> Fault | None:
+def own_file_fault(data: bytes) -> Fault | None:
     """The fault that one of our own files is, whatever was meant to be read; None for any other file."""
-    if not data.startswith(SQLITE) or data[MARK] not in KEPT:
+    if not data.startswith(SQLITE) or data[MARK] not in OWN_FILES:
         return None
-    what, remedy = KEPT[data[MARK]]
+    what, remedy = OWN_FILES[data[MARK]]
     return Fault("file", what, "", "a text", remedy)
 
 
@@ -96,15 +96,15 @@ def text_of(path: str | FilePath) -> str:
         fault = Fault(
             f"byte {error.start}", "the text is not UTF-8", "", "", "save the file in this encoding"
         )
-        raise ModelError([kept(data) or fault], str(path)) from None
+        raise ModelError([own_file_fault(data) or fault], str(path)) from None
 
 
-def raw_of(text: str, known_as: str) -> Raw:
+def raw_of(text: str, file: str) -> Raw:
     """The tables of a text. Raises ModelError where it is no TOML."""
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ModelError([syntax_fault(text, error)], known_as) from None
+        raise ModelError([syntax_fault(text, error)], file) from None
 
 
 def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
@@ -116,28 +116,28 @@ def of_tables(raw: Raw, set: Items = (), file: str | None = None, text: str = ""
     """The mechanism of a model file's tables, in which the values of ``set`` are put; faults have their lines
     in the ``text``. See :func:`load`.
     """
-    faults, given = override(raw, set)
+    faults, paths_set = override(raw, set)
     broken = expand(raw, file)
-    reading = Written(raw, given)
+    reading = Written(raw, paths_set)
     mechanism = reading.mechanism()
     faults += reading.faults
-    faults += whole(mechanism, reading)
+    faults += cross_faults(mechanism, reading)
     if broken:  # what else is said of their tables comes of the numbers that are missing
         tables = tuple(place((*fault.path[:2], "")) for fault in broken)
         faults = [fault for fault in faults if not fault.where.startswith(tables)]
-        faults += [fault.at(fault.path, given) for fault in broken]
+        faults += [fault.at(fault.path, paths_set) for fault in broken]
     faults = faults or check_laws(mechanism)
     if faults:
-        locate(faults, text, given)
+        locate(faults, text, paths_set)
         raise ModelError(faults, file or "model")
     return replace(mechanism, source=file)
 
 
-def whole(mechanism: Mechanism, reading: Written) -> list[Fault]:
+def cross_faults(mechanism: Mechanism, reading: Written) -> list[Fault]:
     """Faults that no table shows alone, with values as they are written."""
-    raw, given = reading.raw, reading.given
-    told = [fault.path for fault in reading.faults]
-    checks = Checks(mechanism, told, given, lambda path: written(raw, path))
+    raw, paths_set = reading.raw, reading.given
+    faulty_paths = [fault.path for fault in reading.faults]
+    checks = Checks(mechanism, faulty_paths, paths_set, lambda path: written(raw, path))
     for name in table(raw, "material"):
         check_name(checks, ("material", name))
     return across(checks)
@@ -159,16 +159,16 @@ def syntax_fault(text: str, error: Exception) -> Fault:
             "",
             "a model needs no more than lists of numbers",
         )
-    said, _, place_said = str(error).partition(" (at ")
-    what, where = f"this is no TOML: {said}", place_said.rstrip(")") or "file"
+    message, _, position = str(error).partition(" (at ")
+    what, where = f"this is no TOML: {message}", position.rstrip(")") or "file"
     if where == "end of document":
         where = f"line {text.count(chr(10)) + 1}, column {len(text) - text.rfind(chr(10))} (the end)"
-    if found := re.match(r"line (\d+), column (\d+)", where):
-        line = text.splitlines()[int(found[1]) - 1 : int(found[1])]
+    if match := re.match(r"line (\d+), column (\d+)", where):
+        line = text.splitlines()[int(match[1]) - 1 : int(match[1])]
         what += f", in {shown(line[0].strip())}" if line else ""
     remedy = "put texts and quantities with units in quotes, and close every quote and bracket"
-    if "overwrite" in said or "twice" in said:
+    if "overwrite" in message or "twice" in message:
         remedy = "give each key and each table once"
-    elif "digits" in said:
+    elif "digits" in message:
         what, remedy = "this is no TOML: a number of thousands of digits", "shorten it"
     return Fault(where, what, "", "", remedy)

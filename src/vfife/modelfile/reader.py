@@ -20,8 +20,8 @@ from .tables import (
     Raw,
     Table,
     body_table,
+    keys_at,
     kind_table,
-    known_keys,
     strangeness,
     table,
     tables,
@@ -45,47 +45,49 @@ def driver_of(by: Written, path: Path, holder: Any) -> Any:
     leads: dict[str, list[Table]] = {}
     for one in kinds:
         leads.setdefault(lead(one), []).append(one)
-    told = [key for key in leads if key in holder]
-    told = [
+    leading = [key for key in leads if key in holder]
+    leading = [
         key
-        for key in told
-        if not any(key in one.fields for other in told if other != key for one in leads[other])
+        for key in leading
+        if not any(key in one.fields for other in leading if other != key for one in leads[other])
     ]
     strange = {lead(one) for one in tables("driver")} & set(holder) - set(leads)
-    if len(told) != 1 and not strange:
-        said = f"{' and '.join(told)} exclude each other" if told else "nothing says what the driver does"
-        by.refuse((*path, ""), said, "", limits(leads), "give one of these")
-    among = leads[told[0]] if len(told) == 1 else kinds
+    if len(leading) != 1 and not strange:
+        sentence = (
+            f"{' and '.join(leading)} exclude each other" if leading else "nothing says what the driver does"
+        )
+        by.refuse((*path, ""), sentence, "", limits(leads), "give one of these")
+    among = leads[leading[0]] if len(leading) == 1 else kinds
     what = min(among, key=lambda one: strangeness(one, holder))
-    found: dict[str, Any] = {} if target != "body" or "body" in holder else {"body": path[1]}
+    values: dict[str, Any] = {} if target != "body" or "body" in holder else {"body": path[1]}
     before = len(by.faults)
     for key, value in holder.items():
         users = [what] if key in what.fields else [one for one in kinds if key in one.fields]
         if not users:
             unknown(by, (*path, key), target, value)
-        elif users[0] is what or len(told) != 1:
-            found[users[0].fields[key].name] = users[0].value(key).read(value, (*path, key), by)
+        elif users[0] is what or len(leading) != 1:
+            values[users[0].fields[key].name] = users[0].value(key).read(value, (*path, key), by)
         else:
             owners = dict.fromkeys(map(lead, users))
             by.refuse(
                 (*path, key),
-                f"{key} goes with {' or '.join(owners)}, not with {told[0]}",
+                f"{key} goes with {' or '.join(owners)}, not with {leading[0]}",
                 shown(value),
                 "",
                 "remove it",
             )
-    if len(told) != 1:
+    if len(leading) != 1:
         return None
     by.shapes.append((path, what, holder))
     for key in what.needed:
         if key not in holder:
-            said = (
-                f"{told[0]} and {key} go together, and {key} is missing"
+            sentence = (
+                f"{leading[0]} and {key} go together, and {key} is missing"
                 if key.endswith("s")
-                else f"{told[0]} needs a {key}, which is missing"
+                else f"{leading[0]} needs a {key}, which is missing"
             )
-            by.refuse((*path, key), said, "", "", "add it")
-    return by.made(what.noun, found, before)
+            by.refuse((*path, key), sentence, "", "", "add it")
+    return by.build(what.noun, values, before)
 
 
 def lead(one: Table) -> str:
@@ -112,8 +114,8 @@ def limits(leads: dict[str, list[Table]]) -> str:
 
 def unknown(by: Written, path: Path, target: str, value: Any) -> None:
     """A key that no driver of this target has."""
-    key, known = str(path[-1]), known_keys(path[:-1]) or ()
-    if key not in known:
+    key, keys = str(path[-1]), keys_at(path[:-1]) or ()
+    if key not in keys:
         by.unknown(path, value)
         return
     efforts = {lead(one) for one in tables("driver") if not one.noun.moves}
@@ -123,12 +125,12 @@ def unknown(by: Written, path: Path, target: str, value: Any) -> None:
 
 def merged(target: str) -> dict[str, tuple[Table, bool]]:
     """Keys of all drivers of a target, each with a table that has it; whether it must be there."""
-    found: dict[str, tuple[Table, bool]] = {}
+    keys: dict[str, tuple[Table, bool]] = {}
     for one in tables("driver"):
         if one.target == target:
             for key in (*TARGETS[target], *one.fields):
-                found.setdefault(key, (one, key == target and target != "body"))
-    return found
+                keys.setdefault(key, (one, key == target and target != "body"))
+    return keys
 
 
 A_TABLE = ("a table", "write its keys in a table of that name")
@@ -139,9 +141,9 @@ class Written(Reading):
     do not stand in the file.
     """
 
-    def __init__(self, raw: Raw, given: set[Path]) -> None:
+    def __init__(self, raw: Raw, paths_set: set[Path]) -> None:
         super().__init__(written=True)
-        self.raw, self.given = raw, given
+        self.raw, self.given = raw, paths_set
         self.materials: dict[str, Material | None] = dict(MATERIALS)
         self.shapes: list[tuple[Path, Table, Raw]] = []
 
@@ -167,18 +169,18 @@ class Written(Reading):
                 self.refuse((key,), f"this is {kind_of(value)}", shown(value), *A_TABLE)
         for name, holder in table(raw, "material").items():
             self.materials[name] = self.table(("material", name), tables("material")[0], holder, name=name)
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         for key in ("name", "note", "gravity", "ground"):
             if key in raw:
-                found[top.fields[key].name] = top.value(key).read(raw[key], (key,), self)
-        found["points"] = found.get("points") or {}
-        found["settings"] = self.table(("run",), Table(Settings), raw.get("run", {}))
-        found["start"] = self.table(("start",), Table(StartSettings), raw.get("start", {}))
+                values[top.fields[key].name] = top.value(key).read(raw[key], (key,), self)
+        values["points"] = values.get("points") or {}
+        values["settings"] = self.table(("run",), Table(Settings), raw.get("run", {}))
+        values["start"] = self.table(("start",), Table(StartSettings), raw.get("start", {}))
         for section in ("body", "joint", "gear", "spring", "driver", "load"):
-            found[top.fields[section].name] = {
+            values[top.fields[section].name] = {
                 name: self.entry(section, name, holder) for name, holder in table(raw, section).items()
             }
-        return Mechanism(**found)
+        return Mechanism(**values)
 
     def entry(self, section: str, name: str, holder: Any) -> Any:
         """A body, joint, gear, spring, driver or load; None where nothing is known of it."""
@@ -204,7 +206,7 @@ class Written(Reading):
             noun = partial(type(noun), vars(noun) | steel)
         return noun
 
-    def table(self, path: Path, what: Table, holder: Any, **found: Any) -> Any:
+    def table(self, path: Path, what: Table, holder: Any, **values: Any) -> Any:
         """The noun of a table."""
         if not isinstance(holder, dict):
             self.refuse(path, f"this is {kind_of(holder)}", shown(holder), *A_TABLE)
@@ -213,7 +215,7 @@ class Written(Reading):
         before = len(self.faults)
         for key, value in holder.items():
             if key == what.tag:
-                Choice((what.word,), what.beside).read(value, (*path, key), self)
+                Choice((what.word,), what.others).read(value, (*path, key), self)
             elif key not in what.fields:
                 self.unknown((*path, key), value)
             else:
@@ -221,14 +223,14 @@ class Written(Reading):
                 if users := what.idle(key, holder):
                     self.idle((*path, key), what, holder, users)
                 else:
-                    found[what.fields[key].name] = read
+                    values[what.fields[key].name] = read
         for key in what.needed:
             if key not in holder:
                 self.lacking((*path, key), what, holder)
         for key, field in what.fields.items():
             if key not in holder and field.default_factory is Material:  # of steel, as the file has it
-                found[field.name] = self.materials[Material().name]
-        return self.made(what.noun, found, before)
+                values[field.name] = self.materials[Material().name]
+        return self.build(what.noun, values, before)
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
         """A noun in a field of another; a section may be given by its shape."""
@@ -261,25 +263,27 @@ class Written(Reading):
         word = holder.get(field.name, field.default)
         self.add(idle(what.noun, word, users, holder[str(path[-1])]).at(path))
 
-    def unknown(self, path: Path, value: Any, known: Iterable[str] = ()) -> None:
+    def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
         """A key that its table does not know, or only one of another kind."""
-        key, above = str(path[-1]), path[:-1]
-        known, holder = known_keys(above) or (), table(self.raw, *above)
-        if key == "$schema" and not above:
+        key, parent = str(path[-1]), path[:-1]
+        names, holder = keys_at(parent) or (), table(self.raw, *parent)
+        if key == "$schema" and not parent:
             remedy = "write it as a comment in the first line: #:schema PATH"
             self.refuse(path, "a model names no schema among its keys", shown(value), "", remedy)
-        elif key in known and above:
-            self.add(other_kind(str(above[0]), key, holder, shown(value)).at(path))
+        elif key in names and parent:
+            self.add(other_kind(str(parent[0]), key, holder, shown(value)).at(path))
         else:
-            super().unknown(path, value, known)
+            super().unknown(path, value, names)
 
     def lacking(self, path: Path, what: Table, holder: Raw) -> None:
         """A key that has to be there."""
         key, remedy = path[-1], "add it"
         if key == "kind" and path[0] in FAMILIES:
             plain = next(one for one in tables(str(path[0])) if one.optional)
-            more = f", or remove what {article(plain.word)} joint does not have" if path[0] == "joint" else ""
-            remedy = f'add kind = "{what.word}"{more}'
+            alternative = (
+                f", or remove what {article(plain.word)} joint does not have" if path[0] == "joint" else ""
+            )
+            remedy = f'add kind = "{what.word}"{alternative}'
         elif path[0] == "body" and key == "length":
             remedy = "add it; a rigid body that is no link has mass, inertia and pins instead"
         elif path[0] == "body" and key == "inertia" and "length" not in holder:
@@ -298,10 +302,10 @@ def other_kind(section: str, key: str, holder: Raw, value: str) -> Fault:
             for one in sorted(tables(section), key=lambda one: strangeness(one, bare))
             if key in one.fields
         ]
-        more = f" (or {', '.join(users[1:])})" if len(users) > 1 else ""
+        alternative = f" (or {', '.join(users[1:])})" if len(users) > 1 else ""
         named = f"{article(kind)} joint" if section == "joint" else f"a {section} of kind {kind}"
         return Fault(
-            "", f"{named} has no such key", value, "", f'set kind = "{users[0]}"{more}, or remove it'
+            "", f"{named} has no such key", value, "", f'set kind = "{users[0]}"{alternative}, or remove it'
         )
     length = "with" if "length" in holder else "without"
     what = f"a body of this kind ({holder.get('model', 'rigid')}, {length} a length) has no such key"

@@ -74,18 +74,18 @@ class Table:
     """A table: its noun, and what a file has beside the noun's fields: the key ``tag`` that is the ``word``
     of the kind.
 
-    ``optional``: the tag may be left out. ``beside`` are the words of other kinds. ``target`` is what a
-    driver drives. A ``whole`` table gives all its keys, whatever the noun has by default, but those that may
-    stay unknown.
+    ``optional``: the tag may be left out. ``others`` are the words of other kinds. ``target`` is what a
+    driver drives. A ``complete`` table gives all its keys, whatever the noun has by default, but those
+    that may stay unknown.
     """
 
     noun: Any
     tag: str = ""
     word: str = ""
     optional: bool = False
-    beside: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
     target: str = ""
-    whole: bool = False
+    complete: bool = False
 
     @property
     def along(self) -> bool:
@@ -113,7 +113,7 @@ class Table:
             *(
                 key
                 for key, field in self.fields.items()
-                if (self.whole and field.default is not None) or required(field)
+                if (self.complete and field.default is not None) or required(field)
             ),
         )
 
@@ -136,16 +136,16 @@ def fields_of(noun: Any, target: str, along: bool) -> Mapping[str, Field]:
     """Fields of a noun by key, of a driver those for what it drives; asked of the same nouns for every table
     of a file, and of every other file.
     """
-    found = {key_of(field, along): field for field in described_fields(noun)}
+    fields = {key_of(field, along): field for field in described_fields(noun)}
     strange = {key for other, keys in TARGETS.items() if other != target for key in keys} if target else set()
-    return MappingProxyType({key: field for key, field in found.items() if key not in strange})
+    return MappingProxyType({key: field for key, field in fields.items() if key not in strange})
 
 
 @functools.lru_cache(maxsize=512)
 def keys_of(what: Table) -> tuple[str, ...]:
     """Every key of a table."""
-    tag, beside = (what.tag,) if what.tag else (), (CSV,) if getattr(what.noun, "tabled", False) else ()
-    return tuple(dict.fromkeys((*tag, *what.fields, *getattr(what.noun, "shapes", ()), *beside)))
+    tag, csv_key = (what.tag,) if what.tag else (), (CSV,) if getattr(what.noun, "tabled", False) else ()
+    return tuple(dict.fromkeys((*tag, *what.fields, *getattr(what.noun, "shapes", ()), *csv_key)))
 
 
 def tables(section: str) -> tuple[Table, ...]:
@@ -176,7 +176,7 @@ def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Tabl
             for noun, word in BODIES.items()
         )
     if section == "material":
-        return (Table(Material, whole=True),)
+        return (Table(Material, complete=True),)
     if section == "driver":
         return tuple(
             Table(noun, target=target)
@@ -184,8 +184,8 @@ def _tables(section: str, registered: tuple[tuple[str, Any], ...]) -> tuple[Tabl
             for target in TARGETS
             if target in noun.drives
         )
-    known = {"gear": Gear, "run": Settings, "start": StartSettings}
-    return (Table(known[section]),) if section in known else ()
+    nouns = {"gear": Gear, "run": Settings, "start": StartSettings}
+    return (Table(nouns[section]),) if section in nouns else ()
 
 
 def body_table(holder: Any) -> Table:
@@ -202,7 +202,7 @@ def body_table(holder: Any) -> Table:
 
 
 def kind_table(section: str, holder: Any) -> Table:
-    """Which table a [joint.NAME] or [spring.NAME] is: told by its kind, else the one that its keys suit best."""
+    """Table of a [joint.NAME] or [spring.NAME]: that of its kind, else the one that suits its keys best."""
     every = tables(section)
     kind = holder.get("kind") if isinstance(holder, dict) else None
     plain = next(table for table in every if table.optional)
@@ -216,9 +216,9 @@ def kind_table(section: str, holder: Any) -> Table:
 def strangeness(table: Table, holder: Raw) -> int:
     """How many keys a table does not know, or knows otherwise, or misses; what it misses weighs less."""
     keys = set(holder) - {table.tag}
-    known = keys & set(table.fields)
+    nouns = keys & set(table.fields)
     missing = set(table.needed) - {table.tag} - keys
-    return 3 * (len(keys - known) + sum(not table.value(key).suits(holder[key]) for key in known)) + len(
+    return 3 * (len(keys - nouns) + sum(not table.value(key).suits(holder[key]) for key in nouns)) + len(
         missing
     )
 
@@ -296,11 +296,11 @@ def slots_in(held: Table | Value, part: str | int, law: str | None) -> Iterator[
     elif isinstance(held, Chosen) and part == "law":
         yield Slot(Choice(tuple(sorted(LAWS[held.word].known()))))
     elif isinstance(held, Chosen):
-        known = LAWS[held.word].known()
+        nouns = LAWS[held.word].known()
         laws = (
-            list(known.values())
+            list(nouns.values())
             if law is None
-            else [known[name] for name in (law or DEFAULTS[held.word].name,) if name in known]
+            else [nouns[name] for name in (law or DEFAULTS[held.word].name,) if name in nouns]
         )
         yield from (
             Slot(value_of(field), field)
@@ -328,7 +328,7 @@ def law_fields(law: type[Law]) -> tuple[str, ...]:
     return tuple(field.name for field in dataclasses.fields(law))
 
 
-def known_keys(path: Path) -> tuple[str, ...] | None:
+def keys_at(path: Path) -> tuple[str, ...] | None:
     """Keys that the table at a path can have, of whatever kind it is; None where keys are names that the user
     gives.
     """

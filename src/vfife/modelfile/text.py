@@ -37,11 +37,11 @@ def lines_of(text: str) -> dict[Path, int]:
     quote, depth = "", 0  # the string and the brackets that are open at the beginning of a line
     for number, line in enumerate(text.splitlines(), 1):
         if not quote and not depth:
-            if found := HEADER.match(line):
-                table = keys_of(found[1])
+            if match := HEADER.match(line):
+                table = keys_of(match[1])
                 lines.setdefault(table, number)
-            elif found := KEY.match(line):
-                lines.setdefault((*table, *keys_of(found[1])), number)
+            elif match := KEY.match(line):
+                lines.setdefault((*table, *keys_of(match[1])), number)
         at = 0
         while mark := (re.compile(quote) if quote else MARK).search(line, at):
             at, sign = mark.end(), mark[0]
@@ -69,11 +69,11 @@ def line_at(lines: dict[Path, int], path: Path) -> int | None:
     return next((lines[path[:depth]] for depth in range(len(path), 0, -1) if path[:depth] in lines), None)
 
 
-def locate(faults: Iterable[Fault], text: str, given: Iterable[Path]) -> None:
+def locate(faults: Iterable[Fault], text: str, paths_set: Iterable[Path]) -> None:
     """Add to faults the lines of the text at which they are, but of values that are ``given`` beside it."""
     lines = lines_of(text)
     for fault in faults:
-        if fault.path and not any(fault.path[: len(path)] == path for path in given):
+        if fault.path and not any(fault.path[: len(path)] == path for path in paths_set):
             fault.line = line_at(lines, fault.path)
 
 
@@ -93,27 +93,27 @@ def edited(text: str, path: Path, written: str | None) -> str:
     shown_value = "" if written is None else shown(written)
     try:
         raw = tomllib.loads(text)
-        wanted = copy.deepcopy(raw)
-        _put(wanted, path, written)
+        target = copy.deepcopy(raw)
+        _put(target, path, written)
         document = tomlkit.parse(text)
-        for keys, value in _changes(raw, wanted):
+        for keys, value in _changes(raw, target):
             _change(document, keys, value)
-        found = tomlkit.dumps(document).rstrip("\n") + "\n"
+        match = tomlkit.dumps(document).rstrip("\n") + "\n"
     except (LookupError, TypeError, ValueError, RecursionError, AttributeError):
         raise ModelError(
             [Fault(path, "there is no place for this value", shown_value, "", BY_HAND)]
         ) from None
-    if not _says(found, wanted):
+    if not _says(match, target):
         raise ModelError(
             [Fault(path, "it stands in a form that cannot be changed alone", shown_value, "", BY_HAND)]
         )
-    return found
+    return match
 
 
-def _says(text: str, wanted: Any) -> bool:
+def _says(text: str, target: Any) -> bool:
     """Whether a text has these tables, and no others."""
     try:
-        return bool(tomllib.loads(text) == wanted)
+        return bool(tomllib.loads(text) == target)
     except (ValueError, RecursionError):
         return False
 
@@ -130,16 +130,16 @@ def _put(raw: dict[str, Any], path: Path, written: str | None) -> None:
     del here[path[-1]]
 
 
-def _changes(raw: Any, wanted: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]:
+def _changes(raw: Any, target: Any, at: Path = ()) -> Iterator[tuple[Path, Any]]:
     """Paths of values that differ, and what they shall be; ABSENT for what goes away."""
-    if isinstance(raw, dict) and isinstance(wanted, dict):
-        for name in {**raw, **wanted}:
-            yield from _changes(raw.get(name, ABSENT), wanted.get(name, ABSENT), (*at, name))
-    elif isinstance(raw, list) and isinstance(wanted, list) and len(raw) == len(wanted):
-        for k, (one, other) in enumerate(zip(raw, wanted, strict=True)):
+    if isinstance(raw, dict) and isinstance(target, dict):
+        for name in {**raw, **target}:
+            yield from _changes(raw.get(name, ABSENT), target.get(name, ABSENT), (*at, name))
+    elif isinstance(raw, list) and isinstance(target, list) and len(raw) == len(target):
+        for k, (one, other) in enumerate(zip(raw, target, strict=True)):
             yield from _changes(one, other, (*at, k))
-    elif type(raw) is not type(wanted) or raw != wanted:
-        yield at, wanted
+    elif type(raw) is not type(target) or raw != target:
+        yield at, target
 
 
 def _change(document: TOMLDocument, path: Path, value: Any) -> None:
@@ -151,11 +151,11 @@ def _change(document: TOMLDocument, path: Path, value: Any) -> None:
     for depth, key in enumerate(path[:-1]):
         if isinstance(key, str) and key not in here:
             leaf = depth == len(path) - 2
-            made = tomlkit.table(is_super_table=not leaf)
+            new_table = tomlkit.table(is_super_table=not leaf)
             if leaf:
-                made.add(str(path[-1]), value)
-                made.add(tomlkit.nl())
-            here[key] = made
+                new_table.add(str(path[-1]), value)
+                new_table.add(tomlkit.nl())
+            here[key] = new_table
             if leaf:
                 return
         here = here[key]

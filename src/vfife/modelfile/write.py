@@ -1,4 +1,4 @@
-"""Mechanism -> TOML text that reads back as an equal mechanism. All numbers are in SI units, to the last bit."""
+"""Mechanism -> TOML text that reads back as an equal mechanism. Numbers are in SI units, to the last bit."""
 
 from __future__ import annotations
 
@@ -86,9 +86,9 @@ def contents(mechanism: Mechanism) -> Iterator[tuple[Names, Entries]]:
     for section in ("joint", "gear", "spring", "driver", "load"):
         for name, noun in vars(mechanism)[fields[section].name].items():
             what = table_of(section, name, noun)
-            said = {} if what.optional or not what.tag else {what.tag: what.word}
+            tags = {} if what.optional or not what.tag else {what.tag: what.word}
             yield from noun_tables(
-                (section, name), what, noun, said | aimed(name, noun), brief=section == "load"
+                (section, name), what, noun, tags | aimed(name, noun), brief=section == "load"
             )
 
 
@@ -112,13 +112,13 @@ def aimed(name: str, noun: Any) -> dict[str, Any]:
 
 
 def noun_tables(
-    header: Names, what: Table, noun: Any, said: Entries | None = None, *, brief: bool = False
+    header: Names, what: Table, noun: Any, tags: Entries | None = None, *, brief: bool = False
 ) -> Iterator[tuple[Names, Entries]]:
     """The table of a noun and those within it; a ``brief`` one leaves out what equals its default.
 
     Laws are written with every parameter, so that a later default changes nothing.
     """
-    entries, inner = dict(said or {}), []
+    entries, inner = dict(tags or {}), []
     for key, field in what.fields.items():
         entry, held = getattr(noun, field.name), what.value(key)
         default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
@@ -160,13 +160,13 @@ def materials(mechanism: Mechanism) -> list[Material]:
         used += [member.material for member in body.members] if isinstance(body, Frame) else []
     for joint in mechanism.contacts.values():
         used += [joint.bearing_material, joint.journal_material]
-    known: dict[str, Material] = {}
+    materials_by_name: dict[str, Material] = {}
     for material in used:
-        if material is not None and known.setdefault(material.name, material) != material:
+        if material is not None and materials_by_name.setdefault(material.name, material) != material:
             raise ValueError(
                 f"two different materials are called {material.name!r}; give one of them another name"
             )
-    return [material for material in known.values() if material != Material()]
+    return [material for material in materials_by_name.values() if material != Material()]
 
 
 def law_entries(law: Law) -> Entries:

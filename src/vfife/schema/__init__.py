@@ -19,7 +19,7 @@ from .described import (
     value_of,
 )
 from .parts import LENGTH, PLACE, SCALAR, Chosen, Curve, Direction, Each, Entries, Inner, Many, Named, Names
-from .values import Choice, Json, Measure, Switch, Text, Value, Whole
+from .values import Choice, Integer, Json, Measure, Switch, Text, Value
 
 __all__ = [
     "LENGTH",
@@ -33,6 +33,7 @@ __all__ = [
     "Entries",
     "Field",
     "Inner",
+    "Integer",
     "Json",
     "Many",
     "Measure",
@@ -42,7 +43,6 @@ __all__ = [
     "Switch",
     "Text",
     "Value",
-    "Whole",
     "described",
     "described_fields",
     "key_of",

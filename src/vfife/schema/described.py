@@ -34,12 +34,12 @@ def described(
     analysis that have a use for it. What drives a body or a pin has ``along``, the same field where it moves
     along a line.
     """
-    told = {name: getattr(value, name, None) for name in ("unit", "low", "high", "above")} | {
+    metadata_of_value = {name: getattr(value, name, None) for name in ("unit", "low", "high", "above")} | {
         "choices": getattr(value, "options", None)
     }
-    told["unit"] = told["unit"] or "1"
+    metadata_of_value["unit"] = metadata_of_value["unit"] or "1"
     metadata = {
-        **told,
+        **metadata_of_value,
         "value": value,
         "meaning": meaning,
         "key": key,
@@ -58,7 +58,7 @@ def quantity(
     high: float | None = None,
     above: float | None = None,
     choices: Collection[str] | None = None,
-    **more: Any,
+    **settings: Any,
 ) -> Any:
     """A field that is a number: its unit ("1" if it has none), meaning and default, and its limits: at least
     ``low``, at most ``high``, ``above``.
@@ -73,12 +73,12 @@ def quantity(
         value = Switch()
     elif isinstance(default, str):
         value = Text()
-    field = described(value, meaning, default, **more)
-    kept = {"unit": unit, "choices": choices} | (
+    field = described(value, meaning, default, **settings)
+    own = {"unit": unit, "choices": choices} | (
         {} if isinstance(value, Measure) else {"low": low, "high": high, "above": above}
     )
     return dataclasses.field(
-        default=field.default, default_factory=field.default_factory, metadata={**field.metadata, **kept}
+        default=field.default, default_factory=field.default_factory, metadata={**field.metadata, **own}
     )
 
 
@@ -144,27 +144,27 @@ class Reading:
         self, path: Path, fields: Mapping[str, Field], table: Mapping[str, Any], others: Collection[str] = ()
     ) -> dict[str, Any]:
         """Values of a table, by the names of their fields; ``others`` are keys that are read elsewhere."""
-        found = {}
+        values = {}
         for key, value in table.items():
             if key in fields:
-                found[fields[key].name] = value_of(fields[key]).read(value, (*path, key), self)
+                values[fields[key].name] = value_of(fields[key]).read(value, (*path, key), self)
             elif key not in others:
                 self.unknown((*path, key), value, (*fields, *others))
         for key, field in fields.items():
             if key not in table and required(field):
                 self.missing((*path, key), field)
-        return found
+        return values
 
-    def unknown(self, path: Path, value: Any, known: Iterable[str] = ()) -> None:
+    def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
         """A key that its table does not have."""
         what = "unknown table" if isinstance(value, Mapping) else "unknown key"
-        self.refuse(path, what, shown(value), "", suggestion(str(path[-1]), known, "remove it"))
+        self.refuse(path, what, shown(value), "", suggestion(str(path[-1]), names, "remove it"))
 
     def missing(self, path: Path, field: Field) -> None:
         """A key that has to be there."""
         self.refuse(path, "this key is missing", "", "", "add it")
 
-    def made(self, kind: type, values: Mapping[str, Any], before: int) -> Any:
+    def build(self, kind: type, values: Mapping[str, Any], before: int) -> Any:
         """The object of such values; known in part if there are more faults than ``before``."""
         return kind(**values) if len(self.faults) == before else partial(kind, values)
 
@@ -190,19 +190,19 @@ class Reading:
 
     def fields(self, path: Path, noun: Any, along: bool = False) -> Any:
         """The noun as it was read, with None in place of every value that is refused."""
-        found = {}
+        values = {}
         for field in described_fields(type(noun)):
             value = getattr(noun, field.name)
             if not (value is None and field.default is None):
-                found[field.name] = value_of(field, along).read(value, (*path, key_of(field, along)), self)
-        return partial(type(noun), vars(noun) | found)
+                values[field.name] = value_of(field, along).read(value, (*path, key_of(field, along)), self)
+        return partial(type(noun), vars(noun) | values)
 
 
 def partial(noun: type, values: Mapping[str, Any]) -> Any:
     """A noun of which only some values are known: None stands for the others, so that what does not hang on
     them can still be checked.
     """
-    made: Any = object.__new__(noun)
+    noun_in_part: Any = object.__new__(noun)
     for field in dataclasses.fields(noun):
         default = (
             field.default_factory()
@@ -211,5 +211,5 @@ def partial(noun: type, values: Mapping[str, Any]) -> Any:
             if field.default is MISSING
             else field.default
         )
-        object.__setattr__(made, field.name, values.get(field.name, default))
-    return made
+        object.__setattr__(noun_in_part, field.name, values.get(field.name, default))
+    return noun_in_part

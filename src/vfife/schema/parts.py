@@ -23,17 +23,17 @@ class Each(Value):
         """A tuple, None where a part is refused."""
         if not is_list(value):
             return no_list(value, path, by)
-        found = [
+        parts = [
             part.read(one, (*path, k), by)
             for k, (part, one) in enumerate(zip(self.parts, value, strict=False))
         ]
-        for k in range(len(found), len(self.parts)):
+        for k in range(len(parts), len(self.parts)):
             by.refuse((*path, k), "this value of the list is missing", "", "", "give the list all its values")
         if len(value) > len(self.parts):
             by.refuse(
                 path, "too many values", shown(value), f"{len(self.parts)} values", "remove what is too many"
             )
-        return None if any_none(found) or len(value) != len(self.parts) else tuple(found)
+        return None if any_none(parts) or len(value) != len(self.parts) else tuple(parts)
 
     def suits(self, value: Any) -> bool:
         """A list."""
@@ -65,12 +65,12 @@ class Direction(Each):
 
     def read(self, value: Any, path: Path, by: Reading) -> Any:
         """A pair of numbers."""
-        found = super().read(value, path, by)
-        if found is not None and max(map(abs, found)) < 1e-9:
+        parts = super().read(value, path, by)
+        if parts is not None and max(map(abs, parts)) < 1e-9:
             remedy = "give it a part along x or y, as in [1, 0]"
             by.refuse(path, "a direction of no length points nowhere", shown(value), "", remedy)
             return None
-        return found
+        return parts
 
 
 @dataclass(frozen=True)
@@ -83,8 +83,8 @@ class Many(Value):
         """A tuple, None where a part is refused; nouns are kept, as far as they go."""
         if not is_list(value):
             return no_list(value, path, by)
-        found = tuple(self.part.read(one, (*path, k), by) for k, one in enumerate(value))
-        return found if isinstance(self.part, Inner) or not any_none(found) else None
+        parts = tuple(self.part.read(one, (*path, k), by) for k, one in enumerate(value))
+        return parts if isinstance(self.part, Inner) or not any_none(parts) else None
 
     def suits(self, value: Any) -> bool:
         """A list."""

@@ -146,8 +146,8 @@ class Measure(Value):
         bare: Json = {"type": "number"}
         bare |= {key: limit for key, limit in (("minimum", low), ("maximum", self.high)) if limit is not None}
         one: list[Json] = [bare, {"type": "string"}]
-        more = [{"type": "array", "items": {"anyOf": one}}] if self.series else []
-        return {"anyOf": [*one, *more], "x-unit": self.unit, "x-limits": self.limits()}
+        lists = [{"type": "array", "items": {"anyOf": one}}] if self.series else []
+        return {"anyOf": [*one, *lists], "x-unit": self.unit, "x-limits": self.limits()}
 
     def units(self) -> Iterator[str]:
         """Unit and limits."""
@@ -157,7 +157,7 @@ class Measure(Value):
 
 
 @dataclass(frozen=True)
-class Whole(Value):
+class Integer(Value):
     """A whole number between two limits; the upper one catches typing errors. One of ``words`` may stand in
     its place.
     """
@@ -206,16 +206,16 @@ class Whole(Value):
 
 @dataclass(frozen=True)
 class Choice(Value):
-    """One of some words; ``beside`` are words that another kind of table has for this key."""
+    """One of some words; ``others`` are words that another kind of table has for this key."""
 
     options: tuple[str, ...]
-    beside: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
 
     def take(self, value: Any, written: bool) -> str:
         """The word."""
         if isinstance(value, str) and value in self.options:
             return value
-        every = self.options + self.beside
+        every = self.options + self.others
         near = difflib.get_close_matches(value.lower(), every, 1, 0.5) if isinstance(value, str) else []
         what = "an unknown word" if isinstance(value, str) else kind_of(value)
         limit = " or ".join(shown(word) for word in every)
@@ -273,11 +273,11 @@ def beyond(value: float, unit: str, sized: bool) -> tuple[str, str] | None:
     zero).
     """
     least, most = SIZES.get(unit, SIZES[""])
-    size, said = abs(value), "" if unit == "1" else f" {unit}"
+    size, unit_text = abs(value), "" if unit == "1" else f" {unit}"
     if size > most:
-        return "too large", f"at most {most:g}{said} in size"
+        return "too large", f"at most {most:g}{unit_text} in size"
     if sized and 0.0 < size < least:
-        return "too small", f"at least {least:g}{said}"
+        return "too small", f"at least {least:g}{unit_text}"
     return None
 
 

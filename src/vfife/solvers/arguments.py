@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import ModelError, kind_of, shown, suggestion
 from ..model.mechanism import Mechanism, Settings
-from ..schema import Measure, Reading, Value, Whole, described_fields, value_of
+from ..schema import Integer, Measure, Reading, Value, described_fields, value_of
 
 Loop = Literal["auto", "data-driven", "generated", "interpreted"]
 MOST = 10**12  # of anything that is counted; more is a slip of units
@@ -102,15 +102,15 @@ class Arguments(Reading):
         """A quantity above zero (or zero, where that is allowed): a number in SI units, or a text with a
         unit; None stays None.
         """
-        found: float | None = self.read(
+        result: float | None = self.read(
             name, Measure(unit, low=0.0) if zero else Measure(unit, above=0.0), value
         )
-        return found
+        return result
 
     def step(self, value: Any) -> float | str | None:
         """A step (s), "auto" or None."""
-        found: float | str | None = self.read("step", SHARED["step"], value)
-        return found
+        result: float | str | None = self.read("step", SHARED["step"], value)
+        return result
 
     def run(self, *, loop: Any = "auto", force_step: Any = False, **values: Any) -> RunArguments:
         """The arguments that every run has; of ``turns`` and ``duration`` one at the most."""
@@ -119,24 +119,24 @@ class Arguments(Reading):
             remedy = f"leave out one of them; duration is {shown(duration)}"
             self.fault("turns", "turns and duration exclude each other", turns, "", remedy)
         self.kind("force_step", force_step, (bool,), "True or False")
-        found = {name: self.read(name, SHARED[name], value) for name, value in values.items()}
-        return RunArguments(**found, loop=self.loop(loop), force_step=bool(force_step))
+        result = {name: self.read(name, SHARED[name], value) for name, value in values.items()}
+        return RunArguments(**result, loop=self.loop(loop), force_step=bool(force_step))
 
     def count(self, name: str, value: Any, *, optional: bool = True) -> int | None:
         """A whole number of 1 or more; None stays None where it is ``optional``."""
         if value is None and not optional:
             self.fault(name, "this is nothing", value, "a whole number of 1 or more", "give one")
-        found: int | None = self.read(name, Whole(1, MOST), value)
-        return found
+        result: int | None = self.read(name, Integer(1, MOST), value)
+        return result
 
     def loop(self, value: Any) -> Loop:
         """The name of a loop."""
-        known: tuple[Loop, ...] = get_args(Loop)
-        for one in known:
+        loops: tuple[Loop, ...] = get_args(Loop)
+        for one in loops:
             if isinstance(value, str) and value == one:
                 return one
         self.fault(
-            "loop", "there is no such loop", value, "", suggestion(str(value), known, "name another one")
+            "loop", "there is no such loop", value, "", suggestion(str(value), loops, "name another one")
         )
         return "auto"
 
@@ -170,22 +170,22 @@ class Arguments(Reading):
     def each(self, name: str, values: Any, count: int) -> list[float]:
         """One positive time (s) for all of ``count`` members, or a sequence of one for each."""
         single = isinstance(values, int | float | str) or not isinstance(values, Sequence | np.ndarray)
-        given = [values] * count if single else list(values)
-        if len(given) != count:
+        each_value = [values] * count if single else list(values)
+        if len(each_value) != count:
             self.fault(
                 name,
-                f"{len(given)} values for {count} mechanisms",
+                f"{len(each_value)} values for {count} mechanisms",
                 values,
                 "",
                 "give one for all, or one for each",
             )
-        found = [
+        result = [
             self.quantity(name if single else f"{name}[{k}]", value, "s")
-            for k, value in enumerate(given[: 1 if single else None])
+            for k, value in enumerate(each_value[: 1 if single else None])
         ]
-        if None in given:
+        if None in each_value:
             self.fault(name, "no step is given", values, "a time above 0 s", 'for example "1 us"')
-        return [value or math.nan for value in (found * count if single else found)]
+        return [value or math.nan for value in (result * count if single else result)]
 
 
 def _plain(value: Any) -> Any:

@@ -67,7 +67,7 @@ class CasesLeft:
         """
         every = [one for numbers in self.some[::3] if (one := self.assembled(numbers)) is not None]
         if not every or not self.left:
-            return Forecast("member", self.left, known=self.done, less=LESS)
+            return Forecast("member", self.left, done=self.done, less=LESS)
         unfit = {one.choice.turn for one in every if not streams(one) and not one.choice.automatic} - {None}
         lanes = 1 if unfit else stream_lanes(max(len(one.topology.contact_bearing) for one in every))
         seconds = sum(stream(one, self.width, lanes).seconds(self.left) for one in every) / len(every)
@@ -78,7 +78,7 @@ class CasesLeft:
         remarks = [text] if (text := remark_on_last(self.plan.spec)) else []
         remarks += [remark_on_step({turn for turn in unfit if turn}, self.plan.spec)] if unfit else []
         return Forecast(
-            "member", self.left, steps, seconds, disk=disk, known=self.done, threads=cores(), lanes=lanes,
+            "member", self.left, steps, seconds, disk=disk, done=self.done, threads=cores(), lanes=lanes,
             less=LESS, remarks=tuple(remarks),
         )  # fmt: skip
 

@@ -142,7 +142,7 @@ class StudyWork:
         those that have ended.
         """
         job.begin(forecast)
-        with self.engine(job, [], forecast.known + forecast.count) as engine:
+        with self.engine(job, [], forecast.done + forecast.count) as engine:
             try:
                 return work(engine), engine.study()
             except KeyboardInterrupt:

@@ -52,8 +52,8 @@ def examine(options: ModelOptions) -> dict[str, Any]:
     from ...solvers.companions import companion_count
     from ...solvers.transient import choose_loop
 
-    seen = outlook(mechanism)
-    ideal = ideal_of(mechanism) if seen.through else None
+    prospect = outlook(mechanism)
+    ideal = ideal_of(mechanism) if prospect.through else None
     long = ideal is not None and run_cost(ideal).seconds > BRIEF
     expected = {} if long else expected_forces(referred(ideal))
     begin = first_contact_steps(mechanism, mechanism.settings.companions)
@@ -82,8 +82,8 @@ def examine(options: ModelOptions) -> dict[str, Any]:
         "settle": mechanism.settings.settle,
         "repeated": again,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
-        "defaults": filled_in(options.model, overrides(options.set_)),
-        "notes": [*assembly.notes, *seen.notes],
+        "defaults": defaults_of(options.model, overrides(options.set_)),
+        "notes": [*assembly.notes, *prospect.notes],
         **({"laws": compared_laws(mechanism)} if options.laws else {}),
     }
 
@@ -99,10 +99,10 @@ def compared_laws(mechanism: Mechanism) -> dict[str, str]:
     )
 
 
-Filled = dict[str, Any]
+DefaultRow = dict[str, Any]
 
 
-def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
+def defaults_of(path: Path, items: Iterable[tuple[str, Any]]) -> list[DefaultRow]:
     """Keys that neither a model file without faults nor ``--set`` gives, with the value that is taken
     instead.
     """
@@ -114,23 +114,23 @@ def filled_in(path: Path, items: Iterable[tuple[str, Any]]) -> list[Filled]:
     from ...schema import Chosen
 
     raw = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
-    _, given = override(raw, items)
+    _, values = override(raw, items)
     expand(raw, str(path))
-    reading = Written(raw, given)
+    reading = Written(raw, values)
     reading.mechanism()
-    found = list(left_out("", Table(Mechanism), raw))
+    rows = list(left_out("", Table(Mechanism), raw))
     for place, what, holder in sorted(reading.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
         if len(place) > 2:
             continue
-        found += left_out(".".join(map(str, place)), what, holder)
+        rows += left_out(".".join(map(str, place)), what, holder)
         for key in what.fields:
             if isinstance(held := what.value(key), Chosen):
-                found += law(".".join(map(str, (*place, key))), held.word, holder.get(key, {}))
-    return found
+                rows += law(".".join(map(str, (*place, key))), held.word, holder.get(key, {}))
+    return rows
 
 
-def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Filled]:
-    """Keys with a default value that a table leaves out; empty tables and values that are derived are none."""
+def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[DefaultRow]:
+    """Keys with a default that a table leaves out; neither empty tables nor derived values."""
     from ...schema import meaning_of
 
     if what.tag and what.optional and what.tag not in holder:
@@ -157,16 +157,16 @@ def left_out(path: str, what: Table, holder: dict[str, Any]) -> Iterator[Filled]
             }
 
 
-def law(path: str, kind: str, given: dict[str, Any]) -> Iterator[Filled]:
+def law(path: str, kind: str, values: dict[str, Any]) -> Iterator[DefaultRow]:
     """The law and its parameters that a joint leaves out."""
     from ...model.reading import DEFAULTS, LAWS
     from ...schema import described_fields
 
-    name = given.get("law", DEFAULTS[kind].name)
-    if "law" not in given:
+    name = values.get("law", DEFAULTS[kind].name)
+    if "law" not in values:
         yield {"path": f"{path}.law", "value": name, "unit": "1", "meaning": f"{kind} law"}
     for one in described_fields(LAWS[kind].known()[name]):
-        if one.name not in given and isinstance(one.default, str | float | int):
+        if one.name not in values and isinstance(one.default, str | float | int):
             yield {
                 "path": f"{path}.{one.name}",
                 "value": one.default,

@@ -72,7 +72,7 @@ def compare(options: CompareOptions) -> None:
                 "companions": mechanism.settings.companions,
             }
             result = run_laws(mechanism, *pairs, joints=options.joint, progress=job, folder=place, **settings)
-        with writing(str(place), kept_in(place)):
+        with writing(str(place), saved_sentence(place)):
             write_results(result, place, options.figures)
     finally:
         if job.lock is not None:
@@ -90,7 +90,9 @@ class ComparisonJob(CommandJob):
     lock: Lock | None = None
 
     def __init__(self, place: Path, text: str, options: CompareOptions) -> None:
-        super().__init__("comparison", place, yes=options.yes, quiet=options.quiet, saved=kept_in(place))
+        super().__init__(
+            "comparison", place, yes=options.yes, quiet=options.quiet, saved=saved_sentence(place)
+        )
         self.text = text
 
     def start(self) -> None:
@@ -118,7 +120,7 @@ def write_results(result: Comparison, place: Path, figures: bool) -> None:
         Parts(place).remove()
 
 
-def kept_in(place: Path) -> str:
+def saved_sentence(place: Path) -> str:
     """What is kept of a comparison that was interrupted."""
     return (
         f"Runs that are complete are kept in {place}; the same command with -o {shlex.quote(str(place))} goes"
@@ -177,6 +179,8 @@ def end(result: Comparison, place: Path) -> None:
             "bold red",
         )
     if len(result.rows) < result.planned:
-        end_interrupted(f": {len(result.rows)} of {result.planned} runs are complete. {kept_in(place)}")
+        end_interrupted(
+            f": {len(result.rows)} of {result.planned} runs are complete. {saved_sentence(place)}"
+        )
     if diverged:
         raise typer.Exit(DIVERGED)

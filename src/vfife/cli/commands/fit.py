@@ -109,7 +109,7 @@ class FitOptions(LawOptions, JsonOptions, QuietOptions):
         """Files that are read, over which nothing may be written."""
         return (*self.files, *(self.laws or ()))
 
-    def given(self, *names: str) -> str:
+    def used_options(self, *names: str) -> str:
         """Those of the options that were given, as they are written."""
         spelled = {"set_": "--set", "target": "-o"}
         return ", ".join(
@@ -165,7 +165,8 @@ def search(options: FitOptions, place: Path) -> Fit:
     names = ("offset", "skip", "width", "step", "screened", "starts", "seed")
     task = planned(
         mechanism, data, options.parameter or (), columns=options.column, weights=weights_of(options.weight),
-        compare=options.compare.value, confidence=options.confidence / 100.0, derivatives=options.derivatives.value,
+        compare=options.compare.value, confidence=options.confidence / 100.0,
+        derivatives=options.derivatives.value,
         **{name: getattr(options, name) for name in names},
     )  # fmt: skip
     job = CommandJob("fit", place, yes=options.yes, quiet=options.quiet)
@@ -210,7 +211,7 @@ def load(options: FitOptions) -> Fit:
     """The fit in a fit file, and the model with what was found. Raises RunFileError."""
     from ...results.fit import FitFile, load_fit
 
-    if unused := options.given(
+    if unused := options.used_options(
         "parameter", "column", "weight", "offset", "width", "step", "set_", "target", "law", "force"
     ):
         raise ValueError(
@@ -237,7 +238,7 @@ def fit_of_law(options: FitOptions, law: str) -> Any:
     """A contact law fitted to a curve. Raises ValueError for options that this has no use for."""
     from ...identification.lawfit import fit_law
 
-    if unused := options.given("parameter", "column", "weight", "offset", "fitted", "target"):
+    if unused := options.used_options("parameter", "column", "weight", "offset", "fitted", "target"):
         raise ValueError(
             f"{unused}: a law is fitted without; leave it out (numbers of a law are fixed by --set"
             " NAME=VALUE)"

@@ -82,12 +82,12 @@ def compared_loops(own: list[str]) -> dict[str, str]:
     from ...laws import ContactLaw, FrictionLaw
     from ...laws.check import USUAL, comparison, faults, needed
 
-    known = [
+    registered = [
         base.registry[name] for name in own for base in (ContactLaw, FrictionLaw) if name in base.registry
     ]
-    if messages := [fault for law in known for fault in faults(law)]:
+    if messages := [fault for law in registered for fault in faults(law)]:
         raise ValueError("\n".join(f"--laws {fault}" for fault in messages))
-    return comparison([(law(), USUAL) for law in known if not needed(law)])
+    return comparison([(law(), USUAL) for law in registered if not needed(law)])
 
 
 def chosen(name: str | None) -> list[dict[str, Any]]:
@@ -117,7 +117,7 @@ def draw_law(law: dict[str, Any], options: LawsOptions) -> dict[str, Any]:
     )
     pair = options.pair()
     base: Any = ContactLaw if contacts else FrictionLaw
-    instance: Any = made(base.registry[law["name"]], law["kind"], options.set_, pair)
+    instance: Any = build_law(base.registry[law["name"]], law["kind"], options.set_, pair)
     target = target_of(options.picture, law["name"])
     numbers, curves = contact(instance, pair, mass, speed) if contacts else friction(instance, pair, normal)
     from ...plots.laws import save_law
@@ -157,7 +157,7 @@ def surfaces(clearance: str, radius: str, length: str, materials: tuple[str, str
     return Pair(outer, gap, along, MATERIALS[materials[0]], MATERIALS[materials[1]])
 
 
-def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
+def build_law(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> Law:
     """The law with what ``--set`` says, tried out at these surfaces. Raises ValueError with all that is
     wrong.
     """
@@ -169,17 +169,17 @@ def made(law: type[Law], kind: str, texts: Iterable[str] | None, pair: Pair) -> 
 
     holder = {"law": law.name, **{key: parsed(value) for key, value in overrides(texts)}}
     broken = expand_curves(holder, "laws") if kind == "contact" else []
-    found, faults = read_law(kind, holder)
+    instance, faults = read_law(kind, holder)
     faults = broken + [one for one in faults if one.path[:1] not in {fault.path for fault in broken}]
-    if found is None or faults:
+    if instance is None or faults:
         raise ValueError("\n".join(f"--set {fault}" for fault in faults))
-    if what := unsuitable(found, pair):
+    if what := unsuitable(instance, pair):
         raise ValueError(
             f"{what} (clearance {pair.clearance:g} m); try another --clearance, --bearing-radius or"
             " --material"
         )
-    try_out([(found, pair)])
-    return found
+    try_out([(instance, pair)])
+    return instance
 
 
 def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -193,22 +193,22 @@ def contact(law: Any, pair: Pair, mass: float, speed: float) -> tuple[dict[str, 
     for value in RESTITUTIONS if has else (None,):
         try:
             one = with_restitution(law, value) if value is not None else law
-            found = free_impact(one, pair, mass, speed)
+            impact = free_impact(one, pair, mass, speed)
         except (ArithmeticError, ValueError):
             continue  # a coefficient that this law does not take
         rows.append(
             {
                 "restitution": value,
-                "delivered": found.restitution,
-                "deepest": found.deepest,
-                "force": found.largest,
-                "time": found.duration,
+                "delivered": impact.restitution,
+                "deepest": impact.deepest,
+                "force": impact.largest,
+                "time": impact.duration,
             }
         )
         if value is None or value in LOOPS:
-            loops["free impact" if value is None else f"{value:g} → {found.restitution:.3f}"] = found
-    asked = np.array([entry["restitution"] for entry in rows]) if has else None
-    delivered = (asked, np.array([entry["delivered"] for entry in rows])) if has else None
+            loops["free impact" if value is None else f"{value:g} → {impact.restitution:.3f}"] = impact
+    restitutions = np.array([entry["restitution"] for entry in rows]) if has else None
+    delivered = (restitutions, np.array([entry["delivered"] for entry in rows])) if has else None
     dry = ", dry contact" if law.film else ""
     title = (
         f"{law.name}{dry}: {mass:g} kg at {speed:g} m/s, clearance {1e3 * pair.clearance:g} mm, radius"
@@ -231,16 +231,16 @@ def friction(law: Any, pair: Pair, normal: float) -> tuple[dict[str, Any], dict[
     speeds = np.concatenate([-positive_[::-1], [0.0], positive_])
     forces = steady_sliding(law, pair, normal, speeds)
     at = steady_sliding(law, pair, normal, SPEEDS)
-    found: dict[str, Any] = {
+    numbers: dict[str, Any] = {
         "normal_force": normal,
         "steady": [{"speed": v, "force": 0.0 - float(f)} for v, f in zip(SPEEDS, at, strict=True)],
     }
     loops = {}
     if law.memory:
-        found["breakaway"] = reach = breakaway(law, pair, normal)
+        numbers["breakaway"] = reach = breakaway(law, pair, normal)
         loops = {f"{share:g}": presliding(law, pair, normal, share * reach) for share in (0.5, 1.0, 3.0)}
     title = f"{law.name}: normal force {normal:g} N"
-    return found, {"title": title, "speeds": speeds, "forces": forces, "loops": loops, "normal": normal}
+    return numbers, {"title": title, "speeds": speeds, "forces": forces, "loops": loops, "normal": normal}
 
 
 def target_of(picture: Path | None, name: str) -> Path:

@@ -108,8 +108,8 @@ def make_page(options: LiveOptions, source: Path) -> Page:
                 "--slide: the equilibria of a static analysis are not found in the page, so nothing in it can"
                 " be changed; leave it out"
             )
-        ended = source.is_dir() or is_run_file(source)
-        return Page(page.result_page(Result.load(source)) if ended else page.live_page(mechanism))
+        is_run = source.is_dir() or is_run_file(source)
+        return Page(page.result_page(Result.load(source)) if is_run else page.live_page(mechanism))
     slides = parse_slides(mechanism, options.slide) if options.slide else default_slides(mechanism)
     model = slider_patches(mechanism, [] if options.no_sliders else slides, step)
     return Page(page.written(model), model.notes, [one.name for one in model.slides])

@@ -10,7 +10,7 @@ import typer
 
 from ..job import RUNS, CommandJob
 from ..options import FIGURE_FILE, ModelOptions, Options, QuietOptions, argument, flag, option, positive
-from ..outputs import figure_beside, refuse_inputs, write_files
+from ..outputs import figure_path, refuse_inputs, write_files
 from ..registry import DefaultGroup, add_command
 from ..terminal import answer, end_interrupted, print_line, sentences
 
@@ -61,7 +61,7 @@ class MapOptions(MapFileOptions, ModelOptions, MapJobOptions):
         """
         place = self.target if self.target is not None else RUNS / f"{self.model.stem}{ending}"
         with sentences(str(self.model)):
-            figure = figure_beside(place, kind, self.figure, self.csv, self.target is None)
+            figure = figure_path(place, kind, self.figure, self.csv, self.target is None)
             refuse_inputs((("-o", place), ("--figure", figure), ("--csv", self.csv)), self.inputs)
             mechanism = self.mechanism()
         job = CommandJob(kind, place, yes=self.yes, quiet=self.quiet, first_look=first_look)
@@ -334,7 +334,7 @@ def counts(text: str) -> tuple[int, int]:
     first, sign, second = text.partition("x")
     if not first.isdecimal() or not (second if sign else first).isdecimal():
         raise ValueError(f"--count {text}: allowed: a whole number, or two as in 40x30")
-    found = int(first), int(second if sign else first)
-    if not all(2 <= one <= MOST_STARTS for one in found):
+    grid = int(first), int(second if sign else first)
+    if not all(2 <= one <= MOST_STARTS for one in grid):
         raise ValueError(f"--count {text}: allowed: 2 to {MOST_STARTS} values of each")
-    return found
+    return grid

@@ -53,18 +53,18 @@ def templates() -> dict[str, Path]:
 
 def started(name: str) -> str:
     """Text of a template; its first line tells editors where the schema is."""
-    known = templates()
+    paths = templates()
     name = (
         name
-        if name in known
-        else next((one for one in known if one.replace("_", "-") == name.replace("_", "-")), name)
+        if name in paths
+        else next((one for one in paths if one.replace("_", "-") == name.replace("_", "-")), name)
     )
-    if name not in known:
+    if name not in paths:
         fail(
             f"there is no model {name!r} to start from;"
-            f" {suggestion(name, known, 'name one of those there are')}"
+            f" {suggestion(name, paths, 'name one of those there are')}"
         )
-    return f"#:schema {SCHEMA.as_uri()}\n{known[name].read_text(encoding='utf-8')}"
+    return f"#:schema {SCHEMA.as_uri()}\n{paths[name].read_text(encoding='utf-8')}"
 
 
 def about(path: Path) -> str:

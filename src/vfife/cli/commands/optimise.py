@@ -120,11 +120,11 @@ def searching(job: StudyCommand) -> Iterator[None]:
     """While a search goes on; one that is interrupted ends with the code of the signal, and says how to go
     on.
     """
-    with job.at_work(str(job.target), job.kept):
+    with job.at_work(str(job.target), job.saved_before):
         try:
             yield
             return
         except Interrupted as error:
-            ended = len(error.result.outcomes)
+            count = len(error.result.outcomes)
     again = " ".join([command(), *map(shlex.quote, sys.argv[1:])])
-    end_interrupted(f": {ended:,} members have ended; the same command goes on: {again}")
+    end_interrupted(f": {count:,} members have ended; the same command goes on: {again}")

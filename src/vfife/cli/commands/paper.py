@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from ...report.document import Document
 
 NAMES = (
-    "fig8", "fig9", "fig10", "fig12", "fig13", "fig15", "fig16", "fig17", "table3", "fig18", "fig19", "fig20", "table4",
+    "fig8", "fig9", "fig10", "fig12", "fig13", "fig15", "fig16", "fig17", "table3", "fig18", "fig19", "fig20",
+    "table4",
     "claims", "infer", "beyond",
 )  # fmt: skip
 
@@ -62,12 +63,12 @@ def paper(options: PaperOptions) -> None:
         answer(document(work.items, folder, time.monotonic() - began))
     if not work.complete:
         done = len(work.items)
-        kept = (
+        sentence = (
             f"{done} of {len(names)} items were done; they are kept in {folder}"
             if done
             else "no item was done"
         )
-        tell("interrupted", f"{kept}.")
+        tell("interrupted", f"{sentence}.")
         raise typer.Exit(NOW.code)
 
 
@@ -109,9 +110,9 @@ def compute(names: list[str], path: Path, budget: float, seed: int) -> Work:
         try:
             for name in names:
                 line.begin(name)
-                made = make(name, context)
-                place.add(made, json_text)
-                done.append(made)
+                result = make(name, context)
+                place.add(result, json_text)
+                done.append(result)
             if budget > 0.0:
                 write_text(path / "fitted.json", json_text(context.fit) + "\n")
         except KeyboardInterrupt:

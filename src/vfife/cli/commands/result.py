@@ -17,7 +17,7 @@ from ...store.folder import FIGURES
 from ...store.lock import holder
 from ...store.schemas import RUN, STUDY
 from ..options import JsonOptions, Options, RunOptions, argument, flag, option
-from ..outputs import PICTURES, refuse_ending, refuse_taken
+from ..outputs import PICTURES, refuse_ending, refuse_existing
 from ..signals import NOW
 from ..terminal import amount_of_bytes, answer, command, errors, fail, sentences, span, tell, writing
 from .study_info import read
@@ -55,7 +55,7 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
             file.events,
             file.last_checkpoint(),
         )
-        path, reference, lost = file.path, file.has_reference, file.lost
+        path, reference, damage = file.path, file.has_reference, file.lost
     choice, model = meta.get("choice", {}), tomllib.loads(meta.get("model", ""))
     status = meta.get("status", "unknown")
     return {
@@ -75,7 +75,7 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
         "turn": choice.get("turn"),
         "outputs": len(steps),
         "written_by": holder(path.parent),
-        "damage": list(lost),
+        "damage": list(damage),
         "checked": alone is None,
         "channels": sorted({name for name, _ in meta.get("kept", ())}),
         "laws": meta.get("laws", {}),
@@ -90,8 +90,8 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
     }
 
 
-KEPT = "The run is as it was"
-AS_BEFORE = f"{KEPT}, and so is what was there before."
+UNCHANGED = "The run is as it was"
+AS_BEFORE = f"{UNCHANGED}, and so is what was there before."
 ENDINGS = (
     ".csv",
     ".nc",
@@ -121,11 +121,11 @@ class ExportOptions(RunOptions, ForceOptions):
 
 
 def export(options: ExportOptions) -> None:
-    """Write all channels of a run with their units, or a figure, in the format that the file's ending says."""
+    """Write all channels of a run with their units, or a figure, in the format of the file's ending."""
     target = options.target
     with sentences(str(target)):
         refuse_ending(target, ENDINGS)
-        refuse_taken(target, options.force)
+        refuse_existing(target, options.force)
     NOW.saved = f"Nothing was written. {AS_BEFORE}"
     result = load(options.run)
     with sentences(str(options.run)), writing(str(target), AS_BEFORE):
@@ -206,7 +206,7 @@ def plot(options: PlotOptions) -> None:
             f"--format {options.kind}: no figure is written as this; there are"
             f" {', '.join(one[1:] for one in PICTURES)}"
         )
-    NOW.saved = f"{KEPT}, and no figure was drawn."
+    NOW.saved = f"{UNCHANGED}, and no figure was drawn."
     names = [name for one in options.figure or () for name in one.split(",")]
     result = load(run)
     if LIST in names:
@@ -242,7 +242,7 @@ def refuse_figures(targets: dict[str, Path], force: bool) -> None:
         (path,) = targets.values()
         with sentences(str(path)):
             if path.exists() or path.parent.is_file():
-                refuse_taken(path, force)
+                refuse_existing(path, force)
     elif existing and not force:
         names = ", ".join(path.name for path in existing)
         fail(
@@ -262,7 +262,7 @@ def draw(result: Result, targets: dict[str, Path], at: str | None, run: str) -> 
             path.parent.mkdir(parents=True, exist_ok=True)
             saved(drawing, path)
         typer.echo(path)
-        NOW.saved = f"{KEPT}; {done} of {len(targets)} figures were drawn, in {path.parent}."
+        NOW.saved = f"{UNCHANGED}; {done} of {len(targets)} figures were drawn, in {path.parent}."
 
 
 def list_figures(result: Result) -> None:
@@ -303,8 +303,8 @@ def animate(options: AnimateOptions) -> None:
     """
     target = options.out if options.out is not None else named_after(options.run, ".gif")
     with sentences(str(target)):
-        refuse_taken(target, options.force)
-    begun = time.monotonic()
+        refuse_existing(target, options.force)
+    start = time.monotonic()
     result = load(options.run)
     NOW.saved = f"No film was written. {AS_BEFORE}"
     with sentences(str(target)), writing(str(target), AS_BEFORE):
@@ -313,10 +313,10 @@ def animate(options: AnimateOptions) -> None:
         with ProgressLine(options.quiet) as line:
 
             def report(done: int, total: int) -> None:
-                line(Progress(done, total, time.monotonic() - begun, f"{done} of {total} frames drawn"))
+                line(Progress(done, total, time.monotonic() - start, f"{done} of {total} frames drawn"))
 
             frames, seconds = write_film(result, target, options.frames, options.fps, options.turns, report)
-    size, took = amount_of_bytes(target.stat().st_size), span(time.monotonic() - begun)
+    size, took = amount_of_bytes(target.stat().st_size), span(time.monotonic() - start)
     typer.echo(f"{target} ({size}, {frames} frames, {seconds:.3g} s long, written in {took})")
 
 
@@ -341,9 +341,9 @@ def report(options: ReportOptions) -> None:
     is_study = STUDY.owns(run)
     target = options.out if options.out is not None else named_after(run, "-report.html")
     with sentences(str(target)):
-        refuse_taken(target, options.force)
-    kept = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
-    NOW.saved = f"No report was written. {kept}"
+        refuse_existing(target, options.force)
+    unchanged = "The study is as it was, and so is what was there before." if is_study else AS_BEFORE
+    NOW.saved = f"No report was written. {unchanged}"
     result: Any = read(run) if is_study else load(run)
     with sentences(str(run)):
         from ...live.page.reports import run_report, study_report
@@ -351,7 +351,7 @@ def report(options: ReportOptions) -> None:
         page, notes = (study_report if is_study else run_report)(result, not options.no_live)
     for note in notes:
         tell("note", note)
-    with writing(str(target), kept):
+    with writing(str(target), unchanged):
         write_text(target, page)
     typer.echo(
         f"{target} ({amount_of_bytes(target.stat().st_size)}); open it in a browser, and print it from there."

@@ -86,9 +86,12 @@ class NewRunOptions(ModelOptions, LengthOptions, OutputsOptions, AnswerOptions, 
 
     folder: Path | None = option(None, "Run folder.", "FOLDER", "-o", "--output", show_default="runs/MODEL")
     settle: str | None = option(
-        None, "End as soon as turns repeat within this share of their largest values, as in 1%, after --turns at the latest.", "SHARE",
+        None,
+        "End as soon as turns repeat within this share of their largest values, as in 1%, after --turns at"
+        " the latest.",
+        "SHARE",
         show_default=OF_MODEL,
-    )  # fmt: skip
+    )
     loop: Loops = option(Loops.auto, "Loop that makes the steps; all give the same bits.")
     reference: bool = flag("--reference/--no-reference", "Compare with the ideal mechanism.", default=True)
     start_from: Path | None = option(
@@ -125,10 +128,10 @@ def run(options: NewRunOptions) -> None:
     model, folder = options.model, options.folder
     with sentences(str(model)):
         mechanism = with_options(options.mechanism(), options, outputs=options.outputs, settle=options.settle)
-        begun = folder if folder is not None else Path("runs") / model.stem
-        if options.resume and is_run_file(begun / "run.sqlite"):
-            refuse_other_model(begun, mechanism)
-            go_on(begun, None, options)
+        former_run = folder if folder is not None else Path("runs") / model.stem
+        if options.resume and is_run_file(former_run / "run.sqlite"):
+            refuse_other_model(former_run, mechanism)
+            go_on(former_run, None, options)
             return
         place = placed(folder, model, replace=options.force, start=options.start_from)
     for note in place.notes if not options.quiet else ():
@@ -212,7 +215,7 @@ def go_on(path: Path, until: float | None, options: AnswerOptions) -> None:
     run_into(place, reopen, options, lengthened=until is not None)
 
 
-# ------------------------------------------------------------------------------------------------------------------ flow
+# ------------------------------------------------------------------------------------------------------ flow
 
 
 def run_into(
@@ -236,14 +239,14 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
     """
     from ...simulation.simulate import run_prepared
 
-    NOW.saved = NOTHING if not place.settled else kept_in(place)
+    NOW.saved = NOTHING if not place.settled else saved_sentence(place)
     NOW.last.append(place.leave)
     file: RunFile | None = None
     try:
         file, prepared, last = open_run()
         with ProgressLine(quiet) as line:
             result = run_prepared(prepared, progress=line, file=file, resume=last)
-        NOW.saved = kept_in(place)
+        NOW.saved = saved_sentence(place)
         if result.record.status == Status.INTERRUPTED:
             file.put({"status": Status.INTERRUPTED})  # a summary of a long run takes its time
         result.finish(file)
@@ -251,10 +254,10 @@ def simulate_into(place: RunFolder, open_run: Callable[[], OpenRun], quiet: bool
         return result
     except KeyboardInterrupt:
         close(file)
-        fail(f"{NOW.by}. {kept_in(place)}", NOW.code, word="interrupted")
+        fail(f"{NOW.by}. {saved_sentence(place)}", NOW.code, word="interrupted")
     except (StorageError, OSError, MemoryError) as error:
         close(file)
-        fail(f"{str(error) or 'there is not enough memory'} {kept_in(place)}", STORAGE)
+        fail(f"{str(error) or 'there is not enough memory'} {saved_sentence(place)}", STORAGE)
     except HeldError as error:
         close(file)
         fail(str(error), BAD_INPUT)
@@ -273,7 +276,7 @@ def close(file: RunFile | None) -> None:
             return
 
 
-def kept_in(place: RunFolder) -> str:
+def saved_sentence(place: RunFolder) -> str:
     """What is kept of an interrupted run, in a sentence."""
     if not place.settled:
         return NOTHING
@@ -286,13 +289,13 @@ def resume_command(place: RunFolder) -> str:
 
 
 def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
-    """Write the summary and figures, print the object or the tables, and end with the exit code of the run."""
+    """Write summary and figures, print the object or the tables, and end with the exit code of the run."""
     cached, record = trouble(), result.record
     warnings = [*result.summary["run"]["notes"], *result.summary["warnings"]]
     if cached and not options.quiet:
         tell("note", f"{cached}.")
     complete = f"The run itself is whole, in {place.path}."
-    NOW.saved = complete if record.status == Status.COMPLETE else kept_in(place)
+    NOW.saved = complete if record.status == Status.COMPLETE else saved_sentence(place)
     with writing(str(place.path), complete):
         write_text(place.path / SUMMARY, json_text(result.summary) + "\n")
         if options.figures and record.status != Status.INTERRUPTED:
@@ -329,12 +332,12 @@ def show(result: Result, place: RunFolder, figures: bool) -> None:
     console, quoted = output(), shlex.quote(str(place.path))
     show_summary(console, result, result.reference)
     console.print()
-    kept = ", ".join(
+    entries = ", ".join(
         sorted(
             entry.name + "/" * entry.is_dir() for entry in place.path.iterdir() if entry.name != "run.lock"
         )
     )
-    console.print(Text.assemble(("Run folder: ", "bold"), f"{place.path} ({kept})"))
+    console.print(Text.assemble(("Run folder: ", "bold"), f"{place.path} ({entries})"))
     then = f"figures are in {place.path / 'figures'}" if figures else f"{command()} plot {quoted}"
     console.print(
         Text.assemble(
@@ -358,17 +361,20 @@ def ending_of(result: Result, place: RunFolder) -> Ending:
     status, again = record.status, resume_command(place)
     if record.message:
         done = max(len(record.steps) - 1, 0)
-        kept = (
+        place_text = (
             f"The {done} load factors before are kept in {place.path}"
             if done
             else f"The start is kept in {place.path}"
         )
         interrupted = status == Status.INTERRUPTED
-        sentence = f"{record.message} {kept}{f'; go on with: {again}' if interrupted else '.'}"
+        sentence = f"{record.message} {place_text}{f'; go on with: {again}' if interrupted else '.'}"
         code = NOW.code if interrupted else DIVERGED
     elif status == Status.INTERRUPTED:
-        made = f"{NOW.by}: {record.reached:,} of {record.assembly.choice.steps:,} steps were made"
-        sentence, code = f"{made}; they are kept in {place.path}, and the run goes on with: {again}", NOW.code
+        progress = f"{NOW.by}: {record.reached:,} of {record.assembly.choice.steps:,} steps were made"
+        sentence, code = (
+            f"{progress}; they are kept in {place.path}, and the run goes on with: {again}",
+            NOW.code,
+        )
     elif status == Status.ENERGY:
         from ...report.divergence import energy_cause
 

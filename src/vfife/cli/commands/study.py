@@ -155,7 +155,7 @@ def compute(
     lock: Lock | None = None,
 ) -> None:
     """Compute what a study lacks; describe it, and end with the exit code of that."""
-    with job.at_work(str(job.target), job.kept):
+    with job.at_work(str(job.target), job.saved_before):
         result, complete = work.run(job, options.retry, lock)
     if options.as_json or not options.quiet:
         from ...report.study import document

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from ..options import JsonOptions, LawOptions, StudyFileOptions, argument, flag, option, take_laws
-from ..outputs import refuse_ending, refuse_taken
+from ..outputs import refuse_ending, refuse_existing
 from ..terminal import amount_of_bytes, answer, sentences, writing
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class ShowOptions(StudyFileOptions, JsonOptions):
 
 
 def show(options: ShowOptions) -> None:
-    """What a study came to so far: each measure's least, mean and largest value and where, and what failed."""
+    """Results of a study so far: least, mean and largest value of each measure and where, and what failed."""
     study = read(options.file)
     from ...report.study import document
 
@@ -52,7 +52,7 @@ def export(options: ExportOptions) -> None:
     target = options.target
     with sentences(str(target)):
         refuse_ending(target, ENDINGS)
-        refuse_taken(target, options.force)
+        refuse_existing(target, options.force)
     study = read(options.file)
     with (
         sentences(str(options.file)),

@@ -46,21 +46,21 @@ def verify(options: VerifyOptions) -> None:
     conclude(done, len(cases), interrupted, options.as_json)
 
 
-def chosen(known: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
+def chosen(cases: Mapping[str, Case], names: Sequence[str]) -> list[Case]:
     """The cases named, all of them where none is; ends with suggestions for those that there are not."""
-    wrong = [name for name in names if name.lower() not in known]
+    wrong = [name for name in names if name.lower() not in cases]
     if wrong:
         sentences = []
         for name in wrong:
-            near = difflib.get_close_matches(name.lower(), known, 3, 0.4)
-            said = (
+            near = difflib.get_close_matches(name.lower(), cases, 3, 0.4)
+            sentence = (
                 f"did you mean {' or '.join(repr(one) for one in near)}?"
                 if near
                 else "vfife verify --list names all there are"
             )
-            sentences.append(f"there is no case {name!r}; {said}")
+            sentences.append(f"there is no case {name!r}; {sentence}")
         fail("; ".join(sentences))
-    return [known[name] for name in dict.fromkeys(name.lower() for name in names)] or list(known.values())
+    return [cases[name] for name in dict.fromkeys(name.lower() for name in names)] or list(cases.values())
 
 
 def show_list(cases: Sequence[Case], as_json: bool) -> None:
@@ -103,7 +103,8 @@ def document(one: Case, rows: Sequence[Row]) -> Document:
     """The numbers of a case beside their references."""
     passed = all(entry.passed for entry in rows)
     cells = [
-        (entry.note or entry.quantity, entry.unit, f"{entry.reference:.7g}", f"{entry.value:.7g}", f"{entry.error:+.1e}", f"{entry.tolerance:.1g}",
+        (entry.note or entry.quantity, entry.unit, f"{entry.reference:.7g}", f"{entry.value:.7g}",
+         f"{entry.error:+.1e}", f"{entry.tolerance:.1g}",
          verdict(entry.passed))
         for entry in rows
     ]  # fmt: skip
@@ -130,13 +131,13 @@ def conclude(done: Sequence[CaseRows], total: int, interrupted: bool, as_json: b
     from vfife_validation.verification import entry
 
     failed = [one.name for one, rows in done if not all(each.passed for each in rows)]
-    whole: dict[str, Any] = {"cases": [entry(one, each) for one, rows in done for each in rows]}
+    data: dict[str, Any] = {"cases": [entry(one, each) for one, rows in done for each in rows]}
     numbers = sum(len(rows) for _, rows in done)
-    said = f"{len(done) - len(failed)} of {len(done)} cases passed, {numbers} numbers" + (
+    sentence = f"{len(done) - len(failed)} of {len(done)} cases passed, {numbers} numbers" + (
         f"; failed: {', '.join(failed)}" if failed else ""
     )
-    words = Paragraph(said, style="bad" if failed else "good")
-    answer(Document([words], data={**whole, "interrupted": True} if interrupted else whole), as_json)
+    words = Paragraph(sentence, style="bad" if failed else "good")
+    answer(Document([words], data={**data, "interrupted": True} if interrupted else data), as_json)
     if interrupted:
         tell("interrupted", f"Stopped by Ctrl-C after {len(done)} of {total} cases.")
         raise typer.Exit(NOW.code)

@@ -8,7 +8,7 @@ from typing import Any
 from ...store.schemas import WEAR
 from ..job import RUNS, CommandJob
 from ..options import FIGURE_FILE, JobOptions, ModelOptions, argument, option, positive
-from ..outputs import figure_beside, refuse_endings, refuse_inputs, write_files
+from ..outputs import figure_path, refuse_endings, refuse_inputs, write_files
 from ..terminal import answer, end_interrupted, print_line, sentences
 
 MOST_BLOCK, MOST_HARMONICS, MOST_TURNS = 100_000, 32, 1e15
@@ -35,7 +35,7 @@ class WearOptions(ModelOptions, JobOptions):
     )
     figure: Path | None = option(None, "The figure.", FIGURE_FILE, show_default="FILE-wear.png")
     csv: Path | None = option(None, "All depths as a table.", "FILE.csv")
-    worn: Path | None = option(None, "The model as it is worn in the end.", "WORN.toml")
+    final_model: Path | None = option(None, "The model as it is worn in the end.", "WORN.toml", "--worn")
 
 
 def wear(options: WearOptions) -> None:
@@ -51,21 +51,19 @@ def wear(options: WearOptions) -> None:
     with sentences(str(model)):
         if not turns <= MOST_TURNS:  # not a bound of the option: its help would be widened by all its zeros
             raise ValueError(f"--turns {turns:g}: more than can be counted; allowed: 1 to {MOST_TURNS:g}")
-        figure = figure_beside(
-            place, "wear", options.figure, options.csv, target is None and not is_wear_file
-        )
-        refuse_endings(None, None, options.worn, model_option="--worn")
-        targets = (("--figure", figure), ("--csv", options.csv), ("--worn", options.worn))
+        figure = figure_path(place, "wear", options.figure, options.csv, target is None and not is_wear_file)
+        refuse_endings(None, None, options.final_model, model_option="--worn")
+        targets = (("--figure", figure), ("--csv", options.csv), ("--worn", options.final_model))
         refuse_inputs((*targets, *((("-o", place),) if not is_wear_file else ())), options.inputs)
         from ...tribology.simulate_wear import load_wear
 
         result = load_wear(model) if is_wear_file else simulate_wear(options, place)
     write_files(result, figure, options.csv)
-    if options.worn is not None:
+    if options.final_model is not None:
         from ...modelfile.write import save_model
 
-        with sentences(str(options.worn)):
-            save_model(result.mechanism(), options.worn)
+        with sentences(str(options.final_model)):
+            save_model(result.mechanism(), options.final_model)
     if not options.quiet:
         from ...report.wear import document
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import Fault, VfifeError, kind_of, shown, suggestion
-from ...schema import Measure, Text, Whole, described
+from ...schema import Integer, Measure, Text, described
 from ..engine.run_missing import Engine
 from ..spec.limits import CONFIDENCE, Bound, Estimate, allowed_failures, flat, needed, quantile, read_bounds
 from ..spec.plan import MOST_MEMBERS, Plan, StudyParameter, case_numbers
@@ -48,9 +48,9 @@ class AllocationTable:
         Measure("1", above=0.0, high=0.9999), "with which the sample shall show that", CONFIDENCE
     )
     count: int | None = described(
-        Whole(1, MOST_MEMBERS), "machines that are drawn; the fewest that can show it unless given", None
+        Integer(1, MOST_MEMBERS), "machines that are drawn; the fewest that can show it unless given", None
     )
-    seed: int = described(Whole(0, 2**31 - 1), "which machines are drawn", 1)
+    seed: int = described(Integer(0, 2**31 - 1), "which machines are drawn", 1)
 
     @property
     def least(self) -> int:

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from ...errors import VfifeError, shown, suggestion
 from ...numerics.scalar import log, power
-from ...schema import Text, Whole, described
+from ...schema import Integer, Text, described
 from ...schema.parts import Many
 from ..spec.limits import Bound, read_bounds
 from ..spec.plan import MOST_MEMBERS, Plan
@@ -197,13 +197,13 @@ class OptimiseTable:
         Many(Text()), "measures that shall be as small as possible; of several the Pareto front is told", ()
     )
     maximise: tuple[str, ...] = described(Many(Text()), "measures that shall be as large as possible", ())
-    members: int = described(Whole(1, MOST_MEMBERS), "how many members are computed", 200)
+    members: int = described(Integer(1, MOST_MEMBERS), "how many members are computed", 200)
     seed: int = described(
-        Whole(0, 2**31 - 1), "which members the search asks for: the same seed, the same search", 1
+        Integer(0, 2**31 - 1), "which members the search asks for: the same seed, the same search", 1
     )
-    batch: int = described(Whole(1, 4096), "members that are asked for at once", BATCH)
+    batch: int = described(Integer(1, 4096), "members that are asked for at once", BATCH)
     refine: int = described(
-        Whole(0, 10000),
+        Integer(0, 10000),
         "members more that derivatives may lead to from the best one of one measure on; 0: none",
         REFINE,
     )
@@ -232,7 +232,7 @@ def read_search(tables: StudyTables) -> tuple[Plan, Search]:
         if one.values is not None:
             axes.append(Axis(one.name, values=one.values))
         elif isinstance(one.distribution, Uniform):
-            axes.append(Axis(one.name, *one.distribution.limits, integer=isinstance(one.field, Whole)))
+            axes.append(Axis(one.name, *one.distribution.limits, integer=isinstance(one.field, Integer)))
         else:
             what = "a search needs a range or values, and this has a distribution"
             by.refuse(("vary", one.name, ""), what, one.words, "from and to, or values", "give these")

@@ -10,7 +10,7 @@ import math
 from typing import Any
 
 from ...errors import Fault, kind_of, shown, suggestion
-from ...schema import Measure, Reading, Whole
+from ...schema import Integer, Measure, Reading
 from .parameters import read_value
 from .plan import GRIDS, MOST_MEMBERS, SEARCH, Number, Plan, StudyParameter
 from .sampling import points
@@ -135,7 +135,7 @@ def within_limits(one: StudyParameter, values: list[float], by: Reading) -> list
     field.
     """
     field, limits, beyond = one.field, "", list[float]()
-    if isinstance(field, Whole):
+    if isinstance(field, Integer):
         values = [float(round(value)) for value in values]
         limits, beyond = (
             f"{field.low} to {field.high}",

@@ -13,7 +13,7 @@ from ...errors import Fault, Path, shown
 from ...model.mechanism import Mechanism
 from ...modelfile.parameter import NO_NUMBER, Parameter
 from ...numerics.scalar import power
-from ...schema import Choice, Measure, Reading, Value, Whole
+from ...schema import Choice, Integer, Measure, Reading, Value
 from .plan import Number, StudyParameter, VaryTable
 from .sampling import Distribution, Normal, Truncated, Uniform, of_fit, of_tolerance, of_zone
 
@@ -74,7 +74,7 @@ def read_paths(
         if one.keys[0] == "run" and one.keys[-1] in RUN_KEYS:
             remedy = f"remove it: {RUN_KEYS[str(one.keys[-1])]}"
             by.refuse(where, "the study says this itself, for all members", shown(text), "", remedy)
-        elif isinstance(one.field, Measure | Whole | Choice):
+        elif isinstance(one.field, Measure | Integer | Choice):
             fields.append((one.path, one.field))
         else:
             kind = "what stands there is of a kind that has no such number"
@@ -206,7 +206,7 @@ def range_values(table: VaryTable, numbers: Mapping[str, Any], field: Value) -> 
         remedy = 'set spacing = "linear", or correct from'
         raise Fault("", "a logarithmic range begins above 0", f"{low:g}", "a from above 0", remedy)
     values.append(high)
-    return tuple(sorted({float(round(value)) for value in values}) if isinstance(field, Whole) else values)
+    return tuple(sorted({float(round(value)) for value in values}) if isinstance(field, Integer) else values)
 
 
 def distribution_of(table: VaryTable, kind: str, numbers: Mapping[str, Any], unit: str) -> Distribution:

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from ...errors import Fault, Path, kind_of, shown
 from ...model.mechanism import Mechanism
-from ...schema import Choice, Json, Measure, Reading, Switch, Text, Value, Whole, described
+from ...schema import Choice, Integer, Json, Measure, Reading, Switch, Text, Value, described
 from ...schema.parts import Many, Names
 from ...schema.values import is_list
 from .sampling import METHODS, Distribution
@@ -79,7 +79,7 @@ class VaryTable:
         Amount(), "largest value of a range; of a distribution, where it is cut off", None, key="to"
     )
     count: int | None = described(
-        Whole(2, MOST_MEMBERS),
+        Integer(2, MOST_MEMBERS),
         "number of values in a range, with both ends; without it samples are taken",
         None,
     )
@@ -108,21 +108,21 @@ class StudySpec:
         OneOrMore(Text()),
         "measures of each case, or max, min, mean, rms, range of a channel, as in mean(C.force)",
     )
-    turns: int = described(Whole(1, MOST_TURNS), "turns of the crank in each case; with settle at most", 10)
+    turns: int = described(Integer(1, MOST_TURNS), "turns of the crank in each case; with settle at most", 10)
     settle: float | None = described(
         Measure("1", above=0.0, high=1.0),
         "end a case as soon as turns repeat within this share of their size",
         None,
     )
-    last: int = described(Whole(1, MOST_TURNS), "turns at the end over which measures are averaged", 1)
+    last: int = described(Integer(1, MOST_TURNS), "turns at the end over which measures are averaged", 1)
     step: Any = described(Measure("s", above=0.0, words=("auto",)), "time step of every case", "auto")
     method: str = described(
         Choice((*GRIDS, *METHODS, SEARCH)),
         "grid: all combinations; list: row by row; else the kind of samples",
         "grid",
     )
-    count: int | None = described(Whole(1, MOST_MEMBERS), "number of samples", None)
-    seed: int = described(Whole(0, 2**31 - 1), "seed of the samples: the same seed, the same samples", 1)
+    count: int | None = described(Integer(1, MOST_MEMBERS), "number of samples", None)
+    seed: int = described(Integer(0, 2**31 - 1), "seed of the samples: the same seed, the same samples", 1)
     note: str = described(Text(), "anything worth knowing", "")
     set: dict[str, Any] = described(Names(Amount()), "numbers replaced in all cases, by path", factory=dict)
 
@@ -201,6 +201,6 @@ def case_numbers(parameters: Sequence[StudyParameter], values: Mapping[str, Numb
     for one in parameters:
         value = values[one.name]
         if not isinstance(value, str):
-            value = float(round(value)) if isinstance(one.field, Whole) else float(value)
+            value = float(round(value)) if isinstance(one.field, Integer) else float(value)
         numbers |= dict.fromkeys(one.paths, value)
     return numbers

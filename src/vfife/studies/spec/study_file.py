@@ -53,7 +53,7 @@ class StudyReading(Reading):
     def table(self, path: Path, kind: type, holder: Any) -> Any:
         """Return the object of a table, in part where something of it was refused."""
         before = len(self.faults)
-        return self.made(kind, self.values(path, Table(kind).fields, holder), before)
+        return self.build(kind, self.values(path, Table(kind).fields, holder), before)
 
     def check(self, source: str) -> None:
         """Raise ModelError with the faults, where there are any."""
