@@ -149,7 +149,7 @@ def test_values_go_side_by_side_as_each_does_alone(monkeypatch) -> None:
 
 def test_a_table_has_every_point(tmp_path) -> None:
     found = bifurcation(loose(), "joint.pin.clearance", "0.2 mm", "0.3 mm", **GIVEN)
-    assert (found.asked.values[0], found.asked.values[-1]) == (2e-4, 3e-4)
+    assert (found.spec.values[0], found.spec.values[-1]) == (2e-4, 3e-4)
     found.write_csv(tmp_path / "all.csv")
     lines = (tmp_path / "all.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * 3 * 2 and lines[0].startswith("joint.pin.clearance,way,turn,pin.penetration")
