@@ -36,6 +36,8 @@ def test_a_share_is_where_a_value_lies_between_its_bounds() -> None:
 def test_a_confidence_of_a_quarter_of_the_bounds_is_the_widest_that_tells() -> None:
     assert replace(ONE, high=400.0).determined and not replace(ONE, high=401.0).determined
     assert not replace(ONE, known=False).determined
+    with pytest.warns(DeprecationWarning, match="determined"):
+        assert replace(ONE, high=400.0).told
 
 
 def test_a_value_within_a_hundredth_of_either_bound_lies_on_it() -> None:

@@ -5,6 +5,7 @@ curves; and its file.
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -67,6 +68,12 @@ class FitValue:
     def determined(self) -> bool:
         """Whether the data determine it: its confidence is known, and narrow compared with the bounds."""
         return self.known and self.share(self.high) - self.share(self.value) <= DETERMINED_SHARE
+
+    def __getattr__(self, name: str) -> bool:
+        if name == "told":  # its name in version 0.2
+            warnings.warn("FitValue.told is determined now", DeprecationWarning, stacklevel=2)
+            return self.determined
+        raise AttributeError(f"{type(self).__name__!r} has no attribute {name!r}")
 
     @property
     def at_bound(self) -> bool:
