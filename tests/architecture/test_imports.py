@@ -60,7 +60,7 @@ def test_kernels_import_only_numpy_and_each_other() -> None:
 def levels() -> dict[str, int]:
     """Level of each room, the highest first, from the contract of layers."""
     (contract,) = (
-        one for one in PROJECT["tool"]["importlinter"]["contracts"] if one["name"] == "rooms are layers"
+        one for one in PROJECT["tool"]["importlinter"]["contracts"] if one["name"] == "packages are layers"
     )
     return {
         room.strip(): level for level, layer in enumerate(contract["layers"]) for room in layer.split("|")
