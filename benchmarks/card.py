@@ -10,8 +10,9 @@ import numpy as np
 from measure import EXAMPLES, Options, Part, interleaved, seconds, table
 
 from vfife import load_model
-from vfife.assembly.assemble import assemble, reassembled
+from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly, bounds, limited_rows
+from vfife.assembly.reassemble import reassembled
 from vfife.compiler.runtime.cuda import DeviceStream, card
 from vfife.compiler.runtime.runner import Started, Starter, Stream
 from vfife.errors import DeviceError

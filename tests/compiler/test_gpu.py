@@ -18,7 +18,7 @@ from vfife.compiler.runtime import cuda
 from vfife.compiler.runtime.cuda import Card
 from vfife.errors import DeviceError
 from vfife.laws import LankaraniNikravesh
-from vfife.solvers import streaming
+from vfife.solvers import interrupts, streaming
 from vfife.solvers.ensemble import advance, ensemble, placed
 
 
@@ -76,8 +76,9 @@ def test_launches_are_short_and_change_nothing(driver, monkeypatch):
     """Calls of the loop are as long as on a processor: between two of them somebody may end it all."""
     a = of_play(3)
     here = advance(a)
-    monkeypatch.setattr(streaming, "FIRST", 37)
-    monkeypatch.setattr(streaming, "GROWTH", 1)
+    monkeypatch.setattr(streaming, "QUICK", 37)
+    monkeypatch.setattr(interrupts, "FIRST", 37)
+    monkeypatch.setattr(interrupts, "GROWTH", 1)
     there = driver(a[0].topology)
     assert same(advance(a, device="cuda"), here)
     assert len(there.threads) > 10

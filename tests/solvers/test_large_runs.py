@@ -22,27 +22,27 @@ def never(*args, **named):
 def test_a_run_of_hours_is_refused_unless_it_is_meant(monkeypatch):
     """Two hours of a four-bar took 24 GB until the system killed the process."""
     monkeypatch.setattr(simulation, "run", never)
+    monkeypatch.setattr("vfife.files.free_bytes", lambda place: 10**10)
     model = vfife.load_model(CASE)
-    with pytest.raises(ModelError, match=r"takes some .* GB of memory.*confirm=True"):
+    with pytest.raises(ModelError, match=r"takes some .* GB on a disk that has .*confirm=True"):
         vfife.simulate(model, duration="2 h", reference=False)
     with pytest.raises(AssertionError, match="it was stepped"):
         vfife.simulate(model, duration="2 h", reference=False, confirm=True)
 
 
-def test_memory_counts_only_where_outputs_stay_in_it(monkeypatch, tmp_path):
+def test_rows_that_memory_cannot_hold_lie_on_the_disk(monkeypatch, tmp_path):
+    """Outputs of a run without a file count as bytes on the disk where they are many."""
     monkeypatch.setattr(simulation, "run", never)
     monkeypatch.setattr("vfife.job.cost.physical_memory", lambda: 10**9)
-    model, given = (
+    model, options = (
         vfife.load_model(CASE),
         {"turns": 2, "outputs": 1_000_000, "step": "20 ns", "reference": False},
     )
-    with pytest.raises(ModelError, match="of memory, of which there are 1 GB.*give a file for the outputs"):
-        vfife.simulate(model, **given)
-    with (
-        vfife.store.runfile.RunFile.create(tmp_path / "run.sqlite") as file,
-        pytest.raises(AssertionError, match="it was stepped"),
-    ):
-        vfife.simulate(model, file=file, **given)
+    with pytest.raises(AssertionError, match="it was stepped"):
+        vfife.simulate(model, **options)
+    monkeypatch.setattr("vfife.files.free_bytes", lambda place: 10**9)
+    with pytest.raises(ModelError, match="on a disk that has 1 GB left"):
+        vfife.simulate(model, **options)
 
 
 def test_an_ideal_reference_that_takes_hours_is_refused_before_it_is_run(monkeypatch):

@@ -95,18 +95,13 @@ def extremes(study: Study) -> dict[str, dict[str, Any]]:
             for value, one in zip(study.values(name), study.done, strict=True)
             if math.isfinite(value)
         ]
-        entry: dict[str, Any] = {
-            "unit": unit,
-            "count": len(pairs),
-            "mean": math.fsum(value for value, _ in pairs) / len(pairs) if pairs else None,
-        }
+        mean = math.fsum(value for value, _ in pairs) / len(pairs) if pairs else None
+        ends: dict[str, dict[str, Any]] = {}
         for end, choose in (("least", min), ("largest", max)):
             value, member = choose(pairs, key=lambda pair: pair[0]) if pairs else (None, None)
-            entry |= {
-                end: value,
-                f"{end}_at": None if member is None else dict(zip(names, study.at(member), strict=True)),
-            }
-        entries[name] = entry
+            at = None if member is None else dict(zip(names, study.at(member), strict=True))
+            ends[end] = {end: value, f"{end}_at": at}
+        entries[name] = {"unit": unit, "count": len(pairs), **ends["least"], "mean": mean, **ends["largest"]}
     return entries
 
 
