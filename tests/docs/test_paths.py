@@ -23,7 +23,7 @@ def exists(path: str) -> bool:
     )
 
 
-@pytest.mark.parametrize("name", ["docs/design.md", "CONTRIBUTING.md", "docs/faults.md"])
+@pytest.mark.parametrize("name", ["docs/design.md", "docs/internals.md", "CONTRIBUTING.md", "docs/faults.md"])
 def test_paths_in_a_document_exist(name: str) -> None:
     text = (ROOT / name).read_text("utf-8")
     paths = sorted({match[1] for match in PATH.finditer(text)})
