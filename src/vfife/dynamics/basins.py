@@ -5,7 +5,7 @@ start or of the model.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar, Unpack
@@ -20,6 +20,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame
+from ..solvers.tangents import Neighbours
 from ..solvers.turn_runner import Start
 from ..store.mapfile import MapFile
 from .maps import (
@@ -252,22 +253,35 @@ def basins(
         state = states.setdefault(steps, StartStates(mechanism, steps))
         return Start(case, partial(state.at, spec.numbers(case)), state.ahead(spec.numbers(case), run.phase))
 
-    with run.rows(Basins, mechanism.name, spec) as rows:
+    return follow_starts(run, mechanism.name, spec, start_of, near)
+
+
+def follow_starts(
+    run: TurnRun, name: str, spec: BasinSpec, start_of: Callable[[int, int], Start], near: Neighbours | None
+) -> Basins:
+    """Follow the starts of a grid that the file does not have yet, then a sample of them with other steps.
+
+    ``start_of(case, steps)``: start of a case with so many steps a turn; ``near``: how a small difference is
+    followed, or None.
+    """
+    with run.rows(Basins, name, spec) as rows:
         legs, checked = rows.done, unpacked(rows.array(COMPANIONS))
         legs |= rows.legs(gaps=True)
         for one, points in orbits(
-            spec, near, [start_of(case, steps) for case in range(spec.count)], done=tuple(legs)
+            spec, near, [start_of(case, spec.steps) for case in range(spec.count)], done=tuple(legs)
         ):
             legs[one.number] = points, one.growth
             rows.write("legs", one.number, points, one.growth, np.zeros(0))
             run.job.count(len(legs), spec.count, "starts")
-        if not checked and companions:
+        if not checked and spec.companions:
             cases = [case for case, (points, _) in sorted(legs.items()) if len(points)]
             checked += list(
-                start_companions(spec, [cases[k] for k in sampled(len(cases), companions)], start_of, near)
+                start_companions(
+                    spec, [cases[k] for k in sampled(len(cases), spec.companions)], start_of, near
+                )
             )
             rows.write("arrays", COMPANIONS, packed(checked))
-    return Basins.of(mechanism.name, spec, legs, checked)
+    return Basins.of(name, spec, legs, checked)
 
 
 def grid_units(mechanism: Mechanism, x: str, y: str) -> tuple[str, str]:

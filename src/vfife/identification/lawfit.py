@@ -24,7 +24,7 @@ from ..schema import Measure, value_of
 from ..studies.spec.sampling import sobol
 from .measurements import factor, numbers, split, table
 from .parameters import FitParameter
-from .step_uncertainty import confidence_of
+from .step_uncertainty import Confidence, confidence_of
 
 Array = NDArray[np.float64]
 SURFACES = Pair(0.01, 2e-4, 0.02)  # those of `vfife laws`, for laws that need some
@@ -112,7 +112,18 @@ def fit_law(
     share = best.x
     parts = [one for one in np.split(best.fun, [len(loop.loading[0])]) if len(one) > 2]
     uncertainty = confidence_of(parts, parameters, share, best.jac, len(parameters), confidence)
-    values = [
+    model = forces(law_at(share), pair, loop, speeds)
+    return Fit(
+        f"law {kind.name}", loop.name, "complete", fit_values(parameters, share, uncertainty),
+        uncertainty.correlation, uncertainty.directions,
+        0.0, 0.0, "penetration", fit_curves(loop, model), ends, 0, 0,
+        "differences", uncertainty.autocorrelation, confidence, time.monotonic() - began,
+    )  # fmt: skip
+
+
+def fit_values(parameters: Sequence[FitParameter], shares: Array, uncertainty: Confidence) -> list[FitValue]:
+    """The identified parameters at their ``shares`` of the ranges, with errors and limits of confidence."""
+    return [
         FitValue(
             s.name,
             (s.name,),
@@ -126,24 +137,24 @@ def fit_law(
             s.logarithmic,
         )
         for s, x, e, (low, high) in zip(
-            parameters, share, uncertainty.errors, uncertainty.limits, strict=True
+            parameters, shares, uncertainty.errors, uncertainty.limits, strict=True
         )
     ]
-    model, count = forces(law_at(share), pair, loop, speeds), len(loop.loading[0])
+
+
+def fit_curves(loop: Loop, model: Array) -> list[FitCurve]:
+    """The data beside the forces (N) of the model, those of loading first; without unloading one curve."""
+    count = len(loop.loading[0])
     curves = [
         FitCurve("loading", "force", "N", "penetration", loop.loading[0], loop.loading[1], model[:count])
     ]
-    if back:
+    if len(loop.unloading[0]):
         curves.append(
             FitCurve(
                 "unloading", "force", "N", "penetration", loop.unloading[0], loop.unloading[1], model[count:]
             )
         )
-    return Fit(
-        f"law {kind.name}", loop.name, "complete", values, uncertainty.correlation, uncertainty.directions,
-        0.0, 0.0, "penetration", curves, ends, 0, 0,
-        "differences", uncertainty.autocorrelation, confidence, time.monotonic() - began,
-    )  # fmt: skip
+    return curves
 
 
 def names_of(law: type[ContactLaw]) -> set[str]:

@@ -95,17 +95,7 @@ def measured(
     faults: list[Fault] = []
     heads, rows = table(path, faults)
     columns = [split(one) for one in heads]
-    place = next((k for k, (name, _) in enumerate(columns) if name.lower() in ABSCISSAE), None)
-    if heads and place is None:
-        faults.append(
-            Fault(
-                "line 1",
-                "no column says when",
-                shown(", ".join(heads)),
-                "time or crank_angle",
-                "name the first column time (s)",
-            )
-        )
+    place = abscissa(columns, heads, faults)
     before = len(faults)
     chosen = choice(columns, units, specs, faults) if heads else {}
     if heads and len(faults) == before and not chosen:
@@ -116,23 +106,7 @@ def measured(
         faults.append(
             Fault("line 1", "no column is a channel of the mechanism", shown(", ".join(heads)), "", remedy)
         )
-    for name, weight in (weights or {}).items():
-        if name not in {columns[k][0] for k in chosen} and chosen:
-            faults.append(
-                Fault(
-                    f"weight of {name}",
-                    "there is no such column among those that count",
-                    "",
-                    "",
-                    suggestion(name, heads, "name one"),
-                )
-            )
-        elif not 0.0 < weight < math.inf:
-            faults.append(
-                Fault(
-                    f"weight of {name}", "this is no weight", shown(weight), "a number above 0", "correct it"
-                )
-            )
+    check_weights(weights or {}, {columns[k][0] for k in chosen}, heads, faults)
     factors: dict[int, float] = {}
     for k, one in chosen.items():
         factors[k] = (
@@ -166,8 +140,47 @@ def measured(
     return Measured(over, factors[place] * values[place], curves, path.name)
 
 
-def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Heads, and rows with the numbers of their lines."""
+def abscissa(columns: Sequence[tuple[str, str]], heads: Sequence[str], faults: list[Fault]) -> int | None:
+    """Number of the column of times or angles; None without any, which is noted."""
+    place = next((k for k, (name, _) in enumerate(columns) if name.lower() in ABSCISSAE), None)
+    if heads and place is None:
+        faults.append(
+            Fault(
+                "line 1",
+                "no column says when",
+                shown(", ".join(heads)),
+                "time or crank_angle",
+                "name the first column time (s)",
+            )
+        )
+    return place
+
+
+def check_weights(
+    weights: Mapping[str, float], names: Collection[str], heads: Sequence[str], faults: list[Fault]
+) -> None:
+    """Note weights that are no positive number, or of a column that is not among the ``names`` that count."""
+    for name, weight in weights.items():
+        if names and name not in names:
+            faults.append(
+                Fault(
+                    f"weight of {name}",
+                    "there is no such column among those that count",
+                    "",
+                    "",
+                    suggestion(name, heads, "name one"),
+                )
+            )
+        elif not 0.0 < weight < math.inf:
+            faults.append(
+                Fault(
+                    f"weight of {name}", "this is no weight", shown(weight), "a number above 0", "correct it"
+                )
+            )
+
+
+def csv_text(path: Path, faults: list[Fault]) -> str | None:
+    """The text of a file; None where it is too large, cannot be read or is no UTF-8."""
     try:
         if path.stat().st_size > LARGEST:
             faults.append(
@@ -179,8 +192,8 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
                     "thin it out",
                 )
             )
-            return [], []
-        text = read_bytes(path, LARGEST).decode("utf-8-sig")
+            return None
+        return read_bytes(path, LARGEST).decode("utf-8-sig")
     except OSError as error:
         near = (
             [one.name for one in path.absolute().parent.glob("*.csv")]
@@ -190,11 +203,18 @@ def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, l
         missing = isinstance(error, FileNotFoundError)
         remedy = suggestion(path.name, near, "check the name") if missing else "name a file that can be read"
         faults.append(Fault("file", f"it cannot be read ({error.strerror})", remedy=remedy))
-        return [], []
+        return None
     except UnicodeDecodeError as error:
         faults.append(
             Fault(f"byte {error.start}", "the text is not UTF-8", remedy="save the file in this encoding")
         )
+        return None
+
+
+def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Heads, and rows with the numbers of their lines."""
+    text = csv_text(path, faults)
+    if text is None:
         return [], []
     first = next(
         (line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")), ""

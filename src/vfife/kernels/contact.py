@@ -375,16 +375,24 @@ def solve_contact(S, I, r, h, span, central: Central):
         change_regime(S, I, r, free, free + mobility * friction, normal)
     slip = loose + gt * friction
     tangential = friction + across
-    apply_contact_force(S, j, b, k, change, tangential - S[j + CONTACT.friction])
-    if I[r + CONTACT_INDEX.constrained] != 0:
-        apply_response(S, I, h, change, tangential - S[j + CONTACT.friction])
-    elif I[r + CONTACT_INDEX.shared] != 0:
-        update_velocities(S, j, b, k, h, change, tangential - S[j + CONTACT.friction])
+    apply_force_change(S, I, r, h, change, tangential - S[j + CONTACT.friction])
     S[j + CONTACT.normal_force] = normal
     S[j + CONTACT.friction_force] = tangential
     account(S, j, span, (normal - S[j + CONTACT.elastic]) * rate - across * slip, -friction * slip)
     if I[r + CONTACT_INDEX.wear] != 0:
         rub(S, I[r + CONTACT_INDEX.wear], j, span, slip)
+
+
+def apply_force_change(S, I, r, h, normal, tangential):
+    """Apply changes of the normal and tangential force (N) of contact r to its bodies, and to the velocities
+    of those that other joints feel within the step.
+    """
+    j, b, k = bodies(I, r)
+    apply_contact_force(S, j, b, k, normal, tangential)
+    if I[r + CONTACT_INDEX.constrained] != 0:
+        apply_response(S, I, h, normal, tangential)
+    elif I[r + CONTACT_INDEX.shared] != 0:
+        update_velocities(S, j, b, k, h, normal, tangential)
 
 
 def account(S, j, span, damping_power, friction_power):

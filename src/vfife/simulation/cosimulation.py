@@ -159,6 +159,28 @@ NOTHING_TO_SET = (
 )
 
 
+def check_steered(arguments: Arguments, mechanism: Mechanism, steered: Collection[str]) -> None:
+    """Note the names of ``steered`` that no driver of the mechanism has."""
+    for name in steered:
+        if name not in mechanism.drivers:
+            arguments.fault(
+                "steered",
+                "there is no such driver",
+                name,
+                "",
+                suggestion(str(name), mechanism.drivers, "name a driver"),
+            )
+
+
+def refuse_static(mechanism: Mechanism) -> None:
+    """Raise ModelError for a static analysis, which a Simulation cannot step."""
+    if mechanism.settings.analysis == "static":
+        raise ModelError(
+            [Fault("[run] analysis", "a static analysis has no steps in time", remedy="use simulate")],
+            "Simulation()",
+        )
+
+
 class Simulation:
     """Steps a mechanism, lets every channel of it be read, and torques, forces, loads and speeds of drivers
     be set between.
@@ -205,30 +227,14 @@ class Simulation:
             (Result, str, Path, Mapping, type(None)),
             "a Result, the folder of a run, or states of bodies by name",
         )
-        for name in (steered,) if isinstance(steered, str) else steered if given.faults == [] else ():
-            if name not in mechanism.drivers:
-                given.fault(
-                    "steered",
-                    "there is no such driver",
-                    name,
-                    "",
-                    suggestion(str(name), mechanism.drivers, "name a driver"),
-                )
+        names = (steered,) if isinstance(steered, str) else steered
+        check_steered(given, mechanism, names if isinstance(steered, str) or given.faults == [] else ())
         given.check()
         validate(mechanism)
-        if mechanism.settings.analysis == "static":
-            raise ModelError(
-                [Fault("[run] analysis", "a static analysis has no steps in time", remedy="use simulate")],
-                "Simulation()",
-            )
+        refuse_static(mechanism)
         self.mechanism = mechanism
         former = Result.load(start) if isinstance(start, str | Path) else start
-        self.assembly = assembled_at(
-            steerable(mechanism, (steered,) if isinstance(steered, str) else steered),
-            size,
-            former,
-            force_step=force_step,
-        )
+        self.assembly = assembled_at(steerable(mechanism, names), size, former, force_step=force_step)
         refuse_recorded([*self.assembly.topology.contact_laws, *self.assembly.topology.friction_laws])
         self._kept = recorded_rows(self.assembly)
         self.loop = choose_loop(self.assembly, chosen)

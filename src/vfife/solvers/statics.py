@@ -96,16 +96,8 @@ def equilibrium(
                 stage.tell(everything=True)
                 rows.append(_at_rest(assembly, relaxation, stage)[recorded])
                 if file is not None:
-                    extra = {
-                        "wall": earlier + time.perf_counter() - began,
-                        "relaxation": relaxation.checkpoint,
-                    }
-                    file.append(
-                        np.array([k], dtype=np.int64),
-                        rows[-1][None, :],
-                        None,
-                        Checkpoint(k, relaxation.state[lasting], extra),
-                    )
+                    wall = earlier + time.perf_counter() - began
+                    _append(file, k, rows[-1], relaxation, relaxation.state[lasting], wall)
                 old = factor
     except KeyboardInterrupt:
         record.status, record.message = Status.INTERRUPTED, f"Stopped at load factor {factors[len(rows)]:g}."
@@ -117,6 +109,15 @@ def equilibrium(
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record
+
+
+def _append(file: Writer, number: int, row: Array, relaxation: Relaxation, state: Array, wall: float) -> None:
+    """Write an equilibrium, the ``row`` of output ``number``, with the checkpoint that continues after it.
+
+    ``state``: its lasting rows; ``wall``: time of computation so far (s).
+    """
+    extra = {"wall": wall, "relaxation": relaxation.checkpoint}
+    file.append(np.array([number], dtype=np.int64), row[None, :], None, Checkpoint(number, state, extra))
 
 
 def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:

@@ -69,6 +69,31 @@ def first_impact(law: ContactLaw, length: float) -> dict[str, Array]:
     return {"time": time[inside] - FIRST_CONTACT, "depth": depth[inside], "force": force[inside]}
 
 
+def restitution_verdicts(impacts: list[dict[str, float]], rebounds: list[float]) -> list[Verdict]:
+    """What the impacts show whose restitution falls from one to the next.
+
+    ``rebounds``: share of the impact speed by which each differs from the closed form.
+    """
+    losses, depths = [entry["loss"] for entry in impacts], [entry["depth"] for entry in impacts]
+    return [
+        Verdict(
+            "The loops grow wider as the restitution falls: more energy is lost",
+            losses == sorted(losses),
+            f"losses {_series(losses, 1.0, 4)} J",
+        ),
+        Verdict(
+            "Rebound speeds are those of the closed form of the law",
+            max(rebounds) < 1e-3,
+            f"largest difference {max(rebounds):.1e} m/s",
+        ),
+        Verdict(
+            "Less restitution means a shallower impact",
+            depths == sorted(depths, reverse=True),
+            f"depths {_series(depths, 1e6, 2)} µm",
+        ),
+    ]
+
+
 def fig8(context: Context) -> Item:
     """Contact force over time and hysteresis loops for several restitution coefficients."""
     lines: dict[str, list[Line]] = {"time": [], "depth": []}
@@ -95,7 +120,6 @@ def fig8(context: Context) -> Item:
             f"{1e6 * entry['contact_time']:.1f}",
              f"{entry['rebound']:.4f}", f"{entry['delivered']:.4f}", f"{loss:.4f}"]
         )  # fmt: skip
-    losses, depths = [entry["loss"] for entry in data], [entry["depth"] for entry in data]
     chart = Chart(
         "fig8", "Contact force of the journal: (a) over the time since the contact began, (b) over the penetration",
         [Panel("(a)", "time since contact began (ms)", "contact force (kN)", lines["time"]),
@@ -105,23 +129,6 @@ def fig8(context: Context) -> Item:
         ["c_e", "peak (N)", "depth (µm)", "contact (µs)", "rebound (m/s)", "closed form", "loss (J)"], rows,
         "What each impact does; the last two columns: restitution the law promises to deliver (closed form), energy inside the loop",
     )  # fmt: skip
-    verdicts = [
-        Verdict(
-            "The loops grow wider as the restitution falls: more energy is lost",
-            losses == sorted(losses),
-            f"losses {_series(losses, 1.0, 4)} J",
-        ),
-        Verdict(
-            "Rebound speeds are those of the closed form of the law",
-            max(rebounds) < 1e-3,
-            f"largest difference {max(rebounds):.1e} m/s",
-        ),
-        Verdict(
-            "Less restitution means a shallower impact",
-            depths == sorted(depths, reverse=True),
-            f"depths {_series(depths, 1e6, 2)} µm",
-        ),
-    ]
     text = [
         "The restitution coefficients of the paper's curves are not in its text; these five are chosen. The"
         " law delivers more restitution than its coefficient says (0.9132 for 0.9, 0.7252 for 0.5), as its"
@@ -135,9 +142,24 @@ def fig8(context: Context) -> Item:
         (*STATED, chosen),
         [chart],
         [table],
-        verdicts,
+        restitution_verdicts(data, rebounds),
         {"impacts": data},
     )
+
+
+def length_parameters(inferred: float) -> list[Parameter]:
+    """Parameters of the comparison of two laws at two axial lengths, of which one is ``inferred`` (m)."""
+    return [
+        *STATED,
+        Parameter("restitution coefficient", "0.9", "chosen", "not in the text"),
+        Parameter(
+            "axial length L",
+            "20 mm, a bearing as long as it is wide",
+            "chosen",
+            "the paper's is in the lost Table 2",
+        ),
+        Parameter("axial length L, second curve", f"{1e3 * inferred:.3g} mm", "inferred", "fit to Table 3"),
+    ]
 
 
 def fig9(context: Context) -> Item:
@@ -177,17 +199,6 @@ def fig9(context: Context) -> Item:
         [Panel("", "penetration (µm)", "contact force (kN)", lines)],
         1,
     )
-    parameters = [
-        *STATED,
-        Parameter("restitution coefficient", "0.9", "chosen", "not in the text"),
-        Parameter(
-            "axial length L",
-            "20 mm, a bearing as long as it is wide",
-            "chosen",
-            "the paper's is in the lost Table 2",
-        ),
-        Parameter("axial length L, second curve", f"{1e3 * inferred:.3g} mm", "inferred", "fit to Table 3"),
-    ]
     text = [
         "The enhanced law's stiffness is proportional to the axial length, which Lankarani-Nikravesh does"
         " not know: which of the two penetrates less is a matter of that length. They are equally deep at L"
@@ -202,7 +213,14 @@ def fig9(context: Context) -> Item:
         "equal_length": same,
     }
     return Item(
-        "fig9", "Fig. 9: enhanced law and Lankarani-Nikravesh", text, parameters, [chart], [], verdicts, data
+        "fig9",
+        "Fig. 9: enhanced law and Lankarani-Nikravesh",
+        text,
+        length_parameters(inferred),
+        [chart],
+        [],
+        verdicts,
+        data,
     )
 
 

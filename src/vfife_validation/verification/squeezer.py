@@ -27,22 +27,18 @@ REFERENCE = {
 }  # fmt: skip
 
 
-def squeezer(spring: float = 4530.0) -> Mechanism:
-    """Bodies k1 to k7 of the test set; all meet in P, where k2, k3, k4 and k6 are pinned together."""
-    m = Mechanism("Andrews' squeezer")
-    for name, at in (
-        ("O", (0.0, 0.0)),
-        ("A", (-0.06934, -0.00227)),
-        ("B", (-0.03635, 0.03273)),
-        ("C", (0.014, 0.072)),
-    ):
-        m.point(name, *at)
+Point = tuple[float, float]
+BodyData = tuple[float, float, Point, dict[str, Point], float, Point]
+
+
+def squeezer_bodies(a: Point, b: Point) -> dict[str, BodyData]:
+    """Mass (kg), inertia (kg m²), centre, pins, angle (rad) and place of the origin (m) of each body; ``a``
+    and ``b`` are the fixed points A and B.
+    """
     quarter, x, y = 0.5 * math.pi, 7e-3 * math.cos(BETA), 7e-3 * math.sin(BETA)
-    a, b = m.points["A"], m.points["B"]
     elbow = (a[0] + 0.04 * math.cos(DELTA), a[1] + 0.04 * math.sin(DELTA))
     other = (a[0] + 0.04 * math.sin(EPSILON), a[1] - 0.04 * math.cos(EPSILON))
-    # mass, inertia, centre, pins, angle, place of the origin
-    bodies = {
+    return {
         "k1": (0.04325, 2.194e-6, (0.92e-3, 0.0), {"o": (0.0, 0.0), "e": (7e-3, 0.0)}, BETA, (0.0, 0.0)),
         "k2": (
             0.00365,
@@ -86,7 +82,21 @@ def squeezer(spring: float = 4530.0) -> Mechanism:
             a,
         ),
     }
-    for name, (mass, inertia, center, points, angle, position) in bodies.items():
+
+
+def squeezer(spring: float = 4530.0) -> Mechanism:
+    """Bodies k1 to k7 of the test set; all meet in P, where k2, k3, k4 and k6 are pinned together."""
+    m = Mechanism("Andrews' squeezer")
+    for name, at in (
+        ("O", (0.0, 0.0)),
+        ("A", (-0.06934, -0.00227)),
+        ("B", (-0.03635, 0.03273)),
+        ("C", (0.014, 0.072)),
+    ):
+        m.point(name, *at)
+    for name, (mass, inertia, center, points, angle, position) in squeezer_bodies(
+        m.points["A"], m.points["B"]
+    ).items():
         m.rigid_body(
             name, mass=mass, inertia=inertia, center=center, pins=points, angle=angle, position=position
         )

@@ -308,6 +308,31 @@ never:
 """
 
 
+def lane_loop(body: str, width: int) -> str:
+    """``functions(S, from, T, numbers, n)`` with ``body`` for each lane in turn; %nd and %md are steps n and
+    n + 1.
+    """
+    return f"""define internal {FUNCTIONS} noinline {{
+entry:
+  %stride = udiv i64 %numbers, {width}
+  %following = add i64 %step, 1
+  %nd = sitofp i64 %step to double
+  %md = sitofp i64 %following to double
+  %start = icmp eq i64 %step, 0
+  br label %lane
+lane:
+  %w = phi i64 [ 0, %entry ], [ %v, %lane ]
+  %shift = mul i64 %w, %stride
+{body}
+  %v = add i64 %w, 1
+  %more = icmp slt i64 %v, {width}
+  br i1 %more, label %lane, label %done
+done:
+  ret void
+}}
+"""
+
+
 def time_functions(
     functions: list[Function],
     width: int,
@@ -364,26 +389,7 @@ def time_functions(
             next_slope = w.along(w.polynomial(own, "%after")[0], later[1], after) if f.of_time else rates[0]
             for row, value in zip(f.rows, (*rates, w.value(0.0), next_slope), strict=True):
                 w.out.append(f"  store double {value}, ptr {w.row(row + (k + 1) * layout.rows)}, align 8")
-    body = "\n".join(w.out)
-    return f"""define internal {FUNCTIONS} noinline {{
-entry:
-  %stride = udiv i64 %numbers, {width}
-  %following = add i64 %step, 1
-  %nd = sitofp i64 %step to double
-  %md = sitofp i64 %following to double
-  %start = icmp eq i64 %step, 0
-  br label %lane
-lane:
-  %w = phi i64 [ 0, %entry ], [ %v, %lane ]
-  %shift = mul i64 %w, %stride
-{body}
-  %v = add i64 %w, 1
-  %more = icmp slt i64 %v, {width}
-  br i1 %more, label %lane, label %done
-done:
-  ret void
-}}
-"""
+    return lane_loop("\n".join(w.out), width)
 
 
 def resize(change: Trace, width: int, stride: int = 0) -> str:
