@@ -45,7 +45,7 @@ from .sliders import POSITIONS, Slide
 Array = NDArray[np.float64]
 Slides: TypeAlias = tuple[Slide, ...]
 Setting: TypeAlias = tuple[int, ...]  # a position of each slider
-GROUP_COMBINATIONS = 400  # of the positions of sliders that have to be assembled together
+GROUP_COMBINATIONS = 400  # at most, of the positions of sliders that have to be assembled together
 FEWEST = 7  # positions of such a slider; where there would be fewer, one slider of the group moves at a time
 CHECKED = 12  # positions of all sliders at once that are assembled to be compared
 
@@ -228,7 +228,9 @@ def moved(slides: Slides, moves: Mapping[int, int]) -> Setting:
 
 
 def ends_of(slide: Slide) -> tuple[int, int]:
-    """The first and the last position of a slider."""
+    """The first and the last position of a slider: where its steps are counted (``Assembler.refine``), and
+    where it is compared with other sliders (``slider_groups``).
+    """
     return 0, len(slide.values) - 1
 
 
@@ -249,9 +251,9 @@ def slider_patches(
     usable, notes = usable_positions(assembler, slides)
     patches = all_patches(assembler, usable, slider_groups(assembler, usable))
     if len(patches.groups) > 1 and counterexample(patches, assembler) is not None:
-        # Patches that combine pair by pair need not combine all at once. Then all sliders are one group,
-        # whose combinations are assembled; one
-        # group always passes, because its values are those of assembly, so there is nothing more to try.
+        # Patches that combine pair by pair at the ends of their ranges need not combine all at once, nor
+        # between the ends. Then all sliders are one group, whose combinations are assembled; one group always
+        # passes, because its values are those of assembly, so there is nothing more to try.
         patches = all_patches(assembler, patches.slides, [tuple(range(len(patches.slides)))])
     notes += [
         f"{', '.join(patches.slides[s].name for s in one.sliders)}: these move one at a time"
@@ -306,9 +308,11 @@ def slider_groups(assembler: Assembler, slides: Slides) -> list[tuple[int, ...]]
     """Numbers of sliders by group: two share one where their patches have a row in common, or do not give
     together what assembly gives.
 
-    Pairs are compared at both ends of their ranges only: a row that changes anywhere changes at an end, and
-    for n sliders this takes 2 n + n (n - 1) assemblies. Groups are merged as pairs are found, so that pairs
-    within a group are not assembled.
+    Each pair is assembled at two settings only, both sliders at their first positions and both at their last
+    ones: for n sliders at most 2 n + n (n - 1) assemblies. It is assumed that a row that changes anywhere
+    changes at an end, and that what combines at the ends combines between them; where that is wrong,
+    ``counterexample`` may find it. Groups are merged as pairs are found, so that pairs within a group are not
+    assembled.
     """
     base, ends = assembler.base.vector, [ends_of(slide) for slide in slides]
     own = {(s, k): vector_at(assembler, slides, {s: k}) for s, pair in enumerate(ends) for k in pair}
@@ -432,8 +436,8 @@ def random_settings(patches: SliderPatches, assembler: Assembler) -> Iterator[tu
     draw = random.Random(1)
     for _ in range(CHECKED):
         positions = [draw.randrange(len(slide.values)) for slide in patches.slides]
-        for group in (group for group in patches.groups if group.singly):
-            for s in set(group.sliders) - {draw.choice(group.sliders)}:
+        for single in (one for one in patches.groups if one.singly):
+            for s in set(single.sliders) - {draw.choice(single.sliders)}:
                 positions[s] = patches.slides[s].here
         if (both := assembler.at(patches.slides, tuple(positions))) is not None:
             yield tuple(positions), both
