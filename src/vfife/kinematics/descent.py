@@ -4,8 +4,11 @@ Positions are closed by damped Newton steps of all cases of a batch side by side
 way. Solved is min |W phi(q)|^2 by dq = -(G^T G + mu)^-1 G^T phi, of least norm in (x, y, l theta). The
 damping mu vanishes with phi^2, so that steps converge quadratically, and redundant joints and free motions
 are both allowed (Levenberg-Marquardt; Fan and Yuan, Computing 74 (2005) 23-39). A step that does not reduce
-|W phi| is not taken, and the damping grows. Cases leave the batch when they are closed, or fall no more;
-until then no case sees another one, since every operation is elementwise or on one matrix at a time.
+|W phi| is not taken: the case stays where it is, and its damping grows, which shortens and turns the next
+step. Refusals in a row have no limit of their own. A case leaves the batch when it is closed, when its step
+is round-off, when it is at the bottom of an open position, or after ``STEPS`` steps, refused ones included;
+whether what is left open is an error is for the caller to say. Until then no case sees another one, since
+every operation is elementwise or on one matrix at a time.
 
 A position that cannot be closed is opened at the joint that closes its loop, by the method of multipliers.
 """
@@ -30,7 +33,7 @@ Array = NDArray[np.float64]
 
 Slopes = Callable[[Array], tuple[float, Array]]  # a place -> what is to be least, and its derivatives
 
-NEWTON = 12
+NEWTON = 12  # steps to a bottom at most
 DIFFERENCE = 1e-6  # of the extent, of places whose slopes make a second derivative
 THERE = 1e-9  # of the extent: a step that is none
 ROUND = 1e-8  # of the largest curvature: less is rounding, or a free motion
@@ -65,7 +68,7 @@ def bottom(slopes: Slopes, extent: float, count: int) -> Array | None:
 
 LARGEST_TURN = 0.1  # rad a body may turn in one step: longer steps can jump to the other branch
 DRIVE_WEIGHT = 30.0  # a loop that cannot close must show its gap at the joints, not as a false driven angle
-STEPS = 400
+STEPS = 400  # at most, taken and refused ones
 LOOKS = (12, 20, 30, 45, 70, 100, 150, 200, 300)  # steps after which it is looked whether this is the bottom
 OPEN, SLOW = 1e-6, 0.5  # of the extent: a gap; of |phi|^2 at the look before: less is a good way down
 
@@ -110,7 +113,8 @@ class _Descent:
     the place their last step was refused.
 
     ``error`` is phi, the drives advancing no faster than the joints can follow: no more than ``limit`` in a
-    step. ``cost``: |W phi|^2 at the last look for a bottom.
+    step. ``damping`` is mu as a multiple of |error|^2 / scale^2. ``refused`` is NaN where the last step was
+    taken. ``cost``: |W phi|^2 at the last look for a bottom.
     """
 
     rows: ConstraintRows
@@ -201,14 +205,14 @@ class _Descent:
         """Each case goes where it is better there; where not, its damping grows."""
         trial = self.position.copy()
         trial[:, 1:] += step.reshape(len(trial), -1, 3)
-        # The gain is judged by the error of this step, not by all of phi: a drive far from its aim advances
-        # by its limit only, and would hide what the joints lose meanwhile.
-        if (
-            trial == self.refused
-        ).all():  # near round-off the damping grows for long before a position feels it
+        # Near round-off the damping grows for long before a position feels it: what was refused is refused
+        # again, without its rows being computed. This asks for all cases, but gives each what it gets below.
+        if (trial == self.refused).all():
             self.damping = self.damping * 8.0
             return
         phi, entries = self.rows.at(trial)
+        # The gain is judged by the error of this step, not by all of phi: a drive far from its aim advances
+        # by its limit only, and would hide what the joints lose meanwhile.
         left, weighed = self.weight * (phi - self.phi + self.error), self.weight * self.error
         better = np.sqrt(dot(left, left)) < np.sqrt(dot(weighed, weighed))
         self.damping = np.where(better, np.maximum(self.damping / 4.0, 1e-6), self.damping * 8.0)
@@ -264,8 +268,8 @@ FELT = 1e-3  # part of the largest self-stress from which a row takes part
 HELD = 10.0  # weight of the joints that stay closed
 OPENING_TURN = 0.3  # rad in a step
 CLOSE = 1e-10  # of the extent
-ROUNDS, OPENING_STEPS = 8, 40
-FINEST = 1e-9  # of the extent: a step that is none
+ROUNDS, OPENING_STEPS = 8, 40  # at most: of the method of multipliers, and steps in each
+FINEST = 1e-9  # of the extent: a step of the opening that is none; the descent has its own, down to round-off
 
 
 def closing_joint(system: RigidSystem, rows: Array | None = None) -> int | None:
