@@ -113,6 +113,10 @@ class Engine:
     def run(self, retry: bool = False) -> bool:
         """Compute the cases without an outcome, with ``retry`` also those that failed; return whether all
         were computed, which they are not after Ctrl-C. Raises StorageError where nothing can be written.
+
+        Each case is run once and saved whatever its outcome. One that failed counts as computed: it is not
+        tried again in this call, as its own run has the same bits each time, and in later calls with
+        ``retry`` alone.
         """
         spec, cases, outcomes = self.spec, self.file.members(), self.file.outcomes()
         left = sorted_by_model([one for one in cases if not is_done(one, outcomes.get(one.number), retry)])
@@ -225,7 +229,9 @@ def repeated_step(outcome: Mapping[str, Any], outputs: int, ratio: float) -> flo
 
 
 def is_done(case: StudyCase, outcome: Mapping[str, Any] | None, retry: bool) -> bool:
-    """Whether nothing of a case is left to compute."""
+    """Whether nothing of a case is left to compute: it has an outcome, of these numbers, and with ``retry``
+    one that is complete.
+    """
     if outcome is None or outcome["hash"] != case.hash:
         return False
     return not retry or bool(outcome["status"] == Status.COMPLETE)
