@@ -5,6 +5,9 @@ A derivative of a measure with contact costs about three runs and may be meaning
 nearly chaotic, which finite changes show. Then values alone lead on: a compass search, which asks for all its
 points side by side and needs no smoothness. A model of the measure (Powell's methods) would need fewer cases,
 but one after another.
+
+The two end differently: SLSQP by the change of the measure (``PRECISION``), pattern search by its distance
+alone (``LAST_DISTANCE``), however little the measure improves; both when ``search.refine`` cases are taken.
 """
 
 from __future__ import annotations
@@ -41,7 +44,10 @@ LAST_DISTANCE = 1e-3  # noise of a measure with contact hides less than this
 INSIDE = 1e-6  # margin to a limit, as a share of it: SLSQP ends close to a constraint, on either side
 CLOSE = 1e-7  # distance of a point from another, as shares, below which it brings nothing new
 MOST_CLOSE = 3  # such points one after another, at a kink of the measure, before the search ends
-PRECISION = 1e-9  # change of the measure, as a share of it, below which the search has converged
+# Below this the search has converged: change of the measure, as a share of what it was in the best case
+# before. SLSQP has one number for this and for the sum by which limits are broken (as shares of them), so it
+# has to be far below INSIDE.
+PRECISION = 1e-9
 
 # Of the largest effect on a measure: a contradicted derivative of a smaller effect counts as zero, as it
 # changes no direction.
@@ -94,6 +100,7 @@ def refine(
         return Refinement(reason="no member has all that is sought")
     problem = ScaledProblem(search, best, len(candidates), evaluate, derivatives)
     margins = {"type": "ineq", "fun": problem.margins, "jac": problem.margin_slopes}
+    # Cases are limited, by ScaledProblem.cases; iterations have ample room.
     how: dict[str, Any] = {"method": "SLSQP", "options": {"maxiter": 1000, "ftol": PRECISION}}
     how |= {"bounds": [(0.0, 1.0)] * len(problem.axes), "constraints": [margins] if problem.limits else []}
     try:
