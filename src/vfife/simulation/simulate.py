@@ -56,7 +56,7 @@ Tried: TypeAlias = tuple[tuple[float, float | None], ...]
 
 @dataclass(frozen=True)
 class Prepared:
-    """A mechanism that can be run: examined, its ideal reference known, assembled at its start."""
+    """A mechanism that can be run: examined, its ideal reference known if it has one, assembled at its start."""
 
     assembly: Assembly
     reference: Result | None
@@ -118,7 +118,8 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     unit; ``settle`` (1) ends the run as soon as its turns repeat within that share of their largest values,
     and after ``turns`` at the latest. ``start``: a former run (or its folder) to go on from, or states of
     bodies by name (:func:`~vfife.results.restart.start_from`). ``reference``: also run the ideal mechanism to
-    compare with, or its result. ``companions``: how often a run with contact is repeated with other step
+    compare with, or its result; there is none without play or a driver, where a joint is none without its
+    play, nor where the ideal mechanism does not get through. ``companions``: how often a run with contact is repeated with other step
     sizes, 0 to 7, from which ranges of measures estimate their errors; "auto" is three. An automatic step is
     halved, twice at the most, until run and companions agree within the tolerance of the settings, and where
     first contacts land deeper than a joint allows. A mechanism whose settings ask for a static analysis is
@@ -194,8 +195,9 @@ def prepare(
     """Everything that comes before the first step, where most of what can be wrong is told: see
     :func:`simulate`.
 
-    ``job`` compares a forecast with the machine: of the ideal reference before it is run where that takes
-    long, then of the run.
+    ``reference`` True runs the ideal mechanism, unless :func:`~.start.comparable` says that there is none to
+    compare with, or the outlook that it does not get through. ``job`` compares a forecast with the machine:
+    of the ideal reference before it is run where that takes long, then of the run.
     """
     if asked.settle is not None:
         mechanism = dataclasses.replace(
@@ -207,13 +209,14 @@ def prepare(
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
         mechanism = on_clock(mechanism, former)
+    # what goes on from a former run, or from given states, is not followed beforehand: it counts as through
     prospect = outlook(mechanism, asked.turns, asked.duration) if former is None else Outlook()
     ideal = reference if isinstance(reference, Result) else None
     if reference is True and prospect.through:
-        alone = ideal_of(mechanism, asked.turns, asked.duration, former, prospect.motion)
-        if job is not None and alone is not None and run_cost(alone).seconds > BRIEF:
-            forecast(job, alone)
-        ideal = referred(alone)
+        unrun = ideal_of(mechanism, asked.turns, asked.duration, former, prospect.motion)
+        if job is not None and unrun is not None and run_cost(unrun).seconds > BRIEF:
+            forecast(job, unrun)
+        ideal = referred(unrun)
     length = Length(
         turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step
     )
