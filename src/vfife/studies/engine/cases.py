@@ -1,7 +1,8 @@
-"""Members of a study: one mechanism with other numbers each, run on all that the machine has; of each the
+"""Cases of a study: one mechanism with other numbers each, run on all that the machine has; of each the
 measures that are wanted are left.
 
-A member is what its own run would be, to the bit, whatever runs beside it.
+A case, also called a member, is what its own run would be, to the bit, whatever runs beside it. A *model*
+is assembled once for all cases that differ only in numbers of clearance joints.
 """
 
 from __future__ import annotations
@@ -47,8 +48,9 @@ from .lanes import Plan, Stepped, streams
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
 LOAD = ".force.max"  # ends the name of the largest force of a joint
-BATCH = 64  # cases that are assembled at once
-MOST_MODELS = 64  # that differ in other numbers than those of clearance joints
+BATCH = 64  # cases whose models are made at once
+# models that are kept, the latest; fewer than BATCH would drop those of a batch before its cases are handed out
+MOST_MODELS = 64
 
 
 class ClearanceNumber(NamedTuple):
@@ -103,7 +105,9 @@ class Cases:
         self.neighbour = Outlook()
 
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | NoLane]:
-        """The cases in their order. The first comes by itself, so that lanes need not wait for others."""
+        """The cases in their order, made in batches of 1, BATCH, BATCH, ...: the first comes by itself, so that
+        lanes need not wait for others.
+        """
         for first, end in pairwise((0, *range(1, len(numbers), BATCH), len(numbers))):
             self.prepare(numbers[first:end])
             for k in range(first, end):
@@ -111,10 +115,10 @@ class Cases:
                 yield NoLane(k, sentence(result)) if isinstance(result, VfifeError) else result
 
     def prepare(self, numbers: Sequence[Numbers]) -> None:
-        """Makes the models of cases at once that are not known yet."""
-        keys = {model_key(own): own for own in map(self.without_clearance, numbers)}
-        unknown = [key for key in keys if key not in self.models]
-        for key, result in zip(unknown, self.make_all([keys[key] for key in unknown]), strict=True):
+        """Makes the models of these cases that are not known yet, side by side; the oldest give way to them."""
+        distinct = {model_key(own): own for own in map(self.without_clearance, numbers)}
+        unknown = {key: own for key, own in distinct.items() if key not in self.models}
+        for key, result in zip(unknown, self.make_all(list(unknown.values())), strict=True):
             while len(self.models) >= MOST_MODELS:
                 del self.models[next(iter(self.models))]
             self.models[key] = result
