@@ -34,7 +34,7 @@ def contact_of(name: str, joint: Contact) -> Touch:
 
 def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
     """The assembly with other numbers in its clearance joints, their law kinds the same: what ``assemble``
-    gives with the same step, sooner.
+    gives with the same step, sooner. A :class:`Reassembler` also chooses the step again.
 
     ``joints``: all of the mechanism's clearance joints. Raises VfifeError where something else would change
     too: the kinds of the laws, or the start, which depends on clearances where journals are seated.
@@ -86,7 +86,8 @@ class Reassembler:
     ``request`` and ``expected`` forces (N).
 
     A number of such a joint reaches the rows of its contact and, where it is one of the contact law's, the
-    step; nothing else of an assembly whose journals start centred. ``usable``: False where something else is
+    step; nothing else of an assembly whose journals start centred. So every field may change but those that
+    :func:`_kind` compares, and no field has to be listed. ``usable``: False where something else is
     known to follow from them. ``choices``: steps, and the topologies they make, by the slots of contact laws.
     """
 
@@ -99,7 +100,7 @@ class Reassembler:
     @cached_property
     def joints(self) -> dict[str, LooseJoint]:
         """The joints whose numbers may be replaced; none where more than their rows and the step follows from
-        them.
+        them: joints that do not ``refits``, laws with tables, journals that start seated.
         """
         assembly, mechanism = self.assembly, self.assembly.mechanism
         refits = [mechanism.contacts[name].refits for name in assembly.contact_joints]
@@ -143,7 +144,7 @@ class Reassembler:
             )
             if loose is None or _kind(joint) != _kind(former) or any(joint.conflicts()):
                 return None
-            if not loose.eccentricity - joint.clearance <= joint.deepest_start[0]:
+            if not loose.eccentricity - joint.clearance <= joint.deepest_start[0]:  # assembly refuses it
                 return None
             pair = joint.pair(*loose.materials).between(loose.effective_mass)
             blocks = touch_values(joint, joint.touchings(0.0)[0], pair)
@@ -181,5 +182,7 @@ class Reassembler:
 
 
 def _kind(joint: Any) -> tuple[Any, ...]:
-    """What two joints have in common that differ in numbers alone."""
+    """What two joints have in common that differ in numbers alone; a change of it needs a new assembly. Wear
+    belongs to it: worn profiles have rows of their own, which are not written here.
+    """
     return joint.sides, type(joint.contact), type(joint.friction), joint.wear

@@ -38,11 +38,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SAFETY = 0.9
-CONTACT_STEPS = (
-    80  # steps in half a period of the stiffest contact, where nobody looks whether they are enough
-)
-# where companions do: a search for the step begins with half of what they allow, and with a companion of
-# twice that
+# steps in half a period of the stiffest contact, where no companions look whether they are enough
+CONTACT_STEPS = 80
+# the same where companions do: those of the coarsest companion, so that the run, at half its step, begins with
+# 40. It also marks a request as one with companions, so it must differ from CONTACT_STEPS.
 FIRST_CONTACT_STEPS = 20
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
 LONGEST_STEP = 2.0  # of the length of a run
@@ -56,7 +55,8 @@ class StepRequest:
     """The step (s, or "auto") and the length of a run that are asked for; None stands for those of the
     settings.
 
-    ``contact_steps``: steps in half a period of the stiffest contact that an automatic step makes at least.
+    ``contact_steps``: steps in half a period of the stiffest contact that an automatic step makes at least;
+    with FIRST_CONTACT_STEPS it makes twice as many, and its coarsest companion these.
     """
 
     step: float | str | None = None
@@ -143,7 +143,9 @@ class Limit(NamedTuple):
 
 
 class Division(NamedTuple):
-    """A step (s), steps between two outputs, and what set the step."""
+    """A step (s), steps between two outputs, and what set the step. The text tells the limit that was met
+    before the step was divided, not the steps that come of it.
+    """
 
     step: float
     every: int
@@ -201,10 +203,11 @@ def _automatic(
     limits += [Limit(allowed, name) for name, allowed in prescribed_limits(motions, RESOLVED, TURN_STEPS)]
     largest = min(limits)
     # Outputs lie at the same angles in every turn, so a turn (or the run) is divided into whole intervals and
-    # these into whole steps. Where companions double the step, the number of steps has to be even.
+    # these into whole steps. Where a companion takes steps of twice the size, that companion's step is within
+    # all limits, and the run's is half of it.
     chunk = turn or length / max(1, round(length / (turn or length)))
-    even = 2 if contact_steps == FIRST_CONTACT_STEPS else 1
-    every = max(1, math.ceil(chunk / per / largest.step * (1.0 - 1e-12))) * even
+    finer = 2 if contact_steps == FIRST_CONTACT_STEPS else 1
+    every = max(1, math.ceil(chunk / per / largest.step * (1.0 - 1e-12))) * finer
     return Division(chunk / (per * every), every, largest.culprit)
 
 
