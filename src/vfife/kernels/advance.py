@@ -39,7 +39,8 @@ from .data_driven import copy_lane, fast_steps, full_step, resize
 from .step import functions
 
 # Numbers of a run, the array N: lanes, distance of two rows, rows of a state, parts of a step with an event,
-# steps between two checks of lanes.
+# steps between two checks of lanes. The caller sets them; the steps between checks are LOOK of a run and
+# STREAM_LOOK of a stream of cases, both in compiler/runtime/runner.py.
 RUN = Fields((name, 1) for name in ("lanes", "stride", "rows", "parts", "look"))
 
 
@@ -92,8 +93,9 @@ def advance(m: Memory, anew: int, until: int, n0: int, count: int, outputs: int,
 
     Extremes start from zero before each output where ``anew`` is not 0. Nothing is recorded into an empty
     ``out``. Right after the start lane w takes a step of ``shares[w]`` of one, where that is not zero. Lanes
-    are checked ``until`` steps from n0 and every ``look`` steps from there; when no lane is left that is
-    sound and watched, the rest is left out.
+    are checked ``until`` steps from n0 and every RUN.look steps from there: callers choose ``until`` so that
+    checks come at multiples of RUN.look, whatever the calls. When no lane is left that is sound and watched,
+    the rest is left out.
     """
     S, N, recorded, extremes, broken = m.S, m.N, m.recorded, m.extremes, m.broken
     lanes, stride = N[RUN.lanes], N[RUN.stride]

@@ -2,8 +2,8 @@
 
 What is solved are the increments of a step, not the positions at its end: u dt and the turns of arms are
 small, and so is their rounding, eps v dt instead of eps x. Closing positions makes of that a noise of eps
-x/dt^2 in the accelerations, which drowns the reactions of a short step. What is open at t_n is fed back by a
-``GAIN``, a sixteenth a step, in which rounding is lost.
+x/dt^2 in the accelerations, which drowns the reactions of a short step. Of what is open at t_n a step feeds
+back a share, ``GAIN``, in which rounding is lost (:func:`residual`).
 
 The first correction uses the directions of t_n. But forces in these directions close constraints that have
 turned by t_(n+1): per unit of the angle of a step an error stays, which on a body of radius of gyration k on
@@ -21,7 +21,8 @@ reactions that close them, and adds these to the forces (:func:`correct`).
 Three coarsenesses of steps: ``HEADER.coarse`` is a flag (steps are coarse at all), ``HEADER.corrections`` the
 number of corrections with the factors of t_n, ``HEADER.newton`` a flag (the coarsest: the turned rows are
 always used). Which they are follows from ``Topology.coarse`` (``tables.py``). Names as in
-:mod:`~vfife.kernels.constraint`.
+:mod:`~vfife.kernels.constraint`; ``decay`` and ``gain`` are those of :class:`Central` (1 in
+:func:`close_velocities`), not ``GAIN``.
 """
 
 from typing import NamedTuple
@@ -67,16 +68,15 @@ from .frame import chord
 from .geometry import arm, unlikely
 from .topology import ALONG, FREE, GEARED, NOWHERE, ON_PATH, PINNED, SPACED
 
-# share of what is open at t_n that a step closes; in coarse steps all of it, because rounding over dt^2 is
-# small there
+# share of what is open at t_n that a step closes, called feedback below; in coarse steps all of it, because
+# rounding over dt^2 is small there
 GAIN = 0.0625
 LEFT = 5e-11  # sizes of a mechanism that the corrections along the rows of t_n may leave open in a step
 LEFT_COARSE = 5e-10  # the same in coarse steps, in which it does not add up
 # the same where impacts change the reactions from step to step: next to nothing beside a penetration
 LEFT_BY_CONTACTS = 1e-8
-TURN = (
-    CONSTRAINT.turn_x - CONSTRAINT.nx
-)  # from direction and levers of a constraint to what they change by in a step
+# from direction and levers of a constraint to what they change by in a step
+TURN = CONSTRAINT.turn_x - CONSTRAINT.nx
 # sizes that a third step of Newton's method may have to close; what it leaves is of the order of the square
 MUCH = 1e-6
 
@@ -175,11 +175,12 @@ def residual(S, I):
     """Store in rows y what opens in each constraint from t_n to t_(n+1), with a share of what is open; and
     how its row turns.
 
-    What opens is what the step moves the two pins apart; a share of what is open at t_n is added (Baumgarte's
-    feedback, but of positions alone). Differences of increments come first and positions are multiplied by
-    the small gain, so that rounding of positions hardly enters.
+    What opens is what the step moves the two pins apart; a share ``feedback`` of what is open at t_n is added
+    (Baumgarte's feedback, but of positions alone). Differences of increments come first and positions are
+    multiplied by the small share, so that rounding of positions hardly enters. A path alone has no share: its
+    distance at t_(n+1) holds all that is open.
     """
-    gain = 1.0 if I[HEADER.coarse] != 0 else GAIN
+    feedback = 1.0 if I[HEADER.coarse] != 0 else GAIN
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
         f = I[r + JOINT_INDEX.function]
         aim = S[I[r + JOINT_INDEX.row] + JOINT.offset]
@@ -188,12 +189,12 @@ def residual(S, I):
             aim += S[f + FUNCTION.value]
             move = S[f + FUNCTION.next] - S[f + FUNCTION.value]
         if I[r + JOINT_INDEX.place] != NOWHERE:
-            place_residual(S, I, r, gain, aim, move)
+            place_residual(S, I, r, feedback, aim, move)
         if I[r + JOINT_INDEX.turn] != FREE:
-            turn_residual(S, I, r, gain, aim, move)
+            turn_residual(S, I, r, feedback, aim, move)
 
 
-def place_residual(S, I, r, gain, aim, move):
+def place_residual(S, I, r, feedback, aim, move):
     """Residual of the place that joint r holds: both rows of a revolute, or the one row of a guide, a path or
     a massless link.
     """
@@ -209,15 +210,15 @@ def place_residual(S, I, r, gain, aim, move):
     dx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + (dkx - dbx)
     dy = (S[k + PARTICLE.step_y] - S[b + PARTICLE.step_y]) + (dky - dby)
     if I[r + JOINT_INDEX.place] == PINNED:
-        S[y] = dx + gain * ex
-        S[y + 1] = dy + gain * ey
+        S[y] = dx + feedback * ex
+        S[y + 1] = dy + feedback * ey
         set_row(S, q + TURN, 0.0, 0.0, -dby, -dky)
         set_row(S, q + CONSTRAINT.SIZE + TURN, 0.0, 0.0, dbx, dkx)
     else:
-        guide_residual(S, I, r, gain, aim, move, Pins(ex, ey, dx, dy, kx, ky, dkx, dky))
+        guide_residual(S, I, r, feedback, aim, move, Pins(ex, ey, dx, dy, kx, ky, dkx, dky))
 
 
-def turn_residual(S, I, r, gain, aim, move):
+def turn_residual(S, I, r, feedback, aim, move):
     """Residual of the turn that joint r holds, in its last row."""
     j, b, k = bodies(I, r)
     c = I[r + JOINT_INDEX.carrier]
@@ -235,11 +236,11 @@ def turn_residual(S, I, r, gain, aim, move):
         ratio,
         S[c + PARTICLE.step_turn] if c != 0 else 0.0,
     )
-    S[I[r + JOINT_INDEX.y] + last] = (angle - move) + gain * open_angle
+    S[I[r + JOINT_INDEX.y] + last] = (angle - move) + feedback * open_angle
     set_row(S, I[r + JOINT_INDEX.first] + CONSTRAINT.SIZE * last + TURN, 0.0, 0.0, 0.0, 0.0)
 
 
-def guide_residual(S, I, r, gain, aim, move, pins: Pins):
+def guide_residual(S, I, r, feedback, aim, move, pins: Pins):
     """Residual of a guide, a path or a massless link, whose direction turns within the step: with the
     bearing's body, along the path, with the link.
     """
@@ -254,7 +255,7 @@ def guide_residual(S, I, r, gain, aim, move, pins: Pins):
     dnx, dny = change(S, b, nx, ny)
     if place == ON_PATH:
         # The distance from a path is measured at t_(n+1) itself: it has no increment without cancellation,
-        # but neither is it large.
+        # but neither is it large. What is open at t_n is in it, so nothing is fed back.
         dcx, dsx = change(S, b, S[b + PARTICLE.c], S[b + PARTICLE.s])
         measured, mx, my = guide_row(
             S, guide_of(S, I, r), S[b + PARTICLE.c] + dcx, S[b + PARTICLE.s] + dsx, ex + dx, ey + dy
@@ -269,14 +270,18 @@ def guide_residual(S, I, r, gain, aim, move, pins: Pins):
         after, _, mx, my = chord(ex + dx, ey + dy)
         dnx = mx - nx
         dny = my - ny
-        S[y] = ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (after + length) - move + gain * (length - aim)
+        S[y] = (
+            ((2.0 * ex + dx) * dx + (2.0 * ey + dy) * dy) / (after + length)
+            - move
+            + feedback * (length - aim)
+        )
     else:
         distance = ex * nx + ey * ny
         opens = (dx * (nx + dnx) + dy * (ny + dny)) + (ex * dnx + ey * dny)
         if place == ALONG:
             distance = distance - aim
             opens = opens - move
-        S[y] = opens + gain * distance
+        S[y] = opens + feedback * distance
     rx = (S[k + PARTICLE.x] + kx) - S[b + PARTICLE.x]
     ry = (S[k + PARTICLE.y] + ky) - S[b + PARTICLE.y]
     mx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + dkx
@@ -401,11 +406,10 @@ def close(S, I, central: Central):
     """Correct the reactions so that the joints are closed at t_(n+1)."""
     # 1. Corrections with the factors of t_n, which are there already: one in fine steps, more in coarse ones.
     # 2. What these leave open follows from how the rows turn (linearisation_error), without looking at
-    # positions again. Only where it is not next
-    #    to nothing does Newton's method follow, with its own factors: an unlikely branch, which the fast step
-    # leaves out.
+    #    positions again. Only where it is not next to nothing does Newton's method follow, with its own
+    #    factors: an unlikely branch, which the fast step leaves out.
     # 3. In the coarsest steps Newton's method is the rule; its second correction has the factors of the first
-    # (simplified_newton).
+    #    (simplified_newton).
     # All tests are of squares, in (m and rad)^2: a root would be waited for.
     decay = central.decay
     gain = central.gain

@@ -84,6 +84,9 @@ def expected_rate(S, j, b, k, central: Central):
 def onset(S, I, r, depth, start, stretch, central: Central):
     """A contact begins: locate its speed inside the step, which is held until the surfaces part, and count
     it.
+
+    ``depth`` is the penetration (m) now; CONTACT.penetration is still that of the step before, and
+    :func:`~vfife.kernels.geometry.onset_speed` takes zero as what lies between them.
     """
     j = I[r + CONTACT_INDEX.row]
     dt = S[SYSTEM.step]
@@ -97,7 +100,7 @@ def onset(S, I, r, depth, start, stretch, central: Central):
     S[j + CONTACT.deepest] = larger(S[j + CONTACT.deepest], depth)
     S[j + CONTACT.fastest] = larger(S[j + CONTACT.fastest], located)
     S[j + CONTACT.approach] += located
-    S[j + CONTACT.duration] -= dt
+    S[j + CONTACT.duration] -= dt  # detect_contact adds it: the first step of a contact is not counted
     S[SYSTEM.event] = 1.0
 
 
@@ -199,7 +202,13 @@ def locate_contact(S, I, r):
 
 
 def detect_contact(S, I, r, depth, start, stretch, central: Central):
-    """Begin or end a contact by its penetration (m), and evaluate its law."""
+    """Begin or end a contact by its penetration (m), and evaluate its law.
+
+    A contact begins where the penetration is above zero and ends where it is not. Afterwards two rows tell:
+    CONTACT.slowness is above zero in contact and zero otherwise, and CONTACT.penetration is above zero in
+    contact alone. Others read the penetration for it (``put_last_forces``,
+    ``contact_forces.solve_simultaneous``, statics, measures): another limit than zero is a change there, too.
+    """
     j = I[r + CONTACT_INDEX.row]
     touching = depth > 0.0
     # Onset and end of a contact are events: the step is taken again in parts, so that the impact speed is
@@ -221,7 +230,8 @@ def detect_contact(S, I, r, depth, start, stretch, central: Central):
 
 
 def put_last_forces(S, I, r, h):
-    """Put the last step's force of contact r in place where it shares a body with others, else none.
+    """Put the last step's force of contact r in place where it shares a body with others and touches now,
+    else none.
 
     Joints that share a body start from these forces, which solve_contacts then corrects one by one (Gauss and
     Seidel). A force that holds already costs nothing; solved from zero each time, the first of two joints
