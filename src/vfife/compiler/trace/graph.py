@@ -173,8 +173,13 @@ def _couples(sides: list[Sides], free: set[int]) -> tuple[Couple, ...]:
 
 
 def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
-    """Joints, each given by the free bodies that it joins, in the order of their elimination, those that wait
-    for one another side by side.
+    """Numbers of joints, each given by the free bodies that it joins, in the order of their elimination.
+
+    It is found in two passes. The first takes joints by least degree and makes of them an elimination tree:
+    what waits for what. The second (:func:`_behind`) lists that tree chain by chain, and its list is what
+    counts. In a chain the halves from both ends therefore come one after the other, and the joint where they
+    meet last; by which end the list begins follows from ties of the first pass, and differs between even and
+    odd numbers of joints. Either end is as good, but another order gives other bits.
     """
     joints_of: dict[int, set[int]] = {}
     for joint, bodies in enumerate(joints):
@@ -183,8 +188,8 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     neighbours = [
         set().union(*(joints_of[body] for body in bodies)) - {joint} for joint, bodies in enumerate(joints)
     ]
-    waits = [0] * len(joints)
-    after: list[list[int]] = [[] for _ in joints]  # joints of which this is the next that waits for them
+    waits = [0] * len(joints)  # joints that have to be eliminated one after the other before this one
+    children: list[list[int]] = [[] for _ in joints]  # in the elimination tree
     roots: list[int] = []
     place: dict[int, int] = {}
     ready = [(len(others), 0, joint) for joint, others in enumerate(neighbours)]
@@ -210,13 +215,13 @@ def elimination_order(joints: Sequence[Sequence[int]]) -> tuple[int, ...]:
     # the elimination tree (Liu 1990), which alone has to come behind it.
     for joint in eliminated:
         later = min(neighbours[joint], key=place.__getitem__, default=None)
-        (roots if later is None else after[later]).append(joint)
-    return _behind(roots, after)
+        (roots if later is None else children[later]).append(joint)
+    return _behind(roots, children)
 
 
-def _behind(roots: list[int], after: list[list[int]]) -> tuple[int, ...]:
-    """Joints of an elimination tree from its leaves to its ``roots`` (postorder); ``after`` are the children
-    of each.
+def _behind(roots: list[int], children: list[list[int]]) -> tuple[int, ...]:
+    """Joints of an elimination tree from its leaves to its ``roots`` (postorder), the ``children`` of each in
+    the order given.
 
     Every joint comes behind all that it waits for, and these one chain after the other: a row's entries begin
     at the first joint below it, so a profile is as narrow as it can be then.
@@ -230,5 +235,5 @@ def _behind(roots: list[int], after: list[list[int]]) -> tuple[int, ...]:
             order.append(waiting.pop())
         else:
             entered.add(joint)
-            waiting += after[joint][::-1]
+            waiting += children[joint][::-1]
     return tuple(order)
