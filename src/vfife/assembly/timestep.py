@@ -40,8 +40,8 @@ Array = NDArray[np.float64]
 SAFETY = 0.9
 # steps in half a period of the stiffest contact, where no companions look whether they are enough
 CONTACT_STEPS = 80
-# the same where companions do: those of the coarsest companion, so that the run, at half its step, begins with
-# 40. It also marks a request as one with companions, so it must differ from CONTACT_STEPS.
+# the same where companions do: those of the coarsest companion, so that the run, at half its step, begins
+# with twice as many. It also marks a request as one with companions, so it must differ from CONTACT_STEPS.
 FIRST_CONTACT_STEPS = 20
 TURN_STEPS = 3600  # steps a turn where nothing else limits them
 LONGEST_STEP = 2.0  # of the length of a run

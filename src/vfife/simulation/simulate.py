@@ -56,7 +56,7 @@ Tried: TypeAlias = tuple[tuple[float, float | None], ...]
 
 @dataclass(frozen=True)
 class Prepared:
-    """A mechanism that can be run: examined, its ideal reference known if it has one, assembled at its start."""
+    """A mechanism that can be run: examined, its ideal reference known if there is one, assembled."""
 
     assembly: Assembly
     reference: Result | None
@@ -119,12 +119,12 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     and after ``turns`` at the latest. ``start``: a former run (or its folder) to go on from, or states of
     bodies by name (:func:`~vfife.results.restart.start_from`). ``reference``: also run the ideal mechanism to
     compare with, or its result; there is none without play or a driver, where a joint is none without its
-    play, nor where the ideal mechanism does not get through. ``companions``: how often a run with contact is repeated with other step
-    sizes, 0 to 7, from which ranges of measures estimate their errors; "auto" is three. An automatic step is
-    halved, twice at the most, until run and companions agree within the tolerance of the settings, and where
-    first contacts land deeper than a joint allows. A mechanism whose settings ask for a static analysis is
-    brought to equilibrium (:func:`~vfife.solvers.statics.equilibrium`), which takes neither ``turns``,
-    ``duration`` nor ``step``.
+    play, nor where the ideal mechanism does not get through. ``companions``: how often a run with contact is
+    repeated with other step sizes, 0 to 7, from which ranges of measures estimate their errors; "auto" is
+    three. An automatic step is halved, twice at the most, until run and companions agree within the tolerance
+    of the settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask
+    for a static analysis is brought to equilibrium (:func:`~vfife.solvers.statics.equilibrium`), which takes
+    neither ``turns``, ``duration`` nor ``step``.
 
     What to save: ``outputs`` per turn (per run without a crank); a run ``file`` that takes them while they
     come.

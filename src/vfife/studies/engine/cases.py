@@ -49,7 +49,7 @@ Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
 LOAD = ".force.max"  # ends the name of the largest force of a joint
 BATCH = 64  # cases whose models are made at once
-# models that are kept, the latest; fewer than BATCH would drop those of a batch before its cases are handed out
+# models that are kept, the latest; fewer than BATCH would drop some of a batch before its cases are made
 MOST_MODELS = 64
 
 
