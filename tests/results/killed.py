@@ -16,7 +16,7 @@ from vfife.compiler.runtime.runner import Runner
 from vfife.simulation.simulate import prepare, run_prepared
 from vfife.solvers import interrupts
 from vfife.solvers.arguments import RunArguments
-from vfife.solvers.companions import SynchronisedLanes
+from vfife.solvers.companion_lanes import SynchronisedLanes
 from vfife.store.runfile import RunFile
 
 

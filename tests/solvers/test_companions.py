@@ -31,16 +31,8 @@ from vfife.model.drivers import Harmonic
 from vfife.model.mechanism import Mechanism
 from vfife.report.trust import verdict
 from vfife.simulation.result import Result
-from vfife.solvers.companions import (
-    DEFAULT,
-    SENSITIVE,
-    CompanionRecorder,
-    Parting,
-    PartingWatch,
-    SeparateLanes,
-    SynchronisedLanes,
-    step_counts,
-)
+from vfife.solvers.companion_lanes import SeparateLanes, SynchronisedLanes
+from vfife.solvers.companions import DEFAULT, SENSITIVE, CompanionRecorder, Parting, PartingWatch, step_counts
 from vfife.solvers.record import lasting_rows, recorded_rows
 from vfife.solvers.transient import run
 

@@ -1,9 +1,7 @@
-"""Companion runs: the same run at other step sizes in neighbouring lanes, how they meet at every output, and
-what is kept of them.
+"""Companion runs: the same run at other step sizes, 1.4 to 2 times its own, and what is kept of them.
 
-A step that has contact is bound by divisions, and a vector register divides two numbers in the time of four.
-So three repetitions of a run in the other lanes of its register cost little. They have 1.4 to 2 times its
-step: what its measures owe to the step shows in their differences.
+What the measures of a run owe to its step shows in their differences; :mod:`~vfife.solvers.companion_lanes`
+steps them beside the run.
 """
 
 from __future__ import annotations
@@ -12,250 +10,18 @@ import math
 from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assembled import Assembly, StepChoice, bounds, limited_rows, watched
+from ..assembly.assembled import Assembly, StepChoice
 from ..assembly.timestep import SAFETY
-from ..compiler.runtime.loops import NEVER
-from ..compiler.runtime.runner import LOOK, Runner, Stream
 from .record import places
 from .repeating import outputs_of_a_turn
 
 Array = NDArray[np.float64]
-Integers = NDArray[np.uint32]
 Counts = NDArray[np.int64]
-
-
-class Stepper(Protocol):
-    """One or more lanes, as :class:`~vfife.compiler.runtime.runner.Runner` has them."""
-
-    done: int
-    broken: Array
-
-    @property
-    def states(self) -> Array:
-        """Present states, shape (rows, lanes); the next steps start from what is written into it."""
-
-    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
-        """``outputs`` times ``count`` steps of the run; the rows recorded after each, shape (outputs, kept,
-        lanes).
-        """
-
-
-def step_sizes(assembly: Assembly, counts: Counts) -> Array:
-    """Steps (s) of lanes that make ``counts`` steps between two outputs; that of the run itself to the
-    bit.
-    """
-    choice = assembly.choice
-    return np.where(counts == choice.outputs_every, choice.step, choice.step * choice.outputs_every / counts)
-
-
-def initial_states(assembly: Assembly, counts: Counts) -> Array:
-    """States at the start, shape (rows, lanes), which differ in their steps only."""
-    states = np.repeat(assembly.state[:, None], len(counts), axis=1)
-    states[assembly.layout["step"]] = step_sizes(assembly, counts)
-    return states
-
-
-class SynchronisedLanes:
-    """Steps a run and its companions in the lanes of one vector register, so that all of them meet at each
-    output of the run.
-
-    ``counts`` are the steps of each lane between two outputs, the run itself first. All lanes of a register
-    step at once. A stream (:class:`~vfife.compiler.runtime.runner.Stream`) lets each lane hand out its
-    outputs after its own number of steps; lanes with fewer steps would wait in between, and let their places
-    repeat another lane instead. The run has the bits that it has alone, because its lane never waits inside a
-    call.
-    """
-
-    def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, room: int) -> None:
-        self.counts, self.kept, self.room, self.done = counts, recorded, room, 0
-        self.layout, self.tables, self.parts = (
-            assembly.layout,
-            assembly.tables,
-            assembly.mechanism.settings.parts,
-        )
-        self.topology, self.bounds = assembly.topology, np.stack(bounds(assembly))
-        self.limited, self.extremes = (
-            limited_rows(assembly),
-            np.array(assembly.layout.of("extreme"), dtype=np.intp),
-        )
-        self.columns = places(recorded, self.extremes)
-        self.lanes = 1 << (len(counts) - 1).bit_length()  # a vector holds 1, 2, 4 or 8 numbers
-        self.states = initial_states(assembly, counts)
-        self.broken = np.zeros(
-            1
-        )  # steps after which the run was seen to have left all bounds; companions may leave them
-        self.stream: Stream | None = None
-
-    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
-        """Make ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
-        interval.
-        """
-        if self.done == 0:
-            return self._begin()
-        inside = (self.done - 1) % int(self.counts[0])
-        past, until = self.steps_inside(inside), self.steps_inside(inside + count)
-        if anew:
-            self.states[self.extremes] = 0.0
-        self.done += count * outputs
-        if inside == 0 and count == self.counts[0]:
-            return self._intervals(outputs)
-        output = (self.done - 1 - inside - count) // int(self.counts[0])
-        self._piece(output * self.counts + past, until - past)
-        return np.array(self.states[self.kept][None]) + 0.0 if record else np.zeros((1, 0, len(self.counts)))
-
-    def steps_inside(self, inside: int) -> Counts:
-        """Steps of each lane since the last output, when the run has made ``inside`` of its own: in
-        proportion, rounded down.
-        """
-        steps: Counts = inside * self.counts // self.counts[0]
-        return steps
-
-    def _begin(self) -> Array:
-        """The first output: the start, as the first step of a run has it."""
-        tables = np.repeat(self.tables[None, :], self.lanes, axis=0)
-        runner = Runner(
-            self.topology, self._padded(self.states), tables, "generated", self.kept, parts=self.parts
-        )
-        rows = runner.advance(1, 1)[:, :, : len(self.counts)]
-        self.states[:], self.done = runner.states[:, : len(self.counts)], 1
-        return rows
-
-    def _padded(self, states: Array) -> Array:
-        """States of the lanes, with that of the run in the places of the vector that are left over."""
-        return states[:, [lane if lane < len(self.counts) else 0 for lane in range(self.lanes)]]
-
-    def _intervals(self, outputs: int) -> Array:
-        """Make whole intervals, in which each lane hands out its own outputs."""
-        before = (self.done - 1) // int(self.counts[0]) - outputs
-        stream = self._loaded(before * self.counts)
-        own = len(self.counts)
-        stream.at[:own], stream.stop[:own], stream.every[:own] = 0, outputs, self.counts
-        stream.due[:own] = stream.done + self.counts
-        waiting = set(range(own))
-        while waiting:
-            stream.advance(
-                int(
-                    max(
-                        stream.due[lane] + (outputs - 1 - stream.at[lane]) * stream.every[lane]
-                        for lane in waiting
-                    )
-                )
-                - stream.done
-            )
-            self._watch(stream, waiting)
-            self._finish(stream, {lane for lane in waiting if stream.at[lane] >= outputs}, waiting)
-        rows = np.ascontiguousarray(stream.out[:own, :outputs].transpose(1, 2, 0)) + 0.0
-        self.states[self.extremes] = rows[-1][
-            self.columns
-        ]  # a stream clears them when it hands them out; a run does so in its next step
-        return rows
-
-    def _piece(self, past: Counts, missing: Counts) -> None:
-        """Make the ``missing`` steps of each lane, which has ``made`` so many since its start, without any
-        output.
-        """
-        stream = self._loaded(past)
-        end = stream.done + missing
-        waiting = set(np.flatnonzero(missing).tolist())
-        self._repeat(stream, waiting)
-        while waiting:
-            stream.advance(int(min(end[lane] for lane in waiting)) - stream.done)
-            self._watch(stream, waiting)
-            self._finish(stream, {lane for lane in waiting if stream.done >= end[lane]}, waiting)
-
-    def _loaded(self, past: Counts) -> Stream:
-        """The stream with the states of all lanes, each after so many steps of its own."""
-        stream = self.stream
-        if stream is None:
-            parts, tables = self.parts, len(self.tables)
-            stream = self.stream = Stream(
-                self.topology,
-                self.lanes,
-                "generated",
-                self.kept,
-                self.room,
-                self.kept,
-                self.limited,
-                tables,
-                parts,
-                look=LOOK,
-            )
-            stream.T.reshape(self.lanes, -1)[:] = self.tables
-            stream.limits.reshape(-1, 2, self.lanes)[:] = self.bounds.T[:, :, None]
-        stream.states[:] = self._padded(self.states)
-        stream.done = 1 + int(past[0])  # counted as the run's own steps are
-        ahead = 1 + past - stream.done  # a lane's step n + shift is its own, counted from its start
-        stream.states[self.layout["shift"]] = ahead[
-            [lane if lane < len(past) else 0 for lane in range(self.lanes)]
-        ]
-        stream.due[:], stream.broken[:] = NEVER, -1.0
-        if self.broken[0] == 0.0:
-            stream.broken[0] = 0.0
-        return stream
-
-    def _watch(self, stream: Stream, waiting: set[int]) -> None:
-        """Note after how many steps the run has left all bounds; its companions go on up to the end of the
-        call.
-        """
-        if 0 in waiting and stream.broken[0] > 0.0:
-            self.broken[0] = stream.broken[0]
-            self._finish(stream, {0}, waiting)
-
-    def _finish(self, stream: Stream, lanes: set[int], waiting: set[int]) -> None:
-        """Keep the states of ``lanes`` that have come to the end of a call, and let their places repeat
-        another lane.
-        """
-        for lane in lanes & waiting:
-            self.states[:, lane] = stream.state(lane)
-            self.states[self.layout["shift"], lane] = 0.0
-            waiting.discard(lane)
-        self._repeat(stream, waiting)
-
-    def _repeat(self, stream: Stream, waiting: set[int]) -> None:
-        """Let lanes that have nothing left to do repeat one that has."""
-        for lane in set(range(self.lanes)) - waiting if waiting else ():
-            stream.repeat(lane, min(waiting))
-            stream.due[lane], stream.broken[lane] = NEVER, -1.0
-
-
-class SeparateLanes:
-    """The same for loops that step one lane after the other: a runner for each."""
-
-    def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, loop: str) -> None:
-        self.counts, self.done = counts, 0
-        self.states, parts = initial_states(assembly, counts), assembly.mechanism.settings.parts
-        self.runners = [
-            Runner(
-                assembly.topology, self.states[:, lane : lane + 1], assembly.tables[None, :], loop, recorded,
-                parts=parts,
-                watched=watched([assembly], np.array([lane == 0])),
-            )
-            for lane in range(len(counts))
-        ]  # fmt: skip
-        self.states[:] = np.concatenate([runner.states for runner in self.runners], axis=1)
-        self.broken = self.runners[0].broken
-
-    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
-        """Make ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
-        interval.
-        """
-        begins = self.done == 0
-        output, inside = divmod(max(self.done - 1, 0), int(self.counts[0]))
-        past, until = (n * self.counts // self.counts[0] for n in (inside, inside + count))
-        rows = []
-        for lane, runner in enumerate(self.runners):
-            runner.states[:, 0] = self.states[:, lane]
-            runner.done = 0 if begins else 1 + output * int(self.counts[lane]) + int(past[lane])
-            own = 1 if begins else int(until[lane] - past[lane])
-            rows.append(runner.advance(own, outputs, anew=anew, record=record))
-            self.states[:, lane] = runner.states[:, 0]
-        self.done += count * outputs
-        return np.concatenate(rows, axis=2)
 
 
 @dataclass
@@ -305,10 +71,8 @@ class TurnRows:
 
 # companions of a run with contact on every machine: with the run itself they fill a vector of four numbers
 DEFAULT = 3
-SMALLEST_RATIO, LARGEST_RATIO = (
-    1.4,
-    2.0,
-)  # between the steps of companions and that of the run; others are spread evenly between them
+# between the steps of companions and that of the run; others are spread evenly between them
+SMALLEST_RATIO, LARGEST_RATIO = 1.4, 2.0
 # range of a measure over run and companions, as a share of its size, beyond which a run is called sensitive
 SENSITIVE = 0.01
 SAMPLED = (
@@ -317,8 +81,6 @@ SAMPLED = (
     "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work",
     "contact_friction_power", "wear_work",
 )  # fmt: skip
-
-
 DRIVING = ("driven_work", "driven_power", "particle_theta")  # needed for means of powers and torques
 
 
@@ -463,9 +225,8 @@ class CompanionRecorder:
         """Take outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
         count = len(self.counts)
         part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
-        self.lost |= set(
-            np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist()
-        )  # what is not finite stays so
+        # What is not finite stays so, so that the last output shows it.
+        self.lost |= set(np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist())
         if self.parting is None:
             self.parting = self.watch.parting(steps, rows[..., : count + 1])
         self.parts.append((steps, part))

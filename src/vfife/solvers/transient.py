@@ -17,7 +17,8 @@ from ..compiler.trace.straight_line import about
 from ..errors import VfifeError
 from ..laws.stored import refuse_recorded
 from .arguments import Loop
-from .companions import CompanionRecorder, SeparateLanes, Stepper, SynchronisedLanes, step_counts
+from .companion_lanes import SeparateLanes, Stepper, SynchronisedLanes
+from .companions import CompanionRecorder, step_counts
 from .interrupts import FIRST, QUICK, ChunkSize, Interrupts
 from .record import Burst, Checkpoint, Record, Rows, Writer, lasting_rows, recorded_rows, room_for_rows
 from .repeating import Settling
