@@ -15,7 +15,7 @@ import pytest
 import vfife
 from cli.conftest import command  # noqa: F401 - a fixture
 from support import four_bar
-from vfife.store import runfile
+from vfife.store import run_reader
 from vfife.store.runfile import RunFile
 
 
@@ -29,7 +29,7 @@ def large(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, vfife.
             some = slice(first, first + 7)
             file.append(result.record.steps[some], result.record.rows[some])
         result.finish(file)
-    monkeypatch.setattr(runfile, "LARGE", 0)
+    monkeypatch.setattr(run_reader, "LARGE", 0)
     outputs, read = RunFile.outputs, list[bool]()
 
     def counted(self: RunFile, only_steps: bool = False) -> object:

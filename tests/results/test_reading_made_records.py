@@ -19,7 +19,8 @@ from vfife.results.series import joined
 from vfife.results.spectra import PARTS, sampled
 from vfife.results.view import Reductions, View, turn_of
 from vfife.store.connections import unwritten
-from vfife.store.runfile import RunFile, missing
+from vfife.store.run_reader import missing
+from vfife.store.runfile import RunFile
 
 SPEED, OUTPUTS, TURNS = 100.0, 40, 12
 TURN = math.tau / SPEED
