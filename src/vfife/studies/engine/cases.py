@@ -105,7 +105,7 @@ class Cases:
         self.neighbour = Outlook()
 
     def each(self, numbers: Sequence[Numbers]) -> Iterator[Stepped | NoLane]:
-        """The cases in their order, made in batches of 1, BATCH, BATCH, ...: the first comes by itself, so that
+        """The cases in their order, in batches of 1, BATCH, BATCH, ...: the first comes by itself, so that
         lanes need not wait for others.
         """
         for first, end in pairwise((0, *range(1, len(numbers), BATCH), len(numbers))):
@@ -115,7 +115,7 @@ class Cases:
                 yield NoLane(k, sentence(result)) if isinstance(result, VfifeError) else result
 
     def prepare(self, numbers: Sequence[Numbers]) -> None:
-        """Makes the models of these cases that are not known yet, side by side; the oldest give way to them."""
+        """Makes those models of cases at once that are not known yet; the oldest give way to them."""
         distinct = {model_key(own): own for own in map(self.without_clearance, numbers)}
         unknown = {key: own for key, own in distinct.items() if key not in self.models}
         for key, result in zip(unknown, self.make_all(list(unknown.values())), strict=True):
