@@ -2,8 +2,8 @@
 
 Here is what a first script needs: a mechanism, runs and studies of it, and files. The rest goes by subject:
 ``vfife.bodies``, ``joints``, ``springs``, ``drivers``, ``loads`` and ``laws`` have the classes of which a
-mechanism is built; ``studies``, ``dynamics``, ``identification`` and ``tribology`` what is done with many runs;
-``options`` groups of keywords; ``gallery`` mechanisms to start from; ``errors`` what is raised.
+mechanism is built; ``studies``, ``dynamics``, ``identification`` and ``tribology`` what is done with many
+runs; ``options`` groups of keywords; ``gallery`` mechanisms to start from; ``errors`` what is raised.
 
 Every name is loaded when it is first used, so that the command line handles signals from its first line on;
 llvmlite, xarray and matplotlib only where something needs them.
@@ -55,8 +55,8 @@ if TYPE_CHECKING:
 __version__ = "0.2.0"
 
 _NAMESPACES = (
-    "bodies", "drivers", "dynamics", "errors", "gallery", "identification", "joints", "laws", "loads", "options",
-    "springs", "studies", "tribology",
+    "bodies", "drivers", "dynamics", "errors", "gallery", "identification", "joints", "laws", "loads",
+    "options", "springs", "studies", "tribology",
 )  # fmt: skip
 _NAMES = {  # by the module that has them
     "dynamics": ("bifurcation",),
@@ -76,7 +76,8 @@ _NAMES = {  # by the module that has them
 _MODULES = {name: module for module, names in _NAMES.items() for name in names}
 # Classes and functions of these were names of vfife up to version 0.2.
 _FORMER = (
-    "laws", "joints", "bodies", "springs", "drivers", "loads", "studies", "dynamics", "identification", "tribology"
+    "laws", "joints", "bodies", "springs", "drivers", "loads", "studies", "dynamics", "identification",
+    "tribology"
 )  # fmt: skip
 __all__ = sorted((*_NAMESPACES, *_MODULES))
 

@@ -64,7 +64,7 @@ def replacement(path: Path) -> Iterator[Path]:
 
 
 def create_temporary(path: Path) -> Path:
-    """Create an empty file with a random name in the folder of ``path`` and return its name. Raises OSError."""
+    """Create an empty file with a random name in the folder of ``path``; return its name. Raises OSError."""
     flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
     for _ in range(ATTEMPTS):
         # The whole name stays within the 255 bytes of a file system, however long that of the file is.
@@ -172,7 +172,7 @@ class DataTable:
         raise NotImplementedError
 
     def write_csv(self, path: str | Path) -> None:
-        """Write the table as CSV; a file that is there gives way when the new one is whole. Raises OSError."""
+        """Write the table as CSV; one that is there gives way when the new one is whole. Raises OSError."""
         write_rows(path, self.table())
 
     def to_dataframe(self) -> pandas.DataFrame:

@@ -30,10 +30,10 @@ Number = float | None  # None: as in the file
 Numbers = Sequence[float] | None
 
 __all__ = [
-    "block_on_incline", "compressor", "double_pendulum", "elastic_pendulum", "elastica_circle", "four_bar", "four_bar_case_b",
-    "four_bar_case_c", "four_bar_ideal", "gear_train", "jansen_leg", "journal_in_bearing", "lee_frame", "quick_return", "scissor_lift",
-    "scotch_yoke", "six_bar_press", "slider_crank", "slider_crank_loose_guide", "slider_crank_loose_pin", "squeezer", "toggle_press",
-    "williams_toggle",
+    "block_on_incline", "compressor", "double_pendulum", "elastic_pendulum", "elastica_circle", "four_bar",
+    "four_bar_case_b", "four_bar_case_c", "four_bar_ideal", "gear_train", "jansen_leg", "journal_in_bearing",
+    "lee_frame", "quick_return", "scissor_lift", "scotch_yoke", "six_bar_press", "slider_crank",
+    "slider_crank_loose_guide", "slider_crank_loose_pin", "squeezer", "toggle_press", "williams_toggle",
 ]  # fmt: skip
 
 
@@ -171,7 +171,9 @@ def gear_train(
         "run.duration": duration,
         "driver.curve.torque.0": stall_torque,
         "driver.curve.speeds.1": idle_speed,
-        **dict(zip(("gear.first-stage.ratio", "gear.second-stage.ratio"), ratios or (None, None), strict=True)),
+        **dict(zip(
+            ("gear.first-stage.ratio", "gear.second-stage.ratio"), ratios or (None, None), strict=True,
+        )),
         **dict(zip((f"body.{name}.inertia" for name in bodies), inertias or (None,) * 3, strict=True)),
     })  # fmt: skip
 
@@ -179,7 +181,7 @@ def gear_train(
 def jansen_leg(
     *, unit: float = 0.01, speed: Number = None, turns: Number = None, density: float = 0.5
 ) -> Mechanism:
-    """One leg of rods and of plates of rods, of ``density`` (kg/m); ``unit`` (m) is that of Jansen's numbers."""
+    """A leg of rods and of plates of rods, of ``density`` (kg/m); ``unit`` (m) that of Jansen's numbers."""
     m = load("jansen_leg", _crank(speed, turns))
     size, weight = unit / 0.01, density / 0.5 * unit / 0.01
 
@@ -229,7 +231,8 @@ def elastic_pendulum(
 ) -> Mechanism:  # fmt: skip
     """A round rod of soft rubber (m, Pa, kg/m^3), let go at rest from the horizontal."""
     return load("elastic_pendulum", {
-        "body.rod.length": length, "body.rod.section.round": diameter, "body.rod.elements": elements, "run.duration": duration,
+        "body.rod.length": length, "body.rod.section.round": diameter, "body.rod.elements": elements,
+        "run.duration": duration,
         "material.rubber.youngs_modulus": youngs_modulus, "material.rubber.density": density,
     })  # fmt: skip
 
@@ -248,7 +251,8 @@ def toggle_press(
     press a work piece (N/m).
     """
     return load("toggle_press", {
-        "ground.guide.1": -1.6 * arm, "ground.table.1": -2.5 * arm, "body.ram.position.1": -2.0 * arm * cos(angle),
+        "ground.guide.1": -1.6 * arm, "ground.table.1": -2.5 * arm,
+        "body.ram.position.1": -2.0 * arm * cos(angle),
         "body.upper.length": arm, "body.upper.angle": -0.5 * math.pi - angle,
         "body.lower.length": arm, "body.lower.angle": -0.5 * math.pi + angle,
         "load.hand.force.0": force, "spring.work-piece.stiffness": stiffness,
@@ -269,7 +273,8 @@ def quick_return(
     return load("quick_return", {
         "ground.O.1": distance, "ground.guide.1": 1.02 * rocker, "body.crank.length": crank,
         "body.rocker.length": rocker, "body.rocker.angle": atan2(distance, crank),
-        "body.link.length": 0.4 * rocker, "body.ram.position": [-0.1 * rocker, 1.02 * rocker], **_crank(speed, turns),
+        "body.link.length": 0.4 * rocker, "body.ram.position": [-0.1 * rocker, 1.02 * rocker],
+        **_crank(speed, turns),
     })  # fmt: skip
 
 
@@ -286,9 +291,9 @@ def scissor_lift(
     rolling foot in by ``travel`` (m).
     """
     changes: dict[str, Any] = {
-        "run.duration": duration, "driver.actuator.duration": duration, "driver.actuator.travel": travel, "body.platform.mass": load,
-        "body.platform.center.0": 0.5 * arm * cos(angle), "body.platform.position.1": 2.0 * arm * sin(angle),
-        "body.platform.pins.edge.0": arm,
+        "run.duration": duration, "driver.actuator.duration": duration, "driver.actuator.travel": travel,
+        "body.platform.mass": load, "body.platform.center.0": 0.5 * arm * cos(angle),
+        "body.platform.position.1": 2.0 * arm * sin(angle), "body.platform.pins.edge.0": arm,
     }  # fmt: skip
     for name, side in (("rising-1", 1.0), ("falling-1", -1.0), ("rising-2", 1.0), ("falling-2", -1.0)):
         values = {"length": arm, "mass": mass, "angle": side * angle, "pins.middle.0": 0.5 * arm}
@@ -303,7 +308,8 @@ def scotch_yoke(
     t)/2.
     """
     return load("scotch_yoke", {
-        "body.crank.length": crank, "body.yoke.mass": mass, "body.yoke.position.0": crank, "body.yoke.pins.rod.0": 3.0 * crank,
+        "body.crank.length": crank, "body.yoke.mass": mass, "body.yoke.position.0": crank,
+        "body.yoke.pins.rod.0": 3.0 * crank,
         "body.yoke.pins.top.1": 1.3 * crank, "body.yoke.pins.bottom.1": -1.3 * crank, **_crank(speed, turns),
     })  # fmt: skip
 

@@ -235,7 +235,7 @@ def _raised(factor: Fraction, power: Fraction) -> float:
 
 
 def _factors(unit: str) -> list[tuple[str, Fraction]]:
-    """Names and exponents of a unit expression; a product after a slash goes on in the numerator, as in pint."""
+    """Names and exponents of a unit expression; after a slash it goes on in the numerator, as in pint."""
     factors, sign, outer = [], 1, 1
     for name, power, mark in _TOKEN.findall(unit):
         if name:

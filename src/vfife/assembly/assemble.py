@@ -63,10 +63,10 @@ def assemble(
     """Numbers the mechanism and fills its arrays.
 
     ``step``: s, or "auto"; None takes the mechanism's setting. ``expected``: largest force (N) each joint is
-    expected to carry, for the stable step. ``start_state``: a start from known positions. ``motion``: the start,
-    solved before (:func:`ideal_motion`). ``loop_of``: a mechanism whose laws the loop can do as well, so that
-    both share one compilation. ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override the
-    settings. Raises VfifeError (AssemblyError where links cannot reach, StepError where the step is too
+    expected to carry, for the stable step. ``start_state``: a start from known positions. ``motion``: the
+    start, solved before (:func:`ideal_motion`). ``loop_of``: a mechanism whose laws the loop can do as well,
+    so that both share one compilation. ``run``: ``turns``, ``duration``, ``outputs``, ``force_step`` override
+    the settings. Raises VfifeError (AssemblyError where links cannot reach, StepError where the step is too
     large, LawError where a law of the user's own cannot be used) with a sentence that names what is wrong.
     """
     [result] = assemble_all(
@@ -192,10 +192,10 @@ def finished(
     )
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
-        mechanism, topology, layout, state, draft.tables, numbering.bodies, tuple(t.name for t in parts.touches),
-        tuple(ideals), pivots, choice, tuple(mechanism.springs), tuple(t.joint.name for t in parts.touches),
-        tuple(t.touching.path for t in parts.touches), draft.motion.mobility, notes,
-        shared(layout, state, topology, ideals, pivots, numbering.driven),
+        mechanism, topology, layout, state, draft.tables, numbering.bodies,
+        tuple(t.name for t in parts.touches), tuple(ideals), pivots, choice, tuple(mechanism.springs),
+        tuple(t.joint.name for t in parts.touches), tuple(t.touching.path for t in parts.touches),
+        draft.motion.mobility, notes, shared(layout, state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
 
 

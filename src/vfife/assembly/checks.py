@@ -118,8 +118,8 @@ def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
             bearing, journal = touch.joint.bearing, touch.joint.journal
             faults.append(
                 f"joint {touch.joint.name!r} starts with {journal} {depth:.4g} m deep in {bearing}, beyond"
-                f" {surface}: check position and angle of {journal.partition('.')[0]!r}, the side of the surface"
-                " (a line's material lies to the right of its direction), and units"
+                f" {surface}: check position and angle of {journal.partition('.')[0]!r}, the side of the"
+                " surface (a line's material lies to the right of its direction), and units"
             )
     if faults:
         raise VfifeError("; ".join(dict.fromkeys(faults)))

@@ -107,7 +107,7 @@ class Numbering:
         return where.particles[0], (point[0] - where.reference[0], point[1] - where.reference[1])
 
     def particle(self, body: str) -> int:
-        """Particle that stands for a body where its angle is meant: its one, or the first; 0 for the ground."""
+        """Particle that stands for a body where its angle is meant: its one or first; 0 for the ground."""
         return 0 if body == "ground" else self.bodies[body].particles[0]
 
     def held(self, name: str) -> int:

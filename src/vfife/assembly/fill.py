@@ -109,7 +109,8 @@ class Filler:
         chord = there[mesh.nodes[:, 1], :2] - there[mesh.nodes[:, 0], :2]
         length = hypot(chord[:, 0], chord[:, 1])
         values = {
-            "reference_length": length, "reference_inverse_length": 1.0 / (mesh.length if mesh.strain == "reference" else length),
+            "reference_length": length,
+            "reference_inverse_length": 1.0 / (mesh.length if mesh.strain == "reference" else length),
             "reference_cosine": chord[:, 0] / length, "reference_sine": chord[:, 1] / length,
             "reference_theta_1": there[mesh.nodes[:, 0], 2], "reference_theta_2": there[mesh.nodes[:, 1], 2],
             "frame_axial_stiffness": mesh.axial, "frame_bending_stiffness": mesh.bending,
@@ -283,14 +284,14 @@ class Filler:
 def touch_rows(
     mechanism: Mechanism, layout: Layout, touch: Touch, index: int
 ) -> list[tuple[int, tuple[float, ...]]]:
-    """First row and values of every number of a contact that its noun decides: sizes, arms of friction, laws."""
+    """First row and values of a contact's numbers decided by its noun: sizes, arms of friction, laws."""
     values = touch_values(touch.joint, touch.touching, surfaces(mechanism, touch.joint))
     return [(layout.row(block, index), own) for block, own in zip(TOUCHED, values, strict=True)]
 
 
 TOUCHED = (
-    "contact_size", "contact_line_x", "contact_line_y", "contact_arm_bearing", "contact_arm_journal", "contact_arm_overlap", "contact_floor",
-    "contact_landing", "contact_slots", "contact_friction_slots",
+    "contact_size", "contact_line_x", "contact_line_y", "contact_arm_bearing", "contact_arm_journal",
+    "contact_arm_overlap", "contact_floor", "contact_landing", "contact_slots", "contact_friction_slots",
 )  # fmt: skip
 
 
@@ -299,8 +300,9 @@ def touch_values(joint: Contact, touching: Touching, pair: Pair) -> tuple[tuple[
     arms = touching.centred if joint.friction_moment == "off" or joint.contact.film else touching.arms
     overlap = 0.5 if joint.friction_moment == "mid-overlap" and not joint.contact.film else 0.0
     return (
-        (touching.size,), (touching.normal[0],), (touching.normal[1],), (arms[0],), (arms[1],), (overlap,), (joint.impact_speed_floor,),
-        (joint.landing,), joint.contact.parameters(pair)[: len(joint.contact.slots)], joint.friction.parameters(pair),
+        (touching.size,), (touching.normal[0],), (touching.normal[1],), (arms[0],), (arms[1],), (overlap,),
+        (joint.impact_speed_floor,), (joint.landing,),
+        joint.contact.parameters(pair)[: len(joint.contact.slots)], joint.friction.parameters(pair),
     )  # fmt: skip
 
 
@@ -310,7 +312,7 @@ def coordinates(values: Any) -> tuple[Any, ...]:
 
 
 def point_motion(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """Position and velocity of points (x, y) (m) of a rigid body, seen from its centre of mass in its frame."""
+    """Position and velocity of points (m) of a rigid body, seen from its centre of mass in its frame."""
     s, c = sincos(position[2])
     rx, ry, w = c * x - s * y, s * x + c * y, velocity[2]
     return (position[0] + rx, position[1] + ry, position[2]), (velocity[0] - w * ry, velocity[1] + w * rx, w)

@@ -355,7 +355,7 @@ def _near(angle: float) -> float:
 
 
 def _free_length(spring: AnySpring, ends: Sequence[Place], position: Array) -> float:
-    """Distance (m) or angle (rad) of a spring's ends at the start, where it is free unless it says otherwise."""
+    """Distance (m) or angle (rad) of a spring's ends at the start, where it is free if none is given."""
     (a, at), (b, there) = ends
     if kind_of_spring(spring) != LINEAR:
         return float(position[b, 2] - position[a, 2])

@@ -83,7 +83,8 @@ def as_rigid(link: Link, shape: Shape) -> RigidBody:
         "end": (float(shape.local[-1, 0]), float(shape.local[-1, 1])),
     }
     return RigidBody(
-        name=link.name, angle=link.angle, position=link.position, material=link.material, velocity=link.velocity,
+        name=link.name, angle=link.angle, position=link.position, material=link.material,
+        velocity=link.velocity,
         mass=mass, inertia=inertia, center=(float(center[0]), float(center[1])), pins=pins,
     )  # fmt: skip
 

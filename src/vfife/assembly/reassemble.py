@@ -1,4 +1,6 @@
-"""Assemblies with other numbers of clearance joints, made from one that is there: a tenth of a millisecond each."""
+"""Assemblies with other numbers of clearance joints, made from one that is there: a tenth of a millisecond
+each.
+"""
 
 from __future__ import annotations
 

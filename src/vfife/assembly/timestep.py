@@ -1,4 +1,4 @@
-"""The largest step that stays stable, what sets it, motions that it has to resolve, and the step a run takes."""
+"""The largest stable step, what sets it, motions that it has to resolve, and the step a run takes."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ def step_within(
 def _automatic(
     stable: Limit, periods: Limits, times: Times, motions: Iterator[Prescribed], contact_steps: int, per: int
 ) -> Division:
-    """The largest step that stability, contacts, turns and prescribed motions allow, ``per`` outputs a turn."""
+    """Largest step that stability, contacts, turns and prescribed motions allow, ``per`` outputs a turn."""
     turn, length = times.turn, times.length
     reason = f"{TURN_STEPS} steps a turn" if turn and turn <= times.own else "the motion itself"
     limits = [Limit(SAFETY * stable.step, stable.culprit)]
@@ -215,8 +215,8 @@ def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) 
     """A step that was asked for, if it is stable and no longer than the run, or is forced."""
     if size > SAFETY * stable.step and not force:
         raise StepError(
-            f"a step of {size:.4g} s is too large: {stable.culprit} allows {stable.step:.4g} s, and {SAFETY} of"
-            f" it ({SAFETY * stable.step:.4g} s) is the most "
+            f"a step of {size:.4g} s is too large: {stable.culprit} allows {stable.step:.4g} s, and"
+            f" {SAFETY} of it ({SAFETY * stable.step:.4g} s) is the most "
             f'that is taken; use "auto" or a smaller step, or force it if you know better (--force-step;'
             f" in Python force_step=True)"
         )

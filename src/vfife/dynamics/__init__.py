@@ -1,4 +1,4 @@
-"""Maps of motions: bifurcation diagrams, Poincaré sections, basins of attraction, waterfalls; modes, spectra."""
+"""Maps of motions: bifurcation diagrams, Poincaré sections, basins of attraction, waterfalls, modes."""
 
 from ..measures.modes import modes
 from ..results.spectra import envelope, spectrogram, spectrum

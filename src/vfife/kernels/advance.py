@@ -49,8 +49,8 @@ class Memory(NamedTuple):
 
     S (rows x lanes) is the state; Q, R (as S) and C (3 x lanes) are scratch; T holds the tables of functions,
     I the topology of the data-driven loop, N the numbers of a run. ``shares`` (lanes) are first steps, as
-    parts of one, that come beside those that are counted. The rows ``recorded`` are recorded; ``extremes`` are
-    rows that start from zero before each output. A number of the rows ``limited`` lies between two of
+    parts of one, that come beside those that are counted. The rows ``recorded`` are recorded; ``extremes``
+    are rows that start from zero before each output. A number of the rows ``limited`` lies between two of
     ``limits`` (limited x 2 x lanes), and those that are recorded are finite, or the lane breaks: ``broken``
     (lanes) is then the step at which that was found. It is 0 before, and negative in lanes that are not
     watched.
@@ -75,8 +75,8 @@ class Outputs(NamedTuple):
     """Outputs of a stream, lane by lane: the step of the next one, steps between two, outputs so far, and
     that with which the stream ends.
 
-    ``out`` (lanes x room x recorded) takes them. Rows ``sound`` have to be finite: those that the outputs, or a
-    checkpoint, are made of.
+    ``out`` (lanes x room x recorded) takes them. Rows ``sound`` have to be finite: those that the outputs, or
+    a checkpoint, are made of.
     """
 
     due: Counts
@@ -88,8 +88,8 @@ class Outputs(NamedTuple):
 
 
 def advance(m: Memory, anew: int, until: int, n0: int, count: int, outputs: int, out: Numbers):
-    """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``recorded`` after each ``count``
-    in ``out`` (outputs, recorded, lanes).
+    """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``recorded`` after each
+    ``count`` in ``out`` (outputs, recorded, lanes).
 
     Extremes start from zero before each output where ``anew`` is not 0. Nothing is recorded into an empty
     ``out``. Right after the start lane w takes a step of ``shares[w]`` of one, where that is not zero. Lanes
@@ -167,7 +167,7 @@ def stream(m: Memory, o: Outputs, room: int, until: int, n0: int, count: int) ->
 
 
 def proceed(m: Memory, n, end):
-    """Take steps from n up to ``end``, or up to and with the first event; return the number of the next step."""
+    """Take steps from n up to ``end``, or up to and with the first event; return the next step's number."""
     n += fast_steps(m.S, m.Q, m.T, m.I, n, end - n, m.N[RUN.parts] > 1)
     if n < end:
         event(m, n)

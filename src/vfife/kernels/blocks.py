@@ -39,7 +39,7 @@ def _blocks(role: Role, entity: str, table: str) -> list[Block]:
     """Blocks of a table with a line each, or for several that differ in their axis only: names | unit |
     meaning | width, if not 1.
     """
-    rows = [[cell.strip() for cell in line.split("|")] for line in table.strip().splitlines()]
+    rows = [[" ".join(cell.split()) for cell in line.split("|")] for line in table.strip().splitlines()]
     return [
         Block(name, entity, unit, role, meaning, int(width[0]) if width else 1)
         for names, unit, meaning, *width in rows
@@ -61,7 +61,8 @@ BLOCKS: tuple[Block, ...] = (
         frame_moment_2 | N m | internal moment at the second node at step n
         reference_length | m | length at the start of the path unit"""),
     *_blocks("memory", "frame", """
-        reference_inverse_length | 1/m | its inverse, or that of the length without forces where stiffness counts on it
+        reference_inverse_length | 1/m | its inverse, or that of the length without forces where stiffness \
+            counts on it
         reference_cosine reference_sine | 1 | direction at the start of the path unit
         reference_theta_1 | rad | rotation of the first node at the start of the path unit
         reference_theta_2 | rad | rotation of the second node at the start of the path unit"""),
@@ -74,7 +75,8 @@ BLOCKS: tuple[Block, ...] = (
         contact_friction_force | N | friction force F_T at step n, along t on the journal
         contact_penetration | m | signed penetration e - c at step n
         contact_slowness | s/m | inverse of the impact speed at the last onset, 0 in free flight
-        contact_memory | unit of the law | what the friction law remembers: a bristle's deflection, sliding velocities ... | 3
+        contact_memory | unit of the law | what the friction law remembers: a bristle's deflection, \
+            sliding velocities ... | 3
         contact_damping_power | W | power lost in normal damping at step n
         contact_friction_power | W | power lost in friction at step n
         contact_damping_work | J | energy lost in normal damping up to step n + 1/2
@@ -90,7 +92,8 @@ BLOCKS: tuple[Block, ...] = (
         contact_regime | 1 | which smooth part of the friction law's curve held at step n"""),
     *_blocks("state", "wear", """
         wear_work | N m | normal force times sliding distance up to step n
-        wear_x wear_y | N m | the same, each part along the direction from the bearing's centre to the journal's in which it was done"""),
+        wear_x wear_y | N m | the same, each part along the direction from the bearing's centre to \
+            the journal's in which it was done"""),
     *_blocks("state", "joint", """
         joint_fx joint_fy | N | force on the journal at step n
         joint_moment | N m | moment on the journal's body at step n"""),
@@ -112,7 +115,8 @@ BLOCKS: tuple[Block, ...] = (
         driven_power | W | power of the driver at step n
         driven_work | J | work of the driver up to step n + 1/2"""),
     *_blocks("state", "body", """
-        body_alpha | rad/s^2 | angular acceleration of a rigid body or of an elastic link's chord at step n"""),
+        body_alpha | rad/s^2 | angular acceleration of a rigid body or of an elastic link's chord at \
+            step n"""),
     *_blocks("state", "function", """
         function_value | unit of the table | value at step n
         function_rate | unit of the table / s | first derivative at step n
@@ -138,7 +142,8 @@ BLOCKS: tuple[Block, ...] = (
         contact_force_squared_max | N^2 | largest squared force of the contact since the last output
         contact_penetration_max | m | largest signed penetration since the last output"""),
     *_blocks("extreme", "guide", """
-        guide_force_squared_max | N^2 | largest squared force of all corners of a block in its guide together since the last output"""),
+        guide_force_squared_max | N^2 | largest squared force of all corners of a block in its guide \
+            together since the last output"""),
     *_blocks("extreme", "joint", """
         joint_force_squared_max | N^2 | largest squared joint force since the last output
         joint_moment_max | N m | largest absolute moment since the last output"""),
@@ -161,7 +166,8 @@ BLOCKS: tuple[Block, ...] = (
         contact_bearing_x contact_bearing_y | m | bearing centre in its body's frame
         contact_journal_x contact_journal_y | m | journal centre in its body's frame
         contact_line_x contact_line_y | 1 | on a line: direction into its material, in the bearing's frame
-        contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing or slot, R_B + R_J outside, -R_J on a line
+        contact_size | m | distance of the centres where they begin to touch: c = R_B - R_J in a bearing \
+            or slot, R_B + R_J outside, -R_J on a line
         contact_arm_bearing | m | arm of friction on the bearing, 0 with the friction moment off
         contact_arm_journal | m | arm of friction on the journal, 0 with the friction moment off
         contact_arm_overlap | 1 | share of the penetration by which the arms change
@@ -170,7 +176,8 @@ BLOCKS: tuple[Block, ...] = (
         contact_slots | unit of the law | parameters of the contact law | 8
         contact_friction_slots | unit of the law | parameters of the friction law | 8"""),
     *_blocks("parameter", "harmonic", """
-        harmonic_cosine | m | of a worn profile: depth that goes with the cosine of so many times the angle; the mean depth in the first
+        harmonic_cosine | m | of a worn profile: depth that goes with the cosine of so many times the angle; \
+            the mean depth in the first
         harmonic_sine | m | of a worn profile: depth that goes with its sine"""),
     *_blocks("parameter", "joint", """
         joint_bearing_x joint_bearing_y | m | pin in the bearing body's frame
@@ -187,7 +194,8 @@ BLOCKS: tuple[Block, ...] = (
         piece_end_cosine piece_end_sine | 1 | direction there, 0 where the piece goes on beyond its end"""),
     *_blocks("parameter", "knot", """
         knot_begin | m | penetration from which a piece of a contact law's table counts
-        knot_mean | N/m^k | mean of loading and unloading over the penetration from there: coefficients, constant first | 4
+        knot_mean | N/m^k | mean of loading and unloading over the penetration from there: coefficients, \
+            constant first | 4
         knot_half | N/m^k | half of what they are apart | 4"""),
     *_blocks("parameter", "spring", """
         spring_first_x spring_first_y | m | pin in the first body's frame

@@ -1,4 +1,4 @@
-"""Small pieces of a step that every loop shares: coefficients of the central difference, work, what links do."""
+"""Pieces of a step that every loop shares: coefficients of the central difference, work, what links do."""
 
 from typing import NamedTuple
 

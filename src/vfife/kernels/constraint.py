@@ -77,7 +77,8 @@ def guide_of(S, I, r) -> Guide:
     """The guide of joint r."""
     j = I[r + JOINT_INDEX.row]
     return Guide(
-        I[r + JOINT_INDEX.place], I[r + JOINT_INDEX.piece], I[r + JOINT_INDEX.pieces], S[j + JOINT.direction_x], S[j + JOINT.direction_y]
+        I[r + JOINT_INDEX.place], I[r + JOINT_INDEX.piece], I[r + JOINT_INDEX.pieces],
+        S[j + JOINT.direction_x], S[j + JOINT.direction_y]
     )  # fmt: skip
 
 

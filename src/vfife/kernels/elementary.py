@@ -79,7 +79,7 @@ def two_to(integer):
 
 
 def small_exp(y):
-    """e**y for |y| <= 0.36: Taylor series to y**13, in pairs, which waits less than one term after the other."""
+    """e**y for |y| <= 0.36: Taylor series to y**13, in pairs, which waits less than term after term."""
     z = y * y
     q = z * z
     low = (0.5 + y * 1.6666666666666666e-01) + z * (4.1666666666666664e-02 + y * 8.333333333333333e-03)

@@ -1,4 +1,5 @@
-"""A film of oil between journal and bearing, which acts while the surfaces are apart, too, beside their contact.
+"""A film of oil between journal and bearing, which acts while the surfaces are apart, too, beside their
+contact.
 
 Forces of a film depend linearly on the velocities at t_n, with coefficients that its law gives at the present
 place; so film and contact are solved together in closed form, the force along t eliminated first. Names as in

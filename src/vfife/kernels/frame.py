@@ -10,7 +10,7 @@ import math
 
 
 def chord(dx, dy):
-    """Length (m), inverse length (1/m) and direction cosines of the vector from the first node to the second."""
+    """Length (m), inverse length (1/m) and direction cosines from the first node to the second."""
     length = math.sqrt(dx * dx + dy * dy)
     inverse = 1.0 / length
     return length, inverse, dx * inverse, dy * inverse
@@ -73,7 +73,7 @@ def stiffness(ila, inverse, axial_stiffness, bending_stiffness):
 
 
 def stiffness_released(ila, inverse, bending_stiffness):
-    """With one end released: across (N/m) 3EI/l^3, and moment at the other end for its own turn 3EI/l (N m)."""
+    """One end released: across (N/m) 3EI/l^3, and moment at the other end for its own turn 3EI/l (N m)."""
     return bending_released(inverse, ila, 0.0, bending_stiffness) * inverse, bending_released(
         1.0, ila, 0.0, bending_stiffness
     )

@@ -27,7 +27,7 @@ def arm(c, s, px, py):
 
 
 def eccentricity(ex, ey, clearance):
-    """Signed penetration e - c (m) and the normal, Eq. 20-24; the normal of two coincident centres is zero."""
+    """Signed penetration e - c (m) and the normal, Eq. 20-24; that of coincident centres is zero."""
     e = math.sqrt(ex * ex + ey * ey)
     inverse = 1.0 / (e + 1e-300)
     return e - clearance, ex * inverse, ey * inverse

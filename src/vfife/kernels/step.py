@@ -1,7 +1,7 @@
 """The data-driven step: any mechanism, compiled once, the topology read from integer tables.
 
-``compiler`` writes the same step out for one topology; the two must agree to the bit, so each sum here has one
-fixed order. The step n: drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2).
+``compiler`` writes the same step out for one topology; the two must agree to the bit, so each sum here has
+one fixed order. The step n: drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2).
 Velocities at half steps are algebraically the paper's Eq. 3-5.
 """
 
@@ -115,7 +115,7 @@ def pass_kinks(S, I):
 
 
 def drift(S, i, d):
-    """Position of a free particle at t_n by its half-step velocity; its force starts with its constant load."""
+    """Position of a free particle at t_n by its mid-step velocity; its force starts as its constant load."""
     S[i + PARTICLE.x] += d * S[i + PARTICLE.u]
     S[i + PARTICLE.y] += d * S[i + PARTICLE.v]
     S[i + PARTICLE.theta] += d * S[i + PARTICLE.w]
@@ -246,7 +246,7 @@ def end_moments(S, I, r, c, s, single):
 
 
 def kick(S, i, central: Central):
-    """Store acceleration of a free particle at t_n and its velocity at t_(n+1/2); return its velocity at t_n."""
+    """Store acceleration of a free particle at t_n and velocity at t_(n+1/2); return its velocity at t_n."""
     h, decay, gain, p = central
     im = S[i + PARTICLE.inverse_mass]
     ii = S[i + PARTICLE.inverse_inertia]

@@ -118,7 +118,7 @@ class Topology:
 
     @cached_property
     def bound(self) -> tuple[int, ...]:
-        """Particles that a joint, spring, load, driver or function touches, or that turn an arm; the ground."""
+        """Those that joints, springs, loads, drivers, functions touch, or that turn an arm; the ground."""
         touched = {
             0,
             *self.trig,

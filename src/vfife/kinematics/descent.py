@@ -150,7 +150,8 @@ class _Descent:
             np.repeat([1.0, DRIVE_WEIGHT], [first.held, len(first.drives)]),
         )
         result = cls(
-            rows, weight, np.arange(count), starts.copy(), lengths, scale, limit, phi, jacobian, np.full(count, 0.1), np.clip(phi, -limit, limit),
+            rows, weight, np.arange(count), starts.copy(), lengths, scale, limit, phi, jacobian,
+            np.full(count, 0.1), np.clip(phi, -limit, limit),
             np.full_like(starts, np.nan), np.full(count, np.inf), DampedStep.empty(jacobian),
         )  # fmt: skip
         result.least.update(~result.closed(), weight, jacobian, result.error)

@@ -64,7 +64,7 @@ class Passage:
 
 @dataclass(eq=False)
 class Follower:
-    """A determined system on its way: rows and columns that count, and what they were at the last position."""
+    """Determined system on its way: rows and columns that count, and what they were at the last position."""
 
     system: RigidSystem
     rows: NDArray[np.intp]

@@ -55,7 +55,7 @@ class Datum:
 
 @dataclass(frozen=True)
 class Applied:
-    """Force (N) on a body at its ``pin`` (or at a place in space, m, where there is none) and moment (N m)."""
+    """Force (N) on a body at its ``pin`` (or a place in space, m, where there is none) and moment (N m)."""
 
     body: str
     pin: str
@@ -141,7 +141,7 @@ class Instant:
 
 
 def applied(now: Instant, datum: Datum) -> list[Applied]:
-    """Loads, torques and springs, each as forces on bodies; those on the ground are there too. Weight is not."""
+    """Loads, torques and springs, each as forces on bodies; those on the ground too. Weight is not."""
     result = [one for action in actions(now.mechanism, datum) for one in _acting(action, now)]
     for spring in now.mechanism.springs.values():
         result += _pulling(spring, now, datum.spring.get(spring.name, 0.0))

@@ -107,8 +107,8 @@ class _Corrector:
         positions = positions.copy()
         turns: list[FullTurn | None] = [None] * len(self.start)
         going = np.ones(len(turns), dtype=bool)
-        # All angles of all cases take one Newton step at once. A case leaves with its last correction, or where
-        # a matrix is singular; the others go on, and what is left of it in the arrays is not read again.
+        # All angles of all cases take one Newton step at once. A case leaves with its last correction, or
+        # where a matrix is singular; the others go on, and what is left of it in arrays is not read again.
         for _ in range(CORRECTIONS):
             step, determinant = self.step(positions, self.angles)
             going &= (determinant != 0.0).all(axis=0) & np.isfinite(step).all(axis=(0, 2, 3))

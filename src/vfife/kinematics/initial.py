@@ -68,8 +68,10 @@ class Motion:
             self.guess is not None
             and mine.names == system.names
             and [one.content for one in mine.constraints] == [one.content for one in system.constraints]
-            and np.array_equal(mine.mass, system.mass) and np.array_equal(mine.inertia, system.inertia) and np.array_equal(self.guess, guess)
-        )  # fmt: skip
+            and np.array_equal(mine.mass, system.mass)
+            and np.array_equal(mine.inertia, system.inertia)
+            and np.array_equal(self.guess, guess)
+        )
 
     @cached_property
     def mobility(self) -> Mobility:
@@ -378,12 +380,12 @@ def ideal_motion(
 
     ``inertial``: accelerations of a body's particles beyond its rigid motion, as masses, places in its frame
     and accelerations. ``datum``: where travels and springs count from, :func:`datum_of` unless given.
-    ``start_state``: a start from known positions and velocities. ``motion``: a motion solved before. It is taken
-    where it is that of this mechanism or of its ideal reference, and its position wherever that follows from
-    the same numbers; so it never changes the result. Joints with clearance whose body was given a velocity of
-    its own are closed in position only; those between bodies of a given start are left as they are. Raises
-    AssemblyError where links cannot reach, which says what stays open by how much where that is to be
-    ``named``.
+    ``start_state``: a start from known positions and velocities. ``motion``: a motion solved before. It is
+    taken where it is that of this mechanism or of its ideal reference, and its position wherever that follows
+    from the same numbers; so it never changes the result. Joints with clearance whose body was given a
+    velocity of its own are closed in position only; those between bodies of a given start are left as they
+    are. Raises AssemblyError where links cannot reach, which says what stays open by how much where that is
+    to be ``named``.
     """
     plain = not (time or seats or inertial) and guess is None and datum is None and start_state is None
     if (
@@ -468,7 +470,8 @@ def _motion(start: Start, now: Instant, pushed: tuple[Applied, ...], solved: Acc
         for d, value in zip(start.moving.drives, solved.driving[i], strict=True)
     }
     return Motion(
-        now.names, now.position, now.velocity, solved.acceleration[i] * start.flip, reaction, torque, start.datum, pushed,
-        start.in_image(start.system), start.hand, start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
+        now.names, now.position, now.velocity, solved.acceleration[i] * start.flip, reaction, torque,
+        start.datum, pushed, start.in_image(start.system), start.hand,
+        start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
         bool(solved.independent[i]) and start.moving is start.system,
     )  # fmt: skip

@@ -278,7 +278,8 @@ def _loops(mechanism: Mechanism) -> Iterator[dict[str, tuple[str, str]]]:
                 knee_2, (_, end_2) = _from(four, second)
                 if len({"ground", first, coupler, second}) == 4:
                     yield {
-                        "ground": (foot_1[1], foot_2[1]), first: (pin_1, knee_1[1]), coupler: (end_1, end_2), second: (pin_2, knee_2[1]),
+                        "ground": (foot_1[1], foot_2[1]), first: (pin_1, knee_1[1]), coupler: (end_1, end_2),
+                        second: (pin_2, knee_2[1]),
                     }  # fmt: skip
 
 

@@ -256,7 +256,7 @@ class Jam:
 
 @dataclass(frozen=True)
 class Singular:
-    """A singular position that is passed: values of the drives (rad, m), time (s), the joints that take part."""
+    """A singular position that is passed: values of the drives (rad, m), time (s), joints that take part."""
 
     aims: tuple[float, ...]
     time: float

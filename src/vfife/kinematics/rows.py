@@ -197,7 +197,8 @@ def pattern(ties: tuple[tuple[int, int, int, int, bool], ...]) -> Pattern:
     places = set(zip(rows, columns, strict=True))
     numbered = np.array([(k, at, *entries) for k, at, entries in turns], dtype=np.intp).reshape(-1, 5).T
     return Pattern(
-        bodies, np.array(rows, dtype=np.intp), np.array(columns, dtype=np.intp), np.where(np.arange(len(owners)) % 3 == 2, owners, 0),
+        bodies, np.array(rows, dtype=np.intp), np.array(columns, dtype=np.intp),
+        np.where(np.arange(len(owners)) % 3 == 2, owners, 0),
         len(places) < len(rows), tuple((kind, _group(kind, own)) for kind, own in groups.items()),
         numbered[0], numbered[1], numbered[2:], row,
     )  # fmt: skip

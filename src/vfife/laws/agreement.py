@@ -72,7 +72,7 @@ class Agreement(NamedTuple):
 
 
 def states_of(single: Single, trace: Trace, slots: Sequence[float], count: int, seed: int = 1) -> Rows:
-    """States of a part: half of what stands in them is special, half random over all magnitudes that occur."""
+    """States of a part: half of the values are special, half random over all magnitudes that occur."""
     random = np.random.default_rng(seed)
     compared = [
         o
@@ -221,8 +221,8 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
             numbers = ", ".join(f"{value!r}" for value in states[at].tolist())
             return (
                 f"function {plain_function(single).__name__}: {other} {float(reference[at, k])!r} and the"
-                f" loop {name!r} {float(found[at, rows[k]])!r} as answer {k + 1} (at the state {numbers}). This"
-                " is a fault of vfife: report it with the law's text, and do not use the law until then"
+                f" loop {name!r} {float(found[at, rows[k]])!r} as answer {k + 1} (at the state {numbers})."
+                " This is a fault of vfife: report it with the law's text, and do not use the law until then"
             )
     return ""
 
@@ -257,8 +257,8 @@ def _agreement(single: Single, slots: tuple[float, ...], javascript: bool) -> Ag
             else f"numbers of its text give none ({error})"
         )
         what = (
-            f"line {line_of(error, plain_function(single))}: {reason}; both arms of `a if condition else b` are"
-            " computed: work it out in parameters()"
+            f"line {line_of(error, plain_function(single))}: {reason}; both arms of `a if condition else b`"
+            " are computed: work it out in parameters()"
         )
     except RecursionError:
         what = "its expressions are nested too deeply; give parts of them names of their own"

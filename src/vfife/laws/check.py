@@ -353,7 +353,7 @@ def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) 
 
 
 def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement]:
-    """The functions of a law in every loop beside Python. Raises LawError where a loop cannot be made of one."""
+    """The functions of a law in every loop beside Python. Raises LawError where one has no loop."""
     from .agreement import (
         agreement_of,  # all that writes loops, which a run without laws of one's own has no need to load
     )
@@ -428,7 +428,7 @@ def needed(law: type[Law]) -> list[str]:
 
 
 def faults(law: type[Law], pair: Pair | None = None) -> list[str]:
-    """All that can be said of a law before it is used in a model: with default parameters, where it has them."""
+    """All that can be said of a law before a model uses it: with default parameters, where it has them."""
     problems: list[Any] = faults_of_class(law)
     if problems or needed(law):
         return problems

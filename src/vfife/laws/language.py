@@ -62,7 +62,7 @@ class Language:
         self.stack: list[FunctionType] = []
 
     def answer(self, function: FunctionType, kinds: tuple[Kind, ...]) -> tuple[Kind, int]:
-        """Kind of what a function returns for arguments of these kinds, and how many operations that takes."""
+        """Kind of what a function returns for arguments of these kinds, and its number of operations."""
         if (function, kinds) not in self.known:
             self.stack.append(function)
             try:
@@ -187,8 +187,8 @@ class Function(Expressions):
             if len(self.language.stack) > 1:  # of the law's own function the class is told
                 self.fault(
                     tree,
-                    f"{name} takes {len(arguments.args)} arguments and is given {len(self.kinds)}; correct the"
-                    " call",
+                    f"{name} takes {len(arguments.args)} arguments and is given {len(self.kinds)}; correct"
+                    " the call",
                 )
         else:
             for argument, kind in zip(arguments.args, self.kinds, strict=True):

@@ -159,7 +159,7 @@ class Law:
         cls.registry[cls.name] = cls
 
     def __post_init__(self) -> None:
-        """Raises LawError with every parameter that is beyond its limits, or that does not go with another."""
+        """Raises LawError with every parameter beyond its limits, or that does not go with another."""
         reading = Reading()
         reading.fields((), self)
         faults = reading.faults or list(self.disagreements())

@@ -117,7 +117,7 @@ class RecordedContact(Recorded, ContactLaw, register=False):
 
     @classmethod
     def row(cls, depth: float, p: tuple[float, ...]) -> tuple[float, float]:
-        """Elastic force (N) and energy (J) at a depth (m); straight between the points, and beyond the last."""
+        """Elastic force (N) and energy (J) at a depth (m); straight between points, and beyond the last."""
         depths, forces, energies = next(
             one["table"] for one in cls.entry["joints"] if tuple(one["p"]) == tuple(p)
         )

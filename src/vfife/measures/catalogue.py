@@ -214,7 +214,7 @@ def measures(
 
 
 def over_turn(record: Record, window: Window, groups: Groups | None = None) -> dict[str, float]:
-    """Compute the measures of a turn, or those of some ``groups``; values that are not finite are left out."""
+    """Compute the measures of a turn, or those of some ``groups``; those that are not finite are left out."""
     values: dict[str, float] = {}
     for group in OVER_TURN if groups is None else groups:
         if all(record.keeps(block) for block in group.needs):

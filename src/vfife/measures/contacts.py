@@ -115,7 +115,8 @@ def contact_time(record: Record) -> Array:
 
 
 def largest_sliding(record: Record, window: Window) -> dict[str, float]:
-    """``<contact>.sliding_velocity.max`` (m/s), max|v| at the outputs, and ``<joint>.sliding_distance.total`` (m).
+    """``<contact>.sliding_velocity.max`` (m/s), max|v| at the outputs, and ``<joint>.sliding_distance.total``
+    (m).
 
     The distance is the sum of |v| at each output times the time in contact since the output before.
     """

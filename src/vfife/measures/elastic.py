@@ -116,8 +116,8 @@ def fibres(record: Record) -> tuple[Array, Array]:
     """Largest tension and largest compression (Pa, tension positive) in the outermost fibres at both ends of
     each element, (outputs, elements, 2).
 
-    N/A + |m| e/I and N/A - |m| e/I with the moment m at that end: between its ends an element's moment is linear, so the extremes are there. NaN
-    where the extreme fibre e is not given.
+    N/A + |m| e/I and N/A - |m| e/I with the moment m at that end: between its ends an element's moment is
+    linear, so the extremes are there. NaN where the extreme fibre e is not given.
     """
     element_sections = [
         section for body in record.assembly.mechanism.bodies.values() for section in sections(body)
@@ -132,7 +132,9 @@ def fibres(record: Record) -> tuple[Array, Array]:
 
 
 def stress(record: Record) -> Array:
-    """Largest stress |N|/A + max(|m_1|, |m_2|) e/I (Pa) in each element, NaN where the extreme fibre e is not given; (outputs, elements)."""
+    """Largest stress |N|/A + max(|m_1|, |m_2|) e/I (Pa) in each element, NaN where the extreme fibre e is not
+    given; (outputs, elements).
+    """
     tension, compression = fibres(record)
     return np.asarray(np.maximum(np.abs(tension), np.abs(compression)).max(axis=2), dtype=float)
 
@@ -168,7 +170,8 @@ def extremes(record: Record, name: str) -> tuple[Array, Array]:
 
 
 def largest_stresses(record: Record, window: Window) -> dict[str, float]:
-    """``<body>.tension.max``, ``<body>.compression.max`` (Pa): largest stresses N/A +- |m| e/I at the outputs.
+    """``<body>.tension.max``, ``<body>.compression.max`` (Pa): largest stresses N/A +- |m| e/I at the
+    outputs.
 
     ``<body>.stress.place`` (m) is where the larger of both is, along the link from its start, or along its
     frame member.

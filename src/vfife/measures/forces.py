@@ -127,7 +127,7 @@ def contact_force(record: Record) -> Array:
 
 
 def joint_moment(record: Record) -> Array:
-    """Moment of each ideal joint on its journal's body (N m), 0 where it has none, shape (outputs, joints)."""
+    """Moment of ideal joints on their journals' bodies (N m), 0 where none, shape (outputs, joints)."""
     rows = joint_rows(record)
     moment = np.zeros((len(record.steps), len(rows)))
     for k, (block, indices) in enumerate(rows.values()):

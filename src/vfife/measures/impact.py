@@ -102,7 +102,7 @@ def with_restitution(law: ContactLaw, value: float) -> ContactLaw:
     return dataclasses.replace(law, **{"restitution": value})
 
 
-# --------------------------------------------------------------------------------------------------------------- friction
+# --------------------------------------------------------------------------------------------------- friction
 
 
 def initial_memory(law: FrictionLaw) -> Any:

@@ -1,4 +1,4 @@
-"""Is the step of a run fine enough? What companions or an error estimate say of it, and the step to try next."""
+"""Is the step of a run fine enough? What companions or an error estimate say, and the step to try next."""
 
 from __future__ import annotations
 
@@ -112,9 +112,10 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
 def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict[str, float]:
     """How far largest values after run and companions part differ, over their size (1), where they matter.
 
-    Until they part all of them have the same motion, and so the same largest value, which says nothing of what
-    comes after: there the motion depends on the steps, and its largest values scatter. They matter where their
-    range reaches beyond the largest value of all (``hulls``). Only runs that part within their last turn count.
+    Until they part all of them have the same motion, and so the same largest value, which says nothing of
+    what comes after: there the motion depends on the steps, and its largest values scatter. They matter where
+    their range reaches beyond the largest value of all (``hulls``). Only runs that part within their last
+    turn count.
     """
     companions, motion = record.companions, evaluated_turns(record)
     if companions is None or companions.parting is None or (motion is not None and motion.several):

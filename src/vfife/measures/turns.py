@@ -186,7 +186,7 @@ def companion_turns_of(record: Record, companion: int, first: int, last: int) ->
 
 
 def record_of_companion(record: Record, companion: int) -> Record:
-    """Record of the last turn of a companion, with its own step. Raises ValueError for a run that has none."""
+    """Record of the last turn of a companion, with its own step. Raises ValueError for a run without."""
     left = record.companions
     if left is None:
         raise ValueError("a run without companions has no record of one")

@@ -333,10 +333,10 @@ def rigidified(body: Body) -> Body:
     mass, center, inertia = rigid_properties(body)
     if isinstance(body, Link) and not body.via:
         return dataclasses.replace(
-            body, model="rigid", mass=mass, inertia=inertia, center_at=center[0], start_mass=0.0, end_mass=0.0,
-            start_inertia=0.0, end_inertia=0.0, release="none",
+            body, model="rigid", mass=mass, inertia=inertia, center_at=center[0], start_mass=0.0,
+            end_mass=0.0, start_inertia=0.0, end_inertia=0.0, release="none",
         )  # fmt: skip
     return RigidBody(
-        name=body.name, angle=body.angle, position=body.position, velocity=body.velocity, material=body.material,
-        mass=mass, inertia=inertia, center=center, pins=dict(body.points),
+        name=body.name, angle=body.angle, position=body.position, velocity=body.velocity,
+        material=body.material, mass=mass, inertia=inertia, center=center, pins=dict(body.points),
     )  # fmt: skip

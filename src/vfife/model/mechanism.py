@@ -92,9 +92,13 @@ class Settings:
     turns: float | None = quantity("1", "length of the run in turns of the crank", None, above=0.0)
     duration: float | None = quantity("s", "length of the run in time, instead of turns", None, above=0.0)
     settle: float | None = quantity(
-        "1", "distance, as a share of the largest values, within which turns repeat: the run ends where they do, after turns at the latest",
-        None, above=0.0, high=1.0,
-    )  # fmt: skip
+        "1",
+        "distance, as a share of the largest values, within which turns repeat: the run ends where they do,"
+        " after turns at the latest",
+        None,
+        above=0.0,
+        high=1.0,
+    )
     step: float | Literal["auto"] = described(
         Measure("s", above=0.0, words=("auto",)),
         'time step, or "auto" for the largest that is stable and accurate',

@@ -41,7 +41,7 @@ class Wear:
 
     @property
     def harmonics(self) -> tuple[int, int]:
-        """How many harmonics the profiles of bearing and journal have, the mean counted; 0 for a round one."""
+        """How many harmonics the profiles of bearing and journal have, with the mean; 0 for a round one."""
         return (len(self.bearing_profile) + 1) // 2, (len(self.journal_profile) + 1) // 2
 
     def conflicts(self) -> Iterator[Fault]:

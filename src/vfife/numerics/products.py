@@ -1,4 +1,4 @@
-"""Products of dense matrices and vectors over leading dimensions; every sum runs in the order of its terms."""
+"""Products of dense matrices and vectors over leading dimensions; sums run in the order of their terms."""
 
 import math
 from typing import Any

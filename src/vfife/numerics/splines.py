@@ -99,7 +99,7 @@ def _end(h: float, beyond: float, slope: float, after: float) -> float:
 
 
 def _tridiagonal(diagonal: Places, off_diagonal: Places, right: Places) -> list[float]:
-    """Solution of a symmetric matrix of three diagonals, of which the middle one is the largest in each row."""
+    """Solution of a symmetric matrix of three diagonals, the middle one largest in each row."""
     pivots, sums = [*diagonal], [*right]
     for k in range(1, len(pivots)):
         factor = off_diagonal[k - 1] / pivots[k - 1]

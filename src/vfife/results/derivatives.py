@@ -96,11 +96,11 @@ class Sensitivity(DataTable):
         return self._range(path, measure, self._by(path).ranges[measure])
 
     def change(self, measure: str, path: str) -> float:
-        """Change of a measure (%) with a finite change of one per cent. Raises KeyError where there was none."""
+        """Change of a measure (%) with a finite change of one per cent. Raises KeyError without one."""
         return self._relative(path, measure, self._by(path).changes[measure])
 
     def change_span(self, measure: str, path: str) -> tuple[float, float]:
-        """Range of :meth:`change` over both signs and over step sizes. Raises KeyError where there was none."""
+        """Range of :meth:`change` over both signs and step sizes. Raises KeyError where there was none."""
         return self._range(path, measure, self._by(path).change_ranges[measure])
 
     def kind(self, measure: str, path: str) -> Kind:

@@ -129,7 +129,7 @@ def _matlab(view: View, path: Path) -> None:
 
 
 class Names(dict[str, str]):
-    """Names in MATLAB: letters, digits and underscores, the first a letter; different names stay different."""
+    """Names in MATLAB: letters, digits and underscores, first a letter; different names stay different."""
 
     def __missing__(self, name: str) -> str:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", name)

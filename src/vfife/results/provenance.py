@@ -239,7 +239,7 @@ def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, where
 
 
 def status_of(meta: Mapping[str, Any], where: str) -> Status:
-    """Status with which the run of a file ended. Raises RunFileError for one that this version does not know."""
+    """Status with which the run of a file ended. Raises RunFileError for one unknown to this version."""
     text = str(meta.get("status", Status.COMPLETE))
     try:
         status = Status(text)

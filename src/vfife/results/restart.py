@@ -61,8 +61,8 @@ def refuse_stateless(record: Record, name: str, alike: bool) -> None:
     last, topology = int(record.steps[-1]), record.assembly.topology
     if record.reached > last and (missing := [what for what in record.lost if what.startswith("output")]):
         raise ResumeError(
-            f"the run of {name!r} is damaged ({', '.join(missing)}): where it ended is not known; run the model"
-            " again"
+            f"the run of {name!r} is damaged ({', '.join(missing)}): where it ended is not known; run the"
+            " model again"
         )
     if alike and (topology.contact_bearing or topology.frame_nodes):
         raise ResumeError(

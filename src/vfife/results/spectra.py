@@ -101,7 +101,7 @@ class Spectrum(Transformed):
     windows: int
 
     def table(self) -> Iterator[Sequence[Any]]:
-        """A row for each frequency: frequency, order where a crank has a constant speed, amplitude, density."""
+        """A row for each frequency: frequency, order if a crank's speed is constant, amplitude, density."""
         orders = [] if self.turn is None else [TableColumn("order [1]", self.orders)]
         density = TableColumn(f"density [({self.unit or '1'})^2/Hz]", self.density)
         return table_rows(
@@ -296,8 +296,8 @@ def sampled(view: View, name: str) -> SampledSeries:
     steps = np.diff(record.steps[1:])
     if len(steps) < spectral.SHORTEST or (steps != steps[0]).any():
         raise VfifeError(
-            f"a spectrum takes {spectral.SHORTEST + 1} outputs at even times; this run has {len(record.steps)}, or"
-            " some are lost"
+            f"a spectrum takes {spectral.SHORTEST + 1} outputs at even times; this run has"
+            f" {len(record.steps)}, or some are lost"
         )
     column, choice = view.series.column(name), record.assembly.choice
     turn = choice.turn if outputs_of_a_turn(record.assembly) is not None else None

@@ -204,7 +204,7 @@ class Study(DataTable):
         remedy = suggestion(name, [one.name for one in self.parameters], "name one that is varied")
         raise VfifeError(f"{self.path or 'this study'}: no parameter is called {shown(name)}: {remedy}")
 
-    # ----------------------------------------------------------------------------------------------------------- data
+    # --------------------------------------------------------------------------------------------------- data
 
     @cached_property
     def axes(self) -> dict[str, list[Any]]:
@@ -359,7 +359,7 @@ class Study(DataTable):
         return table_rows(self.table_columns())
 
     def table_columns(self) -> list[TableColumn]:
-        """One row a member: its number, parameters, measures with their numerical errors, and how it ended."""
+        """One row a member: its number, parameters, measures with numerical errors, and how it ended."""
         rows, units = (
             self.rows(),
             {**{one.name: one.unit for one in self.parameters}, **self.measures, "step": "s"},

@@ -83,7 +83,7 @@ class View:
 
     @property
     def crank_angle(self) -> NDArray[np.float64] | None:
-        """Angle of the crank (degrees, not reduced to one turn), shape (outputs,), or None without a crank."""
+        """Angle of the crank (degrees, not reduced to one turn), shape (outputs,); None without a crank."""
         if self.crank is None:
             return None
         p = self.record.assembly.topology.driven[0]
@@ -109,7 +109,7 @@ class View:
         """
         return ranged(self.record, None if self.reference is None else self.reference.measures)
 
-    # ----------------------------------------------------------------------------------------------------------- data
+    # --------------------------------------------------------------------------------------------------- data
 
     @cached_property
     def channels(self) -> dict[str, Channel]:

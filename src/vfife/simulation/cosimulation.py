@@ -239,7 +239,8 @@ class Simulation:
         self._kept = recorded_rows(self.assembly)
         self.loop = choose_loop(self.assembly, chosen)
         self._runner = Runner(
-            self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop, self._kept,
+            self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop,
+            self._kept,
             parts=mechanism.settings.parts, watched=watched([self.assembly], np.ones(1, dtype=bool)),
         )  # fmt: skip
         self._state, self._broken, numbers = (
@@ -267,7 +268,7 @@ class Simulation:
             f" inputs: {', '.join(self.inputs) or 'none'}>"
         )
 
-    # ------------------------------------------------------------------------------------------------------------- time
+    # --------------------------------------------------------------------------------------------------- time
 
     @property
     def time(self) -> float:
@@ -305,7 +306,7 @@ class Simulation:
             )
         return self._n * self.step
 
-    # ---------------------------------------------------------------------------------------------------------- reading
+    # ------------------------------------------------------------------------------------------------ reading
 
     @property
     def channels(self) -> list[str]:
@@ -404,7 +405,7 @@ class Simulation:
             self._seen, self._before = (now, View(record)), (now, rows)
         return self._seen[1]
 
-    # ---------------------------------------------------------------------------------------------------------- setting
+    # ------------------------------------------------------------------------------------------------ setting
 
     @property
     def inputs(self) -> dict[str, str]:

@@ -53,7 +53,7 @@ class Result(View):
 
         return run_summary(self)
 
-    # ---------------------------------------------------------------------------------------------------------- files
+    # -------------------------------------------------------------------------------------------------- files
 
     def to_netcdf(self, path: str | Path) -> None:
         """Writes the dataset as NetCDF-4; a file that is there gives way when the new one is whole. Raises

@@ -59,7 +59,7 @@ def refuse_foreign(asked: Path | None, trace: str = RUN_FILE, what: str = "run")
 
 
 def own_files(folder: Path, model: str | None) -> list[Path]:
-    """Files in a run folder whose content shows that a run wrote them; ``model`` is the text in its run file."""
+    """Files in a run folder whose content shows a run wrote them; ``model`` is the text in its run file."""
     files = [
         path
         for path in (folder / RUN_FILE, folder / MODEL, folder / SUMMARY)
@@ -156,7 +156,7 @@ class RunFolder:
         return self.path / RUN_FILE
 
     def begin(self) -> None:
-        """Make a temporary folder beside the place, or inside an existing one, and lock it. Raises OSError."""
+        """Make a temporary folder beside the place, or inside an existing one; lock it. Raises OSError."""
         home = self.target.resolve()
         inside = home.is_dir()
         parent, name = (home, "") if inside else (home.parent, f".{home.name}")
@@ -293,7 +293,7 @@ def placed(asked: Path | None, model: Path, *, replace: bool = False, start: Pat
 
 
 def refuse_in_the_way(folder: Path, model: str | None) -> None:
-    """Raise ValueError for files that a run would replace and that no run wrote, or that were changed since."""
+    """Raise ValueError for files a run would replace and that no run wrote, or that were changed since."""
     if ours_not := in_the_way(folder, model):
         names = ", ".join(str(path.relative_to(folder)) for path in ours_not)
         raise ValueError(
@@ -303,5 +303,5 @@ def refuse_in_the_way(folder: Path, model: str | None) -> None:
 
 
 def existing_run(path: Path) -> RunFolder:
-    """Lock the folder of an existing run to continue it. Raises HeldError if another process writes into it."""
+    """Lock the folder of an existing run to continue it. Raises HeldError if another process writes there."""
     return RunFolder(path, path=path, lock=Lock(path), settled=True)

@@ -133,7 +133,7 @@ class RunReader(Store):
         return self.outputs(only_steps=True)[0]
 
     def finished_steps(self) -> Steps | None:
-        """Step numbers of a large file whose run ended, without reading its outputs; None for any other file."""
+        """Step numbers of a large file that ended, without reading its outputs; None for any other file."""
         if self.path.stat().st_size <= LARGE:
             return None
         try:

@@ -356,7 +356,7 @@ class Store:
     # damage
 
     def examine(self) -> None:
-        """Compare all rows with their seals and the tally, in one snapshot of the file, and note the damage."""
+        """Compare all rows with their seals and the tally, in one snapshot of the file; note the damage."""
         with self.reported():
             self._connection.execute("BEGIN")
             try:

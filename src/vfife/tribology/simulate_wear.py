@@ -315,8 +315,11 @@ class WearSimulation:
         seconds = timed_step(self.blocks.assembly) * steps * blocks
         count = 0 if numbers["ended"] else blocks
         limited = "" if spec.clearance is None and spec.force is None else ", less where a limit is reached"
-        return Forecast("block", count, steps, seconds, disk=16.0 * point.depth.size * blocks, less="ask for fewer turns or smaller blocks",
-                        note=f", if wear goes on as in its first block{limited}")  # fmt: skip
+        return Forecast(
+            "block", count, steps, seconds, disk=16.0 * point.depth.size * blocks,
+            less="ask for fewer turns or smaller blocks",
+            note=f", if wear goes on as in its first block{limited}",
+        )  # fmt: skip
 
     def progress(self, turns: float, before: float, seconds: float) -> Progress:
         """Where the wear stands: ``turns`` of which ``known`` ones were in the file."""

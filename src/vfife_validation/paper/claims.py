@@ -79,14 +79,16 @@ def run_up(context: Context) -> list[Verdict]:
     sizes = [turns[0] for turns in changes[: len(context.sizes)]]
     measure = "largest acceleration apart from the settled turn's, over the largest ideal one"
     return [
-        Verdict("Strong vibration after the start declines", all(min(turns[0],
-        0.1) > turns[-1] for turns in changes),
-                f"{measure}, turn by turn: " + "; ".join(", ".join(f"{value:.2g}" for value in turns) for turns in changes)),
+        Verdict("Strong vibration after the start declines",
+                all(min(turns[0], 0.1) > turns[-1] for turns in changes),
+                f"{measure}, turn by turn: "
+                + "; ".join(", ".join(f"{value:.2g}" for value in turns) for turns in changes)),
         Verdict("The motion becomes periodic", all(one.member.settled is not None for one in runs), ends),
         Verdict("The vibration at the start grows with the clearance", sizes == sorted(sizes),
                 f"{measure}, first turn: " + ", ".join(f"{value:.2f}" for value in sizes)),
         Verdict("Contact is lost while the motion settles only", all(not n[-1] for n in onsets),
-                "contacts begun, turn by turn: " + "; ".join(", ".join(f"{count:.0f}" for count in n) for n in onsets)),
+                "contacts begun, turn by turn: "
+                + "; ".join(", ".join(f"{count:.0f}" for count in n) for n in onsets)),
     ]  # fmt: skip
 
 

@@ -121,13 +121,15 @@ def fig8(context: Context) -> Item:
              f"{entry['rebound']:.4f}", f"{entry['delivered']:.4f}", f"{loss:.4f}"]
         )  # fmt: skip
     chart = Chart(
-        "fig8", "Contact force of the journal: (a) over the time since the contact began, (b) over the penetration",
+        "fig8",
+        "Contact force of the journal: (a) over the time since the contact began, (b) over the penetration",
         [Panel("(a)", "time since contact began (ms)", "contact force (kN)", lines["time"]),
          Panel("(b)", "penetration (µm)", "contact force (kN)", lines["depth"])], 2,
     )  # fmt: skip
     table = Table(
         ["c_e", "peak (N)", "depth (µm)", "contact (µs)", "rebound (m/s)", "closed form", "loss (J)"], rows,
-        "What each impact does; the last two columns: restitution the law promises to deliver (closed form), energy inside the loop",
+        "What each impact does; the last two columns: restitution the law promises to deliver"
+        " (closed form), energy inside the loop",
     )  # fmt: skip
     text = [
         "The restitution coefficients of the paper's curves are not in its text; these five are chosen. The"

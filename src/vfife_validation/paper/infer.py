@@ -184,7 +184,8 @@ def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
     )
     verdicts = [
         Verdict(f"One set gives all six numbers within {GOAL:g} points", now <= GOAL,
-                f"largest deviation {now:.2f}; {best['misfit_at_the_worst_step']:.2f} at the worst of the steps {steps} µs"),
+                f"largest deviation {now:.2f}; {best['misfit_at_the_worst_step']:.2f} at the worst of the"
+                f" steps {steps} µs"),
     ]  # fmt: skip
     if rods:
         verdicts.append(

@@ -24,13 +24,17 @@ PAGE = Template("""<!DOCTYPE html>
 <style>
 body { font: 16px/1.5 system-ui,
 sans-serif; color: #222; background: #fff; margin: 0 auto; max-width: 76rem; padding: 1.5rem; }
-h1 { font-size: 1.7rem; margin-bottom: .3rem; } h2 { font-size: 1.3rem; margin-top: 3rem; border-top: 1px solid #ccc; padding-top: 1rem; }
+h1 { font-size: 1.7rem; margin-bottom: .3rem; }
+h2 { font-size: 1.3rem; margin-top: 3rem; border-top: 1px solid #ccc; padding-top: 1rem; }
 nav a { display: inline-block; margin: 0 .9rem .3rem 0; } a { color: #0072b2; }
-p { max-width: 52rem; } figure { margin: 1.2rem 0; } img { max-width: 100%; height: auto; } figcaption { color: #555; font-size: .92rem; }
+p { max-width: 52rem; } figure { margin: 1.2rem 0; } img { max-width: 100%; height: auto; }
+figcaption { color: #555; font-size: .92rem; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; margin: .8rem 0; font-size: .9rem; }
 caption { text-align: left; font-weight: 600; padding: .3rem 0; } td { font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: .2rem .8rem .2rem 0; border-bottom: 1px solid #e3e3e3; vertical-align: top; }
-.true { color: #007a55; font-weight: 600; } .false { color: #b84500; font-weight: 600; } .open { color: #666; font-weight: 600; }
+th, td { text-align: left; padding: .2rem .8rem .2rem 0; border-bottom: 1px solid #e3e3e3;
+vertical-align: top; }
+.true { color: #007a55; font-weight: 600; } .false { color: #b84500; font-weight: 600; }
+.open { color: #666; font-weight: 600; }
 .stated { color: #007a55; } .inferred { color: #b84500; } .chosen { color: #666; }
 @media print { h2 { break-before: page; } nav { display: none; } }
 </style>

@@ -213,7 +213,8 @@ def table3(context: Context) -> Item:
     table = Table(
         ["c (mm)", "LIP(F) paper (%)", "ours (%)", "LIP(a) paper (%)", "ours (%)", "force (N)",
         "acceleration (rad/s²)", "settled"], rows,
-        f"Joint 2 at 50π rad/s; ideal joints: {runs[0].ideal_force:.1f} N, {runs[0].ideal_acceleration:.2f} rad/s²",
+        f"Joint 2 at 50π rad/s; ideal joints: {runs[0].ideal_force:.1f} N,"
+        f" {runs[0].ideal_acceleration:.2f} rad/s²",
     )  # fmt: skip
     verdicts = [
         Verdict(
@@ -264,7 +265,8 @@ def table4(context: Context) -> Item:
     table = Table(
         ["crank (rad/s)", "LIP(F) (%)", "over all fits", "LIP(a) (%)", "over all fits", "force (N)",
         "acceleration (rad/s²)", "settled"], rows,
-        f"Joint 2 at c = 0.2 mm; the paper's numbers are lost; ranges over the {count} stored sets that fit Table 3",
+        f"Joint 2 at c = 0.2 mm; the paper's numbers are lost; ranges over the {count} stored sets that"
+        " fit Table 3",
     )  # fmt: skip
     data = {
         "table4": entries(runs),

@@ -3,8 +3,8 @@
 
 Members lie in tiles of 32, as many as threads go together: row r of member m is S[(m // 32 rows + r) 32 + m %
 32]. Threads that go together read neighbours then, and where a row begins is a constant of the text. The fast
-steps have their rows in registers for as long as nothing unlikely needs another step: what a processor's nearest
-cache holds for eight lanes does not fit there for thousands of threads.
+steps have their rows in registers for as long as nothing unlikely needs another step: what a processor's
+nearest cache holds for eight lanes does not fit there for thousands of threads.
 
 The same text, but for the two lines that ask a card which thread this is, runs on a processor, member by
 member: that is how its bits are known.
@@ -28,8 +28,9 @@ TILE = 32
 # a run, as the driver takes them.
 SHARED = None
 ARGUMENTS: dict[str, str | None] = {
-    "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "", "recorded": SHARED, "keeping": "",
-    "extremes": SHARED, "resetting": "", "sound": SHARED, "finite": "", "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1",
+    "S": "ROWS", "Q": "ROWS", "C": "3", "T": "%stride", "N": SHARED, "stride": "", "count": "", "look": "",
+    "recorded": SHARED, "keeping": "", "extremes": SHARED, "resetting": "", "sound": SHARED, "finite": "",
+    "limited": SHARED, "limiting": "", "limits": "%bounds", "broken": "1",
     "due": "1", "every": "1", "at": "1", "stop": "1", "room": "", "out": "%handed", "reached": "1",
 }  # fmt: skip
 # Arguments of ``stream`` in their order: arrays with their length, or 0 where the driver does not ask for it.
@@ -79,8 +80,8 @@ class Thread(Lane):
 
 
 def fast_steps(step: Trace, functions: list[Function], layout: Layout) -> str:
-    """``fast_steps(S, Q, T, numbers, n0, count)`` as that of ``llvm.py``, with rows in registers: read before the
-    first step, written after the last.
+    """``fast_steps(S, Q, T, numbers, n0, count)`` as that of ``llvm.py``, with rows in registers: read before
+    the first step, written after the last.
     """
     w = Thread(TILE)
     own = {
@@ -116,7 +117,8 @@ def fast_steps(step: Trace, functions: list[Function], layout: Layout) -> str:
     for row in after:
         w.out.append(f"  store double %h{row}, ptr {w.row(row)}, align 8")
     body = "\n".join(w.out)
-    return f"""define internal i64 @fast_steps(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline {{
+    return f"""define internal i64 @fast_steps(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, \
+i64 %n0, i64 %count) noinline {{
 entry:
   %end = add i64 %n0, %count
 {body}

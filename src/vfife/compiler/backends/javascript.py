@@ -29,7 +29,8 @@ from .expressions import written as written_integer
 from .modules import ONE_LANE, STEPS, driver_source
 
 OPERATORS: dict[type[ast.AST], str] = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.And: "&&", ast.Or: "||", ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=",
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.And: "&&", ast.Or: "||", ast.Gt: ">",
+    ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=",
     ast.Eq: "===", ast.NotEq: "!==", ast.USub: "-", ast.UAdd: "+", ast.Not: "!",
 }  # fmt: skip
 CALLS = {
@@ -195,7 +196,8 @@ class _Function:
 
 
 PATTERNS = {
-    "sqrt": "Math.sqrt({})", "neg": "-({})", "abs": "Math.abs({})", "and": "{} && {}", "or": "{} || {}", "select": "{} ? {} : {}",
+    "sqrt": "Math.sqrt({})", "neg": "-({})", "abs": "Math.abs({})", "and": "{} && {}", "or": "{} || {}",
+    "select": "{} ? {} : {}",
     "round": "({} + 6755399441055744) - 6755399441055744", "==": "{} === {}", "!=": "{} !== {}",
 }  # fmt: skip
 
@@ -244,7 +246,8 @@ def definition(head: str, lines: Iterable[str]) -> str:
 
 
 def module(topology: Topology, also: Iterable[int] = ()) -> str:
-    """Text with ``advance`` of :mod:`vfife.kernels.advance` for one simulation, whose arrays are typed arrays.
+    """Text with ``advance`` of :mod:`vfife.kernels.advance` for one simulation, whose arrays are typed
+    arrays.
 
     ``also`` are scratch rows that it leaves.
     """

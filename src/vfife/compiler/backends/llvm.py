@@ -250,7 +250,8 @@ def fast_steps(step: Trace, width: int, changing: Collection[int], arranged: boo
     rare = "rare:\n  br label %home\n" if step.rare else ""
     phis = f"[ %{there}, %{last} ]" + (f", [ %{here}, %rare ]" if step.rare else "")
     counts = f"[ %next, %{last} ]" + (", [ %step, %rare ]" if step.rare else "")
-    return f"""define internal i64 @fast_steps(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, i64 %n0, i64 %count) noinline{w.framed} {{
+    return f"""define internal i64 @fast_steps(ptr %S, ptr %Q, ptr noalias %T, i64 %numbers, \
+i64 %n0, i64 %count) noinline{w.framed} {{
 entry:
   %end = add i64 %n0, %count
   %going = icmp sgt i64 %count, 0
@@ -292,13 +293,14 @@ def _copied(w: Writer, rows: Iterable[int]) -> None:
 
 
 def full_step(step: Trace, width: int, searching: bool, fast: bool, stride: int = 0) -> str:
-    """``full_step(S, T, numbers, n)``: step n, whatever it wants; made ``fast`` where that is worth its time."""
+    """``full_step(S, T, numbers, n)``: step n, whatever it wants; ``fast`` where that is worth its time."""
     w = Writer(width, step.truths, stride=stride)
     care = f"noinline{w.framed}" if fast else "noinline optnone"
     w.begin(searching)
     w.lines(reread(in_place(step, ordered(step))) if fast else in_place(step, streamed(step)))
     body = "\n".join(w.out)
-    return f"""define internal void @full_step(ptr noalias %S, ptr noalias %T, i64 %numbers, i64 %step) {care} {{
+    return f"""define internal void @full_step(ptr noalias %S, ptr noalias %T, i64 %numbers, \
+i64 %step) {care} {{
   %going = icmp sge i64 %step, 0
 {body}
   ret void

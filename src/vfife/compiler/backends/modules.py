@@ -69,7 +69,7 @@ def driver_text(*names: str) -> str:
 
 
 def processor_driver() -> str:
-    """The driver for processors; steps may put aside vectors, which do not straddle two lines of the cache."""
+    """The driver for processors; steps may put aside vectors, which straddle no two lines of the cache."""
     return driver_text(*ENTRIES) + aligned(WIDEST)
 
 

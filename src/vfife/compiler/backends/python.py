@@ -16,7 +16,8 @@ from .kinds import ENTRIES
 from .modules import ONE_LANE, driver_source
 
 PATTERNS = {
-    "sqrt": "sqrt({})", "neg": "-{}", "abs": "abs({})", "and": "{} & {}", "or": "{} | {}", "select": "{1} if {0} else {2}", "round": "nearest({})",
+    "sqrt": "sqrt({})", "neg": "-{}", "abs": "abs({})", "and": "{} & {}", "or": "{} | {}",
+    "select": "{1} if {0} else {2}", "round": "nearest({})",
 }  # fmt: skip
 
 

@@ -189,8 +189,8 @@ class DeviceStream:
     done = 1  # steps of the lane that has made most, call by call
 
     def __init__(
-        self, topology: Topology, lanes: int, loop: str, handed: Integers, room: int, sound: Integers, limited: Integers, tables: int,
-        parts: int = PARTS, own: Card | None = None,
+        self, topology: Topology, lanes: int, loop: str, handed: Integers, room: int, sound: Integers,
+        limited: Integers, tables: int, parts: int = PARTS, own: Card | None = None,
     ) -> None:  # fmt: skip
         if loop != "generated":
             raise DeviceError(
@@ -228,8 +228,8 @@ class DeviceStream:
             self.places[name] = self.card.memory(array.nbytes)
             self.card.put(self.places[name], array)
         self.numbers = {
-            "stride": tables, "keeping": len(handed), "resetting": len(self.extremes), "look": STREAM_LOOK, "finite": len(sound),
-            "limiting": len(limited), "room": room,
+            "stride": tables, "keeping": len(handed), "resetting": len(self.extremes), "look": STREAM_LOOK,
+            "finite": len(sound), "limiting": len(limited), "room": room,
         }  # fmt: skip
         # What lies on the card, here: of these a tile is as it is there where it is ``known``, and goes there
         # where it is ``changed``.

@@ -47,11 +47,17 @@ class Part(NamedTuple):
 
 
 PARTS = {
-    "contact": Part((0, 1), (2, 3), 0, 4, "S[at], S[at + 1] = contact_law(kind, S[at + 2], S[at + 3], S, at + 4)"),
-    "friction": Part((0,), (1, 2, 3, 4), 5, 8, "S[at] = friction_law(kind, S[at + 1], S[at + 2], S[at + 3], S[at + 4], S, at + 8, at + 5)"),
+    "contact": Part(
+        (0, 1), (2, 3), 0, 4, "S[at], S[at + 1] = contact_law(kind, S[at + 2], S[at + 3], S, at + 4)"
+    ),
+    "friction": Part(
+        (0,), (1, 2, 3, 4), 5, 8,
+        "S[at] = friction_law(kind, S[at + 1], S[at + 2], S[at + 3], S[at + 4], S, at + 8, at + 5)",
+    ),
     "film": Part(
         (0, 1, 2, 3, 4), (5, 6, 7), 0, 8,
-        "S[at], S[at + 1], S[at + 2], S[at + 3], S[at + 4] = film_law(kind, S[at + 5], S[at + 6], S[at + 7], S, at + 8)",
+        "S[at], S[at + 1], S[at + 2], S[at + 3], S[at + 4] ="
+        " film_law(kind, S[at + 5], S[at + 6], S[at + 7], S, at + 8)",
     ),
     "regime": Part((0,), (1,), 0, 2, "S[at] = friction_regime(kind, S[at + 1], S, at + 2)"),
 }  # fmt: skip

@@ -87,9 +87,9 @@ def memory_of(
     )
 
 
-# (n0, steps, out, anew, look): len(out) times so many steps from step n0, out[m] filled with the rows recorded
-# after each, or of no rows; whether extremes begin anew before each; lanes are checked where look divides the
-# number of steps made.
+# (n0, steps, out, anew, look): len(out) times so many steps from step n0, out[m] filled with the rows
+# recorded after each, or of no rows; whether extremes begin anew before each; lanes are checked where look
+# divides the number of steps made.
 Take = Callable[..., None]
 
 

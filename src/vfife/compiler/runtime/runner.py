@@ -158,8 +158,8 @@ class Stream:
     """
 
     def __init__(
-        self, topology: Topology, lanes: int, loop: str, handed: Integers, room: int, sound: Integers, limited: Integers, tables: int,
-        parts: int = PARTS, look: int = STREAM_LOOK,
+        self, topology: Topology, lanes: int, loop: str, handed: Integers, room: int, sound: Integers,
+        limited: Integers, tables: int, parts: int = PARTS, look: int = STREAM_LOOK,
     ) -> None:  # fmt: skip
         self.layout, self.lanes, self.handed, self.room = layout_of(topology), lanes, handed, room
         self.extremes = np.array(self.layout.of("extreme"), dtype=np.uint32)

@@ -231,7 +231,9 @@ def law_name(kind: str, law: type) -> str:
 
 
 def choice(head: str, answers: Sequence[str], cases: Mapping[int, Sequence[str]]) -> str:
-    """Text of a function that executes the lines of the case ``kind``; where there is none its answers are zero."""
+    """Text of a function that executes the lines of the case ``kind``; where there is none its answers are
+    zero.
+    """
     lines = [f"def {head}:", *(f"    {answer} = 0.0" for answer in answers)]
     for number, case in cases.items():
         lines += [f"    if kind == {number}:", *(f"        {line}" for line in case)]
@@ -246,9 +248,9 @@ def slots_of(law: Any) -> str:
 def dispatch(kind: str, laws: tuple[type, ...], gathered: Collector) -> str:
     """The choice between contact laws, ``contact_law(kind, depth, slowness, S, base)``, or friction laws.
 
-    That is ``friction_law(kind, normal, free, mobility, dt, S, base, memory)``. A law's memory lies in the rows from
-    ``memory`` and is wiped where no normal force holds the surfaces together. A law with a table has no case: its
-    numbers are not among the slots (kernels/tabled.py).
+    That is ``friction_law(kind, normal, free, mobility, dt, S, base, memory)``. A law's memory lies in the
+    rows from ``memory`` and is wiped where no normal force holds the surfaces together. A law with a table
+    has no case: its numbers are not among the slots (kernels/tabled.py).
     """
     cases: dict[int, list[str]] = {}
     for number, law in enumerate(laws):
@@ -285,7 +287,7 @@ def memory_rows(kind: str, law: Any) -> int:
 
 
 def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
-    """The choice between friction laws whose curves have kinks: ``friction_regime(kind, sliding, S, base)``."""
+    """Choice between friction laws whose curves have kinks: ``friction_regime(kind, sliding, S, base)``."""
     cases = {}
     for number, law in enumerate(laws):
         if getattr(law, "regime", None) is not None:
@@ -295,7 +297,7 @@ def regimes(laws: tuple[type, ...], gathered: Collector) -> str:
 
 
 def films(laws: tuple[type, ...], gathered: Collector) -> str:
-    """The choice between contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
+    """Choice between contact laws with a film: ``film_law(kind, penetration, turning, sense, S, base)``."""
     answers, cases = ("radial", "across", "damping", "along", "cross"), {}
     for number, law in enumerate(laws):
         if getattr(law, "film", False):

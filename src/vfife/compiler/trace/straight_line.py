@@ -134,7 +134,7 @@ def trace(topology: Topology, full: bool = False, also: Iterable[int] = ()) -> T
 
 
 def resizing(topology: Topology) -> Trace:
-    """The change from steps of one size to another, as the symbols ``size``, ``shift`` and ``repeated`` say."""
+    """Change from steps of one size to another, as the symbols ``size``, ``shift`` and ``repeated`` say."""
     integers, layout, _ = tables(topology)
     tape = Tape()
     rows = Rows(
@@ -219,7 +219,9 @@ def functions(topology: Topology) -> list[Function]:
 
 
 class Steps(NamedTuple):
-    """What the loop of a topology is made of: functions of time, fast and full step, and the change of a step's size."""
+    """What the loop of a topology is made of: functions of time, fast and full step, and the change of a
+    step's size.
+    """
 
     functions: list[Function]
     fast: Trace

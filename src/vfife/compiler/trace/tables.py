@@ -115,8 +115,8 @@ class Lists:
         plain[:, PLAIN_RANGES] = self.layout.plain + PLAIN * plain[:, PLAIN_RANGES]
         result["tile"] = plain
         result["frame"] = records(
-            FRAME_INDEX, row=self.layout.records["frame"], first=self.bodies(nodes[:, 0]), second=self.bodies(nodes[:, 1]),
-            release=t.frame_release, unit=units, strain=t.strains,
+            FRAME_INDEX, row=self.layout.records["frame"], first=self.bodies(nodes[:, 0]),
+            second=self.bodies(nodes[:, 1]), release=t.frame_release, unit=units, strain=t.strains,
         )  # fmt: skip
         return result
 
@@ -130,11 +130,12 @@ class Lists:
         knot, knots = self.knots()
         bearing_first, bearing_count, journal_first, journal_count = self.profiles()
         return records(
-            CONTACT_INDEX, row=self.layout.records["contact"], bearing=self.bodies(t.contact_bearing), journal=self.bodies(t.contact_journal),
-            shared=self.graph.shared, constrained=self.graph.constrained, contact=t.contact_form, friction=t.friction_form,
-            implicit_half_step=implicit,
-            kinked=kinked, film=film, simultaneous=self.graph.simultaneous, kind=t.contact_kind or [BEARING] * len(t.contact_bearing),
-            piece=piece, pieces=pieces, knot=knot, knots=knots, wear=self.wears(), bearing_first=bearing_first, bearing_count=bearing_count,
+            CONTACT_INDEX, row=self.layout.records["contact"], bearing=self.bodies(t.contact_bearing),
+            journal=self.bodies(t.contact_journal), shared=self.graph.shared,
+            constrained=self.graph.constrained, contact=t.contact_form, friction=t.friction_form,
+            implicit_half_step=implicit, kinked=kinked, film=film, simultaneous=self.graph.simultaneous,
+            kind=t.contact_kind or [BEARING] * len(t.contact_bearing), piece=piece, pieces=pieces, knot=knot,
+            knots=knots, wear=self.wears(), bearing_first=bearing_first, bearing_count=bearing_count,
             journal_first=journal_first, journal_count=journal_count,
         )  # fmt: skip
 
@@ -203,22 +204,30 @@ class Lists:
         ]
         return {
             "joint": records(
-                JOINT_INDEX, row=self.layout.records["joint"], bearing=bearing, journal=journal, carrier=carriers, place=places, turn=turns,
-                first=[row(k) if self.count else 0 for k in starts[:-1]], y=[self.y + place.get(k, 0) for k in starts[:-1]],
-                function=self.function(t.joint_function or [-1] * len(t.joint_bearing)), rows=counts, piece=piece, pieces=pieces,
+                JOINT_INDEX, row=self.layout.records["joint"], bearing=bearing, journal=journal,
+                carrier=carriers, place=places, turn=turns,
+                first=[row(k) if self.count else 0 for k in starts[:-1]],
+                y=[self.y + place.get(k, 0) for k in starts[:-1]],
+                function=self.function(t.joint_function or [-1] * len(t.joint_bearing)), rows=counts,
+                piece=piece, pieces=pieces,
             ),
             "constraint": records(
-                CONSTRAINT_INDEX, row=[row(k) for k in rows], bearing=bearing[joints], journal=journal[joints],
-                carrier=carriers[joints], start=graph.first,
+                CONSTRAINT_INDEX, row=[row(k) for k in rows], bearing=bearing[joints],
+                journal=journal[joints], carrier=carriers[joints], start=graph.first,
                 at=[self.low + start for start in graph.start], closing=graph.closing,
             ),
             "couple": records(
-                COUPLE_INDEX, first=[row(rows[one.row]) for one in couples], second=[row(rows[one.other]) for one in couples],
-                body=[int(body[one.body]) for one in couples], first_lever=[row(rows[one.row], LEVERS[one.side]) for one in couples],
+                COUPLE_INDEX, first=[row(rows[one.row]) for one in couples],
+                second=[row(rows[one.other]) for one in couples],
+                body=[int(body[one.body]) for one in couples],
+                first_lever=[row(rows[one.row], LEVERS[one.side]) for one in couples],
                 second_lever=[row(rows[one.other], LEVERS[one.other_side]) for one in couples],
                 same=[(one.side == JOURNAL) == (one.other_side == JOURNAL) for one in couples],
-                at=[self.low + graph.start[one.row] + one.other for one in couples], pins=[pins[one.row] and pins[one.other] for one in couples],
-                lower=[self.low + graph.start[min(one.row + 1, self.count - 1)] + one.other for one in couples],
+                at=[self.low + graph.start[one.row] + one.other for one in couples],
+                pins=[pins[one.row] and pins[one.other] for one in couples],
+                lower=[
+                    self.low + graph.start[min(one.row + 1, self.count - 1)] + one.other for one in couples
+                ],
             ),
         }  # fmt: skip
 
@@ -235,22 +244,25 @@ class Lists:
         arguments = [_argument(t, k, body) for k in range(len(t.function_start))]
         return {
             "spring": records(
-                SPRING_INDEX, row=layout.records["spring"], first=self.bodies(t.spring_first), second=self.bodies(t.spring_second),
-                kind=t.spring_kind,
+                SPRING_INDEX, row=layout.records["spring"], first=self.bodies(t.spring_first),
+                second=self.bodies(t.spring_second), kind=t.spring_kind,
             ),
             "driven": records(
-                DRIVEN_INDEX, row=layout.records["driven"], body=self.bodies(t.driven), function=self.function(t.driven_function)
+                DRIVEN_INDEX, row=layout.records["driven"], body=self.bodies(t.driven),
+                function=self.function(t.driven_function)
             ),
             "load": records(
-                LOAD_INDEX, row=layout.records["load"], body=self.bodies(t.load_particle), function=self.function(t.load_function),
-                follow=t.load_follow or [0] * len(t.load_particle),
+                LOAD_INDEX, row=layout.records["load"], body=self.bodies(t.load_particle),
+                function=self.function(t.load_function), follow=t.load_follow or [0] * len(t.load_particle),
             ),
             "body": records(
                 BODY_INDEX, row=layout.records["body"], first=[int(body[i]) for i, _ in t.body_nodes],
-                second=[int(body[j]) for _, j in t.body_nodes], frame=[spans.get(nodes, 0) for nodes in t.body_nodes],
+                second=[int(body[j]) for _, j in t.body_nodes],
+                frame=[spans.get(nodes, 0) for nodes in t.body_nodes],
             ),
             "function": records(
-                FUNCTION_INDEX, row=layout.records["function"], table=t.function_start, argument=[one[0] for one in arguments],
+                FUNCTION_INDEX, row=layout.records["function"], table=t.function_start,
+                argument=[one[0] for one in arguments],
                 first=[one[1] for one in arguments], second=[one[2] for one in arguments],
             ),
         }  # fmt: skip
@@ -307,13 +319,15 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
     watched = bool(t.contact_bearing or t.function_start or t.coarse or STOP in t.spring_kind)
     turned = gt + lists_of.count
     flags = {
-        "plain": lists_of.layout.plain, "plain_end": lists_of.layout.plain + PLAIN * (t.particles - len(t.bound)),
-        "path_unit": t.path_unit, "damped": t.damped, "worked": worked,
-        "close_again": lists_of.graph.close_again, "watched": watched, "closing": any(lists_of.graph.closing), "redundant": t.redundant,
-        "coarse": t.coarse > 0, "simultaneous": any(lists_of.graph.simultaneous), "turned": turned, "rows": lists_of.layout.rows,
+        "plain": lists_of.layout.plain,
+        "plain_end": lists_of.layout.plain + PLAIN * (t.particles - len(t.bound)), "path_unit": t.path_unit,
+        "damped": t.damped, "worked": worked, "close_again": lists_of.graph.close_again, "watched": watched,
+        "closing": any(lists_of.graph.closing), "redundant": t.redundant, "coarse": t.coarse > 0,
+        "simultaneous": any(lists_of.graph.simultaneous), "turned": turned, "rows": lists_of.layout.rows,
         # Coarse steps correct the reactions more often; the coarsest use Newton's method in every step
         # instead.
-        "corrections": 1 + t.coarse if t.coarse < COARSEST else 1, "velocity_corrections": 1 + 2 * t.coarse, "newton": t.coarse >= COARSEST,
+        "corrections": 1 + t.coarse if t.coarse < COARSEST else 1, "velocity_corrections": 1 + 2 * t.coarse,
+        "newton": t.coarse >= COARSEST,
     }  # fmt: skip
     for name, value in flags.items():
         integers[getattr(HEADER, name)] = value

@@ -126,7 +126,8 @@ def _choice(_: Any, values: list[Any], slopes: list[Directions]) -> Directions:
 
 
 RULES: dict[str, Callable[[Any, list[Any], list[Directions]], Directions]] = {
-    "+": _sum, "-": _difference, "*": _product, "/": _quotient, "sqrt": _root, "neg": _negative, "abs": _magnitude, "select": _choice,
+    "+": _sum, "-": _difference, "*": _product, "/": _quotient, "sqrt": _root, "neg": _negative,
+    "abs": _magnitude, "select": _choice,
 }  # fmt: skip
 """Derivatives by operator; comparisons, truths and rounding have none."""
 

@@ -264,7 +264,7 @@ class Symbol:
 
 
 class Rows:
-    """The array S during a trace: the present value of each row, a symbol where it is only known in the run."""
+    """The array S during a trace: the present value of each row, a symbol where only the run knows it."""
 
     def __init__(self, tape: Tape, values: dict[int, float], state: set[int]) -> None:
         self.tape, self.values, self.state = tape, dict(values), state
@@ -297,7 +297,7 @@ class Mathematics:
 
 
 def select(condition: Any, first: Callable[[], Any], second: Callable[[], Any]) -> Any:
-    """``first if condition else second``; both are carried out where the condition is only known in the run."""
+    """``first if condition else second``; both are carried out where only the run knows the condition."""
     if not isinstance(condition, Symbol):
         return first() if condition else second()
     a, b = first(), second()
@@ -333,8 +333,8 @@ def either(a: Any, b: Any) -> Any:
 class Unlikely:
     """What stands for ``if unlikely(condition): ...`` in a trace.
 
-    Left out: the condition is noted on the tape. Written out: the branch is written_out, and what it changed is
-    kept where the condition holds.
+    Left out: the condition is noted on the tape. Written out: the branch is written_out, and what it changed
+    is kept where the condition holds.
     """
 
     def __init__(self, tape: Tape, rows: Rows, written_out: bool) -> None:

@@ -25,7 +25,7 @@ CONDITION = re.compile(r"\band\b|\bor\b|\bunlikely\(|\belse\b(?!:)")
 
 
 class _Conditions(ast.NodeTransformer):
-    """Turns conditional expressions, boolean operators and rare branches into what symbols can pass through."""
+    """Makes conditional expressions, boolean operators and rare branches what symbols can pass through."""
 
     def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
         self.generic_visit(node)

@@ -110,7 +110,7 @@ class Damped(ContactLaw):
 
     @property
     def hysteresis(self) -> str:
-        """Name of the damping factor: that of the field ``damping`` where a law has one, else the law's own."""
+        """Name of the damping factor: that of the field ``damping`` if there is one, else the law's own."""
         return str(getattr(self, "damping", self.name))
 
     @property

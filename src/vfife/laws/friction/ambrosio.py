@@ -47,8 +47,8 @@ class Ambrosio(FrictionLaw):
     ) -> tuple[float, float]:
         """Friction force (N), solved with the velocity it causes.
 
-        On the ramp |v| = free - m limit c_d and c_d = (|v| - v_0)/(v_1 - v_0) give c_d = (free - v_0)/(v_1 - v_0 + m limit); beyond either end
-        the same quotient lies below 0 or above 1.
+        On the ramp |v| = free - m limit c_d and c_d = (|v| - v_0)/(v_1 - v_0) give c_d = (free - v_0)/(v_1 -
+        v_0 + m limit); beyond either end the same quotient lies below 0 or above 1.
         """
         coefficient, v0, ramp = p
         limit = coefficient * normal_force

@@ -13,9 +13,11 @@ from .tangent import along, foreseen
 
 @dataclass(frozen=True, kw_only=True)
 class BengisuAkay(FrictionLaw):
-    """F_T = -F_N mu_s [1 - (|v|/v_0 - 1)^2] sign(v) up to |v| = v_0, -F_N {mu_c + (mu_s - mu_c) exp[-xi (|v| - v_0)]} sign(v) beyond.
+    """F_T = -F_N mu_s [1 - (|v|/v_0 - 1)^2] sign(v) up to |v| = v_0, -F_N {mu_c + (mu_s - mu_c) exp[-xi (|v|
+    - v_0)]} sign(v) beyond.
 
-    Taken from the account of Marques et al. (2016), not from the original: F_S - F_S/v_0^2 (|v| - v_0)^2 and F_C + (F_S - F_C) exp[...].
+    Taken from the account of Marques et al. (2016), not from the original: F_S - F_S/v_0^2 (|v| - v_0)^2 and
+    F_C + (F_S - F_C) exp[...].
 
     Solved along the tangent at the speed that the last two steps foresee, the falling part at that speed:
     second order in the step.

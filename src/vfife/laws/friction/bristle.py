@@ -12,11 +12,12 @@ def bend(
 
     dz/dt = v - |v| z/stretch, F = -F_N (stiffness z + damping dz/dt + viscous v).
 
-    Over a step v is the mean of its two ends and |v| what the last two velocities extrapolate to in its middle, so that the relation is linear
-    in the velocity that the force causes. With y = |v| dt/stretch the deflection fades by 1/(1 + y + y^2/2): second order, of any step, and the
-    deflection of steady sliding is kept exactly. dz/dt is (z+ - z)/dt. Nothing bends bristles further than
-    ``stretch`` but what they were bent before at a lower speed. Stiffness in 1/m, damping and viscous in s/m
-    are per unit of normal force; ``inverse`` is 1/stretch.
+    Over a step v is the mean of its two ends and |v| what the last two velocities extrapolate to in its
+    middle, so that the relation is linear in the velocity that the force causes. With y = |v| dt/stretch the
+    deflection fades by 1/(1 + y + y^2/2): second order, of any step, and the deflection of steady sliding is
+    kept exactly. dz/dt is (z+ - z)/dt. Nothing bends bristles further than ``stretch`` but what they were
+    bent before at a lower speed. Stiffness in 1/m, damping and viscous in s/m are per unit of normal force;
+    ``inverse`` is 1/stretch.
     """
     deflection, last, before = memory
     y = abs(1.5 * last - 0.5 * before) * dt * inverse

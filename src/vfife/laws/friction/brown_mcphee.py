@@ -13,7 +13,8 @@ from .tangent import along, foreseen
 
 @dataclass(frozen=True, kw_only=True)
 class BrownMcPhee(FrictionLaw):
-    """F_T = -F_N {mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2} sign(v), x = |v|/v_t; the source's viscous term is left out.
+    """F_T = -F_N {mu_c tanh(4 x) + (mu_s - mu_c) x/(x^2/4 + 3/4)^2} sign(v), x = |v|/v_t; the source's
+    viscous term is left out.
 
     Solved along the tangent at the speed that the last two steps foresee, the falling part at that speed:
     second order in the step, and stable however steep the curve is.

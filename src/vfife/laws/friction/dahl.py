@@ -9,7 +9,9 @@ from .bristle import bend
 
 @dataclass(frozen=True, kw_only=True)
 class Dahl(FrictionLaw):
-    """dz/dt = v - sigma_0 |v| z/mu_c, F_T = -F_N sigma_0 z; sigma_0 in 1/m, the stiffness of the bristles per unit of normal force."""
+    """dz/dt = v - sigma_0 |v| z/mu_c, F_T = -F_N sigma_0 z; sigma_0 in 1/m, the stiffness of the bristles per
+    unit of normal force.
+    """
 
     name: ClassVar[str] = "dahl"
     source: ClassVar[str] = (

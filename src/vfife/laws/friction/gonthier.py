@@ -23,9 +23,10 @@ class GonthierFriction(FrictionLaw):
     Taken from the account of Marques et al. (2016), not from the original. All per unit of normal force, as
     for ``lugre``: sigma_0 in 1/m, sigma_1 and sigma_2 in s/m.
 
-    With dz/dt put in, sigma_0 z + sigma_1 dz/dt = s (sigma_0 z + sigma_1 v) + (1 - s) mu_c sign(v). s and sign(v)/|v| are taken at the velocity
-    that the bristles' present force would leave; z, s_dw and the rest are implicit, and linear in the
-    velocity that the force causes: first order in the step, and stable for any.
+    With dz/dt put in, sigma_0 z + sigma_1 dz/dt = s (sigma_0 z + sigma_1 v) + (1 - s) mu_c sign(v). s and
+    sign(v)/|v| are taken at the velocity that the bristles' present force would leave; z, s_dw and the rest
+    are implicit, and linear in the velocity that the force causes: first order in the step, and stable for
+    any.
     """
 
     name: ClassVar[str] = "gonthier"
@@ -40,7 +41,8 @@ class GonthierFriction(FrictionLaw):
         " z)/s1"
     )
     slots: ClassVar[tuple[str, ...]] = (
-        "coefficient", "excess", "inverse_speed", "bristle_stiffness", "bristle_damping", "viscous", "inverse_damping", "dwell_time",
+        "coefficient", "excess", "inverse_speed", "bristle_stiffness", "bristle_damping", "viscous",
+        "inverse_damping", "dwell_time",
     )  # fmt: skip
     memory: ClassVar[tuple[str, ...]] = ("bristle deflection (m)", "dwell s_dw (1)")
 

@@ -11,7 +11,8 @@ from .order import not_below
 
 @dataclass(frozen=True, kw_only=True)
 class Karnopp(FrictionLaw):
-    """F_T = -mu_c F_N sign(v_T) for |v_T| > D_v; inside the band the surfaces count as at rest and any force up to mu_s F_N holds them.
+    """F_T = -mu_c F_N sign(v_T) for |v_T| > D_v; inside the band the surfaces count as at rest and any force
+    up to mu_s F_N holds them.
 
     The source takes the velocity for zero inside the band and lets friction cancel what else acts there. Here
     the force is the one that makes it zero: whatever would be left in the band by kinetic friction is

@@ -13,7 +13,8 @@ from .order import not_below
 
 @dataclass(frozen=True, kw_only=True)
 class LuGre(FrictionLaw):
-    """dz/dt = v - sigma_0 |v| z/g, g = mu_c + (mu_s - mu_c) exp(-(v/v_S)^2), F_T = -F_N (sigma_0 z + sigma_1 dz/dt + sigma_2 v).
+    """dz/dt = v - sigma_0 |v| z/g, g = mu_c + (mu_s - mu_c) exp(-(v/v_S)^2), F_T = -F_N (sigma_0 z + sigma_1
+    dz/dt + sigma_2 v).
 
     All per unit of normal force, as for tyres (Canudas de Wit and Tsiotras 1999): sigma_0 in 1/m, sigma_1 and
     sigma_2 in s/m. So the bristles' deflection in steady sliding, g/sigma_0, is a property of the surfaces

@@ -14,7 +14,8 @@ from .order import not_below
 
 @dataclass(frozen=True, kw_only=True)
 class Stribeck(FrictionLaw):
-    """F_T = -F_N {[mu_c + (mu_s - mu_c) exp(-|v/v_S|^d)] sign(v) + sigma_v v}, and any force up to mu_s F_N that keeps the surfaces at rest.
+    """F_T = -F_N {[mu_c + (mu_s - mu_c) exp(-|v/v_S|^d)] sign(v) + sigma_v v}, and any force up to mu_s F_N
+    that keeps the surfaces at rest.
 
     Viscous friction is given per unit of normal force (s/m), so that it goes with it. A curve that falls with
     the velocity has several solutions within one step once (mu_s - mu_c) F_N mobility > 1.17 v_S (d = 2). The

@@ -1,11 +1,12 @@
-"""Laws that are one curve of the speed, solved along its tangent: one evaluation a step, whatever the curve."""
+"""Laws that are a curve of the speed, solved along its tangent: one evaluation a step, of any curve."""
 
 
 def foreseen(free_velocity: float, reach: float, last: float, before: float) -> float:
     """Speed (m/s), in the direction of ``free_velocity``, that the last two sliding velocities extrapolate
     to.
 
-    Kept between |free_velocity| and what is left of it where friction takes all it can, ``reach`` (m/s): a contact that begins needs no past.
+    Kept between |free_velocity| and what is left of it where friction takes all it can, ``reach`` (m/s): a
+    contact that begins needs no past.
     """
     speed = abs(free_velocity)
     ahead = 2.0 * last - before
@@ -21,9 +22,9 @@ def along(free_velocity: float, unit: float, speed: float, share: float, slope: 
     foreseen ``speed`` (m/s).
 
     With v = |free_velocity| - unit f, unit = mobility F_N, the tangent f = share + slope (v - speed) gives
-    f = [share + slope (|free_velocity| - speed)]/(1 + unit slope). A falling curve is to be given with slope 0: it has one solution then, and
-    the foreseen speed makes it second order in the step all the same. What would turn the sliding round stops
-    it; ``top`` is the most.
+    f = [share + slope (|free_velocity| - speed)]/(1 + unit slope). A falling curve is to be given with slope
+    0: it has one solution then, and the foreseen speed makes it second order in the step all the same. What
+    would turn the sliding round stops it; ``top`` is the most.
     """
     rest = abs(free_velocity)
     stops = rest < unit * (share - slope * speed)

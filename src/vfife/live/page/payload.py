@@ -326,7 +326,8 @@ def static_payload(result: Result) -> Json:
     record = result.record
     if len(record.steps) < 2:
         raise VfifeError(
-            f"no equilibrium but the start was found, so there is no load path to show. {record.message}".rstrip()
+            "no equilibrium but the start was found, so there is no load path to show."
+            f" {record.message}".rstrip()
         )
     pressed = normals(record)
     rows = np.hstack([record.rows, pressed[..., 0], pressed[..., 1]])

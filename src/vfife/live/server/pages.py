@@ -28,8 +28,8 @@ class Superseded(BaseException):
 
 
 class Pages:
-    """Makes pages; ``notify`` is called with what a browser shall know. Sliders are assembled by a thread that
-    yields to whoever waits for a page.
+    """Makes pages; ``notify`` is called with what a browser shall know. Sliders are assembled by a thread
+    that yields to whoever waits for a page.
     """
 
     def __init__(

@@ -17,7 +17,7 @@ from .documents import Conflict, Document, Json, Shelf, text_in
 from .pages import Pages
 
 INTERVAL = 0.2  # s between two looks at files
-# Browsers that listen at once; each may hold one event of each kind and document, and what the system buffers.
+# Browsers that listen at once; each may hold an event of each kind and document, and what the system buffers.
 MOST_BROWSERS = 64
 Key = tuple[str, str]
 

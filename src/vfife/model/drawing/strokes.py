@@ -205,7 +205,7 @@ def beside(view: JointView, direction: tuple[float, float], gap: float) -> Label
 
 
 def zigzag(first: Array, second: Array, width: float) -> Array:
-    """Corners of a spring drawn between two points, straight for an eighth at each end, shape (corners, 2)."""
+    """Corners of a spring between two points, straight in an eighth at each end, shape (corners, 2)."""
     import numpy as np
 
     along = second - first

@@ -60,7 +60,7 @@ class Driver(Kind):
         return bool(self.slider or self.point)
 
     def motion(self, offset: float = 0.0) -> Polynomials:
-        """What it prescribes over time (rad or m), ``offset`` added. TypeError where it prescribes no motion."""
+        """What it prescribes over time (rad or m), ``offset`` added. TypeError where it is no motion."""
         raise TypeError(f"{type(self).__name__} prescribes no motion")
 
     def effort(self) -> Polynomials:

@@ -1,4 +1,4 @@
-"""Paths of straight and round pieces that turn no corner: circles, and polylines whose corners are rounded."""
+"""Paths of straight and round pieces that turn no corner: circles, and polylines with rounded corners."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class Path:
 
 
 def circle(centre: Point, radius: float) -> Path:
-    """A whole circle, run through anticlockwise: its left is inside. It has one piece without begin and end."""
+    """A circle, run through anticlockwise: its left is inside. It has one piece without begin and end."""
     start = (centre[0] + radius, centre[1])
     return Path((Piece(start, (0.0, 1.0), 1.0 / radius, start, (0.0, 1.0), opens=False, closes=False),))
 

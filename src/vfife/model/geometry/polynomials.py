@@ -1,4 +1,4 @@
-"""Piecewise polynomials, the form in which the kernels evaluate functions of time, of a speed or of an angle."""
+"""Piecewise polynomials, the form in which kernels evaluate functions of time, of a speed or of an angle."""
 
 from __future__ import annotations
 

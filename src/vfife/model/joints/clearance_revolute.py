@@ -67,7 +67,7 @@ class ClearanceRevolute(Contact):
         return IdealRevolute(name=self.name, bearing=self.bearing, journal=self.journal)
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """A ring with a dot, or the two circles where they are large enough to be seen; the ground under it."""
+        """A ring with a dot, or two circles where they are large enough to be seen; the ground under it."""
         strokes = standing(view)
         if self.bearing_radius * view.factor > LARGE_BEARING * view.size:
             strokes.append(ring(view.bearing, view.factor * self.bearing_radius, width=1.8, rank=4.0))

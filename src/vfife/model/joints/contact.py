@@ -122,5 +122,5 @@ class Contact(Joint):
 
     @property
     def deepest_start(self) -> tuple[float, str]:
-        """Depth (m) at the start beyond which no contact law has a meaning, half the extent, and what it is."""
+        """Depth (m) at the start beyond which no contact law is meant, half the extent, and what it is."""
         return 0.5 * self.reach, f"half {self.extent[1]} of {self.reach:g} m"

@@ -93,7 +93,7 @@ class Tabular(Load):
 
     @property
     def places(self) -> tuple[float, ...]:
-        """The places of its table, or the range of its expression: a turn, if nothing is said of an angle's."""
+        """The places of its table, or the range of its expression: a turn, if an angle's has none."""
         places: tuple[float, ...] | None = getattr(self, self.axis) if self.axis else None
         return places or ((0.0, 2.0 * math.pi) if self.axis == "angles" and self.expression else ())
 
@@ -169,7 +169,7 @@ class Tabular(Load):
         )
 
     def course(self) -> tuple[Polynomials, float]:
-        """The function that its table or expression is, or a constant, and the gap (m) of one with two ways."""
+        """The function of its table or expression, or a constant, and the gap (m) of one with two ways."""
         return self._course
 
     @cached_property

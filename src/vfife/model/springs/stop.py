@@ -54,7 +54,7 @@ class Stop(ForceElement):
         return f"stop between {self.low:.6g} and {self.high:.6g} rad, {self.stiffness:.6g} N m/rad"
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """Cheeks at the two angles of the second body seen from the first; the sector between them is free."""
+        """Cheeks at the angles of the second body seen from the first; the sector between them is free."""
         import numpy as np
 
         at, radius, strokes = view.second, 0.06 * view.size, []

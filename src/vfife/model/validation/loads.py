@@ -214,7 +214,7 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
 
 
 def held_without_play(joint: Any) -> Any:
-    """What a joint holds, or would without play; nothing where its sizes are wrong, which is told elsewhere."""
+    """What a joint holds, or would without play; nothing where sizes are wrong, which is told elsewhere."""
     try:
         return tuple(joint.rows())
     except (TypeError, ValueError, AttributeError):

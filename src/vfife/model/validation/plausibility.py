@@ -1,4 +1,4 @@
-"""Numbers that can hardly be meant: sizes out of scale, loose parts, masses that contradict their sections."""
+"""Numbers hardly meant: sizes out of scale, loose parts, masses that contradict their sections."""
 
 from __future__ import annotations
 
@@ -190,9 +190,9 @@ def contradictions(mechanism: Mechanism) -> tuple[str, ...]:
     times length.
     """
     return tuple(
-        f"{name}: its mass is given as {own_mass:.4g} kg, its section and density make {section_mass:.4g} kg; the given"
-        " one counts for inertia, the section for stiffness and stress. Leave the mass out, or check units"
-        " and section."
+        f"{name}: its mass is given as {own_mass:.4g} kg, its section and density make {section_mass:.4g} kg;"
+        " the given one counts for inertia, the section for stiffness and stress. Leave the mass out, or"
+        " check units and section."
         for name, own_mass, section_mass in _weighed(mechanism)
         if abs(own_mass - section_mass) > MASS_TOLERANCE * section_mass
     )

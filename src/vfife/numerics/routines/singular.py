@@ -144,7 +144,7 @@ def orthogonalise(W, room: Room, least):
 
 
 def rotate(W, room: Room, p, q, c):
-    """Make rows p and q orthogonal, whose product is c; return the tangent of the angle by which they turn."""
+    """Make rows p and q orthogonal, whose product is c; return the tangent of the angle of that turn."""
     n = room.n
     squares = room.squares
     slope = (W[squares + q] - W[squares + p]) / (2.0 * c)
@@ -185,7 +185,7 @@ def sort(W, squares, rank, n):
 
 
 def directions(W, room: Room, least):
-    """Scale the rows at M to unit length; those shorter than ``least`` become unit vectors across all others."""
+    """Scale rows at M to unit length; shorter than ``least`` they become unit vectors across all others."""
     n, _, _, _, M, _, squares, _, X = room
     for i in range(n):
         if W[squares + i] > least * least:

@@ -153,7 +153,7 @@ class Cases:
         return Stepped(number, assembly, model.plan, model.reference, model.again)
 
     def parameter(self, path: str) -> Parameter | None:
-        """A number that an object of the mechanism holds; None of any other, which takes a reader of models."""
+        """A number that an object of the mechanism holds; None of others, which take a reader of models."""
         if path not in self.parameters:
             self.parameters[path] = None
             with suppress(VfifeError):
@@ -333,8 +333,8 @@ def model_key(numbers: Numbers) -> ModelKey:
 
 
 def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
-    """Largest values of ideal mechanisms over their last turn, run side by side, by number; none of those whose
-    numbers leave all bounds.
+    """Largest values of ideal mechanisms over their last turn, run side by side, by number; none of those
+    whose numbers leave all bounds.
     """
     if len(ideals) == 1:  # without a thread of its own
         records = {k: run(one) for k, one in ideals.items()}

@@ -219,8 +219,8 @@ class ScaledProblem:
         ]
 
     def cases(self, points: Sequence[Array]) -> list[Candidate]:
-        """Return the candidates at points, computing the new ones side by side. Raises SearchEnd where there may
-        be no more of them.
+        """Return the candidates at points, computing the new ones side by side. Raises SearchEnd where there
+        may be no more of them.
         """
         points = [np.clip(x, 0.0, 1.0) for x in points]
         new = [x for x in points if x.tobytes() not in self.known]

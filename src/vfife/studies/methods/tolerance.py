@@ -71,9 +71,9 @@ def tolerance(
     below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a share those of Wilson
     (1927), of the mean (``average``) those of the central limit theorem; infinite where the sample is too
     small. Where the numerical error of members is estimated (``numerical``), limits hold it, too: those of a
-    quantile are wider by :meth:`~vfife.results.member_errors.MemberError.at_quantile`, those of the mean by the
-    root mean square of the error, and a machine within that of its limit counts as sound in ``low`` and as
-    failing in ``high``.
+    quantile are wider by :meth:`~vfife.results.member_errors.MemberError.at_quantile`, those of the mean by
+    the root mean square of the error, and a machine within that of its limit counts as sound in ``low`` and
+    as failing in ``high``.
 
     Raises VfifeError where members were chosen and not drawn or fewer than two have ended, ModelError for a
     limit that cannot be read, ValueError for a share or a confidence that is none, RunFileError for what is
