@@ -94,13 +94,13 @@ class Fault(VfifeError):
         self.what, self.value, self.limit, self.remedy = what, value, limit, remedy
         super().__init__(self.where, what, value, limit, remedy)
 
-    def at(self, where: str | Path, given: Iterable[Path] = (), *, value: str = "") -> Fault:
-        """The same fault at another place; ``value`` is shown where the fault has none. Paths ``given``
+    def at(self, where: str | Path, overrides: Iterable[Path] = (), *, value: str = "") -> Fault:
+        """The same fault at another place; ``value`` is shown where it has none. Paths of ``overrides``
         beside the file are marked.
         """
         fault = Fault(where, self.what, self.value or value, self.limit, self.remedy)
         if isinstance(where, tuple):
-            fault.where = place(where, given)
+            fault.where = place(where, overrides)
         return fault
 
     def __eq__(self, other: object) -> bool:
@@ -156,10 +156,10 @@ class ArgumentError(ModelError, TypeError):
     """Arguments that a function does not have, or lacks: a misspelt keyword."""
 
 
-def place(path: Path, given: Iterable[Path] = ()) -> str:
+def place(path: Path, overrides: Iterable[Path] = ()) -> str:
     """Table and key of a path: ("joint", "C", "clearance") is "[joint.C] clearance".
 
-    An empty last part names the table itself. A value that was ``given`` beside the file is marked, so that
+    An empty last part names the table itself. A value of ``overrides``, beside the file, is marked, so that
     nobody looks for it in the file.
     """
     parts = list(path)
@@ -169,13 +169,13 @@ def place(path: Path, given: Iterable[Path] = ()) -> str:
     )
     key = f"{parts[first - 1]}{inside}" if parts else "file"
     table = f"[{'.'.join(map(str, parts[: first - 1]))}]" if first > 1 else ""
-    beside = " (given by set)" if any(path[: len(start)] == start for start in given) else ""
-    return f"{table} {key}".strip() + beside
+    mark = " (given by set)" if any(path[: len(start)] == start for start in overrides) else ""
+    return f"{table} {key}".strip() + mark
 
 
-def suggestion(name: str, known: Iterable[str], advice: str) -> str:
+def suggestion(name: str, candidates: Iterable[str], advice: str) -> str:
     """Did-you-mean with the names that look alike, else the advice and a few of the names there are."""
-    names = list(dict.fromkeys(map(str, islice(known, MOST_NAMES))))
+    names = list(dict.fromkeys(map(str, islice(candidates, MOST_NAMES))))
     near = difflib.get_close_matches(name[:100], names, 3, 0.55)
     if near:
         return "did you mean " + " or ".join(map(shown, near)) + "?"

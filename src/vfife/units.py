@@ -148,8 +148,8 @@ def ends_of(text: str) -> tuple[str, str] | None:
     low, dots, high = (part.strip() for part in text.partition(".."))
     if not (dots and low and high):
         return None
-    below, above = _NUMBER.fullmatch(low), _NUMBER.fullmatch(high)
-    return (f"{low} {above[2]}" if below and above and above[2] and not below[2] else low), high
+    below, upper = _NUMBER.fullmatch(low), _NUMBER.fullmatch(high)
+    return (f"{low} {upper[2]}" if below and upper and upper[2] and not below[2] else low), high
 
 
 @functools.lru_cache(maxsize=1024)
@@ -212,7 +212,7 @@ def _measure(unit: str) -> tuple[tuple[Fraction, float, int], Exponents]:
             rough *= _raised(factor, power)
         rough *= _raised(Fraction(inexact), power)
         pi += circle * power
-        total = [have + power * more for have, more in zip(total, exponents, strict=True)]
+        total = [have + power * exponent for have, exponent in zip(total, exponents, strict=True)]
     if pi.denominator != 1:
         rough, pi = rough * _raised(Fraction(math.pi), pi), Fraction(0)
     return (exact, rough, int(pi)), (total[0], total[1], total[2], total[3])

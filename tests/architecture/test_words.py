@@ -16,8 +16,23 @@ WORDS = frozenset({
     "things", "together", "told", "tug", "utils", "helper", "helpers", "manager", "wanted", "whole", "worn",
     "woven",
 })  # fmt: skip
-# Definitions with such a word, in src: the number may only fall.
-LIMIT = 95
+# Names that scripts write, or that fields of files and answers are called: they stay as they are.
+ALLOWED = frozenset(
+    {
+        ("vfife/identification/lawfit.py", "given"),  # keyword of fit_law
+        ("vfife/laws/law.py", "known"),  # ContactLaw.known(), FrictionLaw.known()
+        ("vfife/measures/trust.py", "apart"),  # of the summary's trust
+        ("vfife/measures/trust.py", "lost"),
+        ("vfife/results/derivatives.py", "known"),  # Derivatives.known()
+        ("vfife/results/fit.py", "known"),  # of a fit's JSON
+        ("vfife/results/study.py", "asked"),  # of a study's file
+        ("vfife/schema/described.py", "above"),  # keyword of quantity(), for laws of one's own
+        ("vfife/schema/values.py", "above"),
+        ("vfife/tribology/wear_state.py", "Worn"),  # what tribology.wear returns
+    }
+)
+# Other definitions with such a word, in src: the number may only fall.
+LIMIT = 11
 
 
 def defined(tree: ast.AST) -> Iterator[tuple[int, str]]:
@@ -37,7 +52,7 @@ def offences(name: str, tree: ast.AST) -> list[str]:
     return [
         f"{name}:{line} {one}"
         for line, one in [(1, stem), *sorted(set(defined(tree)))]
-        if WORDS & set(one.lower().split("_"))
+        if WORDS & set(one.lower().split("_")) and (name, one) not in ALLOWED
     ]
 
 

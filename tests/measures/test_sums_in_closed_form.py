@@ -12,7 +12,7 @@ from support import four_bar
 from vfife.laws import Coulomb
 from vfife.measures import wear
 from vfife.measures.catalogue import OVER_TURN, PEAKS, RequestedMeasures
-from vfife.measures.contacts import losses, lost_energy, mean_power
+from vfife.measures.contacts import losses, mean_power, spent_energy
 from vfife.measures.energy import driving, ledger, too_open
 from vfife.measures.forces import ground_load, largest_shaking
 from vfife.measures.turns import last_turn
@@ -46,7 +46,7 @@ def test_a_power_that_grows_evenly_has_lost_half_its_square(kind, block):
     The mean power of an interval, or of a window, is the power at its middle.
     """
     record = rubbing(**{f"{block}_work": summed(40.0), f"{block}_power": 40.0 * TIME})
-    assert lost_energy(record, kind)[:, 0] == pytest.approx(20.0 * TIME**2, rel=1e-12, abs=1e-15)
+    assert spent_energy(record, kind)[:, 0] == pytest.approx(20.0 * TIME**2, rel=1e-12, abs=1e-15)
     assert mean_power(record, kind)[1:, 0] == pytest.approx(20.0 * (TIME[1:] + TIME[:-1]), rel=1e-12)
     assert mean_power(record, kind)[0, 0] == 0.0
     window = STEPS > 20

@@ -17,10 +17,10 @@ from vfife.measures.contacts import (
     contact_angle,
     impacts,
     line_pressure,
-    lost_energy,
     mean_power,
     mean_pressure,
     sliding_speed,
+    spent_energy,
 )
 from vfife.measures.motion import times
 
@@ -47,7 +47,9 @@ def test_losses_of_the_joints_are_those_of_the_ledger(name, request) -> None:
         assert sum(joints) == pytest.approx(over, rel=1e-9)
         powers = [value for key, value in found.items() if key.endswith(f".{kind}_power.mean")]
         assert sum(powers) == pytest.approx(over / (times(record)[-1] - times(record)[first]), rel=1e-9)
-        np.testing.assert_allclose(lost_energy(record, kind).sum(axis=1), terms[term], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(
+            spent_energy(record, kind).sum(axis=1), terms[term], rtol=1e-12, atol=1e-12
+        )
         summed = (mean_power(record, kind)[1:] * np.diff(times(record))[:, None]).sum()
         assert summed == pytest.approx(terms[term][-1], rel=1e-9)
 
@@ -196,7 +198,7 @@ def test_all_that_happens_round_a_bearing_is_what_the_run_counted(record) -> Non
         found = around(record, side, bins=36)
         np.testing.assert_allclose(found.time.sum(axis=1), record.block("contact_duration")[-1], rtol=1e-12)
         np.testing.assert_allclose(
-            found.friction.sum(axis=1), lost_energy(record, "friction")[-1], rtol=1e-12
+            found.friction.sum(axis=1), spent_energy(record, "friction")[-1], rtol=1e-12
         )
         assert found.time.shape == (3, 36) and found.middles[0] == pytest.approx(-math.pi * 35 / 36)
     with pytest.raises(ValueError, match='side = "crank"'):

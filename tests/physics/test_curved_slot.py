@@ -50,7 +50,9 @@ def test_a_fillet_touches_both_pieces_and_the_path_has_no_corner():
     assert [piece.curvature for piece in path.pieces] == pytest.approx([0.0, 10.0, 0.0, 10.0, 0.0])
     for one, two in zip(path.pieces, path.pieces[1:], strict=False):
         assert one.end == two.begin and one.end_tangent == two.tangent
-        assert path.seen(*one.end) == pytest.approx((0.0, -one.end_tangent[1], one.end_tangent[0]), abs=1e-12)
+        assert path.nearest(*one.end) == pytest.approx(
+            (0.0, -one.end_tangent[1], one.end_tangent[0]), abs=1e-12
+        )
     arc = path.pieces[1]
     centre = np.array(arc.begin) + 0.1 * np.array([-arc.tangent[1], arc.tangent[0]])
     assert np.linalg.norm(np.array(arc.points()) - centre, axis=1) == pytest.approx(0.1, abs=1e-15)
@@ -73,9 +75,9 @@ def test_the_distance_from_a_path_is_that_of_its_nearest_point():
         for point in rng.uniform(-0.3, 1.0, (60, 2)):
             away = np.linalg.norm(dense - point, axis=1)
             if 0 < away.argmin() < len(dense) - 1 or path.pieces[0].curvature:
-                distance, nx, ny = path.seen(*point)
+                distance, nx, ny = path.nearest(*point)
                 assert abs(distance) == pytest.approx(away.min(), abs=1e-5)
-                assert path.seen(*(point - distance * np.array([nx, ny])))[0] == pytest.approx(
+                assert path.nearest(*(point - distance * np.array([nx, ny])))[0] == pytest.approx(
                     0.0, abs=1e-12
                 )  # the normal leads to the foot
 

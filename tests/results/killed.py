@@ -28,7 +28,7 @@ def write(
     path: Path, mechanism: vfife.Mechanism, asked: RunArguments, reference: bool = True
 ) -> vfife.Result:
     prepared = prepare(mechanism, asked, reference)
-    with RunFile.create(path, prepared.kept) as file:
+    with RunFile.create(path, prepared.run_meta) as file:
         result = run_prepared(prepared, file=file)
         result.finish(file)
     return result
@@ -68,7 +68,7 @@ def paced(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
 def killed_run(path: Path, mechanism: vfife.Mechanism, asked: RunArguments, reference: bool = True) -> bool:
     """A run that is killed: what was not committed is gone. False where it came to its end before."""
     prepared = prepare(mechanism, asked, reference)
-    file = RunFile.create(path, prepared.kept)
+    file = RunFile.create(path, prepared.run_meta)
     try:
         run_prepared(prepared, file=file).finish(file)
     except Killed:

@@ -46,7 +46,7 @@ def test_saved_and_read(result: Result, tmp_path: Path) -> None:
 
 def test_written_while_it_runs(result: Result, tmp_path: Path) -> None:
     prepared = prepare(four_bar("BCD"), RunArguments(turns=1.5))
-    with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
+    with RunFile.create(tmp_path / "run.sqlite", prepared.run_meta) as file:
         written = run_prepared(prepared, file=file)
         written.finish(file)
     same(written, result)
@@ -61,7 +61,7 @@ def test_an_interrupted_run_has_ranges(tmp_path: Path, monkeypatch: pytest.Monke
         if progress.done > 10000:  # type: ignore[attr-defined]
             raise KeyboardInterrupt
 
-    with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
+    with RunFile.create(tmp_path / "run.sqlite", prepared.run_meta) as file:
         written = run_prepared(prepared, file=file, progress=stop)
     assert written.record.status == "interrupted"
     killed = Result.load(tmp_path / "run.sqlite")
@@ -94,7 +94,7 @@ def test_a_run_of_version_0_2_is_read_and_not_resumed(result: Result, tmp_path: 
 def test_chunks_that_nobody_needs_are_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(transient, "CHUNK_BYTES", 2**17)
     prepared = prepare(four_bar("C"), RunArguments(turns=6.0, outputs=100, step=1e-5))
-    with RunFile.create(tmp_path / "run.sqlite", prepared.kept) as file:
+    with RunFile.create(tmp_path / "run.sqlite", prepared.run_meta) as file:
         run_prepared(prepared, file=file).finish(file)
     with sqlite3.connect(tmp_path / "run.sqlite") as connection:
         kept, every = (

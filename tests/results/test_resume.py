@@ -142,7 +142,7 @@ def test_a_started_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     files = {}
     for name in ("whole", "run"):
         prepared = prepare(mechanism, RunArguments(**options), True, first)
-        files[name] = RunFile.create(tmp_path / f"{name}.sqlite", prepared.kept)
+        files[name] = RunFile.create(tmp_path / f"{name}.sqlite", prepared.run_meta)
         if name == "run":
             paced(monkeypatch, 500)
             restore = kill_at(monkeypatch, 6)
@@ -233,7 +233,7 @@ def test_a_disk_that_is_full_loses_the_last_transaction_only(
         path = tmp_path / f"{fails}.sqlite"
         monkeypatch.setattr(RunFile, "insert", full_at(fails))
         prepared = prepare(journal_in_bearing(), asked)
-        file = RunFile.create(path, prepared.kept)
+        file = RunFile.create(path, prepared.run_meta)
         try:
             run_prepared(prepared, file=file).finish(file)
         except vfife.errors.StorageError as error:

@@ -137,8 +137,8 @@ def test_calls_of_any_length_give_the_same_bits() -> None:
         inside = 0
         for length in lengths:
             ends = inside + length == 20
-            rows = cut.advance(length, 1, anew=inside == 0, record=ends)
-            assert separate.advance(length, 1, anew=inside == 0, record=ends).shape == rows.shape
+            rows = cut.advance(length, 1, reset=inside == 0, record=ends)
+            assert separate.advance(length, 1, reset=inside == 0, record=ends).shape == rows.shape
             inside += length
         pieces.append(rows)
     pieces.append(cut.advance(20, 6))

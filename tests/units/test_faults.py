@@ -16,7 +16,7 @@ def test_a_fault_has_its_place_in_keys_and_words() -> None:
 def test_a_fault_without_a_place_is_told_by_its_value() -> None:
     fault = Fault("", "this is negative", "-1", "above 0 m", "correct the value")
     assert str(fault) == "-1: this is negative; allowed: above 0 m. Correct the value."
-    placed = fault.at(("run", "turns"), given={("run", "turns")})
+    placed = fault.at(("run", "turns"), overrides={("run", "turns")})
     assert (placed.where, placed.what, placed.value) == ("[run] turns (given by set)", fault.what, "-1")
     assert (
         fault.at("--turns", value="2").value == "-1"

@@ -118,11 +118,11 @@ class MapRun:
     confirm: bool = False
 
     def __post_init__(self) -> None:
-        report, given = self.progress, Arguments(self.caller)
-        given.count("turns", self.turns, optional=False)
-        self.step: float | None = given.quantity("step", self.step, "s")
-        given.callable("progress", report)
-        given.check()
+        report, arguments = self.progress, Arguments(self.caller)
+        arguments.count("turns", self.turns, optional=False)
+        self.step: float | None = arguments.quantity("step", self.step, "s")
+        arguments.callable("progress", report)
+        arguments.check()
         self.series = (self.series,) if isinstance(self.series, str) else tuple(self.series)
         self.job = job_of(
             self.caller, self.file, self.confirm, report, lambda one: report(one.done, one.steps)

@@ -61,16 +61,16 @@ def values_between(
 
     Raises ModelError for the arguments of ``function``: no such number, or ends that are none of its values.
     """
-    given = Arguments(function)
-    given.mechanism(mechanism)
-    given.count("count", count, optional=False)
-    given.check()
+    arguments = Arguments(function)
+    arguments.mechanism(mechanism)
+    arguments.count("count", count, optional=False)
+    arguments.check()
     try:
         unit = Measure(unit_of_start(mechanism, path))
     except ValueError as error:
         raise ModelError([Fault("path", str(error))], mechanism.name) from None
-    low, high = (given.read(name, unit, end) for name, end in zip(("low", "high"), ends, strict=True))
-    given.check()
+    low, high = (arguments.read(name, unit, end) for name, end in zip(("low", "high"), ends, strict=True))
+    arguments.check()
     return tuple(np.linspace(low, high, count).tolist())
 
 

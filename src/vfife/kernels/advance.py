@@ -87,11 +87,11 @@ class Outputs(NamedTuple):
     sound: Integers
 
 
-def advance(m: Memory, anew: int, until: int, n0: int, count: int, outputs: int, out: Numbers):
+def advance(m: Memory, reset: int, until: int, n0: int, count: int, outputs: int, out: Numbers):
     """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``recorded`` after each
     ``count`` in ``out`` (outputs, recorded, lanes).
 
-    Extremes start from zero before each output where ``anew`` is not 0. Nothing is recorded into an empty
+    Extremes start from zero before each output where ``reset`` is not 0. Nothing is recorded into an empty
     ``out``. Right after the start lane w takes a step of ``shares[w]`` of one, where that is not zero. Lanes
     are checked ``until`` steps from n0 and every RUN.look steps from there: callers choose ``until`` so that
     checks come at multiples of RUN.look, whatever the calls. When no lane is left that is sound and watched,
@@ -102,7 +102,7 @@ def advance(m: Memory, anew: int, until: int, n0: int, count: int, outputs: int,
     n = n0
     check = n0 + until
     for output in range(outputs):
-        if anew != 0:
+        if reset != 0:
             for q in range(len(extremes)):
                 for w in range(lanes):
                     S[extremes[q] * stride + w] = 0.0

@@ -197,7 +197,7 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
     raises = np.array([one[0] is None for one in expected])
     reference = runs["generated, 1 lane"][:, rows].copy()
     reference[~raises] = expected[~raises].astype(float)
-    for name, found in runs.items():
+    for name, answers in runs.items():
         # Of vfife's own laws, terms that are zero drop out, which changes signs of zeros, and what 0/0 and
         # infinity make of others.
         own = plain_function(single).__module__.startswith("vfife.")
@@ -208,11 +208,11 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
         )
         if own:
             looked &= np.isfinite(states).all(axis=1) & np.isfinite(reference).all(axis=1)
-        equal = same(found[:, rows], reference) | (own & (found[:, rows] == reference))
+        equal = same(answers[:, rows], reference) | (own & (answers[:, rows] == reference))
         if (
             name == "straight line as Python"
         ):  # it computes both arms, and Python raises in the one that is not chosen
-            equal |= np.isnan(found[:, rows])
+            equal |= np.isnan(answers[:, rows])
         wrong = np.flatnonzero(looked & ~equal.all(axis=1))
         if len(wrong):
             at = int(wrong[0])
@@ -221,7 +221,7 @@ def first_difference(single: Single, states: Rows, runs: dict[str, Rows]) -> str
             numbers = ", ".join(f"{value!r}" for value in states[at].tolist())
             return (
                 f"function {plain_function(single).__name__}: {other} {float(reference[at, k])!r} and the"
-                f" loop {name!r} {float(found[at, rows[k]])!r} as answer {k + 1} (at the state {numbers})."
+                f" loop {name!r} {float(answers[at, rows[k]])!r} as answer {k + 1} (at the state {numbers})."
                 " This is a fault of vfife: report it with the law's text, and do not use the law until then"
             )
     return ""

@@ -71,12 +71,12 @@ def joined(loading: Points, unloading: Points | None) -> Branches:
     ]  # one micrometre written twice may differ in its last bit
     inside = np.minimum(places, down[0][-1])  # beyond its end unloading stays as far below loading
     load = _curve(up[0], rising)
-    apart = load(inside) - _curve(*down)(inside)
-    half = 0.5 * np.maximum(apart, 0.0) if unloading is not None else np.zeros(len(places))
+    loss = load(inside) - _curve(*down)(inside)
+    half = 0.5 * np.maximum(loss, 0.0) if unloading is not None else np.zeros(len(places))
     levelled = (
         max(
             float(np.abs(rising - up[1]).max()),
-            float(-apart.min(initial=0.0)) if unloading is not None else 0.0,
+            float(-loss.min(initial=0.0)) if unloading is not None else 0.0,
         )
         / size
     )

@@ -24,7 +24,7 @@ from .grammar import (
     Kind,
     Several,
     category,
-    is_known,
+    is_typed,
     numeric,
     size,
     words,
@@ -302,7 +302,7 @@ class Expressions:
         self.cost += 1
         self.truth(node.test, depth, node)
         kinds = [self.kind(one, depth) for one in (node.body, node.orelse)]
-        if not all(is_known(kind) for kind in kinds):
+        if not all(is_typed(kind) for kind in kinds):
             return UNKNOWN
         for arm, kind in zip((node.body, node.orelse), kinds, strict=True):
             inner = kind.kinds if isinstance(kind, Several) else (kind,)
@@ -406,7 +406,7 @@ class Expressions:
             return self.fault(node, "range stands in `for k in range(4):` alone")
         function = self.outside(node.func)
         kinds = tuple(self.kind(one, depth) for one in node.args)
-        if function is None or not all(is_known(kind) for kind in kinds):
+        if function is None or not all(is_typed(kind) for kind in kinds):
             return UNKNOWN
         if not isinstance(function, FunctionType):
             return self.fault(node, f"`{shown(node)}` calls {name}, which is no function")

@@ -58,9 +58,9 @@ def size(kind: Kind) -> int:
     return sum(map(size, kind.kinds)) if isinstance(kind, Several) else 1
 
 
-def is_known(kind: Kind) -> bool:
+def is_typed(kind: Kind) -> bool:
     """Whether nothing in a kind is unknown."""
-    return all(is_known(one) for one in kind.kinds) if isinstance(kind, Several) else kind != UNKNOWN
+    return all(is_typed(one) for one in kind.kinds) if isinstance(kind, Several) else kind != UNKNOWN
 
 
 def numeric(kind: Kind) -> bool:

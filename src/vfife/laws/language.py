@@ -41,7 +41,7 @@ from .grammar import (
     Kind,
     Several,
     category,
-    is_known,
+    is_typed,
     numeric,
     words,
 )
@@ -234,7 +234,7 @@ class Function(Expressions):
                 " front",
             )
         former = self.place.get(name, kind)
-        if category(former) != category(kind) and is_known(former) and is_known(kind):
+        if category(former) != category(kind) and is_typed(former) and is_typed(kind):
             text = f"{name} is {words(former)} before and {words(kind)} here"
             integer = isinstance(former, Integer) or isinstance(kind, Integer)
             self.fault(

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 KINDS = {"friction": "contact_friction", "impact": "contact_damping"}  # blocks of lost work and power
 
 
-def lost_energy(record: Record, kind: str) -> Array:
+def spent_energy(record: Record, kind: str) -> Array:
     """Energy (J) that each contact has lost to ``friction`` or ``impact`` since the start, shape (outputs,
     contacts).
 
@@ -41,7 +41,7 @@ def mean_power(record: Record, kind: str) -> Array:
     """Power (W) lost in each contact, the mean since the output before, so that nothing between outputs is
     missed; (outputs, contacts).
     """
-    return between(lost_energy(record, kind), times(record))
+    return between(spent_energy(record, kind), times(record))
 
 
 def between(work: Array, time: Array) -> Array:
@@ -74,7 +74,7 @@ def losses(record: Record, window: Window) -> dict[str, float]:
     time = times(part)
     length = float(time[-1] - time[0])
     for kind in KINDS:
-        work = lost_energy(part, kind)
+        work = spent_energy(part, kind)
         for name, energy in per_joint(record, work[-1] - work[0]).items():
             values[f"{name}.{kind}_energy.total"] = float(energy)
             if length > 0.0:
@@ -269,7 +269,7 @@ def around(record: Record, side: str = "bearing", bins: int = 72, window: Window
     edges = np.linspace(-np.pi, np.pi, bins + 1)
     angle, touching = contact_angle(record, side), contact_time(record)
     rubbed = (
-        np.diff(lost_energy(record, "friction"), axis=0, prepend=0.0)
+        np.diff(spent_energy(record, "friction"), axis=0, prepend=0.0)
         if record.assembly.contacts
         else touching
     )
@@ -366,7 +366,7 @@ def impacts(record: Record) -> Impacts:
     if not assembly.contacts or not record.keeps("contact_onsets"):
         return Impacts((), 0.0)
     time, crank = times(record), crank_angle(record)
-    onsets, work = record.block("contact_onsets"), lost_energy(record, "impact")
+    onsets, work = record.block("contact_onsets"), spent_energy(record, "impact")
     speeds = record.block("contact_approach") if record.keeps("contact_approach") else None
     depths = record.block("contact_penetration_max")
     entries: list[Impact] = []

@@ -93,7 +93,7 @@ def _off_the_path(away: Array, angle: Array, path: Path | None) -> Array:
     """
     vectors = np.zeros_like(away)
     for row, ((x, y), s, c) in enumerate(zip(away, *sincos(angle), strict=True)):
-        distance, nx, ny = (0.0, 0.0, 0.0) if path is None else path.seen(c * x + s * y, c * y - s * x)
+        distance, nx, ny = (0.0, 0.0, 0.0) if path is None else path.nearest(c * x + s * y, c * y - s * x)
         side = 1.0 if distance >= 0.0 else -1.0
         vectors[row] = side * (c * nx - s * ny), side * (s * nx + c * ny)
     return vectors

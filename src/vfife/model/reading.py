@@ -146,7 +146,7 @@ class ScriptReading(Reading):
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:
         """A law, its name, or its table: law = name, and its parameters."""
-        kind = next(kind for kind, known in LAWS.items() if known is base)
+        kind = next(kind for kind, registered in LAWS.items() if registered is base)
         if isinstance(value, Law) and not isinstance(value, base):
             self.refuse(
                 path, f"this is no {kind} law", shown(value.name), "", f"give {article(kind)} law here"

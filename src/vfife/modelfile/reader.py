@@ -252,7 +252,7 @@ class Written(Reading):
         if not isinstance(value, dict):
             self.refuse(path, f"this is {kind_of(value)}", shown(value), *A_TABLE)
             return None
-        law, faults = read_law(next(kind for kind, known in LAWS.items() if known is base), value)
+        law, faults = read_law(next(kind for kind, registered in LAWS.items() if registered is base), value)
         for fault in faults:
             self.add(fault.at((*path, *fault.path)))
         return law

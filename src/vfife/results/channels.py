@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..kernels.blocks import BY_NAME
 from ..measures import contacts, elastic, forces, motion
-from ..measures.contacts import contact_angle, lost_energy, mean_power, sliding_speed
+from ..measures.contacts import contact_angle, mean_power, sliding_speed, spent_energy
 from ..measures.energy import Ledger
 from ..measures.forces import ground_load
 from ..measures.statics import displacement
@@ -265,9 +265,9 @@ def wear_channels(record: Record) -> dict[str, Channel]:
     pressures, slide = contacts.pressures(record), sliding_speed(record)
     load = pressures.bearing
     named = {
-        "friction_energy": (lost_energy(record, "friction"), "J", "energy lost in friction since the start"),
+        "friction_energy": (spent_energy(record, "friction"), "J", "energy lost in friction since the start"),
         "impact_energy": (
-            lost_energy(record, "impact"),
+            spent_energy(record, "impact"),
             "J",
             "energy lost in normal damping since the start",
         ),

@@ -60,7 +60,7 @@ def versions(loop: str = "generated") -> dict[str, str]:
 
 
 def provenance(
-    assembly: Assembly, kept: NDArray[np.uint32], loop: str, model: str | None = None
+    assembly: Assembly, recorded: NDArray[np.uint32], loop: str, model: str | None = None
 ) -> dict[str, Any]:
     """Meta of a run file, from which the run can be read and repeated, with the files of the user's own laws.
 
@@ -74,7 +74,7 @@ def provenance(
         "step": assembly.choice.step,
         "choice": dataclasses.asdict(assembly.choice),
         "loop": loop,
-        "kept": named_rows(assembly, kept),
+        "kept": named_rows(assembly, recorded),
         "laws": sources(assembly.mechanism),
         "notes": list(assembly.notes),
         "own_laws": own_laws(assembly.mechanism),
@@ -154,8 +154,8 @@ def companions_meta(
     """
     if not len(counts):
         return {}
-    kept = named_rows(assembly, companion_rows(assembly) if rows is None else rows)
-    return {"companions": {"counts": [int(one) for one in counts], "kept": kept, "earlier": dict(earlier)}}
+    names = named_rows(assembly, companion_rows(assembly) if rows is None else rows)
+    return {"companions": {"counts": [int(one) for one in counts], "kept": names, "earlier": dict(earlier)}}
 
 
 def companion_rows_of(record: Record) -> CompanionOutputs | None:

@@ -343,7 +343,7 @@ class Reductions:
 
     def __init__(self, names: Sequence[str]) -> None:
         self.requested = {
-            name: (found[1], found[2]) for name in names if (found := REDUCTION.fullmatch(name))
+            name: (match[1], match[2]) for name in names if (match := REDUCTION.fullmatch(name))
         }
 
     def over(self, turns: Sequence[Record]) -> dict[str, float]:

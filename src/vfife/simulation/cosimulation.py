@@ -217,19 +217,21 @@ class Simulation:
 
         Raises ModelError with all faults of the arguments or the mechanism, AssemblyError, StepError.
         """
-        given = Arguments("Simulation")
-        given.mechanism(mechanism)
-        size, chosen = given.step(step), given.loop(loop)
-        given.kind("force_step", force_step, (bool,), "True or False")
-        given.kind(
+        arguments = Arguments("Simulation")
+        arguments.mechanism(mechanism)
+        size, chosen = arguments.step(step), arguments.loop(loop)
+        arguments.kind("force_step", force_step, (bool,), "True or False")
+        arguments.kind(
             "start",
             start,
             (Result, str, Path, Mapping, type(None)),
             "a Result, the folder of a run, or states of bodies by name",
         )
         names = (steered,) if isinstance(steered, str) else steered
-        check_steered(given, mechanism, names if isinstance(steered, str) or given.faults == [] else ())
-        given.check()
+        check_steered(
+            arguments, mechanism, names if isinstance(steered, str) or arguments.faults == [] else ()
+        )
+        arguments.check()
         validate(mechanism)
         refuse_static(mechanism)
         self.mechanism = mechanism
@@ -352,8 +354,8 @@ class Simulation:
         if entity == "body":
             where = self.assembly.bodies[noun]
             index = where.row
-            carried = variable in ("body_x", "body_y") and where.center == where.reference
-            if not where.elements and (carried or variable == "body_angle"):
+            centred = variable in ("body_x", "body_y") and where.center == where.reference
+            if not where.elements and (centred or variable == "body_angle"):
                 at = layout.row(
                     "particle_theta" if variable == "body_angle" else f"particle_{variable[-1]}",
                     where.particles[0],
@@ -390,15 +392,15 @@ class Simulation:
         """The state now as a result has it, after that of the start and that of the last reading."""
         if self._seen is None or self._seen[0] != self._n:
             now, rows = self._n, self._rows()
-            kept = [
+            outputs = [
                 (0, self._first),
                 *([self._before] if 0 < self._before[0] < now else []),
                 *([(now, rows)] if now else []),
             ]
             record = Record(
                 self.assembly,
-                np.array([n for n, _ in kept]),
-                np.stack([one for _, one in kept]),
+                np.array([n for n, _ in outputs]),
+                np.stack([one for _, one in outputs]),
                 self._kept,
                 loop=self.loop,
             )
@@ -420,11 +422,11 @@ class Simulation:
         its new speed, a step unless given. Raises ModelError for a name that no input has, or a value that is
         none.
         """
-        found = self._inputs.get(name)
-        if found is None:
+        entry = self._inputs.get(name)
+        if entry is None:
             remedy = suggestion(str(name), self._inputs, "name one" if self._inputs else NOTHING_TO_SET)
             raise ModelError([Fault("name", "there is no such input", shown(name), "", remedy)], "set()")
-        one, tables = found
+        one, tables = entry
         if type(value) is not float:
             value = self._number(one, value)
         if not math.isfinite(value):

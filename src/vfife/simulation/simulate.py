@@ -66,7 +66,7 @@ class Prepared:
     refined: bool = (
         False  # whether it is repeated with smaller steps, being smooth, or on other meshes, being static
     )
-    asked: Mapping[str, Any] = field(
+    inputs: Mapping[str, Any] = field(
         default_factory=dict
     )  # what it takes to prepare it again, beside the model
     earlier: Earlier = field(
@@ -80,7 +80,7 @@ class Prepared:
         return self.assembly.mechanism.settings.analysis == "static"
 
     @property
-    def kept(self) -> dict[str, Any]:
+    def run_meta(self) -> dict[str, Any]:
         """The meta of its run file."""
         return self.meta(self.assembly)
 
@@ -91,7 +91,7 @@ class Prepared:
         already.
         """
         meta = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
-        arguments = {**self.asked, "refined": self.refined}
+        arguments = {**self.inputs, "refined": self.refined}
         return (
             meta
             | companions_meta(assembly, step_counts(assembly.choice, self.companions), earlier or {})
@@ -137,26 +137,26 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     Raises ModelError with all faults of the arguments, or of the mechanism, AssemblyError for one that cannot
     be assembled and StepError for too large a step.
     """
-    given = Arguments("simulate")
-    given.mechanism(mechanism)
+    reading = Arguments("simulate")
+    reading.mechanism(mechanism)
     reference, start, file, progress = (
         options["reference"],
         options["start"],
         options["file"],
         options["progress"],
     )
-    arguments = given.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
-    given.kind("reference", reference, (bool, Result), "True, False or a Result")
-    given.kind(
+    arguments = reading.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
+    reading.kind("reference", reference, (bool, Result), "True, False or a Result")
+    reading.kind(
         "start",
         start,
         (Result, str, Path, Mapping, type(None)),
         "a Result, the folder of a run, or states of bodies by name",
     )
-    given.kind("file", file, (RunFile, type(None)), "a RunFile")
-    given.callable("progress", progress)
-    given.kind("confirm", options["confirm"], (bool,), "True or False")
-    given.check()
+    reading.kind("file", file, (RunFile, type(None)), "a RunFile")
+    reading.callable("progress", progress)
+    reading.kind("confirm", options["confirm"], (bool,), "True or False")
+    reading.check()
     with job_of("simulate", None if file is None else file.path, options["confirm"], progress) as job:
         return run_prepared(prepare(mechanism, arguments, reference, start, job), progress=job, file=file)
 
@@ -179,15 +179,15 @@ def forecast(
         "load_factors, elements or iterations" if static else "turns, duration, outputs"
     )
     cost = run_cost(assembly, reference, companions=companions, refined=refined, measured=True)
-    found = cost.forecast(assembly.choice.steps, less)
+    needed = cost.forecast(assembly.choice.steps, less)
     if job.place is None and cost.bytes > IN_MEMORY:  # its rows go into a temporary file
-        job.place, found = Path(tempfile.gettempdir()), dataclasses.replace(found, disk=float(cost.bytes))
-    job.begin(found)
+        job.place, needed = Path(tempfile.gettempdir()), dataclasses.replace(needed, disk=float(cost.bytes))
+    job.begin(needed)
 
 
 def prepare(
     mechanism: Mechanism,
-    asked: RunArguments,
+    spec: RunArguments,
     reference: bool | Result = True,
     start: StartFrom | None = None,
     job: Job | None = None,
@@ -199,40 +199,40 @@ def prepare(
     compare with, or the outlook that it does not get through. ``job`` compares a forecast with the machine:
     of the ideal reference before it is run where that takes long, then of the run.
     """
-    if asked.settle is not None:
+    if spec.settle is not None:
         mechanism = dataclasses.replace(
-            mechanism, settings=dataclasses.replace(mechanism.settings, settle=asked.settle)
+            mechanism, settings=dataclasses.replace(mechanism.settings, settle=spec.settle)
         )
     validate(mechanism)
     if mechanism.settings.analysis == "static":
-        return _prepare_static(mechanism, asked, start, job)
+        return _prepare_static(mechanism, spec, start, job)
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
         mechanism = on_clock(mechanism, former)
     # what goes on from a former run, or from given states, is not followed beforehand: it counts as through
-    prospect = outlook(mechanism, asked.turns, asked.duration) if former is None else Outlook()
+    prospect = outlook(mechanism, spec.turns, spec.duration) if former is None else Outlook()
     ideal = reference if isinstance(reference, Result) else None
     if reference is True and prospect.through:
-        unrun = ideal_of(mechanism, asked.turns, asked.duration, former, prospect.motion)
+        unrun = ideal_of(mechanism, spec.turns, spec.duration, former, prospect.motion)
         if job is not None and unrun is not None and run_cost(unrun).seconds > BRIEF:
             forecast(job, unrun)
         ideal = referred(unrun)
     length = Length(
-        turns=asked.turns, duration=asked.duration, outputs=asked.outputs, force_step=asked.force_step
+        turns=spec.turns, duration=spec.duration, outputs=spec.outputs, force_step=spec.force_step
     )
     begin = RunStart(mechanism, length, former, prospect, expected_forces(ideal))
-    requested = companions_of(mechanism, asked.companions)
-    assembly = begin.first(asked.step, asked.loop, requested)
-    companions = companion_count(assembly, choose_loop(assembly, asked.loop), requested)
-    refined = repeated(assembly, requested, asked.loop)
+    requested = companions_of(mechanism, spec.companions)
+    assembly = begin.first(spec.step, spec.loop, requested)
+    companions = companion_count(assembly, choose_loop(assembly, spec.loop), requested)
+    refined = repeated(assembly, requested, spec.loop)
     if job is not None:
         forecast(job, assembly, None if ideal is None else ideal.record.assembly, refined, companions)
     description = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
-    return Prepared(assembly, ideal, asked.loop, begin, companions, refined, description)
+    return Prepared(assembly, ideal, spec.loop, begin, companions, refined, description)
 
 
 def _prepare_static(
-    mechanism: Mechanism, asked: RunArguments, start: StartFrom | None, job: Job | None
+    mechanism: Mechanism, spec: RunArguments, start: StartFrom | None, job: Job | None
 ) -> Prepared:
     """Prepare a static analysis."""
     if start is not None:
@@ -243,37 +243,37 @@ def _prepare_static(
         )
         raise ModelError([fault], "simulate()")
     changed = {
-        name: value for name in ("turns", "duration", "step") if (value := getattr(asked, name)) is not None
+        name: value for name in ("turns", "duration", "step") if (value := getattr(spec, name)) is not None
     }
     begin = StaticStart(
         dataclasses.replace(mechanism, settings=dataclasses.replace(mechanism.settings, **changed))
     )
     assembly = begin.assemble()
-    refined = repeated(assembly, companions_of(mechanism, asked.companions), asked.loop)
+    refined = repeated(assembly, companions_of(mechanism, spec.companions), spec.loop)
     if job is not None:
         forecast(job, assembly, None, refined)
     return Prepared(
-        assembly, None, asked.loop, begin, refined=refined, asked={"sources": sources_of_the_step().decode()}
+        assembly, None, spec.loop, begin, refined=refined, inputs={"sources": sources_of_the_step().decode()}
     )
 
 
-def companions_of(mechanism: Mechanism, wanted: int | str | None) -> int | str:
+def companions_of(mechanism: Mechanism, companions: int | str | None) -> int | str:
     """The companions that are wanted, those of the settings unless others are."""
-    return mechanism.settings.companions if wanted is None else wanted
+    return mechanism.settings.companions if companions is None else companions
 
 
-def repeated(assembly: Assembly, wanted: int | str, loop: Loop = "auto") -> bool:
+def repeated(assembly: Assembly, companions: int | str, loop: Loop = "auto") -> bool:
     """Whether a run without companions is repeated for an estimate of its errors: a smooth one with smaller
     steps, a static one on other meshes.
 
     With "auto" companions only a short one is; with 0 none.
     """
-    if not wanted:
+    if not companions:
         return False
     if assembly.mechanism.settings.analysis == "static":
-        return refinable(assembly.mechanism) and (wanted != "auto" or worth_other_meshes(assembly))
+        return refinable(assembly.mechanism) and (companions != "auto" or worth_other_meshes(assembly))
     smooth = not assembly.mechanism.contacts and choose_loop(assembly, loop) == "generated"
-    return smooth and (wanted != "auto" or worth_refining(assembly))
+    return smooth and (companions != "auto" or worth_refining(assembly))
 
 
 def run_prepared(
@@ -292,7 +292,7 @@ def run_prepared(
     """
     assembly, loop = prepared.assembly, prepared.loop
     if file is not None and not file.knows("meta", "kept"):
-        file.begin(prepared.kept)
+        file.begin(prepared.run_meta)
     if file is not None and prepared.reference is not None and not file.has_reference:
         keep_reference(file, prepared.reference.record)
     if prepared.static:
@@ -378,23 +378,24 @@ def reopen_run(file: RunFile, until: float | None = None) -> tuple[Prepared, Che
     return restore_prepared(former, arguments, meta.get("companions", {})), last
 
 
-def restore_prepared(former: Result, asked: dict[str, Any], beside: Mapping[str, Any]) -> Prepared:
+def restore_prepared(former: Result, arguments: dict[str, Any], stored: Mapping[str, Any]) -> Prepared:
     """What a file holds, as :func:`prepare` had it. Of companions rows may be gone that were needed before
     the checkpoint, and are not after it.
     """
     record, reference = former.record, former.reference
     length = Length(
-        turns=asked.get("turns"),
-        duration=asked.get("duration"),
-        outputs=asked.get("outputs"),
-        force_step=bool(asked.get("force_step")),
+        turns=arguments.get("turns"),
+        duration=arguments.get("duration"),
+        outputs=arguments.get("outputs"),
+        force_step=bool(arguments.get("force_step")),
     )
     return Prepared(
         record.assembly, reference, record.loop,  # type: ignore[arg-type]
-        RestoredStart(record, length, expected_forces(reference), bool(asked.get("started"))),
-        companions=len(beside.get("counts", ())), refined=bool(asked.get("refined")), asked=asked,
-        earlier={name: (float(low), float(high)) for name, (low, high) in beside.get("earlier", {}).items()},
-        searches=bool(asked.get("searches", True)),
+        RestoredStart(record, length, expected_forces(reference), bool(arguments.get("started"))),
+        companions=len(stored.get("counts", ())),
+        refined=bool(arguments.get("refined")), inputs=arguments,
+        earlier={name: (float(low), float(high)) for name, (low, high) in stored.get("earlier", {}).items()},
+        searches=bool(arguments.get("searches", True)),
     )  # fmt: skip
 
 

@@ -88,9 +88,9 @@ def ideal_of(
     if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
         turns, duration, start = 1.0, None, None
     ideal = mechanism.ideal()
-    given = None if start is None else initial_state(start, ideal)
+    state = None if start is None else initial_state(start, ideal)
     return assemble(
-        ideal, loop_of=mechanism, turns=turns, duration=duration, start_state=given, motion=motion
+        ideal, loop_of=mechanism, turns=turns, duration=duration, start_state=state, motion=motion
     )
 
 
@@ -100,7 +100,7 @@ def ideals_of(
     """The same of each of many mechanisms, from their starts, the fault of one that cannot be assembled in
     its place.
     """
-    found: dict[int, Assembly | VfifeError | None] = {
+    assemblies: dict[int, Assembly | VfifeError | None] = {
         k: None for k, one in enumerate(mechanisms) if not comparable(one)
     }
     steady = {
@@ -108,7 +108,7 @@ def ideals_of(
         for k, mechanism in enumerate(mechanisms)
     }
     for length, whose in ((1.0, True), (turns, False)):
-        which = [k for k in steady if k not in found and steady[k] == whose]
+        which = [k for k in steady if k not in assemblies and steady[k] == whose]
         own, ideals = [mechanisms[k] for k in which], [mechanisms[k].ideal() for k in which]
         assembled = assemble_all(
             ideals,
@@ -118,8 +118,8 @@ def ideals_of(
             loop_of=own,
             turns=length,
         )
-        found |= dict(zip(which, assembled, strict=True))
-    return [found[k] for k in range(len(mechanisms))]
+        assemblies |= dict(zip(which, assembled, strict=True))
+    return [assemblies[k] for k in range(len(mechanisms))]
 
 
 def referred(ideal: Assembly | None) -> Result | None:
@@ -172,9 +172,9 @@ def assembled_at(
             mechanism, step, expected=expected, contact_steps=contact_steps, motion=motion, **length
         )
     mechanism = on_clock(mechanism, start, time)
-    given = initial_state(start, mechanism, time)
+    state = initial_state(start, mechanism, time)
     assembly = assemble(
-        mechanism, step, start_state=given, expected=expected, contact_steps=contact_steps, **length
+        mechanism, step, start_state=state, expected=expected, contact_steps=contact_steps, **length
     )
     record = restart_record(start, time)
     if isinstance(start, View) and time is None:
@@ -198,7 +198,7 @@ class RunStart:
 
     def assemble(self, step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
         """The mechanism with a step (s), "auto", or that of its settings."""
-        found = assembled_at(
+        assembly = assembled_at(
             self.mechanism,
             step,
             self.source,
@@ -207,7 +207,7 @@ class RunStart:
             motion=self.outlook.motion,
             **self.length,
         )
-        return dataclasses.replace(found, notes=(*found.notes, *self.outlook.notes))
+        return dataclasses.replace(assembly, notes=(*assembly.notes, *self.outlook.notes))
 
     def first(self, step: float | str | None, loop: Loop, companions: int | str) -> Assembly:
         """The first try: with the step that is asked for, else that of the run it goes on from, else an
@@ -222,9 +222,9 @@ class RunStart:
             step_of(self.source.record, assembly) if isinstance(self.source, View) and step is None else None
         )
         if former is not None:
-            found = self.assemble(former)
-            choice = dataclasses.replace(found.choice, automatic=True, culprit="the run that it goes on from")
-            return dataclasses.replace(found, choice=choice)
+            again = self.assemble(former)
+            choice = dataclasses.replace(again.choice, automatic=True, culprit="the run that it goes on from")
+            return dataclasses.replace(again, choice=choice)
         if (
             begin != CONTACT_STEPS
             and assembly.choice.automatic
@@ -262,7 +262,7 @@ class RestoredStart:
         record, mechanism = self.record, self.record.assembly.mechanism
         if record.static or not self.started:
             return assembled_at(mechanism, step, expected=self.expected, **self.length)
-        found = assemble(
+        assembly = assemble(
             mechanism,
             step,
             start_state=initial_state(View(record), mechanism, 0.0),
@@ -272,5 +272,5 @@ class RestoredStart:
         state = (
             record.assembly.state.copy()
         )  # positions alone do not make it: element and contact forces went on
-        state[found.layout["step"]] = found.choice.step
-        return dataclasses.replace(found, state=state, tables=record.assembly.tables)
+        state[assembly.layout["step"]] = assembly.choice.step
+        return dataclasses.replace(assembly, state=state, tables=record.assembly.tables)

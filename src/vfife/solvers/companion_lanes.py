@@ -31,7 +31,7 @@ class Stepper(Protocol):
     def states(self) -> Array:
         """Present states, shape (rows, lanes); the next steps start from what is written into it."""
 
-    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
+    def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Array:
         """``outputs`` times ``count`` steps of the run; the rows recorded after each, shape (outputs, kept,
         lanes).
         """
@@ -82,7 +82,7 @@ class SynchronisedLanes:
         self.broken = np.zeros(1)
         self.stream: Stream | None = None
 
-    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
+    def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Array:
         """Make ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
         interval.
         """
@@ -90,7 +90,7 @@ class SynchronisedLanes:
             return self._begin()
         inside = (self.done - 1) % int(self.counts[0])
         past, until = self.steps_inside(inside), self.steps_inside(inside + count)
-        if anew:
+        if reset:
             self.states[self.extremes] = 0.0
         self.done += count * outputs
         if inside == 0 and count == self.counts[0]:
@@ -230,7 +230,7 @@ class SeparateLanes:
         self.states[:] = np.concatenate([runner.states for runner in self.runners], axis=1)
         self.broken = self.runners[0].broken
 
-    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Array:
+    def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Array:
         """Make ``outputs`` whole intervals of ``count`` steps of the run, or ``count`` steps within one
         interval.
         """
@@ -242,7 +242,7 @@ class SeparateLanes:
             runner.states[:, 0] = self.states[:, lane]
             runner.done = 0 if begins else 1 + output * int(self.counts[lane]) + int(past[lane])
             own = 1 if begins else int(until[lane] - past[lane])
-            rows.append(runner.advance(own, outputs, anew=anew, record=record))
+            rows.append(runner.advance(own, outputs, reset=reset, record=record))
             self.states[:, lane] = runner.states[:, 0]
         self.done += count * outputs
         return np.concatenate(rows, axis=2)

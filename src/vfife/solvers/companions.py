@@ -120,9 +120,9 @@ class Companions:
         return findings(self.parting, self.lost)
 
 
-def findings(parting: Parting | None, lost: Iterable[int]) -> dict[str, Any]:
+def findings(parting: Parting | None, diverged: Iterable[int]) -> dict[str, Any]:
     """Parting and lost companions, for JSON."""
-    return {"parting": None if parting is None else [parting.time, parting.joint], "lost": sorted(lost)}
+    return {"parting": None if parting is None else [parting.time, parting.joint], "lost": sorted(diverged)}
 
 
 def companion_count(assembly: Assembly, loop: str, setting: int | str) -> int:

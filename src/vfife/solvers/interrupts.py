@@ -136,11 +136,11 @@ class ChunkSize:
         self.look, self.room, self.seconds = look, first, 0.0
 
     def call(
-        self, runner: Stepper, count: int, outputs: int = 1, *, anew: bool = True, record: bool = True
+        self, runner: Stepper, count: int, outputs: int = 1, *, reset: bool = True, record: bool = True
     ) -> NDArray[np.float64]:
         """One call of the loop, timed; see :meth:`~vfife.compiler.runtime.runner.Runner.advance`."""
         began = time.perf_counter()
-        rows = runner.advance(count, outputs, anew=anew, record=record)
+        rows = runner.advance(count, outputs, reset=reset, record=record)
         self.learn(count * outputs, time.perf_counter() - began)
         if self.look is not None:
             self.look()
@@ -162,7 +162,7 @@ class ChunkSize:
                 some, inside = 1, 0
                 while inside < count:
                     piece = min(self.room, count - inside)
-                    rows = self.call(runner, piece, anew=inside == 0, record=inside + piece == count)
+                    rows = self.call(runner, piece, reset=inside == 0, record=inside + piece == count)
                     inside += piece
                 parts.append(rows)
             done += some

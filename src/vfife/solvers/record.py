@@ -120,7 +120,7 @@ class Columns:
     layout: Layout
     kept: NDArray[np.uint32]
     places: dict[str, NDArray[np.intp]] = field(default_factory=dict)
-    whole: dict[str, bool] = field(default_factory=dict)
+    complete: dict[str, bool] = field(default_factory=dict)
 
     def of(self, name: str) -> NDArray[np.intp]:
         """Columns of a block."""
@@ -130,9 +130,9 @@ class Columns:
 
     def keeps(self, name: str) -> bool:
         """Whether all of a block is there."""
-        if name not in self.whole:
-            self.whole[name] = bool(np.isin(self.layout[name], self.kept).all())
-        return self.whole[name]
+        if name not in self.complete:
+            self.complete[name] = bool(np.isin(self.layout[name], self.kept).all())
+        return self.complete[name]
 
 
 @dataclass

@@ -213,7 +213,7 @@ class Stepping:
             )
         piece = min(max(self.pace.room, 1), choice.outputs_every - inside)
         ends = inside + piece == choice.outputs_every
-        every = self.pace.call(self.runner, piece, anew=inside == 0, record=ends)
+        every = self.pace.call(self.runner, piece, reset=inside == 0, record=ends)
         if ends:
             return self._keep(self.done + piece, every)
         if self.runner.broken[0] > 0.0:
@@ -254,7 +254,7 @@ class Stepping:
                 steps, rows[:sound], companions, self._checkpoint() if due and sound == len(rows) else None
             )
             if due and sound == len(rows):
-                self._kept(began)
+                self._note_checkpoint(began)
         return sound == len(rows)
 
     def _look(self, steps: NDArray[np.int64], rows: Rows) -> None:
@@ -286,9 +286,9 @@ class Stepping:
         if self.file is not None and self.done > self.kept_at:
             began = time.monotonic()
             self.file.append(np.zeros(0, dtype=np.int64), np.zeros((0, 0)), None, self._checkpoint())
-            self._kept(began)
+            self._note_checkpoint(began)
 
-    def _kept(self, began: float) -> None:
+    def _note_checkpoint(self, began: float) -> None:
         self.kept_at, self.last = self.done, time.monotonic()
         self.cost = self.last - began
 
@@ -307,7 +307,7 @@ class Stepping:
         """
         runner, count = self._alone(), self.runner.done - done
         runner.states[:, 0], runner.done, runner.look = self.before, done, 1
-        runner.advance(count, 1, anew=False, record=False)
+        runner.advance(count, 1, reset=False, record=False)
         if runner.broken[0] == 0.0:
             return None
         row = runner.states[self.kept, 0]

@@ -42,18 +42,18 @@ def entries(folder: Path) -> list[Path]:
     return [path for path in folder.iterdir() if path.name != LOCK and STAGE not in path.name]
 
 
-def refuse_foreign(asked: Path | None, trace: str = RUN_FILE, what: str = "run") -> None:
+def refuse_foreign(place: Path | None, trace: str = RUN_FILE, what: str = "run") -> None:
     """Raise ValueError for a folder with files but without the ``trace`` that a run, or another ``what``,
     leaves.
     """
-    if asked is None or not asked.exists():
+    if place is None or not place.exists():
         return
-    if not asked.is_dir():
-        raise ValueError(f"-o {asked}: this is a file; name a folder")
-    own = is_run_file(asked / trace) if trace == RUN_FILE else (asked / trace).is_file()
-    if entries(asked) and not own:
+    if not place.is_dir():
+        raise ValueError(f"-o {place}: this is a file; name a folder")
+    own = is_run_file(place / trace) if trace == RUN_FILE else (place / trace).is_file()
+    if entries(place) and not own:
         raise ValueError(
-            f"-o {asked}: the folder holds files that are no {what} of vfife; name another one, or one that"
+            f"-o {place}: the folder holds files that are no {what} of vfife; name another one, or one that"
             " is empty"
         )
 
@@ -148,7 +148,7 @@ class RunFolder:
     path: Path = field(default_factory=Path)
     lock: Lock | None = None
     settled: bool = False
-    made: tuple[Path, ...] = ()
+    created: tuple[Path, ...] = ()
 
     @property
     def run_file(self) -> Path:
@@ -161,8 +161,8 @@ class RunFolder:
         inside = home.is_dir()
         parent, name = (home, "") if inside else (home.parent, f".{home.name}")
         if not inside:
-            self.made = tuple(folder for folder in parent.parents if not folder.exists())
-            self.made = (*((parent,) if not parent.exists() else ()), *self.made)
+            self.created = tuple(folder for folder in parent.parents if not folder.exists())
+            self.created = (*((parent,) if not parent.exists() else ()), *self.created)
             parent.mkdir(parents=True, exist_ok=True)
         tidy(parent, name)
         self.path = parent / f"{name}{STAGE}{os.urandom(4).hex()}"
@@ -247,19 +247,19 @@ class RunFolder:
             self.lock = None
         if not self.settled:
             empty(self.path)
-            for folder in self.made:
+            for folder in self.created:
                 with suppress(OSError):
                     folder.rmdir()
 
 
-def placed(asked: Path | None, model: Path, *, replace: bool = False, start: Path | None = None) -> RunFolder:
+def placed(place: Path | None, model: Path, *, replace: bool = False, start: Path | None = None) -> RunFolder:
     """Choose the folder of a run without changing anything: the given one, else runs/<model>, or with the
     next free number.
 
     Raises ValueError if it holds something else or, unless ``replace``, a run, if the run in it is the
     ``start``, or if files of the user's would be replaced; HeldError if another process writes into it.
     """
-    if asked is None:
+    if place is None:
         first = Path("runs") / model.stem
         path = next(path for path in numbered(first) if not path.exists())
         notes = (
@@ -268,28 +268,28 @@ def placed(asked: Path | None, model: Path, *, replace: bool = False, start: Pat
             else ()
         )
         return RunFolder(path, False, notes=notes)
-    refuse_foreign(asked)
-    if not asked.exists() or not entries(asked):
-        return RunFolder(asked)
+    refuse_foreign(place)
+    if not place.exists() or not entries(place):
+        return RunFolder(place)
     if (
         start is not None
-        and (start / RUN_FILE if start.is_dir() else start).resolve() == (asked / RUN_FILE).resolve()
+        and (start / RUN_FILE if start.is_dir() else start).resolve() == (place / RUN_FILE).resolve()
     ):
         raise ValueError(
-            f"-o {asked}: the run is to start from the one that is here, which would be lost; name another"
+            f"-o {place}: the run is to start from the one that is here, which would be lost; name another"
             " folder"
         )
     if not replace:
         raise ValueError(
-            f"-o {asked}: there is a run here already; name another folder, go on with it (--resume), or add"
+            f"-o {place}: there is a run here already; name another folder, go on with it (--resume), or add"
             " --force to replace it"
         )
-    if (who := holder(asked)) is not None:
+    if (who := holder(place)) is not None:
         raise HeldError(
-            f"-o {asked}: {who} writes a run here; wait until it has ended, or name another folder"
+            f"-o {place}: {who} writes a run here; wait until it has ended, or name another folder"
         )
-    refuse_in_the_way(asked, model_of(asked))
-    return RunFolder(asked, True, True, (f"{asked} held an earlier run, which this one replaces",))
+    refuse_in_the_way(place, model_of(place))
+    return RunFolder(place, True, True, (f"{place} held an earlier run, which this one replaces",))
 
 
 def refuse_in_the_way(folder: Path, model: str | None) -> None:

@@ -36,8 +36,8 @@ def locked_file(
         yield None
         return
     path = Path(file)
-    with Lock(path.absolute().parent, f"{path.name}.lock", what), kind.resume(path, spec) as found:
-        yield found
+    with Lock(path.absolute().parent, f"{path.name}.lock", what), kind.resume(path, spec) as stored:
+        yield stored
 
 
 class MapFile(Store):

@@ -44,7 +44,7 @@ from .wear_state import (
     sharpness,
     smooth,
     surfaces_of,
-    worn_of,
+    wear_result,
 )
 
 Array = NDArray[np.float64]
@@ -129,7 +129,7 @@ def wear(
     finally:
         if new and not points:
             Path(str(file)).unlink(missing_ok=True)
-    return worn_of(mechanism.name, spec, points, difference)
+    return wear_result(mechanism.name, spec, points, difference)
 
 
 def step_difference(
@@ -176,7 +176,7 @@ def load_wear(path: str | Path) -> Worn:
         )
         raise RunFileError(f"{path}: {why}. {again}")
     warn_of_damage(Path(path), "wear", file.damage, again)
-    return worn_of(stored["name"], WearSpec(**stored["asked"]), points, difference)
+    return wear_result(stored["name"], WearSpec(**stored["asked"]), points, difference)
 
 
 def wearing_surfaces(mechanism: Mechanism, spec: WearSpec) -> list[Surface]:

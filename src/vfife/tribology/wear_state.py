@@ -304,7 +304,7 @@ def sharpness(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> floa
     return max(bent[joint] / play[joint] for joint in bent)
 
 
-def worn_of(
+def wear_result(
     name: str, spec: WearSpec, points: Sequence[WearPoint], step_difference: Sequence[float] = ()
 ) -> Worn:
     """What the points tell."""

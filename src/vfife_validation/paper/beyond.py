@@ -39,7 +39,7 @@ def damped_laws(p: Parameters) -> dict[str, ContactLaw]:
     """Every contact law of the package with a restitution, at that of the set; with the paper's damping where
     a law has a choice of it.
     """
-    found: dict[str, ContactLaw] = {}
+    damped: dict[str, ContactLaw] = {}
     laws: list[tuple[str, Any]] = sorted(ContactLaw.registry.items())
     for name, kind in laws:
         fields = {f.name: f for f in dataclasses.fields(kind)}
@@ -51,11 +51,11 @@ def damped_laws(p: Parameters) -> dict[str, ContactLaw]:
             if f.name != "restitution"
         ):
             continue  # it wants a number that no paper gives
-        found[name] = kind(
+        damped[name] = kind(
             restitution=p.contact.restitution,  # type: ignore[attr-defined]
             **({"damping": DAMPED} if "damping" in fields else {}),
         )
-    return found
+    return damped
 
 
 def dampings(p: Parameters) -> dict[str, ContactLaw]:
@@ -137,7 +137,7 @@ def conclusions(runs: Sequence[Influence]) -> list[bool]:
     down = np.diff([one.lips for one in speeds], axis=0)
     largest = np.diff([(one.force, one.acceleration) for one in speeds], axis=0)
     return [
-        all(one.contact_kept for one in runs),
+        all(one.keeps_contact for one in runs),
         bool((up > 0).all()),
         bool((down < 0).all()),
         bool((largest > 0).all()),

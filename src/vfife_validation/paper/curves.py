@@ -90,7 +90,7 @@ def path_panel(member: Member, joint: str, title: str) -> Panel:
     return Panel(title, "x (mm)", "y (mm)", [circle, Line(x, y, "journal centre, one turn")], equal=True)
 
 
-def beside_ideal(
+def compared_with_ideal(
     curve: tuple[Array, Array], reference: tuple[Array, Array], factor: float, title: str, quantity: str
 ) -> Panel:
     """A curve with clearance over the ideal one."""

@@ -179,7 +179,7 @@ def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
     steps = ", ".join(f"{1e6 * s:g}" for s in STEPS)
     rods = [s for s in fit["structures"] if s["structure"].startswith("uniform rods")]
     least = min((s["misfit"] for s in rods), default=math.nan)
-    misfit_above = min(
+    least_misfit = min(
         (s["misfit"] for s in fit["structures"] if "above" in s["structure"]), default=math.nan
     )
     verdicts = [
@@ -195,12 +195,12 @@ def verdicts(fit: dict[str, Any], now: float) -> list[Verdict]:
                 f"best of {sum(s['points'] for s in rods)} sets is {least:.1f} points off",
             )
         )
-    if math.isfinite(misfit_above):
+    if math.isfinite(least_misfit):
         verdicts.append(
             Verdict(
                 "Joint 2 above the line of the pivots can give them, too",
-                misfit_above <= GOAL,
-                f"best set is {misfit_above:.1f} points off",
+                least_misfit <= GOAL,
+                f"best set is {least_misfit:.1f} points off",
             )
         )
     return verdicts

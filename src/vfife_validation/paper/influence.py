@@ -53,7 +53,7 @@ class Influence:
         return lip(self.force, self.ideal_force), lip(self.acceleration, self.ideal_acceleration)
 
     @property
-    def contact_kept(self) -> bool:
+    def keeps_contact(self) -> bool:
         """Whether no joint lost contact in the last turn: every one in contact at its outputs, and no contact
         began.
         """

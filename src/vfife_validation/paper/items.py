@@ -14,8 +14,8 @@ from .one_joint import fig12, fig13
 from .three_joints import fig15, fig16, fig17, fig18, fig19, fig20, table3, table4
 
 ITEMS: dict[str, Callable[[Context], Item]] = {
-    made.__name__: made
-    for made in (
+    item.__name__: item
+    for item in (
         fig8,
         fig9,
         fig10,

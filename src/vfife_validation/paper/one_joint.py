@@ -80,14 +80,14 @@ def fig12(context: Context) -> Item:
     one = runs(context)["Lankarani–Nikravesh"]
     reference = ideal(LINK, True, FASTEST)
     panels = [
-        curves.beside_ideal(
+        curves.compared_with_ideal(
             curves.velocity(one.member),
             curves.velocity(reference),
             1.0,
             "(a)",
             "angular velocity of follower (rad/s)",
         ),
-        curves.beside_ideal(
+        curves.compared_with_ideal(
             curves.acceleration(one.member),
             curves.acceleration(reference),
             1e-3,

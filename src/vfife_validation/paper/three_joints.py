@@ -74,7 +74,7 @@ def _paths(name: str, title: str, context: Context, runs: Sequence[Influence], l
             {
                 "clearance_mm": 1e3 * one.case.clearance,
                 "speed": one.case.speed,
-                "contact_kept": one.contact_kept,
+                "contact_kept": one.keeps_contact,
             }
             for one in runs
         ]
@@ -100,7 +100,7 @@ def contact_verdict(runs: Sequence[Influence], label: Any) -> Verdict:
     numbers = ", ".join(f"{label(one)}: {1e6 * value:.2f} µm" for one, value in zip(runs, least, strict=True))
     words = "All three joints stay in contact throughout the settled turn"
     return Verdict(
-        words, all(one.contact_kept for one in runs), f"least penetration of the three joints {numbers}"
+        words, all(one.keeps_contact for one in runs), f"least penetration of the three joints {numbers}"
     )
 
 
@@ -117,7 +117,7 @@ def _curves(
     for one in runs:
         reference = read(ideal(p.link, p.below, one.case.speed))
         curve = read(one.member)
-        panels.append(curves.beside_ideal(curve, reference, factor, label(one), quantity))
+        panels.append(curves.compared_with_ideal(curve, reference, factor, label(one), quantity))
         counts.append(curves.ripples(curve[1]))
         calm.append(curves.ripples(reference[1]))
     chart = Chart(

@@ -159,7 +159,7 @@ def exact_hops(acceleration: float, restitution: float, hops: int, phase: float,
 
     In turns of the table: times in 1/omega, speeds in g/omega, heights in g/omega^2.
     """
-    found, grid = [], np.arange(1, 2001) * 0.01
+    landings, grid = [], np.arange(1, 2001) * 0.01
     for _ in range(hops):
         flown = acceleration * math.sin(phase) + speed * grid - 0.5 * grid**2
         high = float(grid[np.argmax(flown < acceleration * np.sin(phase + grid))])
@@ -173,8 +173,8 @@ def exact_hops(acceleration: float, restitution: float, hops: int, phase: float,
             low, high = (middle, high) if over else (low, middle)
         phase, landed = phase + low, speed - low
         speed = -restitution * landed + (1.0 + restitution) * acceleration * math.cos(phase)
-        found.append((phase, speed))
-    return np.array(found)
+        landings.append((phase, speed))
+    return np.array(landings)
 
 
 # --------------------------------------------------------------------------------------- a mass and a stop

@@ -167,7 +167,7 @@ def create(place: RunFolder, prepared: Prepared) -> OpenRun:
     """A new run file in its place."""
     from ...store.runfile import RunFile
 
-    meta = prepared.kept
+    meta = prepared.run_meta
     place.begin()
     (place.path / MODEL).write_text(
         meta["model"], encoding="utf-8"

@@ -87,7 +87,7 @@ def memory_of(
     )
 
 
-# (n0, steps, out, anew, look): len(out) times so many steps from step n0, out[m] filled with the rows
+# (n0, steps, out, reset, look): len(out) times so many steps from step n0, out[m] filled with the rows
 # recorded after each, or of no rows; whether extremes begin anew before each; lanes are checked where look
 # divides the number of steps made.
 Take = Callable[..., None]
@@ -103,9 +103,9 @@ class Stepped:
         """Steps on a memory."""
         advance = self.functions["advance"].bound(memory)
 
-        def take(n0: int, steps: int, out: Numbers, anew: bool = True, look: int = NEVER) -> None:
+        def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NEVER) -> None:
             memory.N[RUN.look] = look
-            advance(int(anew), look - n0 % look, n0, steps, len(out), out.reshape(-1))
+            advance(int(reset), look - n0 % look, n0, steps, len(out), out.reshape(-1))
 
         return take
 
@@ -155,13 +155,13 @@ class DataDriven:
         )
         takes = [self.one(own) for own in owns]
 
-        def take(n0: int, steps: int, out: Numbers, anew: bool = True, look: int = NEVER) -> None:
+        def take(n0: int, steps: int, out: Numbers, reset: bool = True, look: int = NEVER) -> None:
             for lane, (own, advance) in enumerate(zip(owns, takes, strict=True)):
                 if own.broken[0] > 0.0:
                     continue
                 own.S[:rows] = states[:, lane]
                 records = np.zeros((*out.shape[:2], 1))
-                advance(n0, steps, records, anew, look)
+                advance(n0, steps, records, reset, look)
                 states[:, lane], out[:, :, lane] = own.S[:rows], records[:, :, 0]
 
         return take

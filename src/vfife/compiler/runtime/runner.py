@@ -60,7 +60,7 @@ class Runner:
         states: Rows,
         functions: Rows,
         loop: str,
-        kept: Integers,
+        recorded: Integers,
         *,
         parts: int = PARTS,
         shares: Rows | None = None,
@@ -68,7 +68,7 @@ class Runner:
         directions: int = 0,
     ) -> None:
         self.topology, self.loop = topology, loop
-        self.kept = np.ascontiguousarray(kept, dtype=np.uint32)
+        self.kept = np.ascontiguousarray(recorded, dtype=np.uint32)
         self.layout = layout_of(topology)
         self.lanes = states.shape[1]
         rows = self.layout.rows
@@ -99,15 +99,15 @@ class Runner:
         """Present state, shape (rows, lanes)."""
         return self.S.reshape(-1, self.lanes)
 
-    def advance(self, count: int, outputs: int, *, anew: bool = True, record: bool = True) -> Rows:
+    def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Rows:
         """``outputs`` times ``count`` steps from where the state is.
 
-        An interval between two outputs may be taken in several calls: the extremes begin ``anew`` in the
+        An interval between two outputs may be taken in several calls: the extremes are ``reset`` in the
         first of them only, and the last alone has to ``record``. Zeros that are recorded have no sign: terms
         that a topology makes zero drop out of a straight line, and signs with them.
         """
         out = np.zeros((outputs, len(self.kept) if record else 0, self.lanes))
-        self.take(self.done, count, out, anew, self.look)
+        self.take(self.done, count, out, reset, self.look)
         self.done += count * outputs
         out += 0.0
         return out

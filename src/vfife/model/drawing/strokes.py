@@ -197,7 +197,7 @@ def rails(view: JointView, direction: tuple[float, float], length: float, gap: f
     return strokes
 
 
-def beside(view: JointView, direction: tuple[float, float], gap: float) -> Label:
+def side_label(view: JointView, direction: tuple[float, float], gap: float) -> Label:
     """The name of a guide: over its upper rail, or to the right of it."""
     across = left_of(view.along(direction))
     across = across * (1.0 if across[1] > 0.3 or (abs(across[1]) <= 0.3 and across[0] > 0.0) else -1.0)

@@ -82,9 +82,9 @@ class Path:
 
     def distance(self, x: float, y: float) -> float:
         """Distance (m) of a point from the path, positive on its left."""
-        return self.seen(x, y)[0]
+        return self.nearest(x, y)[0]
 
-    def seen(self, x: float, y: float) -> tuple[float, float, float]:
+    def nearest(self, x: float, y: float) -> tuple[float, float, float]:
         """Distance (m) of a point from the path, positive on its left, and the path's normal to the left at
         the foot.
         """

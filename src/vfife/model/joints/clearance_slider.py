@@ -11,7 +11,7 @@ from ...errors import Fault
 from ...laws import Material, Pair
 from ...numerics.scalar import atan2, hypot, sincos
 from ...schema import Direction, described, quantity
-from ..drawing.strokes import Block, Extent, JointView, Label, Stroke, beside, facing, rails
+from ..drawing.strokes import Block, Extent, JointView, Label, Stroke, facing, rails, side_label
 from ..rows import Across, Touching
 from .contact import Contact
 from .joint import Point
@@ -98,7 +98,7 @@ class ClearanceSlider(Contact):
 
     def label(self, view: JointView) -> Label:
         """Beside the guide."""
-        return beside(view, self.direction, view.factor * (0.5 * self.height + self.clearance))
+        return side_label(view, self.direction, view.factor * (0.5 * self.height + self.clearance))
 
     @property
     def drawn(self) -> Extent:

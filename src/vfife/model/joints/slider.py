@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ...schema import Direction, Switch, described
-from ..drawing.strokes import BLOCK, Block, JointView, Label, Mark, Stroke, beside, rails
+from ..drawing.strokes import BLOCK, Block, JointView, Label, Mark, Stroke, rails, side_label
 from ..rows import Across, Row, Turn
 from .joint import Joint, Point
 
@@ -47,4 +47,4 @@ class Slider(Joint):
 
     def label(self, view: JointView) -> Label:
         """Beside the guide."""
-        return beside(view, self.direction, 0.5 * BLOCK[1] * view.size)
+        return side_label(view, self.direction, 0.5 * BLOCK[1] * view.size)

@@ -39,7 +39,7 @@ def faults(mechanism: Mechanism) -> list[Fault]:
     partial_mechanism = read(mechanism, reading)
     checks = Checks(
         partial_mechanism,
-        told={fault.path for fault in reading.faults},
+        refusals={fault.path for fault in reading.faults},
         written=lambda path: written(mechanism, path),
     )
     # What a static analysis is asked for is looked at when it is assembled, where Python may give a driver a

@@ -9,15 +9,15 @@ from ...errors import Path, article
 from ...numerics.scalar import hypot
 from ..bodies import ELASTIC, MOST_ELEMENTS, MOST_IN_ALL, Frame, Link, RigidBody, Section
 from ..lumping import rigid_properties
-from .checks import Checks, ends, given, known
+from .checks import Checks, ends, entries_of, readable
 
 
 def check_bodies(checks: Checks) -> None:
     """Every body."""
     check_all(checks)
-    for name, body in known(checks.bodies):
+    for name, body in readable(checks.bodies):
         path: Path = ("body", name)
-        for pin in given(body, "pins"):
+        for pin in entries_of(body, "pins"):
             if pin in ("center", *body.own_points):
                 checks.add(
                     (*path, "pins", pin), "the body has a pin of this name already", "call it otherwise"
@@ -45,9 +45,9 @@ def check_bodies(checks: Checks) -> None:
 def check_masses(checks: Checks, path: Path, body: Any) -> None:
     """Attached masses sit at pins, and something has a mass, and an inertia or an arm."""
     points = (
-        {"center", *body.own_points, *given(body, "pins")}
+        {"center", *body.own_points, *entries_of(body, "pins")}
         if isinstance(body, RigidBody)
-        else {"start", "end", *given(body, "pins")}
+        else {"start", "end", *entries_of(body, "pins")}
     )
     for pin in body.masses or ():
         if pin not in points:
@@ -76,13 +76,13 @@ def check_masses(checks: Checks, path: Path, body: Any) -> None:
 def check_link(checks: Checks, name: str, body: Any) -> None:
     """What the model of a link needs."""
     path: Path = ("body", name)
-    no_section = body.section is None and not checks.told((*path, "section"))
+    no_section = body.section is None and not checks.fails((*path, "section"))
     if body.model in ELASTIC and no_section:
         remedy = "add section = { area = ..., second_moment = ... } or { square = ... }"
         checks.add(
             (*path, "section"), f"{article(body.model)} link needs a section, which is missing", remedy
         )
-    elif body.mass is None and no_section and not checks.told((*path, "mass")):
+    elif body.mass is None and no_section and not checks.fails((*path, "mass")):
         checks.add((*path, "mass"), "the link has neither a mass nor a section", "add one of the two")
     held = driven_end(checks, name)
     if body.model in ELASTIC and held and body.release in (held, "both"):
@@ -181,7 +181,7 @@ def check_member(
     if (
         member.section is None
         and frame.section is None
-        and not (checks.told((*path, "section")) or checks.told((*path[:2], "section")))
+        and not (checks.fails((*path, "section")) or checks.fails((*path[:2], "section")))
     ):
         checks.add(
             (*path, "section"),
@@ -213,7 +213,7 @@ def check_member(
 
 def check_all(checks: Checks) -> None:
     """The elements of all bodies together are not too many."""
-    counts = {name: elements_of(body) for name, body in known(checks.bodies)}
+    counts = {name: elements_of(body) for name, body in readable(checks.bodies)}
     total = sum(counts.values())
     if total > MOST_IN_ALL and max(counts.values()) <= MOST_ELEMENTS:
         name = max(counts, key=lambda one: counts[one])

@@ -15,26 +15,26 @@ MOST_SUGGESTIONS = 40  # looking for names that look alike takes time, and nobod
 
 
 class Checks:
-    """A mechanism, known in part perhaps, the paths at which something was ``told`` already, and the
+    """A mechanism, known in part perhaps, the paths of ``refusals``, where something is wrong, and the
     ``faults`` found.
 
-    ``given`` are paths of values that stand beside the file; ``written`` returns the value at a path.
+    ``overrides`` are paths of values that stand beside the file; ``written`` returns the value at a path.
     """
 
     def __init__(
         self,
         mechanism: Mechanism,
-        told: Iterable[Path] = (),
-        given: Iterable[Path] = (),
+        refusals: Iterable[Path] = (),
+        overrides: Iterable[Path] = (),
         written: Callable[[Path], str] = lambda path: "",
     ) -> None:
-        self.mechanism, self.given, self.written = mechanism, given, written
-        self.refused = {path[:depth] for path in told for depth in range(2, len(path) + 1)}
+        self.mechanism, self.overrides, self.written = mechanism, overrides, written
+        self.refused = {path[:depth] for path in refusals for depth in range(2, len(path) + 1)}
         self.faults: list[Fault] = []
         self.suggestions = 0
         self.bodies: dict[str, Any] = dict(mechanism.bodies)
-        self.joints = dict(known(mechanism.joints))
-        self.drivers = dict(known(mechanism.drivers))
+        self.joints = dict(readable(mechanism.joints))
+        self.drivers = dict(readable(mechanism.drivers))
         self.turned = {
             driver.body: name
             for name, driver in self.drivers.items()
@@ -49,7 +49,7 @@ class Checks:
     def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
         """One fault more, with the value that stands at the path."""
         value = self.written(path) if path[-1] != "" else ""
-        fault = Fault("", what, value, limit, remedy).at(path, self.given)
+        fault = Fault("", what, value, limit, remedy).at(path, self.overrides)
         if self.faults[-1:] != [fault]:  # two tables over the same places hear of them once
             self.faults.append(fault)
 
@@ -57,7 +57,7 @@ class Checks:
         """Adds a fault that a noun at a path finds of itself."""
         self.add((*path, *fault.path), fault.what, fault.remedy, fault.limit)
 
-    def told(self, path: Path) -> bool:
+    def fails(self, path: Path) -> bool:
         """Whether what stands at a path was refused already, or a part of it."""
         return path in self.refused
 
@@ -75,7 +75,7 @@ class Checks:
 
     def side(self, path: Path, side: Any, ground: str = "") -> None:
         """A text ``body.pin`` names a pin that exists; ``ground`` says why it must not be the ground's."""
-        if side is None or self.told(path):
+        if side is None or self.fails(path):
             return
         body, _, pin = side.partition(".")
         bodies = [*self.bodies, *([] if ground else ["ground"])]
@@ -94,7 +94,7 @@ class Checks:
 
     def body(self, path: Path, name: Any) -> bool:
         """Whether a text names a body that exists, or the ground."""
-        if name is None or self.told(path):
+        if name is None or self.fails(path):
             return False
         among = [*self.bodies, "ground"]
         if name in among:
@@ -110,7 +110,7 @@ class Checks:
         keys.
         """
         (key, values_of_table), (axis, points) = values, over
-        if self.told((*path, key)) or self.told((*path, axis)):
+        if self.fails((*path, key)) or self.fails((*path, axis)):
             return
         for missing, other, value in ((axis, key, points), (key, axis, values_of_table)):
             if value is None:
@@ -137,7 +137,7 @@ class Checks:
                 break
 
 
-def known(nouns: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+def readable(nouns: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Names and nouns, without those of which nothing is known."""
     return ((name, noun) for name, noun in nouns.items() if noun is not None)
 
@@ -146,10 +146,10 @@ def points_of(body: Any) -> Iterator[str]:
     """Names of the points of a body, known in part perhaps."""
     yield from type(body).own_points
     for key in ("pins", "nodes"):
-        yield from given(body, key)
+        yield from entries_of(body, key)
 
 
-def given(body: Any, key: str) -> Any:
+def entries_of(body: Any, key: str) -> Any:
     """Pins or nodes that were given to a body; the body may be known in part."""
     return vars(body).get(key) or ()
 

@@ -139,7 +139,7 @@ def check_effort(checks: Checks, path: Path, driver: Any, places: str) -> None:
             "keep one of them",
         )
     elif (over or isinstance(driver.value, tuple | list)) and not any(
-        checks.told((*path, key)) for key in axes
+        checks.fails((*path, key)) for key in axes
     ):
         axis = over[0] if over else "times"
         checks.series(path, (effort, driver.value), (axis, axes[axis]))

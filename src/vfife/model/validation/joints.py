@@ -9,7 +9,7 @@ from ...schema import Text, described_fields, value_of
 from ..bodies import Frame, Link
 from ..functions import carrier_of
 from ..rows import Coincide
-from .checks import Checks, ends, held_by, known, rows_of, shown_name
+from .checks import Checks, ends, held_by, readable, rows_of, shown_name
 
 
 def check_joints(checks: Checks) -> None:
@@ -78,7 +78,7 @@ def _carrier(checks: Checks, gear: Any) -> str:
 def check_gears(checks: Checks) -> None:
     """A gear couples two different bodies that turn, once, and its ratio is not zero."""
     pairs: dict[frozenset[str], str] = {}
-    for name, gear in known(checks.mechanism.gears):
+    for name, gear in readable(checks.mechanism.gears):
         path: Path = ("gear", name)
         one, two = gear.first, gear.second
         if gear.ratio == 0.0:
@@ -121,7 +121,7 @@ def check_gears(checks: Checks) -> None:
 
 def check_springs(checks: Checks) -> None:
     """Every spring."""
-    for name, spring in known(checks.mechanism.springs):
+    for name, spring in readable(checks.mechanism.springs):
         path: Path = ("spring", name)
         for field in described_fields(type(spring)):
             value = value_of(field)

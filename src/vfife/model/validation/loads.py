@@ -12,14 +12,14 @@ from ..geometry.tabulated import SamplingError, closes, sampled
 from ..loads.load import OVER
 from ..loads.tabular import Tabular
 from ..rows import Across, place_row, turn_row
-from .checks import Checks, known, rows_of, shown_name
+from .checks import Checks, readable, rows_of, shown_name
 
 REPEATS = ("times", "angles")
 
 
 def check_loads(checks: Checks) -> None:
     """Every load."""
-    for name, load in known(checks.mechanism.loads):
+    for name, load in readable(checks.mechanism.loads):
         path: Path = ("load", name)
         if load.along:
             check_guide(checks, path, load.slider)
@@ -40,7 +40,7 @@ def check_loads(checks: Checks) -> None:
 
 def check_alone(checks: Checks, path: Path, load: Any) -> None:
     """What can be wrong with a load by itself."""
-    if not checks.told(path):
+    if not checks.fails(path):
         for one in load.conflicts():
             checks.take(path, one)
     if isinstance(load, Tabular) and load.expression:
@@ -60,7 +60,7 @@ def check_expression(checks: Checks, path: Path, load: Any) -> None:
             return
     for key in ("expression", "expression_back"):
         text = getattr(load, key)
-        if not text or checks.told((*path, key)):
+        if not text or checks.fails((*path, key)):
             continue
         try:
             variable = parse(text).variable
@@ -102,7 +102,7 @@ def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
             f"give {axis} = [first, last]",
         )
     else:
-        return bool(axis) and not any(checks.told((*path, key)) for key in OVER)
+        return bool(axis) and not any(checks.fails((*path, key)) for key in OVER)
     return False
 
 
@@ -131,7 +131,7 @@ def check_table(checks: Checks, path: Path, load: Any) -> None:
             "keep one of them",
         )
         return
-    if any(checks.told((*path, key)) for key in (*OVER, value, back)):
+    if any(checks.fails((*path, key)) for key in (*OVER, value, back)):
         return
     if load.expression_back:
         checks.add(
@@ -183,7 +183,7 @@ def dangling_drivers(checks: Checks) -> bool:
 
 def check_guide(checks: Checks, path: Path, slider: Any) -> None:
     """The joint exists, and has a straight guide."""
-    if slider is None or checks.told((*path, "slider")):
+    if slider is None or checks.fails((*path, "slider")):
         return
     guided = [
         name

@@ -11,7 +11,7 @@ from ...laws.materials import coefficient
 from ..mechanism import Mechanism
 from ..surfaces import surfaces
 from ..wear import Wear
-from .checks import NAME_LIMIT, Checks, given, known
+from .checks import NAME_LIMIT, Checks, entries_of, readable
 
 
 def check_settings(checks: Checks) -> None:
@@ -24,7 +24,7 @@ def check_settings(checks: Checks) -> None:
         return
     check_settle(checks, settings)
     lengths = [
-        getattr(settings, key) is not None or checks.told(("run", key)) for key in ("turns", "duration")
+        getattr(settings, key) is not None or checks.fails(("run", key)) for key in ("turns", "duration")
     ]
     if all(lengths):
         checks.add(("run", "duration"), "turns and duration exclude each other", "remove one of the two")
@@ -44,7 +44,7 @@ def check_settle(checks: Checks, settings: Any) -> None:
     """Turns that are to repeat are those of a crank at constant speed."""
     drivers: dict[str, Any] = dict(checks.mechanism.drivers)  # of which some may not have been read
     moving = [driver for driver in drivers.values() if driver is not None and driver.moves]
-    if settings.settle is None or checks.told(("run", "settle")):
+    if settings.settle is None or checks.fails(("run", "settle")):
         return
     if not any(driver.steady_speed for driver in moving) or any(
         driver.steady_speed is None for driver in moving
@@ -157,7 +157,7 @@ def check_names(checks: Checks) -> None:
     for path in named_paths(checks):
         check_name(checks, path)
     for section, field in SECTIONS.items():
-        for key, noun in known(getattr(checks.mechanism, field)):
+        for key, noun in readable(getattr(checks.mechanism, field)):
             if noun.name != key:
                 what = f"the {section} {shown(key)} calls itself {shown(noun.name)}"
                 checks.add((section, key, "name"), what, "give it the name under which it stands")
@@ -186,9 +186,9 @@ def named_paths(checks: Checks) -> Iterator[Path]:
     # A driver's name is that of its body, and told there, unless it says otherwise.
     yield from (
         ("driver", name)
-        for name, driver in known(model.drivers)
+        for name, driver in readable(model.drivers)
         if driver.target != "body" or driver.body != name
     )
-    for name, body in known(checks.bodies):
+    for name, body in readable(checks.bodies):
         for key in ("pins", "nodes"):
-            yield from (("body", name, key, pin) for pin in given(body, key))
+            yield from (("body", name, key, pin) for pin in entries_of(body, key))

@@ -19,9 +19,9 @@ from .settings import check_name
 
 
 def faults_of(
-    mechanism: Mechanism, section: str, name: str, noun: Any, told: Iterable[Path] = ()
+    mechanism: Mechanism, section: str, name: str, noun: Any, refusals: Iterable[Path] = ()
 ) -> list[Fault]:
-    """What is wrong with a noun, known in part perhaps, that is to join a mechanism under a name; ``told``
+    """What is wrong with a noun, known in part perhaps, to join a mechanism under a name; ``refusals``
     are paths of what was refused.
     """
     path: Path = (section, name)
@@ -29,7 +29,7 @@ def faults_of(
     one: dict[str, Any] = {field.name: {name: noun}}
     holding = dataclasses.replace(mechanism, **one)
     around = mechanism if section != "body" else dataclasses.replace(holding, drivers={}, joints={})
-    checks = Checks(around, told, written=lambda path: written(holding, path))
+    checks = Checks(around, refusals, written=lambda path: written(holding, path))
     check_name(checks, path)
     if section == "body":
         if name == "ground":
@@ -67,7 +67,7 @@ def references(checks: Checks, path: Path, noun: Any) -> list[str]:
     names = []
     for field in described_fields(type(noun)):
         held, text = value_of(field), getattr(noun, field.name)
-        if not isinstance(held, Text) or not held.refers or not text or checks.told((*path, key_of(field))):
+        if not isinstance(held, Text) or not held.refers or not text or checks.fails((*path, key_of(field))):
             continue
         names.append(text)
         at, body = (*path, key_of(field)), text.partition(".")[0]

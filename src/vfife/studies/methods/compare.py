@@ -145,7 +145,7 @@ class Parts:
 
     def path(self, one: Prepared) -> Path:
         """Return the file of a run, which exists once it is complete."""
-        meta = one.kept
+        meta = one.run_meta
         key = [meta["model"], sorted(meta["asked"].items()), meta["versions"], one.companions]
         name = NAME.format(hashlib.blake2b(repr(key).encode(), digest_size=10).hexdigest())
         return (self.folder or Path(os.devnull)) / name
