@@ -45,7 +45,7 @@ def pictures(folder: Path) -> None:
     """A picture of each law."""
     from vfife.cli.commands import laws as lawplot
     from vfife.laws import ContactLaw, FrictionLaw
-    from vfife.plots.laws import drawn
+    from vfife.plots.laws import save_law
 
     folder.mkdir(parents=True, exist_ok=True)
     lawplot.RESTITUTIONS = tuple(
@@ -63,7 +63,7 @@ def pictures(folder: Path) -> None:
                 if law["kind"] == "contact"
                 else lawplot.friction(noun, pair, 100.0)
             )
-            drawn(law["kind"], folder / f"{law['kind']}-{law['name']}.png", **what)
+            save_law(law["kind"], folder / f"{law['kind']}-{law['name']}.png", **what)
 
 
 def section(law: dict[str, Any]) -> str:

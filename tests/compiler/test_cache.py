@@ -23,7 +23,7 @@ RUN = """
 import json, sys
 sys.path.insert(0, {tests!r})
 from support import go, journal_in_bearing
-from vfife.compiler import loops
+from vfife.compiler.runtime import loops
 written = []
 make = loops.step_code
 loops.step_code = lambda *given: written.append(1) or make(*given)

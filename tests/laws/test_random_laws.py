@@ -149,7 +149,7 @@ def fused(monkeypatch):
 def whole_turned(monkeypatch):
     """Whole numbers compare the other way."""
     monkeypatch.setattr(
-        expressions, "WHOLE", {"<": "sge", ">": "sle", "<=": "sgt", ">=": "slt", "==": "ne", "!=": "eq"}
+        expressions, "INTEGER_ORDER", {"<": "sge", ">": "sle", "<=": "sgt", ">=": "slt", "==": "ne", "!=": "eq"}
     )
 
 

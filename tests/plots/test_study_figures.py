@@ -100,7 +100,7 @@ def test_axes_say_quantities_as_people_do() -> None:
 def test_words_stand_in_their_order_and_files_are_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from vfife.plots.study import drawn
+    from vfife.plots.study import save_figures
 
     text = (
         GRID
@@ -108,7 +108,7 @@ def test_words_stand_in_their_order_and_files_are_written(
     )
     found = made(text, tmp_path, monkeypatch)
     (tmp_path / "out").mkdir()
-    paths = drawn(found, tmp_path / "out", ["parallel", "maps"], ending=".svg")
+    paths = save_figures(found, tmp_path / "out", ["parallel", "maps"], ending=".svg")
     assert [path.name for path in paths] == ["maps.svg", "parallel.svg"]
     assert "median over law" in found.plot("maps")["maps"]._suptitle.get_text()
     words = {text.get_text() for text in found.plot("parallel")["parallel"].axes[0].texts}

@@ -184,7 +184,7 @@ CHILD = """
 import sys
 sys.path[:0] = [{tests!r}, {tests!r} + "/golden"]
 from one_loop import ForAllLaws
-from vfife.compiler import loops, native
+from vfife.compiler.runtime import loops, native
 loops.DataDriven = ForAllLaws
 native.processor = lambda: ({name!r}, "")
 import test_golden
