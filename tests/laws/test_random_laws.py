@@ -149,7 +149,9 @@ def fused(monkeypatch):
 def whole_turned(monkeypatch):
     """Whole numbers compare the other way."""
     monkeypatch.setattr(
-        expressions, "INTEGER_ORDER", {"<": "sge", ">": "sle", "<=": "sgt", ">=": "slt", "==": "ne", "!=": "eq"}
+        expressions,
+        "INTEGER_ORDER",
+        {"<": "sge", ">": "sle", "<=": "sgt", ">=": "slt", "==": "ne", "!=": "eq"},
     )
 
 

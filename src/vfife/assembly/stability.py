@@ -376,6 +376,21 @@ def inverse_masses(layout: Layout, states: Array, particles: Sequence[int]) -> A
     return np.stack(parts, axis=-1).reshape(len(states), -1)
 
 
+class StateRows(dict[int, Any]):
+    """Rows of the state, each [cases, 1], as the text of a kernel indexes and replaces them.
+
+    A row of the states is a view made when it is read: a list of all rows would hold one array object for
+    each number of the state, many times the numbers themselves where a mechanism has many elements.
+    """
+
+    def __init__(self, rows: Array) -> None:
+        super().__init__()
+        self.rows = rows
+
+    def __missing__(self, row: int) -> Any:
+        return self.rows[row] if row < len(self.rows) else 0.0
+
+
 def constraint_rows(
     layout: Layout, states: Array, topology: Topology, joined: Sequence[int], turns: Sequence[float] = (0.0,)
 ) -> Array:
@@ -396,8 +411,8 @@ def constraint_rows(
             for state in states
         ]
         return np.array(alone).reshape(len(states), len(turns), -1, 3 * len(joined))
-    integers, _, count = tables(topology)
-    S: list[Any] = [*np.ascontiguousarray(states.T)[:, :, None], *([0.0] * (count - layout.rows))]
+    integers = tables(topology)[0]
+    S = StateRows(np.ascontiguousarray(states.T)[:, :, None])
     angle = states[:, None, layout["particle_theta"]] + np.reshape(turns, (-1, 1))
     angle = np.where(np.arange(topology.particles) > 0, angle, 0.0)[..., list(topology.bound)]
     for name, values in zip(("s", "c"), sincos(angle), strict=True):
