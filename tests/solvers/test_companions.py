@@ -22,7 +22,7 @@ from vfife.assembly.assembled import StepChoice
 from vfife.errors import ModelError
 from vfife.kernels.arrays import Layout
 from vfife.laws import Ambrosio, Frictionless
-from vfife.measures.catalogue import measures
+from vfife.measures.catalogue import PEAKS, measures
 from vfife.measures.error_ranges import band, companion_records, over_tries, own_ranges, ranged
 from vfife.measures.trust import spreads_after_parting, trust
 from vfife.measures.turns import record_of_companion
@@ -364,6 +364,9 @@ def test_peaks_that_scatter_after_a_parting_count_where_they_may_be_the_largest(
     left.parting = Parting(float(record.steps[middle]) * record.assembly.choice.step, "C")
     found = spreads_after_parting(record, over_tries(record))
     assert found.get("C.penetration.max", 0.0) == pytest.approx(0.02 if counts else 0.0, abs=1e-9)
+    # Four values that scatter over 2 % have an error of twice their width, beyond the largest of them.
+    high = ranged(record, groups=PEAKS)["C.penetration.max"].high / largest
+    assert high == pytest.approx(height + 2.0 * 0.02 if counts else 1.0, abs=2e-4)
 
 
 # -------------------------------------------------------------------------------------------------------------- parting

@@ -129,13 +129,20 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
 
     Ranges estimate the error of the step, from the values at all step sizes. Where a try with twice the step
     was given up, and its range does not hold what has come out now, the estimate of that try has failed: then
-    the ranges reach over both. Ranges of a smooth run are its estimated errors to both sides.
+    the ranges reach over both. They reach over the largest values after run and companions part too
+    (:func:`peaks_after_parting`). Ranges of a smooth run are its estimated errors to both sides.
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
-    by_name, joins = samples(record, reference, groups), contradiction(record)
+    by_name, joins, later = (
+        samples(record, reference, groups),
+        contradiction(record),
+        peaks_after_parting(record),
+    )
     ranges = Measures()
     for name, one in by_name.items():
         low, high = _reach(record, name, one)
+        if name in later:
+            high = max(high, later[name].error_range(name)[1])
         if name in joins:
             least, most = min(one.low, joins[name][0]), max(one.high, joins[name][1])
             wide = widen(name, least, most, SCATTER * (most - least))
@@ -160,6 +167,24 @@ def contradiction(record: Record) -> Mapping[str, tuple[float, float]]:
     """
     earlier = {} if record.companions is None else record.companions.earlier
     return {} if not earlier or followed(record, own_ranges(record, groups=PEAKS), earlier) else earlier
+
+
+def peaks_after_parting(record: Record) -> dict[str, Samples]:
+    """The largest values after run and companions part within their last turn, at all step sizes; none where
+    they do not, or where measures are means over several turns.
+
+    Until they part all of them have the same motion, and so the same largest value, which says nothing of
+    what comes after: there the motion depends on the steps, and its largest values scatter.
+    """
+    companions, motion = record.companions, evaluated_turns(record)
+    if companions is None or companions.parting is None or (motion is not None and motion.several):
+        return {}
+    begin = companions.parting.time * (1.0 - 1e-9)
+    own, *others = (
+        over_turn(one, last_turn(one) & (one.steps * one.assembly.choice.step >= begin), PEAKS)
+        for one in (record, *companion_records(record))
+    )
+    return joined(own, others, step_ratios(record))
 
 
 def over_tries(

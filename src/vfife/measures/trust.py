@@ -10,20 +10,11 @@ import numpy as np
 from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
 from ..solvers.status import Status
-from .catalogue import PEAKS, over_turn
+from .catalogue import PEAKS
 from .energy import ledger, own_floor
-from .error_ranges import (
-    companion_records,
-    evaluated_turns,
-    joined,
-    over_tries,
-    ranged,
-    sizes,
-    spreads,
-    step_ratios,
-)
+from .error_ranges import over_tries, peaks_after_parting, ranged, sizes, spreads
 from .statics import spreads as static_spreads
-from .turns import last_turn, turns
+from .turns import turns
 from .values import Measured
 
 # How often an automatic step is halved at the most: for companions that diverge, and for a smooth run with
@@ -34,8 +25,7 @@ SMOOTH_HALVINGS = 3
 # them.
 DEEP_HALVINGS = 3, 4
 # For an energy ledger that does not close, or a motion that is not periodic: without companions, and with
-# them, where a run
-# begins with twice the step.
+# them, where a run begins with twice the step.
 OPEN_HALVINGS = 2, 1
 # Share of the largest energy by which a ledger may be open before the step is halved.
 OPEN = 1e-3
@@ -80,9 +70,7 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
         hulls = measures if companions is None else over_tries(record, groups=PEAKS)
         widths = spreads(hulls, record.assembly.choice.step)
     name, spread = max(widths.items(), key=lambda item: item[1], default=("", 0.0))
-    if (
-        not record.static and spread <= SENSITIVE
-    ):  # all agree, perhaps as they part after their largest values
+    if not record.static and spread <= SENSITIVE:  # perhaps because they part after their largest values
         later = spreads_after_parting(record, hulls)
         worst, largest = max(later.items(), key=lambda item: item[1], default=("", 0.0))
         name, spread = (worst, largest) if largest > SENSITIVE else (name, spread)
@@ -110,25 +98,15 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
 
 
 def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict[str, float]:
-    """How far largest values after run and companions part differ, over their size (1), where they matter.
+    """How far the largest values after a parting (:func:`~vfife.measures.error_ranges.peaks_after_parting`)
+    differ, over their size (1), where they matter.
 
-    Until they part all of them have the same motion, and so the same largest value, which says nothing of
-    what comes after: there the motion depends on the steps, and its largest values scatter. They matter where
-    their range reaches beyond the largest value of all (``hulls``). Only runs that part within their last
-    turn count.
+    They matter where their range reaches beyond the largest value of all (``hulls``).
     """
-    companions, motion = record.companions, evaluated_turns(record)
-    if companions is None or companions.parting is None or (motion is not None and motion.several):
-        return {}
-    begin = companions.parting.time * (1.0 - 1e-9)
-    peaks = [
-        over_turn(one, last_turn(one) & (one.steps * one.assembly.choice.step >= begin), PEAKS)
-        for one in (record, *companion_records(record))
-    ]
     size = sizes(hulls, record.assembly.choice.step)
     return {
         name: (later.high - later.low) / size[name]
-        for name, later in joined(peaks[0], peaks[1:], step_ratios(record)).items()
+        for name, later in peaks_after_parting(record).items()
         if name in size and later.error_range(name)[1] > hulls[name].high
     }
 
