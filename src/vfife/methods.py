@@ -119,7 +119,7 @@ def plot_fit(self: Fit) -> Figure:
 
 def notebook(self: Any) -> str:
     """Return what a notebook shows: its document with title, tables and cautions."""
-    from .report.html import notebook
+    from .report.notebook import notebook
 
     return notebook(self)
 

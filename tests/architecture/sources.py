@@ -35,6 +35,13 @@ def files() -> list[tuple[str, ast.Module, str]]:
 
 
 @cache
+def modules() -> frozenset[str]:
+    """Names of all modules of both packages; a package goes by its own name."""
+    names = (name.removesuffix(".py").removesuffix("/__init__") for name, _, _ in files())
+    return frozenset(name.replace("/", ".") for name in names)
+
+
+@cache
 def statements(name: str) -> list[ast.stmt]:
     """Every statement of a file of the package, those inside others too: functions, classes and imports are
     nothing else.
@@ -85,11 +92,12 @@ def _imports(node: ast.AST, package: str, *, inside: bool, for_types: bool) -> I
             yield from (Import(child.lineno, alias.name, inside, for_types) for alias in child.names)
         elif isinstance(child, ast.ImportFrom):
             module = _absolute(child, package)
-            yield Import(child.lineno, module, inside, for_types)
-            if module == "vfife":  # `from vfife import plots` names a room, not the package
-                yield from (
-                    Import(child.lineno, f"vfife.{alias.name}", inside, for_types) for alias in child.names
-                )
+            names = [f"{module}.{alias.name}" for alias in child.names]
+            # `from . import forces` names a module, `from .forces import peak` a thing in one.
+            inner = [one for one in names if one in modules()]
+            if len(inner) < len(names):
+                inner.insert(0, module)
+            yield from (Import(child.lineno, one, inside, for_types) for one in inner)
         else:
             checked = isinstance(child, ast.If) and ast.unparse(child.test) in (
                 "TYPE_CHECKING",

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from architecture.sources import PROJECT, ROOT, files, imports, parsed, report
+from architecture.sources import PROJECT, ROOT, files, imports, modules, parsed, report
 
 KERNELS_MAY_IMPORT = {"numpy", *sys.stdlib_module_names}
 EXTRAS = ("cluster", "gpu", "live", "optimise", "parquet", "sensitivity", "video")
@@ -77,7 +77,7 @@ def test_every_room_has_its_level() -> None:
     )
 
 
-@pytest.mark.system("parses every file, as make lint does")
+@pytest.mark.slow("parses every file")
 def test_no_function_hides_an_import_of_a_room_above() -> None:
     level = levels()
     offenders = []
@@ -88,6 +88,51 @@ def test_no_function_hides_an_import_of_a_room_above() -> None:
             if here is not None and there is not None and one.inside and not one.for_types and there < here:
                 offenders.append(f"{name}:{one.line} imports {one.module}")
     report("An import inside a function defers a cost, it does not turn the house upside down:", offenders)
+
+
+def import_graph() -> dict[str, set[str]]:
+    """Modules that each module imports, also inside functions, but not for type checkers alone."""
+    graph: dict[str, set[str]] = {}
+    for name, tree, _ in files():
+        module = name.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+        graph[module] = {one.module for one in imports(name, tree) if not one.for_types} & modules()
+    return graph
+
+
+def cycles(graph: dict[str, set[str]]) -> list[list[str]]:
+    """Sets of two or more modules each of which reaches all others: strongly connected components."""
+    reached = {module: reach(graph, module) for module in graph}
+    groups = {
+        frozenset(other for other in others if module in reached[other]) for module, others in reached.items()
+    }
+    return sorted(sorted(group) for group in groups if len(group) > 1)
+
+
+def reach(graph: dict[str, set[str]], start: str) -> set[str]:
+    """The module and all that it imports, directly or not."""
+    reached, waiting = {start}, [start]
+    while waiting:
+        for other in graph[waiting.pop()] - reached:
+            reached.add(other)
+            waiting.append(other)
+    return reached
+
+
+@pytest.mark.slow("parses every file")
+def test_no_modules_import_each_other() -> None:
+    """Counting imports inside functions. What two modules share belongs below both."""
+    report(
+        "These modules import each other; move what they share into one below:",
+        [" ".join(group) for group in cycles(import_graph())],
+    )
+
+
+def test_a_cycle_is_seen() -> None:
+    """One of three modules with a way in and a way out, and none where modules only share one."""
+    graph = {"a": {"b"}, "b": {"c"}, "c": {"d", "e"}, "d": {"b"}, "e": set(), "f": {"e"}}
+    assert cycles(graph) == [["b", "c", "d"]]
+    graph["d"] = {"e"}
+    assert cycles(graph) == []
 
 
 # Packages that load numpy, or a compiler, or what draws: a command imports them where it needs them, so that

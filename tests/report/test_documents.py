@@ -19,7 +19,8 @@ from vfife.report.document import (
     Section,
     Table,
 )
-from vfife.report.html import DOCUMENTS, fragment, notebook
+from vfife.report.html import fragment
+from vfife.report.notebook import DOCUMENTS, notebook
 from vfife.report.terminal import write
 from vfife.results.comparison import Comparison
 

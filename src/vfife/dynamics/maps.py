@@ -25,7 +25,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, numbers
 from ..options import Watch
-from ..report.html import NotebookDocument
+from ..report.notebook import NotebookDocument
 from ..results.view import View, standing
 from ..schema import Measure
 from ..simulation.turn_steps import step_count, with_steps

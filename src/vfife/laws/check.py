@@ -24,7 +24,7 @@ from ..kernels.blocks import CONTACT_SLOTS, FRICTION_MEMORY, FRICTION_SLOTS
 from .grammar import NUMBER, Kind, Several
 from .language import Language
 from .law import ContactLaw, Law, Pair, built_in
-from .user import SECONDS, Endless, limited
+from .time_limit import SECONDS, Endless, limited
 
 if TYPE_CHECKING:
     from .agreement import Agreement

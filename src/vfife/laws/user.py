@@ -8,62 +8,20 @@ import importlib.util
 import linecache
 import os
 import re
-import signal
 import sys
 import threading
-import time
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.machinery import ModuleSpec
 from pathlib import Path
-from types import FrameType, ModuleType
-from typing import Any, NoReturn
+from types import ModuleType
+from typing import NoReturn
 
 from ..errors import LawError
 from ..files import read_bytes
 from .law import ContactLaw, FrictionLaw, Law, built_in
-
-SECONDS = 10.0  # that a file of laws may take, or the parameters of a law; ours take microseconds
-
-
-class Endless(BaseException):
-    """Code of the user's does not end."""
-
-
-@contextmanager
-def limited(seconds: float) -> Iterator[None]:
-    """Ends what runs for too long by raising Endless.
-
-    In the main thread the system's timer interrupts it, in others Python looks at the clock line by line,
-    which a single call that never returns does not notice.
-    """
-    if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
-        former = signal.signal(signal.SIGALRM, _late)
-        try:
-            signal.setitimer(signal.ITIMER_REAL, seconds)
-            yield
-        finally:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-            signal.signal(signal.SIGALRM, former)
-    else:
-        end, before = time.monotonic() + seconds, sys.gettrace()
-
-        def look(frame: FrameType, event: str, argument: Any) -> Any:
-            if time.monotonic() > end:
-                raise Endless
-            return look
-
-        try:
-            sys.settrace(look)
-            yield
-        finally:
-            sys.settrace(before)
-
-
-def _late(number: int, frame: FrameType | None) -> NoReturn:
-    raise Endless
-
+from .time_limit import SECONDS, Endless, limited
 
 REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
 LOADING = threading.RLock()  # one file at a time: what a file defines is sentence from what was there before
@@ -76,7 +34,7 @@ def load_laws(path: str | Path) -> list[type[Law]]:
     sentence for a file that cannot be read or run, defines no law, or one that cannot be used; no law of it
     is known then.
     """
-    from .check import faults_of_class
+    from .check import faults_of_class  # loads the compiler, which the laws of the package do not need
 
     path = Path(path)
     text = read(path)

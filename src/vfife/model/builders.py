@@ -47,6 +47,7 @@ from .kind import Kind
 from .loads import Load
 from .reading import ScriptReading, idle
 from .springs import ForceElement
+from .validation.single import faults_of
 
 if TYPE_CHECKING:
     from .mechanism import Mechanism
@@ -246,8 +247,6 @@ def admit(
 
     Pins of bodies that come later are looked for in a whole mechanism.
     """
-    from .validation.single import faults_of
-
     section, name = section_of(kind), name or raw.get("name") or called(raw)
     path: Path = (section, name if isinstance(name, str) else "?")
     item, refused = read(path, kind, raw)

@@ -6,11 +6,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from .drivers import Driver
 from .geometry.polynomials import Polynomials, moved, raised
 from .joints import Gear
-from .mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from .mechanism import Mechanism
 
 
 def motion_function(driver: Driver, offset: float = 0.0, clock: float = 0.0) -> Polynomials:

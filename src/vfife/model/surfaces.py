@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from ..laws import Law, Material, Pair
 from .joints import Contact
 from .lumping import rigid_properties
-from .mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from .mechanism import Mechanism
 
 
 def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
-from importlib import import_module
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from .document import Bullets, Caution, Document, Element, Facts, Figure, Paragraph, Part, Section, Table
+from .parts import Bullets, Caution, Element, Facts, Figure, Paragraph, Part, Section, Table
+
+if TYPE_CHECKING:
+    from .document import Document
 
 PAGE = Template(Path(__file__).with_name("page.html").read_text("utf-8"))
-DOCUMENTS = {  # module and function that make the document of a class; all other classes are maps
-    "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
-    "Comparison": ("sensitivity", "comparison"), "Sensitivity": ("sensitivity", "sensitivity"),
-}  # fmt: skip
 STYLED = {
     "strong": "b",
     "aside": "i",
@@ -40,38 +37,6 @@ def fragment(document: Document) -> str:
     """A document in a notebook."""
     title = f"<h4>{escape(document.title)}</h4>" if document.title else ""
     return f'<div class="vfife">{IN_NOTEBOOK}{title}{elements(document.parts)}</div>'
-
-
-class NotebookDocument:
-    """An answer that a notebook shows as its document: title, tables, cautions.
-
-    ``former_names``: attributes by the names that they had in version 0.2, which warn.
-    """
-
-    former_names: ClassVar[Mapping[str, str]] = {}
-    name: str
-
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {self.name!r}; see .plot(), .to_dataframe()>"
-
-    def _repr_html_(self) -> str:
-        return notebook(self)
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            present = type(self).former_names.get(name)
-            if present is None:
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            text = f"{type(self).__name__}.{name} is {present} now; the old name goes with the next version"
-            warnings.warn(text, DeprecationWarning, stacklevel=2)
-            return getattr(self, present)
-
-
-def notebook(answer: Any) -> str:
-    """A study, map, wear, fit, comparison or sensitivity as a notebook shows it."""
-    module, function = DOCUMENTS.get(type(answer).__name__, ("dynamics", "document"))
-    return fragment(getattr(import_module(f".{module}", __package__), function)(answer))
 
 
 def page(document: Document, introduction: Iterable[str], script: str = "") -> str:

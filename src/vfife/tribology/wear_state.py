@@ -23,7 +23,7 @@ from ..model.wear import depth_at
 from ..modelfile import loads
 from ..numerics.elementwise import sincos, tan
 from ..numerics.products import times
-from ..report.html import NotebookDocument
+from ..report.notebook import NotebookDocument
 from ..solvers.record import Record
 from ..store.mapfile import WearPoint
 

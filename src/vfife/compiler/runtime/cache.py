@@ -10,6 +10,7 @@ that others own or can write to is not used.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import hashlib
 import os
 import re
@@ -18,6 +19,9 @@ import time
 from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
+
+from ...kernels.topology import Topology
+from ..trace.source import data_driven
 
 MAGIC = b"vfife 1\n"
 MOST_BYTES = 500_000_000
@@ -178,3 +182,20 @@ def sources() -> bytes:
     return digest(
         part for file in files if file.is_file() for part in (file.name.encode(), file.read_bytes())
     ).encode()
+
+
+def origin(topology: Topology) -> list[bytes]:
+    """Return all that decides the text of a topology's step: package texts, topology, laws by name and, for
+    laws outside the package, their text.
+    """
+    laws = topology.contact_laws + topology.friction_laws
+    numbers = {field.name: getattr(topology, field.name) for field in dataclasses.fields(topology)}
+    numbers |= {"contact_laws": "", "friction_laws": ""}
+    own = not all(law.__module__.startswith("vfife.laws.") for law in laws)  # these may call anything
+    names = "" if not own else data_driven(topology.contact_laws, topology.friction_laws)
+    return [
+        sources(),
+        repr(numbers).encode(),
+        repr([f"{law.__module__}.{law.__qualname__}" for law in laws]).encode(),
+        names.encode(),
+    ]

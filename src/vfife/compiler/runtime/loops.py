@@ -11,7 +11,6 @@ quarter of the speed.
 
 from __future__ import annotations
 
-import dataclasses
 import gc
 import math
 import platform
@@ -249,25 +248,10 @@ def _split(code: bytes) -> list[bytes]:
     return rows
 
 
-def origin(topology: Topology) -> list[bytes]:
-    """All that the text of a topology's step is made from."""
-    laws = topology.contact_laws + topology.friction_laws
-    numbers = {field.name: getattr(topology, field.name) for field in dataclasses.fields(topology)}
-    numbers |= {"contact_laws": "", "friction_laws": ""}
-    own = not all(law.__module__.startswith("vfife.laws.") for law in laws)  # these may call anything
-    names = "" if not own else data_driven(topology.contact_laws, topology.friction_laws)
-    return [
-        cache.sources(),
-        repr(numbers).encode(),
-        repr([f"{law.__module__}.{law.__qualname__}" for law in laws]).encode(),
-        names.encode(),
-    ]
-
-
 def name_of(topology: Topology, width: int, directions: int = 0) -> str:
     """File of the cache with a topology's machine code."""
     parts = (native.llvmlite_version(), platform.machine(), *native.processor(), str(width), str(directions))
-    return f"step-{cache.digest([*origin(topology), *(part.encode() for part in parts)])}.o"
+    return f"step-{cache.digest([*cache.origin(topology), *(part.encode() for part in parts)])}.o"
 
 
 @lru_cache(maxsize=64)

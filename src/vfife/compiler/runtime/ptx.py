@@ -10,7 +10,6 @@ from ..backends.gpu import LEAST, kernel, module
 from ..backends.modules import STEPS, driver_text
 from ..trace.functiontext import WRITING
 from . import cache
-from .loops import origin
 from .native import llvmlite_version, simplified
 
 TRIPLE = "nvptx64-nvidia-cuda"
@@ -52,7 +51,7 @@ def assembly(text: str, kernels: str, capability: int = LEAST) -> str:
 @lru_cache(maxsize=16)
 def program(topology: Topology) -> str:
     """PTX of a topology for all cards, from the cache or written."""
-    name = f"step-{cache.digest([*origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
+    name = f"step-{cache.digest([*cache.origin(topology), llvmlite_version().encode(), TRIPLE.encode()])}.ptx"
     stored = cache.read(name)
     if stored is not None:
         return stored.decode()

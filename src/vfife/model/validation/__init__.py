@@ -8,18 +8,20 @@ see :func:`~vfife.schema.partial`.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, ModelError, Path, kind_of, shown
 from ...schema import Entries, Reading, described_fields, key_of, value_of
 from ..drivers import Driver
-from ..mechanism import Mechanism
 from .bodies import check_bodies
 from .checks import Checks
 from .drivers import check_drivers
 from .joints import check_gears, check_joints, check_springs
 from .loads import check_loads
 from .settings import check_laws, check_names, check_settings
+
+if TYPE_CHECKING:
+    from ..mechanism import Mechanism
 
 __all__ = ["Checks", "across", "check_laws", "faults", "validate"]
 
@@ -68,7 +70,7 @@ def across(checks: Checks, settings: bool = True) -> list[Fault]:
 def read(mechanism: Mechanism, reading: Reading) -> Mechanism:
     """The mechanism with None in place of what is refused."""
     values: dict[str, Any] = {}
-    for field in described_fields(Mechanism):
+    for field in described_fields(type(mechanism)):
         value, path, held = getattr(mechanism, field.name), (key_of(field),), value_of(field)
         if isinstance(held, Entries):
             values[field.name] = entries(value, path, held.base, reading)

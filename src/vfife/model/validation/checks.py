@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, Path, suggestion
 from ..joints import Contact
-from ..mechanism import Mechanism
 from ..rows import Coincide, Row
+
+if TYPE_CHECKING:
+    from ..mechanism import Mechanism
 
 NAME_LIMIT = 64
 MOST_SUGGESTIONS = 40  # looking for names that look alike takes time, and nobody reads so many

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from statistics import median
+from typing import TYPE_CHECKING
 
 from ...numerics.scalar import distance, hypot
 from ..bodies import Frame, Link, PointMass, RigidBody
-from ..mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from ..mechanism import Mechanism
 
 OUT_OF_SCALE = 100.0  # of the median of the others: metres for millimetres are a thousand
 HUGE = 50.0  # m

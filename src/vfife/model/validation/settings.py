@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, Path, place, shown
 from ...laws import ContactLaw, FrictionLaw, Law, Pair
 from ...laws.materials import coefficient
-from ..mechanism import Mechanism
 from ..surfaces import surfaces
 from ..wear import Wear
 from .checks import NAME_LIMIT, Checks, entries_of, readable
+
+if TYPE_CHECKING:
+    from ..mechanism import Mechanism
 
 
 def check_settings(checks: Checks) -> None:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, Path
 from ...schema import Text, described_fields, key_of, value_of
-from ..mechanism import Mechanism
 from . import written
 from .bodies import check_bodies
 from .checks import Checks
@@ -16,6 +15,9 @@ from .drivers import check_tables
 from .joints import check_strength
 from .loads import check_alone
 from .settings import check_name
+
+if TYPE_CHECKING:
+    from ..mechanism import Mechanism
 
 
 def faults_of(
@@ -25,7 +27,7 @@ def faults_of(
     are paths of what was refused.
     """
     path: Path = (section, name)
-    field = next(field for field in described_fields(Mechanism) if key_of(field) == section)
+    field = next(field for field in described_fields(type(mechanism)) if key_of(field) == section)
     one: dict[str, Any] = {field.name: {name: noun}}
     holding = dataclasses.replace(mechanism, **one)
     around = mechanism if section != "body" else dataclasses.replace(holding, drivers={}, joints={})

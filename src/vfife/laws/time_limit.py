@@ -1,0 +1,52 @@
+"""Time limit for code of a user's law, which may contain a loop that does not end."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any, NoReturn
+
+SECONDS = 10.0  # that a file of laws may take, or the parameters of a law; ours take microseconds
+
+
+class Endless(BaseException):
+    """Code of the user's does not end."""
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Ends what runs for too long by raising Endless.
+
+    In the main thread the system's timer interrupts it, in others Python looks at the clock line by line,
+    which a single call that never returns does not notice.
+    """
+    if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
+        former = signal.signal(signal.SIGALRM, _late)
+        try:
+            signal.setitimer(signal.ITIMER_REAL, seconds)
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, former)
+    else:
+        end, before = time.monotonic() + seconds, sys.gettrace()
+
+        def look(frame: FrameType, event: str, argument: Any) -> Any:
+            if time.monotonic() > end:
+                raise Endless
+            return look
+
+        try:
+            sys.settrace(look)
+            yield
+        finally:
+            sys.settrace(before)
+
+
+def _late(number: int, frame: FrameType | None) -> NoReturn:
+    raise Endless

@@ -1,0 +1,47 @@
+"""Answers in a notebook: each class of answers is shown as the document that the command line prints."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from .html import fragment
+
+DOCUMENTS = {  # module and function that make the document of a class; all other classes are maps
+    "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
+    "Comparison": ("sensitivity", "comparison"), "Sensitivity": ("sensitivity", "sensitivity"),
+}  # fmt: skip
+
+
+class NotebookDocument:
+    """An answer that a notebook shows as its document: title, tables, cautions.
+
+    ``former_names``: attributes by the names that they had in version 0.2, which warn.
+    """
+
+    former_names: ClassVar[Mapping[str, str]] = {}
+    name: str
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.name!r}; see .plot(), .to_dataframe()>"
+
+    def _repr_html_(self) -> str:
+        return notebook(self)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            present = type(self).former_names.get(name)
+            if present is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            text = f"{type(self).__name__}.{name} is {present} now; the old name goes with the next version"
+            warnings.warn(text, DeprecationWarning, stacklevel=2)
+            return getattr(self, present)
+
+
+def notebook(answer: Any) -> str:
+    """A study, map, wear, fit, comparison or sensitivity as a notebook shows it."""
+    module, function = DOCUMENTS.get(type(answer).__name__, ("dynamics", "document"))
+    return fragment(getattr(import_module(f".{module}", __package__), function)(answer))

@@ -1,0 +1,94 @@
+"""Parts of a document: paragraphs, tables, facts, cautions, lists, figures and sections."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+Style = Literal["", "strong", "aside", "caution", "alarm", "code", "faint", "good", "bad"]
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """Text after a highlighted ``lead``. ``style`` is that of the lead, or of the text if the lead is empty.
+
+    ``lines``: "wrapped" at words, "whole" (never broken, so that a terminal's search finds the sentence) or
+    "cut" at the margin.
+    """
+
+    text: str
+    lead: str = ""
+    style: Style = ""
+    indent: int = 0
+    lines: Literal["wrapped", "whole", "cut"] = "wrapped"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts under ``headings``; columns ``numbers`` are aligned to the right, columns ``names`` are
+    never broken.
+    """
+
+    headings: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+    title: str = ""
+    numbers: Sequence[int] = ()
+    names: Sequence[int] = ()
+    indent: int = 0
+
+    @classmethod
+    def numeric(
+        cls, headings: Sequence[str], rows: Sequence[Sequence[Any]], title: str = "", texts: int = 1
+    ) -> Table:
+        """A table whose columns are numbers, except the first ``texts``."""
+        return cls(headings, rows, title, range(texts, len(headings)))
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names and sentences; a sentence without a name belongs to the name before."""
+
+    rows: Sequence[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Caution:
+    """A warning. On a terminal an ``aside`` goes to standard error."""
+
+    text: str
+    word: str = "Warning"
+    aside: bool = False
+
+
+@dataclass(frozen=True)
+class Bullets:
+    """A list of sentences."""
+
+    texts: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Element:
+    """An element of a page, written as HTML. Terminals leave it out."""
+
+    html: str
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture: ``element`` makes an element of a page. Terminals leave it out."""
+
+    title: str
+    element: Callable[[], str]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Parts under a title."""
+
+    title: str
+    parts: Sequence[Part]
+
+
+Part: TypeAlias = Paragraph | Table | Facts | Caution | Bullets | Element | Figure | Section
