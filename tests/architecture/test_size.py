@@ -9,7 +9,7 @@ import pytest
 from architecture.size import Size, size_of, sizes
 
 LIMITS = Size(
-    files=450, code=61_000, tokens=600_000, import_lines=5_800, inner_imports=222, many_arguments=9, tuples=28
+    files=450, code=61_000, tokens=600_000, import_lines=5_800, inner_imports=235, many_arguments=9, tuples=28
 )
 
 

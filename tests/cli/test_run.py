@@ -127,8 +127,14 @@ def test_faulty_input_leaves_an_earlier_run_alone(command: Callable, pendulum: P
 
 def test_summary_and_the_next_step(command: Callable, pendulum: Path) -> None:
     done = command("run", pendulum)
-    for word in ("pendulum", "steps of", "ledger", "runs/pendulum", "vfife plot runs/pendulum"):
+    for word in ("pendulum", "50 ms", "no clearance", "runs/pendulum", "vfife plot runs/pendulum"):
         assert word in done.stdout
+    assert "ledger" not in done.stdout
+    long = command("run", pendulum, "--long")
+    for word in ("pendulum", "steps of", "ledger", "runs/pendulum", "vfife plot runs/pendulum"):
+        assert word in long.stdout
+    later = command("info", "runs/pendulum", "--long")
+    assert later.exit_code == 0 and "ledger" in later.stdout
     quiet = command("run", pendulum, "--quiet")
     assert (quiet.stdout, quiet.stderr) == ("", "")
 
@@ -262,7 +268,9 @@ def test_a_sensitive_run_says_so_first(command: Callable, tmp_path: Path) -> Non
     rough = [word for joint in "BCD" for word in ("--set", f"joint.{joint}.friction.coefficient=0.3")]
     done = command("run", CASE_C, *rough, "--step", "2.5e-6", "--companions", "3", "-o", "out")
     assert done.exit_code == 0
-    said = " ".join(done.stdout.split())
+    first, second = done.stdout.splitlines()[:2]
+    assert first.startswith("four-bar, case c") and second.startswith("Sensitive to the step size: ")
+    said = " ".join(command("info", "out", "--long").stdout.split())
     assert (
         said.index("This run is sensitive") < said.index("Bodies")
         and "The runs diverge at" in said

@@ -221,4 +221,4 @@ def plain(value: Any) -> Any:
 
 def print_line(text: str) -> None:
     """A line on standard output, in which brackets are no markup."""
-    output().print(text, markup=False)
+    output().print(text, markup=False, soft_wrap=True)

@@ -42,12 +42,12 @@ def mechanism_html(mechanism: Mechanism) -> str:
 
 def result_html(result: View) -> str:
     """Summary and figures of a result."""
-    from ..report.run import document
+    from ..report.overview import overview
     from ..report.summary import run_summary
     from . import figures
 
     drawn = figures(result, names=[name for name in SHOWN if not FIGURES[name].missing(result)])
-    return fragment(document(run_summary(result))) + "".join(
+    return fragment(overview(run_summary(result))) + "".join(
         picture(one, name) for name, one in drawn.items()
     )
 

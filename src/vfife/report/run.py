@@ -50,12 +50,13 @@ FACTORS = 40  # load factors that a table shows, evenly
 AXES = ("force_x", "force_y")
 
 
-def document(summary: Json) -> Document:
-    """The document of what :func:`vfife.report.summary.run_summary` returns."""
+def document(summary: Json, most: int = FACTORS) -> Document:
+    """The long document of what :func:`vfife.report.summary.run_summary` returns; ``most``: load factors."""
     model, run = summary["model"], summary["run"]
     title = [Paragraph(model["name"], style="strong"), *paragraphs([model["note"]], style="aside")]
     if run.get("analysis") == "static":
-        return Document([*title, *equilibria(summary), *(Caution(text) for text in summary["warnings"])])
+        warnings = [Caution(text) for text in summary["warnings"]]
+        return Document([*title, *equilibria(summary, most), *warnings])
     leading = verdict(summary)
     title += paragraphs([leading], style="alarm")
     notes = [Paragraph(text) for text in run["notes"]]
@@ -202,10 +203,14 @@ def tables(summary: Json) -> list[Table]:
         "deepest landing",
     )
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
+    noise = ("joint", "knocks", "hardest knock", "power of the knocks")
     wear = ("joint", "bearing, volume", "deepest", "journal, volume", "deepest")
     every = (
         _joint_table(summary, f"Largest reactions {part}"),
         Table.numeric(contacts, list(_contact_rows(summary)), "Contact (whole run)"),
+        Table.numeric(
+            noise, list(_noise_rows(summary)), f"Noise (knocks of the whole run; power: {summary['part']})"
+        ),
         Table.numeric(losses, list(_loss_rows(summary)), f"Losses and pressures {part}"),
         Table.numeric(wear, list(_wear_rows(summary)), f"Wear by Archard's law {part}"),
         _body_table(summary, f"Largest angular accelerations {part}"),
@@ -338,12 +343,8 @@ def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
     for joint in _joints_with(summary, ".friction_power.mean"):
         powers = (measure_text(summary, f"{joint}.{kind}_power.mean", "W") for kind in ("friction", "impact"))
         cells = []
-        for kind, unit in LOSSES:  # the largest over the contacts of a joint; a block in a guide has four
-            names = [
-                name
-                for place in ("", "1.", "2.", "3.", "4.")
-                if (name := f"{joint}.{place}{kind}") in summary["measures"]
-            ]
+        for kind, unit in LOSSES:  # the largest over the contacts of a joint
+            names = of_contacts(summary, joint, kind)
             largest = max(
                 ((summary["measures"][name], uncertainty(summary, name)) for name in names),
                 default=(0.0, 0.0),
@@ -351,6 +352,32 @@ def _loss_rows(summary: Json) -> Iterator[tuple[str, ...]]:
             wide = " *" * (kind == "contact_half_width.max" and joint in summary["conformal"])
             cells.append(prefixed(largest[0], unit, largest[1]) + estimate_mark(summary, *names) + wide)
         yield joint, *powers, *cells
+
+
+def of_contacts(summary: Json, joint: str, kind: str) -> list[str]:
+    """Names of a measure of all contacts of a joint; a block in a guide has four."""
+    names = (f"{joint}.{place}{kind}" for place in ("", "1.", "2.", "3.", "4."))
+    return [name for name in names if name in summary["measures"]]
+
+
+def knocks(summary: Json, joint: str) -> tuple[int | None, str]:
+    """Number of impacts of a joint over the whole run, None without clearance, and speed of the hardest."""
+    speeds = of_contacts(summary, joint, "approach_speed.max")
+    if not speeds:
+        return None, ""
+    count = sum(int(summary["measures"][name]) for name in of_contacts(summary, joint, "impacts"))
+    hardest = max(speeds, key=summary["measures"].__getitem__)
+    return count, measure_text(summary, hardest, "m/s")
+
+
+def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:
+    """Number of knocks, speed of the hardest, and mean power that knocks take away, for each joint."""
+    for joint in summary["joints"]:
+        count, speed = knocks(summary, joint)
+        if count is not None:
+            power = f"{joint}.impact_power.mean"
+            loss = measure_text(summary, power, "W") if power in summary["measures"] else ""
+            yield joint, f"{count:,}", speed if count else "none", loss
 
 
 def _wear_rows(summary: Json) -> Iterator[tuple[str, ...]]:
@@ -374,7 +401,7 @@ def _joints_with(summary: Json, ending: str) -> list[str]:
 # analyses
 
 
-def equilibria(summary: Json) -> list[Part]:
+def equilibria(summary: Json, most: int = FACTORS) -> list[Part]:
     """Equilibria with their reactions, and the largest values with their ranges."""
     run, factors = summary["run"], summary["run"]["factors"]
     done = (
@@ -385,7 +412,7 @@ def equilibria(summary: Json) -> list[Part]:
     smallest = 1e-9 * max(
         [0.0, *(abs(one["reactions"][name][axis]) for one in factors for name in joints for axis in AXES)]
     )
-    stride, rows = -(-len(factors) // FACTORS), []
+    stride, rows = -(-len(factors) // most), []
     for one in [*factors[:-1:stride], *factors[-1:]]:
         numbers = (
             f"{one['load_factor']:g}",

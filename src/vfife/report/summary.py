@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING, Any
 
 from ..measures import influence
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 Json = dict[str, Any]
+TEXT_COLUMNS = 100
 SHARES = tuple(f"share.{mode}" for mode in MODES)
 CONTACT_KEYS = ("penetration.max", "impacts", "grazing", "deep_landings", "landing_depth.max", *SHARES)
 JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
@@ -118,11 +120,14 @@ def _model(result: View, measures: dict[str, float], ideal: Any) -> Json:
 def _transient_run(result: View) -> Json:
     record, choice = result.record, result.record.assembly.choice
     time = float(result.time[-1])
-    moving = [driver for driver in record.assembly.mechanism.drivers.values() if driver.moves]
+    drivers = record.assembly.mechanism.drivers
+    moving = [driver for driver in drivers.values() if driver.moves]
+    turning = {name: one for name, one in drivers.items() if one.moves and one.unit == "rad"}
     return {
         "loop": record.loop,
         "time_s": time,
         "turns": None if choice.turn is None else time / choice.turn,
+        "speeds": {name: one.steady_speed for name, one in turning.items() if one.steady_speed is not None},
         "steady": bool(moving) and all(driver.steady_speed is not None for driver in moving),
         "outputs": len(record.steps),
         "automatic": choice.automatic,
@@ -154,6 +159,9 @@ def _joints(result: View, measures: dict[str, float], ideal: Any) -> dict[str, J
         for name in names
     }
     assembly = result.record.assembly
+    for name, loose in assembly.mechanism.contacts.items():
+        if name in joints:
+            joints[name]["clearance"] = getattr(loose, "clearance", None)
     depths = largest_by_joint(
         result.record, (measures.get(f"{contact}.penetration.max", 0.0) for contact in assembly.contacts)
     )
@@ -180,8 +188,20 @@ def _laws(result: View) -> dict[str, Json]:
     return laws
 
 
+def summary_text(result: View) -> str:
+    """The short document of a run as text of 100 columns."""
+    from rich.console import Console
+
+    from .overview import overview
+    from .terminal import write
+
+    text = io.StringIO()
+    write(overview(run_summary(result)), Console(width=TEXT_COLUMNS, file=text, color_system=None))
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+
+
 def show(console: Console, result: View, reference: View | None = None) -> None:
-    """Print the summary as tables."""
+    """Print the long document of a run."""
     from .run import document
     from .terminal import write
 

@@ -117,12 +117,16 @@ def _scatter_over_steps(trust: Json, value: float) -> str:
     return text
 
 
-def scatter_over_turns(summary: Json) -> str:
-    """The range of single turns of a motion that is not periodic; empty for any other."""
+def scatter_over_turns(summary: Json, forces: bool = False) -> str:
+    """The range of single turns of a motion that is not periodic; empty for any other.
+
+    It is that of the measure with the largest error, or among the largest ``forces`` of the one whose turns
+    differ most.
+    """
     turns = summary["turns"]
     if not turns or turns["motion"] != "not periodic":
         return ""
-    name = summary["trust"].get("measure") or _most_scattered(summary)
+    name = (not forces and summary["trust"].get("measure")) or _most_scattered(summary)
     if not name or name not in summary["ranges"]:
         return ""
     low, high = (
@@ -166,7 +170,7 @@ def trust_lines(summary: Json) -> Iterator[str]:
     """Lines on how well companions agree, and which automatic steps were tried."""
     trust = summary["trust"]
     if not trust:
-        yield f"{NOT_ESTIMATED}: {_missing_estimate(summary)}"
+        yield f"{NOT_ESTIMATED}: {missing_estimate(summary)}"
         return
     if trust["measure"] and not trust["companions"]:
         order = f", order {trust['order']:.2f}" if trust["order"] is not None else ""
@@ -194,7 +198,7 @@ def trust_lines(summary: Json) -> Iterator[str]:
             yield f"the tolerance of {100.0 * trust['tolerance']:g} % was not reached"
 
 
-def _missing_estimate(summary: Json) -> str:
+def missing_estimate(summary: Json) -> str:
     """Why a run has no ranges, and how to get them."""
     if summary["status"] != Status.COMPLETE:
         return "the run did not come to its end"

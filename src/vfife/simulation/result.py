@@ -53,6 +53,11 @@ class Result(View):
 
         return run_summary(self)
 
+    def __str__(self) -> str:
+        from ..report.summary import summary_text
+
+        return summary_text(self)
+
     # -------------------------------------------------------------------------------------------------- files
 
     def to_netcdf(self, path: str | Path) -> None:

@@ -29,11 +29,17 @@ if TYPE_CHECKING:
 class InfoOptions(RunOptions, JsonOptions):
     """Options of ``vfife info``."""
 
+    long: bool = flag("--long", "Print the tables of the run.")
     check: bool = flag("--check", "Read every output of a large file as well, and tell what is damaged.")
 
 
 def info(options: InfoOptions) -> None:
     """What a run file holds, also that of a run that was interrupted or killed."""
+    if options.long and not options.as_json:
+        from ...report.run import document
+
+        answer(document(load(options.run).summary))
+        return
     with sentences(str(options.run)):
         data = contents(options.run, options.check)
     from ...report import run_file

@@ -42,11 +42,12 @@ from ..terminal import (
     DIVERGED,
     ENERGY,
     STORAGE,
+    answer,
     command,
     fail,
     json_text,
-    output,
     print_json,
+    print_line,
     sentences,
     tell,
     writing,
@@ -79,6 +80,7 @@ class AnswerOptions(JsonOptions, QuietOptions):
     """What is printed and drawn of a run."""
 
     figures: bool = flag("--figures/--no-figures", "Draw the figures as well.")
+    long: bool = flag("--long", "Print all tables of the run, not one screen.")
 
 
 class NewRunOptions(ModelOptions, LengthOptions, OutputsOptions, AnswerOptions, JobOptions):
@@ -118,7 +120,7 @@ class OpenRun(NamedTuple):
 
 
 def run(options: NewRunOptions) -> None:
-    """Run a model: a progress line, a summary, and a run folder.
+    """Run a model and answer on one screen: forces, knocks, losses, and how certain they are.
 
     The folder holds the run file, the model as it was run, the summary, and figures where they are asked for;
     a run that is there already stays unless --force is given. Exit codes: 2 for input that cannot be used, 3
@@ -313,7 +315,7 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
         data |= {key: result.summary[key] for key in SUMMARY_KEYS}
         print_json(data | {"faults": [{"what": ending.sentence}] if ending.sentence else []})
     elif not options.quiet:
-        show(result, place, options.figures)
+        show(result, place, options)
     elif record.status == Status.COMPLETE:
         for warning in warnings:
             tell("warning", warning)
@@ -323,28 +325,16 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
         raise typer.Exit(ending.code)
 
 
-def show(result: Result, place: RunFolder, figures: bool) -> None:
-    """Print the summary, and what to do next."""
-    from rich.text import Text
+def show(result: Result, place: RunFolder, options: AnswerOptions) -> None:
+    """Print the answer of a run, and what to do next."""
+    from ...report.overview import overview
+    from ...report.run import document
 
-    from ...report.summary import show as show_summary
-
-    console, quoted = output(), shlex.quote(str(place.path))
-    show_summary(console, result, result.reference)
-    console.print()
-    entries = ", ".join(
-        sorted(
-            entry.name + "/" * entry.is_dir() for entry in place.path.iterdir() if entry.name != "run.lock"
-        )
-    )
-    console.print(Text.assemble(("Run folder: ", "bold"), f"{place.path} ({entries})"))
-    then = f"figures are in {place.path / 'figures'}" if figures else f"{command()} plot {quoted}"
-    console.print(
-        Text.assemble(
-            ("Next: ", "bold"), f"{then}; {command()} info {quoted}; {command()} export {quoted} out.nc"
-        ),
-        soft_wrap=True,
-    )
+    answer((document if options.long else overview)(result.summary))
+    quoted = shlex.quote(str(place.path))
+    figures = f"figures are in {place.path / 'figures'}" if options.figures else f"{command()} plot {quoted}"
+    print_line(f"Run folder: {place.path}")
+    print_line(f"Next: {figures}; {command()} info {quoted} --long; {command()} report {quoted}")
 
 
 class Ending(NamedTuple):

@@ -121,15 +121,14 @@ class Damped(ContactLaw):
     def cautions(
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
     ) -> tuple[str, ...]:
-        """Says where the damping factor delivers another restitution than it is given."""
+        """Report a damping factor that does not give the restitution of the model."""
         there = delivered(self.damping_factor)
         if self.hysteresis == "none" or abs(there - self.restitution) <= DEVIATION:
             return ()
         own = "" if hasattr(self, "damping") else 'the law "hertz" with '
         return (
             (
-                f'the damping factor "{self.hysteresis}" is given a restitution of {self.restitution:.4g} and'
-                f' delivers {there:.4g} in a free impact; {own}damping = "gonthier-exact" delivers what it is'
-                " given"
+                f"a free impact rebounds with {there:.4g} of its speed, not with the restitution of"
+                f' {self.restitution:.4g}; for that take {own}damping = "gonthier-exact"'
             ),
         )

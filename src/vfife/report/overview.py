@@ -1,0 +1,263 @@
+"""The answer of a run on one screen: what was run, how certain it is, and the numbers a designer needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from ..numerics.scalar import log10, power
+from ..solvers.status import Status
+from .digits import Json, amount, is_estimated, measure_text, percent, prefixed, uncertainty, unit_of
+from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
+from .run import CONFORMAL, SHARED, document, knocks, of_contacts
+from .trust import missing_estimate, over_several_turns, scatter_over_turns, turn_distance, verdict
+
+CERTAIN = 0.02  # largest relative error of a measure that needs no warning
+NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
+# measures whose errors decide whether a run is sensitive
+DECISIVE = (".force.max", ".moment.max", ".torque.max")
+ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
+MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
+RADIANS_PER_RPM = 2.0 * math.pi / 60.0
+
+
+def overview(summary: Json) -> Document:
+    """The short document of what :func:`vfife.report.summary.run_summary` returns.
+
+    :func:`vfife.report.run.document` gives the long one. A static analysis has that one only.
+    """
+    if summary["run"].get("analysis") == "static":
+        return document(summary, MOST_FACTORS)
+    parts: list[Part] = [Paragraph(_heading(summary), style="strong")]
+    parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
+    table = _joint_table(summary)
+    parts += [table] if table.rows else []
+    facts = [*_machine(summary), *_noise(summary)]
+    parts += [Facts(facts)] if facts else []
+    if texts := list(cautions(summary)):
+        rows = [(str(k), text) for k, text in enumerate(texts[:MOST_CAUTIONS], 1)]
+        left = len(texts) - len(rows)
+        remainder = [("", f"{left} more: add --long, or vfife info RUN --long.")] * bool(left)
+        parts.append(Section("Cautions", [Facts([*rows, *remainder])]))
+    return Document(parts, data=summary)
+
+
+def speed_in_rpm(speed: float) -> str:
+    """A rotational speed (rad/s) in revolutions per minute, to six digits."""
+    return f"{float(f'{speed / RADIANS_PER_RPM:.6g}'):,g} rpm"
+
+
+def _heading(summary: Json) -> str:
+    run = summary["run"]
+    speeds = [speed_in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
+    loose = sum(1 for joint in summary["joints"].values() if "clearance" in joint)
+    turns = [f"{run['turns']:.4g} turn{'s' * (run['turns'] != 1.0)}"] if run["turns"] is not None else []
+    clearance = f"{loose} joint{'s' * (loose > 1)} with clearance" if loose else "no clearance"
+    ending = [] if summary["status"] == Status.COMPLETE else [str(summary["status"])]
+    length = turns or [prefixed(run["time_s"], "s")]
+    part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"
+    return " · ".join([summary["model"]["name"], *speeds, *length, clearance, part, *ending])
+
+
+# -------------------------------------------------------------------------------------------------- certainty
+
+
+def errors(summary: Json) -> dict[str, float]:
+    """Relative errors (1) of forces, moments and torques whose error was estimated, the largest first.
+
+    Measures below :data:`NEGLIGIBLE` of the largest of their kind are left out.
+    """
+    sizes: dict[str, float] = {}
+    for ending in DECISIVE:
+        values = {name: abs(value) for name, value in summary["measures"].items() if name.endswith(ending)}
+        largest = max(values.values(), default=0.0)
+        for name, value in values.items():
+            if value > NEGLIGIBLE * largest and name in summary["ranges"] and is_estimated(summary, name):
+                bounds, own = summary["ranges"][name], summary["measures"][name]
+                sizes[name] = max(bounds["high"] - own, own - bounds["low"]) / value
+    return dict(sorted(sizes.items(), key=lambda one: -one[1]))
+
+
+def uncertain(summary: Json) -> bool:
+    """Whether a force, moment or torque is known less well than :data:`CERTAIN`, or not at all."""
+    trust = summary["trust"]
+    if not trust or trust.get("lost") or not trust.get("converges", True):
+        return True
+    return bool(scatter_over_turns(summary)) or any(error > CERTAIN for error in errors(summary).values())
+
+
+def certainty(summary: Json) -> str:
+    """How far the forces, moments and torques of a run can be trusted, in one or two sentences."""
+    trust = summary["trust"]
+    if not trust:
+        return f"Errors are not estimated: {missing_estimate(summary)}."
+    if trust.get("lost") or not trust.get("converges", True):
+        return verdict(summary)
+    if scatter := scatter_over_turns(summary, forces=True):
+        return scatter
+    sizes = errors(summary)
+    beyond = [name for name, error in sizes.items() if error > CERTAIN]
+    within = [error for error in sizes.values() if error <= CERTAIN]
+    sure = f"forces and torques within {_share(max(within))}" if within else ""
+    shown = [_interval(summary, name) for name in beyond[:MOST_EXCEPTIONS]]
+    if len(beyond) > MOST_EXCEPTIONS:
+        shown.append(f"{len(beyond) - MOST_EXCEPTIONS} more")
+    other = trust["measure"]
+    also = [_interval(summary, other)] * bool(
+        trust["sensitive"] and other and other not in sizes and not other.endswith(DECISIVE)
+    )
+    if not beyond:
+        head = f"Reliable: {sure}" if sure else "Reliable"
+        return f"{head}{', except ' + also[0] if also else ''}."
+    rest = f" Reliable are {'the other ' if shown else ''}{sure}." if sure else ""
+    return f"Sensitive to the step size: {'; '.join([*shown, *also])}. Quote these ranges.{rest}"
+
+
+def _share(error: float) -> str:
+    """An error (1) in per cent, rounded up to one digit."""
+    percents = max(100.0 * error, 0.01)
+    unit = power(10.0, math.floor(log10(percents)))
+    return f"{math.ceil(percents / unit - 1e-9) * unit:.1g} %"
+
+
+def _interval(summary: Json, name: str) -> str:
+    """A measure in words, with its range."""
+    bounds, width, unit = summary["ranges"][name], uncertainty(summary, name), unit_of(name)
+    words = name.removesuffix(".max").replace("_", " ").replace(".", " ")
+    return f"{words} {amount(bounds['low'], '', width).rstrip()} to {amount(bounds['high'], unit, width)}"
+
+
+# ------------------------------------------------------------------------------------------------------ table
+
+
+def _joint_table(summary: Json) -> Table:
+    """Forces against the ideal mechanism, knocks, friction and pressure of each joint; empty columns are left
+    out.
+    """
+    heads = ("joint", "ideal", "force", "change", "knocks", "friction", "pressure", "penetration")
+    shown = _shown_joints(summary)
+    rows = [_joint_row(summary, name) for name in shown]
+    if any(row[6] for row in rows):  # a pressure says what a penetration says
+        rows = [row[:7] for row in rows]
+    used = [k for k in range(len(rows[0]) if rows else 0) if any(row[k] for row in rows)]
+    table = [tuple(row[k] for k in used) for row in rows]
+    if left := len(summary["joints"]) - len(shown):
+        table.append((f"{left} more: --long", *[""] * (len(used) - 1)))
+    compared = any(row[1] for row in rows)
+    headings = ["with clearance" if compared and heads[k] == "force" else heads[k] for k in used]
+    return Table(headings, table, numbers=range(1, len(headings)), names=(0,))
+
+
+def _shown_joints(summary: Json) -> list[str]:
+    """All joints if they are few, else those with clearance and then those with the largest forces."""
+    names = list(summary["joints"])
+    if len(names) <= MOST_JOINTS:
+        return names
+    loose = [name for name in names if "clearance" in summary["joints"][name]]
+    by_force = sorted(names, key=lambda name: -float(summary["joints"][name]["force.max"]))
+    first = dict.fromkeys([*loose, *by_force])
+    return sorted(list(first)[:MOST_JOINTS], key=names.index)
+
+
+def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
+    joint, measure = summary["joints"][name], f"{name}.force.max"
+    clearance = joint.get("clearance")
+    label = f"{name} {prefixed(clearance, 'm')}" if clearance else name
+    shared = " *" if measure in summary["not_unique"] else ""
+    ideal = joint["ideal_force.max"]
+    change = percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip"))
+    count, speed = knocks(summary, name)
+    knock = "" if count is None else speed if count else "none"
+    pressures = of_contacts(summary, name, "contact_pressure.max")
+    pressure = max(pressures, key=summary["measures"].__getitem__, default="")
+    friction = f"{name}.friction_power.mean"
+    return (
+        label,
+        "" if ideal is None else prefixed(ideal, "N"),
+        _force(summary, measure) + shared,
+        change,
+        knock,
+        measure_text(summary, friction, "W") if summary["measures"].get(friction) else "",
+        measure_text(summary, pressure, "Pa") if pressure else "",
+        (
+            prefixed(joint["penetration.max"], "m", uncertainty(summary, f"{name}.penetration.max"))
+            if joint.get("penetration.max")
+            else ""
+        ),
+    )
+
+
+def _force(summary: Json, name: str) -> str:
+    """A force, as a range where it is uncertain."""
+    value, width = summary["measures"][name], uncertainty(summary, name)
+    bounds = summary["ranges"].get(name)
+    if bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name):
+        return measure_text(summary, name, "N")
+    low, high = (prefixed(bounds[key], "N", width) for key in ("low", "high"))
+    if low.split()[1:] == high.split()[1:]:
+        low = low.split()[0]
+    return f"{low} to {high}"
+
+
+# ------------------------------------------------------------------------------------------ machine and noise
+
+
+def _machine(summary: Json) -> Iterator[tuple[str, str]]:
+    """Power, torque and shaking force."""
+    measures = summary["measures"]
+    friction = [name for name in measures if name.endswith(".friction_power.mean")]
+    for name, body in summary["model"]["bodies"].items():
+        if body["torque.max"] is None:
+            continue
+        texts = []
+        if abs(measures.get(f"{name}.torque.mean", 0.0)) > ROUNDING * body["torque.max"]:
+            width = sum(uncertainty(summary, one) for one in friction)
+            total = sum(measures[one] for one in friction)
+            losses = f" ({prefixed(total, 'W', width)} of it friction)" if total else ""
+            texts.append(f"mean power {measure_text(summary, f'{name}.power.mean', 'W')}{losses}")
+        ideal = body["ideal_torque.max"]
+        compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
+        texts.append(f"torque up to {measure_text(summary, f'{name}.torque.max', 'N m')}{compared}")
+        yield f"Driver {name}", ", ".join(texts)
+    if measures.get("ground.shaking_force.max"):
+        yield "Shaking force", f"up to {measure_text(summary, 'ground.shaking_force.max', 'N')} on the ground"
+
+
+def _noise(summary: Json) -> Iterator[tuple[str, str]]:
+    """The hardest knock and the power of all knocks."""
+    speeds = {
+        name: value for name, value in summary["measures"].items() if name.endswith(".approach_speed.max")
+    }
+    if not speeds:
+        return
+    hardest = max(speeds, key=speeds.__getitem__)
+    if not speeds[hardest]:
+        yield "Noise", "no knocks"
+        return
+    joint = hardest.removesuffix(".approach_speed.max")
+    names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
+    total = sum(summary["measures"][name] for name in names)
+    width = sum(uncertainty(summary, name) for name in names)
+    losses = f"; energy of the knocks {prefixed(total, 'W', width)}" if names else ""
+    yield "Noise", f"hardest knock {measure_text(summary, hardest, 'm/s')} ({joint}, whole run){losses}"
+
+
+# --------------------------------------------------------------------------------------------------- cautions
+
+
+def cautions(summary: Json) -> Iterator[str]:
+    """Sentences of caution, the gravest first: about the run, its turns, its laws, its notes."""
+    leading = verdict(summary)
+    yield from (text for text in summary["warnings"] if text != leading)
+    turns = summary["turns"]
+    if turns and turns["motion"] in ("settling", "unsettled") and turns["distance"] is not None:
+        distance = turn_distance(turns["distance"])
+        yield (
+            f"The turns do not repeat yet ({distance} apart): run up to {10 * max(turns['count'], 4)} turns"
+            " with --settle 1%."
+        )
+    yield from summary["run"]["notes"]
+    if summary["conformal"]:
+        yield f"{', '.join(summary['conformal'])}: contact {CONFORMAL.removeprefix('* ')}"
+    if summary["not_unique"]:
+        yield SHARED

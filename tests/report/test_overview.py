@@ -1,0 +1,95 @@
+"""The answer of a run on one screen: its length, its numbers, and what it calls sensitive."""
+
+from __future__ import annotations
+
+import copy
+import io
+import math
+import re
+from functools import cache
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+import vfife
+from vfife import gallery
+from vfife.model.mechanism import Mechanism
+from vfife.report.overview import CERTAIN, certainty, errors, overview, speed_in_rpm, uncertain
+from vfife.report.terminal import write
+
+SCREEN = 24 - 2  # lines of a terminal, without the two that name the folder and the next commands
+
+
+@cache
+def result() -> vfife.Result:
+    return vfife.simulate(gallery.four_bar_case_c(), turns=1.0, step=2e-6, companions=3)
+
+
+def text(summary: dict[str, Any], width: int = 100) -> str:
+    console = Console(file=io.StringIO(), width=width)
+    write(overview(summary), console)
+    return console.file.getvalue()
+
+
+def altered(name: str, low: float, high: float) -> dict[str, Any]:
+    """The summary with the range of one measure, by its value, and all others certain."""
+    summary = copy.deepcopy(result().summary)
+    for one, bounds in summary["ranges"].items():
+        bounds["low"] = bounds["high"] = summary["measures"][one]
+    value = summary["measures"][name]
+    summary["ranges"][name] |= {"low": low * value, "high": high * value}
+    summary["trust"] |= {"measure": name, "sensitive": True, "low": low * value, "high": high * value}
+    return summary
+
+
+@pytest.mark.parametrize("name", ["compressor", "four_bar_case_c", "jansen_leg", "scissor_lift"])
+def test_it_fits_a_screen(name: str) -> None:
+    mechanism: Mechanism = getattr(gallery, name)()
+    lines = text(vfife.simulate(mechanism, companions=1).summary).splitlines()
+    assert len(lines) <= SCREEN, "\n".join(lines)
+
+
+def test_its_numbers_are_those_of_the_measures() -> None:
+    said, measures = text(result().summary, 160), result().measures
+    assert "four-bar, case c · 1,500 rpm · 1 turn · 3 joints with clearance" in said
+    for joint in "BCD":
+        row = next(line for line in said.splitlines() if line.startswith(f" {joint} 200 µm"))
+        numbers = [float(one.replace(",", "")) for one in re.findall(r"([\d.,]+) k?N\b", row)]
+        assert numbers[0] == pytest.approx(1e-3 * result().reference.measures[f"{joint}.force.max"], rel=5e-4)
+        width = max(errors(result().summary)[f"{joint}.force.max"], 5e-4)
+        assert numbers[-1] == pytest.approx(1e-3 * measures[f"{joint}.force.max"], rel=1.5 * width)
+    hardest = max("BCD", key=lambda joint: measures[f"{joint}.approach_speed.max"])
+    assert f"({hardest}, whole run)" in said
+    assert str(result()).splitlines()[0] == said.splitlines()[0].rstrip()
+
+
+def test_only_forces_and_torques_make_a_run_sensitive() -> None:
+    acceleration = altered("coupler.angular_acceleration.max", 0.5, 1.7)
+    assert not uncertain(acceleration)
+    said = certainty(acceleration)
+    assert said.startswith("Reliable: ") and "except coupler angular acceleration" in said
+    force = altered("C.force.max", 0.9, 1.2)
+    assert uncertain(force) and errors(force)["C.force.max"] == pytest.approx(0.2)
+    said = certainty(force)
+    assert said.startswith("Sensitive to the step size: C force") and "the other forces and torques" in said
+    assert not uncertain(altered("C.force.max", 1.0 - 0.5 * CERTAIN, 1.0 + 0.5 * CERTAIN))
+
+
+def test_a_force_without_weight_does_not_lead() -> None:
+    summary = altered("A.force.max", 0.2, 3.0)
+    for one in ("measures", "ranges"):
+        entry = summary[one]["A.force.max"]
+        scaled = {key: 1e-4 * value for key, value in entry.items()} if one == "ranges" else 1e-4 * entry
+        summary[one]["A.force.max"] = scaled
+    assert not uncertain(summary)
+
+
+def test_without_an_estimate_it_says_so() -> None:
+    said = text(vfife.simulate(gallery.four_bar_case_c(), turns=1.0, step=1e-5, companions=0).summary)
+    assert said.splitlines()[1].startswith("Errors are not estimated")
+
+
+def test_speeds() -> None:
+    assert speed_in_rpm(2.0 * math.pi * 50.0) == "3,000 rpm"
+    assert speed_in_rpm(1.0) == "9.5493 rpm"
