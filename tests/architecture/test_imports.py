@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from architecture.sources import PROJECT, ROOT, files, imports, modules, parsed, report
+from architecture.sources import PROJECT, ROOT, Import, files, imports, modules, parsed, report
 
 KERNELS_MAY_IMPORT = {"numpy", *sys.stdlib_module_names}
 EXTRAS = ("cluster", "gpu", "live", "optimise", "parquet", "sensitivity", "video")
@@ -163,6 +163,38 @@ def test_a_command_defers_only_what_takes_time_to_load() -> None:
         "Imports inside functions of the command line are there for its start; these load at once, and belong"
         " at the top:",
         offenders,
+    )
+
+
+def test_an_import_inside_a_function_defers_something() -> None:
+    """What loads with the file in any case is imported at its top."""
+    inner: dict[str, list[Import]] = {}
+    top: dict[str, set[str]] = {}
+    for name, tree, _ in files():
+        module = name.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
+        every = [one for one in imports(name, tree) if one.module.startswith("vfife") and not one.for_types]
+        inner[module] = [one for one in every if one.inside]
+        top[module] = {one.module for one in every if not one.inside}
+
+    def loaded(module: str) -> set[str]:
+        """Modules that load with this one, their packages among them."""
+        result, left = set(), [module]
+        while left:
+            name = left.pop()
+            if name in top and name not in result:
+                result.add(name)
+                left += [*top[name], name.rpartition(".")[0]]
+        return result
+
+    report(
+        "These load with their files, and belong at the top:",
+        [
+            f"{module}:{one.line} imports {one.module}"
+            for module, some in inner.items()
+            for one in some
+            # A file may ask its own package for what the package defines after having imported the file.
+            if not f"{module}.".startswith(f"{one.module}.") and one.module in loaded(module)
+        ],
     )
 
 

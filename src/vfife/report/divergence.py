@@ -11,7 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assembly.assemble import assemble
+from ..assembly.assembled import Bounds
+from ..compiler.runtime.runner import Runner
 from ..errors import AssemblyError, VfifeError
+from ..kernels.blocks import BLOCKS
 from ..kinematics.drives import constraint_drivers, kinematic_drivers
 from ..kinematics.forces import Datum, driven_body
 from ..kinematics.initial import datum_of, ideal_motion
@@ -54,9 +58,6 @@ def first_infinite(record: Record) -> tuple[int, str]:
     if record.burst is not None:
         event = "left all bounds" if record.burst.finite else "became infinite"
         return record.burst.step, f"{quantity_name(record.assembly, record.burst.rows)} {event}"
-    from ..assembly.assembled import Bounds
-    from ..compiler.runtime.runner import Runner
-
     assembly, last = record.assembly, int(record.steps[-1])
     state = assembly.state.copy()
     state[record.kept] = record.rows[-1]
@@ -81,8 +82,6 @@ def first_infinite(record: Record) -> tuple[int, str]:
 
 def quantity_name(assembly: Assembly, rows: Any) -> str:
     """Name of the first of these state rows in the order of ``ENTITIES``, with its joint or body."""
-    from ..kernels.blocks import BLOCKS
-
     entries = []
     for block in BLOCKS:
         where = {int(row): k for k, row in enumerate(assembly.layout[block.name])}
@@ -144,8 +143,6 @@ def energy_cause(result: View) -> str:
 
 def automatic_step(assembly: Assembly) -> float:
     """The automatic step (s) of a run of the same length; infinite where it cannot be found."""
-    from ..assembly.assemble import assemble
-
     choice = assembly.choice
     try:
         return assemble(

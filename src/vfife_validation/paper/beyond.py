@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vfife.laws import ContactLaw
+from vfife.laws.contact.damping import DAMPING
 from vfife.report.document import Table
 
 from .contents import Chart, Item, Line, Panel, Verdict
@@ -60,8 +61,6 @@ def damped_laws(p: Parameters) -> dict[str, ContactLaw]:
 
 def dampings(p: Parameters) -> dict[str, ContactLaw]:
     """The set's own law with every damping there is, if it has a choice of them."""
-    from vfife.laws.contact.damping import DAMPING
-
     if not hasattr(p.contact, "damping"):
         return {}
     return {name: dataclasses.replace(p.contact, damping=name) for name in DAMPING}  # type: ignore[call-arg]

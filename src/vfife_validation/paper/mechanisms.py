@@ -10,7 +10,7 @@ from typing import Any
 
 from vfife.laws import Ambrosio, ContactLaw, FrictionLaw, Frictionless, Pereira
 from vfife.model.bodies import Section
-from vfife.model.joints import FrictionMoment
+from vfife.model.joints import ClearanceRevolute, FrictionMoment
 from vfife.model.lumping import rigidified
 from vfife.model.mechanism import Mechanism, Settings
 
@@ -127,8 +127,6 @@ def four_bar(p: Parameters, clearance: float, speed: float = FASTEST, loose: str
 
 def loosened(p: Parameters, mechanism: Mechanism, clearance: float) -> dict[str, Any]:
     """Joints B, C and D with clearance (m)."""
-    from vfife.model.joints import ClearanceRevolute
-
     return {
         name: ClearanceRevolute(
             name=name, bearing=mechanism.joints[name].bearing, journal=mechanism.joints[name].journal,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from vfife.laws import Material
+from vfife.measures.motion import velocities
 from vfife.model.bodies import Section
 from vfife.model.drivers import AngleTable
 from vfife.model.loads import PointForce
@@ -231,8 +232,6 @@ def flying_beam(nudge: Nudge) -> Rows:
         1.0 / record.parameter("particle_inverse_inertia")[nodes],
     )
     at = {axis: record.block(f"particle_{axis}")[:, nodes] for axis in "xy"}
-    from vfife.measures.motion import velocities
-
     speed = {axis: values[:, nodes] for axis, values in velocities(record).items()}
     spin = ((at["x"] * speed["v"] - at["y"] * speed["u"]) * mass + speed["w"] * inertia).sum(axis=1)[after]
     push = (speed["u"] * mass).sum(axis=1)[after]

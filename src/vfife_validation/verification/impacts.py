@@ -12,6 +12,7 @@ from vfife.model.mechanism import Mechanism
 
 from .case import Nudge, Row, Rows, verified
 from .case_motion import CaseMotion, run
+from .lagrange import solved
 
 HERTZ = (
     "Hertz: closed form δ = (5 m v²/4K)^(2/5), 2.94 δ/v; restitution e solves χ(1 + e) = ln[(1 + χ)/(1 - χe)]"
@@ -204,8 +205,6 @@ def redundant_parallelogram(nudge: Nudge) -> Rows:
         m.revolute(f"A{k}", f"ground.O{k}", f"crank{k}.start")
         m.revolute(f"B{k}", f"crank{k}.end", f"beam.p{k}")
     motion = run(m, step=1e-4, duration=0.6, outputs=600)
-    from .lagrange import solved
-
     inertia, weight = 3.0 * rod * l * l / 3.0 + beam * l * l, g * l * (1.5 * rod + beam)
     ((angle, speed),) = solved(
         lambda t, y: np.array([y[1], -weight * math.cos(y[0]) / inertia]), [start, 0.0], np.array([0.6])

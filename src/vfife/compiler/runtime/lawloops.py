@@ -9,6 +9,7 @@ what traces, schedules, writes and compiles it also makes steps of it.
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Callable, Sequence
 from types import FunctionType
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...kernels.elementary import nearest
 from ..backends import javascript, python
 from ..backends.gpu import TILE
 from ..backends.llvm import full_step, operators
@@ -178,19 +180,14 @@ class Loops:
         return run
 
     def _python(self) -> Callable[[int, Rows], Rows]:
-        import math
-
-        from ...kernels.elementary import nearest
-
         functions = []
         for trace in self.traces:
             space: dict[str, Any] = {"sqrt": math.sqrt, "nearest": nearest}
             text = python.definition(
                 "full_step(S, n)", [*map(python.line, in_place(trace, ordered(trace))), "return True"]
             )
-            exec(
-                compile(text, "<vfife law>", "exec"), space
-            )  # the text is our own and the user's laws, never a model file's
+            # The text is our own and the user's laws, never a model file's.
+            exec(compile(text, "<vfife law>", "exec"), space)
             functions.append(space["full_step"])
         return _listed(lambda S, place, rows, count: functions[place](S, 0))
 

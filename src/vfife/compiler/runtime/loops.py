@@ -208,9 +208,9 @@ def driver_code() -> bytes:
     """Object code of the driver for straight-line code, from the cache or compiled."""
 
     def text() -> str:
-        from ..backends import modules  # what writes code is loaded where some is written
+        from ..backends.modules import processor_driver  # what writes code is loaded where some is written
 
-        return str(native.simplified(modules.processor_driver()))
+        return str(native.simplified(processor_driver()))
 
     return stored_code(("driver",), text, native.object_code)
 
@@ -297,9 +297,9 @@ def compiler_of(loop: str) -> dict[str, str]:
 
 def python_line(topology: Topology) -> Stepped:
     """Straight-line code of a topology as plain Python, one lane: slow, to be read and stepped through."""
-    from ..backends import python
+    from ..backends.python import module
 
     space: dict[str, Any] = {"sqrt": math.sqrt}
     # The text is our own and the user's laws, never a model file's.
-    exec(compile(python.module(topology), "<vfife straight line>", "exec"), space)
+    exec(compile(module(topology), "<vfife straight line>", "exec"), space)
     return Stepped({name: Interpreted(space[name]) for name in ENTRIES})

@@ -31,6 +31,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ...errors import VfifeError
 from .documents import LARGEST, Conflict, Draft, Json, fault_list, text_in
+from .pages import drawing
 from .session import MOST_BROWSERS, Mailbox, Session
 
 HERE = "127.0.0.1"
@@ -218,8 +219,6 @@ async def drawn(request: Request, session: Session) -> Response:
             await asyncio.sleep(0.02)
         if await request.is_disconnected():
             return Response(status_code=204)
-        from .pages import drawing
-
         try:
             return Response(
                 await run_in_threadpool(drawing, request.path_params["name"]), media_type="image/svg+xml"
