@@ -26,6 +26,7 @@ from .builders import Builders
 from .drivers import Driver
 from .joints import ClearanceRevolute, Contact, Gear, Joint
 from .loads import Load
+from .lumping import rigidified
 from .reading import with_units
 from .springs import AnySpring, ForceElement
 
@@ -241,8 +242,6 @@ class Mechanism(Builders):
         """The reference that clearance runs are compared with: every joint ideal, every link rigid with its
         lumped masses.
         """
-        from .lumping import rigidified
-
         return dataclasses.replace(
             self,
             name=f"{self.name}, ideal",
