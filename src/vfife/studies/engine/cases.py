@@ -25,8 +25,8 @@ from ...assembly.timestep import StepRequest
 from ...compiler.runtime.cuda import WITHOUT, card
 from ...errors import DeviceError, VfifeError
 from ...kinematics.initial import attempt
-from ...measures.catalogue import PEAKS, RequestedMeasures, over_turn
-from ...measures.turns import each_turn, last_turn
+from ...measures.catalogue import RequestedMeasures
+from ...measures.turns import each_turn
 from ...model.joints import Contact
 from ...model.mechanism import Mechanism
 from ...model.validation import Checks, across
@@ -40,10 +40,9 @@ from ...solvers.interrupts import Workers
 from ...solvers.record import Record
 from ...solvers.repeating import Settling, outputs_of_a_turn
 from ...solvers.status import Status
-from ...solvers.streaming import Lane, stepped
-from ...solvers.transient import run
+from ...solvers.streaming import stepped
 from ..spec.plan import CaseSpec
-from .lanes import Plan, Stepped, streams
+from .lanes import Plan, Stepped, peaks_of, streams
 
 Numbers = Mapping[str, float | str]
 LAWS = ("contact", "friction")
@@ -330,19 +329,6 @@ def sound(model: CaseModel | VfifeError | None) -> CaseModel | None:
 def model_key(numbers: Numbers) -> ModelKey:
     """Numbers in an order that does not depend on theirs."""
     return tuple(sorted(numbers.items()))
-
-
-def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
-    """Largest values of ideal mechanisms over their last turn, run side by side, by number; none of those
-    whose numbers leave all bounds.
-    """
-    if len(ideals) == 1:  # without a thread of its own
-        records = {k: run(one) for k, one in ideals.items()}
-    else:
-        lanes = stepped([Lane(k, one) for k, one in ideals.items()], len(ideals), workers=1) if ideals else ()
-        records = {lane.number: lane.record for lane in lanes if not lane.doubtful}
-    sound = {k: one for k, one in records.items() if one.status == Status.COMPLETE}
-    return {k: over_turn(one, last_turn(one), PEAKS) for k, one in sound.items()}
 
 
 def sentence(error: VfifeError) -> str:

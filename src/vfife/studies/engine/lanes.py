@@ -10,15 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...assembly.assembled import Assembly, limited_rows
-from ...measures.catalogue import RequestedMeasures
+from ...measures.catalogue import PEAKS, RequestedMeasures, over_turn
 from ...measures.energy import ledger
 from ...measures.trust import DEEP_HALVINGS
+from ...measures.turns import last_turn
 from ...model.mechanism import Mechanism
 from ...solvers.arguments import Loop
 from ...solvers.companions import measured_rows
 from ...solvers.record import Columns, Record, places, recorded_rows
 from ...solvers.repeating import Settling, outputs_of_a_turn
-from ...solvers.streaming import Lane
+from ...solvers.streaming import Lane, stepped
 from ...solvers.transient import choose_loop
 from ..spec.plan import CaseSpec
 
@@ -181,3 +182,44 @@ def rows_by_turn(assembly: Assembly) -> NDArray[np.uint32]:
     """
     forces = np.asarray(assembly.layout.rows_of("contact_normal_force"), dtype=np.uint32)
     return np.unique(np.concatenate([measured_rows(assembly), limited_rows(assembly), forces]))
+
+
+class PeakLane(Lane):
+    """An ideal mechanism in a lane, which hands out one output for each turn: extremes since the one before.
+
+    ``columns`` tell where blocks stand among its rows, for all mechanisms of one layout.
+    """
+
+    def __init__(self, number: int, assembly: Assembly, columns: Columns, limited: NDArray[np.intp]) -> None:
+        super().__init__(number, assembly, columns.kept, limited=limited)
+        self.columns, self.every = columns, self.every * self.per
+
+    @property
+    def outputs(self) -> int:
+        """All of them, at once."""
+        return self.assembly.choice.outputs // self.per
+
+    @property
+    def finished(self) -> bool:
+        """Whether it needs no further step."""
+        return self.doubtful or self.done >= self.outputs
+
+    @property
+    def record(self) -> Record:
+        """The record of its turns."""
+        return dataclasses.replace(super().record, columns=self.columns)
+
+
+def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
+    """Largest values of ideal mechanisms over their last turn, stepped side by side, by number; none of those
+    whose numbers leave all bounds.
+    """
+    lanes, shared = [], dict[int, tuple[Columns, NDArray[np.intp]]]()
+    for k, one in ideals.items():
+        if id(one.layout) not in shared:
+            kept = recorded_rows(one)
+            shared[id(one.layout)] = Columns(one.layout, kept), places(kept, limited_rows(one))
+        lanes.append(PeakLane(k, one, *shared[id(one.layout)]))
+    done = stepped(lanes, len(lanes), workers=1) if lanes else ()
+    records = {lane.number: lane.record for lane in done if not lane.doubtful}
+    return {k: over_turn(one, last_turn(one), PEAKS) for k, one in records.items()}
