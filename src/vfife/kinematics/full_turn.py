@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 POSITIONS_PER_TURN = 36  # as far apart as the longest strides of the follower
+LONG_STRIDE = 2  # positions from one that is predicted to the next; where that fails each is predicted
 # of the largest determinant of a turn: what never falls below changes no sign between two angles
 DETERMINANT_MARGIN = 0.03
 PREDICTION_TOLERANCE = 0.3  # of a stride, by which a position may be off the one predicted from velocities
@@ -74,11 +75,11 @@ def _turned(motions: Sequence[Motion], direction: float, neighbour: FullTurn | N
     if neighbour is not None and neighbour.direction == direction and neighbour.positions.shape[1:] == shape:
         corrector = _Corrector(motions, direction)
         result = corrector.closed(np.repeat(neighbour.positions[:, None], len(motions), axis=1))
-    left = [k for k, one in enumerate(result) if one is None]
-    if left:
-        corrector = _Corrector([motions[k] for k in left], direction)
-        for k, turn in zip(left, corrector.closed(corrector.walked()), strict=True):
-            result[k] = turn
+    for stride in (LONG_STRIDE, 1):
+        if left := [k for k, one in enumerate(result) if one is None]:
+            corrector = _Corrector([motions[k] for k in left], direction)
+            for k, turn in zip(left, corrector.closed(corrector.walked(stride)), strict=True):
+                result[k] = turn
     return result
 
 
@@ -137,19 +138,27 @@ class _Corrector:
         rate[..., -1] = self.rate
         return solve_with_determinant(self.rows.dense(entries), np.stack([phi, rate], axis=-1))
 
-    def walked(self) -> Array:
-        """Positions predicted from one angle to the next, each corrected once."""
-        here, result = self.start[None].copy(), []
-        before = None
-        for angle in self.angles:
-            step, _ = self.step(here, np.array([angle]))
+    def walked(self, stride: int) -> Array:
+        """Positions predicted over ``stride`` angles at a time, each corrected once; cubic polynomials through
+        positions and velocities stand between them.
+        """
+        here, before, angle = self.start[None].copy(), None, stride * self.stride
+        positions, velocities = [], []
+        for aim in self.angles[::stride]:
+            step, _ = self.step(here, np.array([aim]))
             here = here - self.of_bodies(step[..., 0])
-            result.append(here[0])
-            going = step[..., 1]
-            bend = 0.0 if before is None else 0.5 * self.stride * (going - before)
-            here = here + self.of_bodies(self.stride * going + bend)
+            going = self.of_bodies(angle * step[..., 1])
+            positions.append(here[0])
+            velocities.append(going[0])
+            here = here + going + (0.0 if before is None else 0.5 * (going - before))
             before = going
-        return np.array(result)
+        y, v = np.array(positions), np.array(velocities)
+        t = np.arange(stride).reshape(-1, 1, 1, 1) / stride
+        rise, bend = y[1:] - y[:-1] - v[:-1], v[1:] - v[:-1]
+        between = y[:-1] + t[:, None] * (
+            v[:-1] + t[:, None] * (3.0 * rise - bend + t[:, None] * (bend - 2.0 * rise))
+        )
+        return np.concatenate([np.moveaxis(between, 0, 1).reshape(-1, *y.shape[1:]), y[-1:]])
 
     def sure(self, positions: Array, velocity: Array, determinant: Array) -> Mask:
         """Whether closed positions are one motion from the start and back, far from where a determinant
