@@ -217,8 +217,8 @@ def peaks_of(ideals: Mapping[int, Assembly]) -> dict[int, dict[str, float]]:
     lanes, shared = [], dict[int, tuple[Columns, NDArray[np.intp]]]()
     for k, one in ideals.items():
         if id(one.layout) not in shared:
-            kept = recorded_rows(one)
-            shared[id(one.layout)] = Columns(one.layout, kept), places(kept, limited_rows(one))
+            rows = recorded_rows(one)
+            shared[id(one.layout)] = Columns(one.layout, rows), places(rows, limited_rows(one))
         lanes.append(PeakLane(k, one, *shared[id(one.layout)]))
     done = stepped(lanes, len(lanes), workers=1) if lanes else ()
     records = {lane.number: lane.record for lane in done if not lane.doubtful}
