@@ -139,8 +139,8 @@ class _Corrector:
         return solve_with_determinant(self.rows.dense(entries), np.stack([phi, rate], axis=-1))
 
     def walked(self, stride: int) -> Array:
-        """Positions predicted over ``stride`` angles at a time, each corrected once; cubic polynomials through
-        positions and velocities stand between them.
+        """Positions predicted over ``stride`` angles at a time, each corrected once; cubic polynomials
+        through positions and velocities stand between them.
         """
         here, before, angle = self.start[None].copy(), None, stride * self.stride
         positions, velocities = [], []
