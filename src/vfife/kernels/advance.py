@@ -1,35 +1,37 @@
-"""The loop driver, one text for all loops: which steps are taken, which are taken again in parts, what is
-recorded, and when a lane breaks.
+"""The loop driver, one text for all loops: take steps, repeat those with events in smaller steps, record
+outputs, detect lanes that fail.
 
-A central difference takes the force at the end of a step for all of it. Where a contact begins, friction
-changes its regime or a load has a kink, that is an error of first order in the step; eight steps of an eighth
-leave a sixty-fourth of it. Such a step is an *event*, and is taken again in ``parts``. Smaller steps
-throughout would cost eight times as much for the same; a step that is cut at the event itself would have to
-be solved for the time of it, and differ from lane to lane.
+**Events.** A central difference uses the force at the end of a step for all of it. Where a contact begins,
+friction changes its regime, or a load has a kink, the error is of first order in the step; eight steps of an
+eighth reduce it to a sixty-fourth. Such a step is an *event* and is repeated in ``parts`` smaller steps.
+Small steps throughout would cost eight times as much for the same accuracy. Cutting the step at the time of
+the event would need an iteration for that time, which differs from lane to lane.
 
-The driver calls four functions, which differ between loops:
+**Functions of a loop.** The driver calls four functions, of which each loop has its own:
 
-    fast_steps(S, R, T, I, n, count, watching)  take up to ``count`` steps from step n, stop before the first
-    that a fast step cannot take, and
-                                                return how many were taken. Those of the data-driven loop can
-                                                take any; where ``watching``, they stop before one with an
-                                                event. R is scratch of the size of S.
-    full_step(S, T, I, n)                       take step n, whatever happens in it.
-    functions(S, T, I, n)                       functions of time at step n.
-    resize(S, I, C)                             give the state the step size C[0] and phase C[1], and add C[2]
-    to the count of events, lane by lane.
+``fast_steps(S, R, T, I, n, count, watching)``
+    Take up to ``count`` steps from step n and return how many were taken. Straight-line code stops before the
+    first step that the fast step cannot take. The data-driven loop takes any step, and stops before one with
+    an event if ``watching``. R is scratch of the size of S.
+``full_step(S, T, I, n)``
+    Take step n, whatever happens in it.
+``functions(S, T, I, n)``
+    Evaluate functions of time at step n.
+``resize(S, I, C)``
+    Change the state, lane by lane, to the step size C[0] and the phase C[1], and add C[2] to its number of
+    events.
 
-Those of the data-driven loop are in :mod:`~vfife.kernels.data_driven`. Straight-line code has its own
-(``compiler/trace/straight_line.py``); there the driver is compiled once for all mechanisms, or translated to
+:mod:`~vfife.kernels.data_driven` has those of the data-driven loop, ``compiler/trace/straight_line.py`` those
+of straight-line code. For the latter the driver is compiled once for all mechanisms, or translated to
 JavaScript.
 
-Row r of lane w lies at ``S[r * stride + w]``: lanes side by side on a processor, members of a tile on a
-graphics card.
+**Layout.** Row r of lane w is ``S[r * stride + w]``: lanes lie side by side on a processor; on a graphics
+card, so do the cases of a tile.
 
-Rules that other files rely on: step n leads to t_n, and the state after it has velocities at t_n + step/2.
-Step 0 is the start, half a step. Lanes never wait for each other within a step: all take it, and where only
-some have an event, those alone keep the parts. A step may be taken in any number of calls, with the same
-bits; companions, streams and checkpoints depend on it.
+**Rules that other files rely on.** Step n leads to t_n, and the state after it has velocities at
+t_n + step/2. Step 0 is the start, of half a step. Lanes do not wait for each other within a step: all take
+it, and if only some have an event, only those keep the result of the smaller steps. Steps may be divided
+among any number of calls with the same bits; companions, streams and checkpoints depend on that.
 """
 
 from typing import NamedTuple
@@ -38,22 +40,22 @@ from .arrays import SYSTEM, Counts, Fields, Integers, Numbers
 from .data_driven import copy_lane, fast_steps, full_step, resize
 from .step import functions
 
-# Numbers of a run, the array N: lanes, distance of two rows, rows of a state, parts of a step with an event,
-# steps between two checks of lanes. The caller sets them; the steps between checks are LOOK of a run and
-# STREAM_LOOK of a stream of cases, both in compiler/runtime/runner.py.
+# The array N of a run: number of lanes, distance between two rows in S, number of rows, parts of a step with
+# an event, and steps between two checks of lanes (LOOK for a run, STREAM_LOOK for a stream of cases, in
+# compiler/runtime/runner.py).
 RUN = Fields((name, 1) for name in ("lanes", "stride", "rows", "parts", "look"))
 
 
 class Memory(NamedTuple):
-    """What a run works on.
+    """Arrays of a run.
 
-    S (rows x lanes) is the state; Q, R (as S) and C (3 x lanes) are scratch; T holds the tables of functions,
-    I the topology of the data-driven loop, N the numbers of a run. ``shares`` (lanes) are first steps, as
-    parts of one, that come beside those that are counted. The rows ``recorded`` are recorded; ``extremes``
-    are rows that start from zero before each output. A number of the rows ``limited`` lies between two of
-    ``limits`` (limited x 2 x lanes), and those that are recorded are finite, or the lane breaks: ``broken``
-    (lanes) is then the step at which that was found. It is 0 before, and negative in lanes that are not
-    watched.
+    S (rows x lanes) is the state; Q, R (as S) and C (3 x lanes) are scratch. T holds the tables of functions,
+    I the topology of the data-driven loop, N the numbers of :data:`RUN`. ``shares`` (lanes) are additional
+    first steps, as shares of a step, which shift the phase of a lane (:func:`displace`). ``recorded`` are the
+    rows that are recorded, ``extremes`` those that are set to zero before each output. A lane fails if a
+    recorded row is not finite, or if one of the rows ``limited`` leaves its two ``limits`` (limited x 2 x
+    lanes); ``broken`` (lanes) is then the step at which this was found. It is 0 before, and negative in lanes
+    that are not watched.
     """
 
     S: Numbers
@@ -72,11 +74,11 @@ class Memory(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """Outputs of a stream, lane by lane: the step of the next one, steps between two, outputs so far, and
-    that with which the stream ends.
+    """Outputs of a stream, lane by lane: the step ``due`` of the next output, the steps ``every`` between
+    two, the number of outputs ``at`` so far, and the number ``stop`` that ends the stream.
 
-    ``out`` (lanes x room x recorded) takes them. Rows ``sound`` have to be finite: those that the outputs, or
-    a checkpoint, are made of.
+    ``out`` (lanes x room x recorded) receives them. The rows ``sound`` must be finite: those that outputs and
+    checkpoints consist of.
     """
 
     due: Counts
@@ -88,14 +90,14 @@ class Outputs(NamedTuple):
 
 
 def advance(m: Memory, reset: int, until: int, n0: int, count: int, outputs: int, out: Numbers):
-    """Take ``outputs`` times ``count`` steps from step n0 and record the rows ``recorded`` after each
-    ``count`` in ``out`` (outputs, recorded, lanes).
+    """Take ``outputs`` times ``count`` steps from step n0, and record the rows ``recorded`` after each
+    ``count`` steps in ``out`` (outputs, recorded, lanes).
 
-    Extremes start from zero before each output where ``reset`` is not 0. Nothing is recorded into an empty
-    ``out``. Right after the start lane w takes a step of ``shares[w]`` of one, where that is not zero. Lanes
-    are checked ``until`` steps from n0 and every RUN.look steps from there: callers choose ``until`` so that
-    checks come at multiples of RUN.look, whatever the calls. When no lane is left that is sound and watched,
-    the rest is left out.
+    If ``reset`` is not 0, extremes are set to zero before each output. An empty ``out`` records nothing.
+    After the start, lane w takes one more step of the share ``shares[w]`` of a step, if that is not zero.
+    Lanes are checked ``until`` steps after n0 and every RUN.look steps from there. Callers choose ``until``
+    so that checks come at multiples of RUN.look, however the steps are divided among calls. The function
+    returns early when all watched lanes have failed.
     """
     S, N, recorded, extremes, broken = m.S, m.N, m.recorded, m.extremes, m.broken
     lanes, stride = N[RUN.lanes], N[RUN.stride]
@@ -107,6 +109,7 @@ def advance(m: Memory, reset: int, until: int, n0: int, count: int, outputs: int
                 for w in range(lanes):
                     S[extremes[q] * stride + w] = 0.0
         last = n0 + (output + 1) * count
+        # Fast steps run up to the next output or check, whichever comes first: they need no test for either.
         while n < last:
             if n == 0:
                 full_step(S, m.T, m.I, 0)
@@ -116,6 +119,7 @@ def advance(m: Memory, reset: int, until: int, n0: int, count: int, outputs: int
                 n = proceed(m, n, min(last, check))
             if n == check:
                 check += N[RUN.look]
+                # Without a lane that is watched nothing can fail, and the run goes on to its end.
                 if not sound_lanes(m, recorded, n) and failed_lanes(broken, lanes):
                     return
         if len(out) > 0:
@@ -128,12 +132,12 @@ def advance(m: Memory, reset: int, until: int, n0: int, count: int, outputs: int
 
 
 def stream(m: Memory, o: Outputs, room: int, until: int, n0: int, count: int) -> int:
-    """Take up to ``count`` steps from step n0, which is not 0; every lane records outputs of its own.
+    """Take up to ``count`` steps from step n0 > 0, with outputs of each lane at steps of its own.
 
-    After step ``due[w]`` the rows ``recorded`` of lane w are recorded as output ``at[w]``, its extremes start
-    from zero, and it is due again ``every[w]`` steps later. Lanes are checked as :func:`advance` does. It
-    ends when a lane has reached its output ``stop[w]`` or is found broken, so that the caller can put another
-    simulation there; returns the number of steps made since the very start.
+    After step ``due[w]`` the rows ``recorded`` of lane w become its output ``at[w]``, its extremes are set to
+    zero, and the next output is due ``every[w]`` steps later. Lanes are checked as in :func:`advance`. The
+    function returns as soon as a lane has reached its output ``stop[w]`` or has failed, so that the caller
+    can put another simulation into that lane. Returns the number of the last step.
     """
     S, N, recorded, extremes, broken = m.S, m.N, m.recorded, m.extremes, m.broken
     due, every, at, stop, out = o.due, o.every, o.at, o.stop, o.out
@@ -142,6 +146,7 @@ def stream(m: Memory, o: Outputs, room: int, until: int, n0: int, count: int) ->
     check = n0 + until
     n = n0
     is_over = False
+    # Lanes share the number of the step, not their outputs: fast steps run up to the next output of any lane.
     while n < last and not is_over:
         soonest = last
         for w in range(lanes):
@@ -167,7 +172,7 @@ def stream(m: Memory, o: Outputs, room: int, until: int, n0: int, count: int) ->
 
 
 def proceed(m: Memory, n, end):
-    """Take steps from n up to ``end``, or up to and with the first event; return the next step's number."""
+    """Take steps n to ``end`` - 1, or up to and including the first event; return the next step's number."""
     n += fast_steps(m.S, m.Q, m.T, m.I, n, end - n, m.N[RUN.parts] > 1)
     if n < end:
         event(m, n)
@@ -176,18 +181,18 @@ def proceed(m: Memory, n, end):
 
 
 def sound_lanes(m: Memory, rows, n):
-    """Mark lanes that have failed after n steps, and return whether a sound watched lane is left.
+    """Mark lanes that have failed after n steps; return whether a watched lane without failure is left.
 
-    A lane fails where one of ``rows`` is not finite or a row of ``limited`` is not between its two
-    ``limits``. A nonzero entry of ``broken`` marks a lane that has failed already or is not watched.
+    A lane fails if one of ``rows`` is not finite, or a row of ``limited`` is outside its two ``limits``. A
+    nonzero entry of ``broken`` marks a lane that has failed already or is not watched.
     """
     S, N, limited, limits, broken = m.S, m.N, m.limited, m.limits, m.broken
     lanes, stride = N[RUN.lanes], N[RUN.stride]
     left = False
     for w in range(lanes):
         if broken[w] == 0.0:
-            # One sum and one comparison for all rows: infinity times zero is NaN, as NaN is, and whatever is
-            # added to it stays so.
+            # One sum and one comparison for all rows: infinity times zero is NaN, and a sum that contains
+            # NaN is NaN. Comparisons with NaN are false, so that a NaN among ``limited`` fails as well.
             nothing = 0.0
             for q in range(len(rows)):
                 nothing += S[rows[q] * stride + w] * 0.0
@@ -203,7 +208,7 @@ def sound_lanes(m: Memory, rows, n):
 
 
 def failed_lanes(broken, lanes):
-    """Whether a lane has failed."""
+    """Return whether a lane has failed."""
     failed = False
     for w in range(lanes):
         failed = failed or broken[w] > 0.0
@@ -211,12 +216,11 @@ def failed_lanes(broken, lanes):
 
 
 def event(m: Memory, n):
-    """Take step n as a full step; lanes in which something began, ended or changed its regime take it again
-    in ``parts``.
+    """Take step n as a full step, and repeat it in ``parts`` smaller steps for lanes with an event.
 
-    The small steps are those of a state of its own, Q, from before step n: they are numbered from (n - 1)
-    parts + 1 to n parts, and the phase is multiplied by ``parts``, so that time stays (step + phase) * size.
-    All lanes go along; only those with an event keep the result.
+    The smaller steps start from Q, a copy of the state before step n. They have the numbers (n - 1) parts + 1
+    to n parts, and the phase is multiplied by ``parts``, so that time remains (step + phase) * size. All
+    lanes take them; only those with an event keep the result.
     """
     S, Q, C, T, I, N = m.S, m.Q, m.C, m.T, m.I, m.N
     lanes, stride, parts = N[RUN.lanes], N[RUN.stride], N[RUN.parts]
@@ -229,6 +233,8 @@ def event(m: Memory, n):
                 count += 1
     if count == 0:
         return
+    # resize shifts velocities from half a step after t_(n-1) to half a small step after it, and needs the
+    # functions of time at t_(n-1) for prescribed motions.
     for w in range(lanes):
         C[w] = S[SYSTEM.step * stride + w] / parts
         C[stride + w] = S[SYSTEM.shift * stride + w] * parts
@@ -238,8 +244,8 @@ def event(m: Memory, n):
     last = n * parts
     i = last - parts
     while i < last:
-        # An event within an eighth of a step is not refined again: the parts of parts would cost more than
-        # the error that they save.
+        # An event within a smaller step is not refined again: its error is an eighth squared of that of a
+        # step, and one more level would cost eight more steps.
         i += fast_steps(Q, m.R, T, I, i + 1, last - i, False)
         if i < last:
             i += 1
@@ -258,8 +264,10 @@ def event(m: Memory, n):
 
 
 def displace(m: Memory):
-    """After the start, take a first step of a share of one in lanes where that is not zero: their later steps
-    lie between those of the others.
+    """After the start, take one step of the share ``shares[w]`` of a step in lanes where it is not zero, so
+    that their later steps lie between those of the other lanes.
+
+    Companion runs with another phase use it: they locate events at other times with steps of the same size.
     """
     S, Q, C, T, I, N, shares = m.S, m.Q, m.C, m.T, m.I, m.N, m.shares
     lanes, stride = N[RUN.lanes], N[RUN.stride]
@@ -285,7 +293,7 @@ def displace(m: Memory):
 
 
 def copy(to, source, N):
-    """Copy a state."""
+    """Copy the state of all lanes; lanes beyond N.lanes in a stride are left alone."""
     lanes, stride, rows = N[RUN.lanes], N[RUN.stride], N[RUN.rows]
     if lanes == stride:
         copy_numbers(to, 0, source, 0, rows * lanes)
@@ -295,7 +303,7 @@ def copy(to, source, N):
 
 
 def copy_numbers(to, at, source, place, count):
-    """Copy ``count`` numbers that lie one behind the other."""
+    """Copy ``count`` consecutive numbers, four at a time."""
     fours = 4 * (count // 4)
     for q in range(0, fours, 4):
         copy_four(to, at + q, source, place + q)
@@ -304,7 +312,7 @@ def copy_numbers(to, at, source, place, count):
 
 
 def copy_four(to, at, source, place):
-    """Copy four numbers: all are read before one is written, so that they become one vector."""
+    """Copy four numbers, all read before one is written, so that the compiler makes one vector of them."""
     a = source[place]
     b = source[place + 1]
     c = source[place + 2]

@@ -1,11 +1,13 @@
-"""Pieces of a step that every loop shares: coefficients of the central difference, work, what links do."""
+"""Coefficients of the central difference, with and without mass-proportional damping, and the change of the
+step size.
+"""
 
 from typing import NamedTuple
 
 
 class Central(NamedTuple):
-    """Coefficients of a step: v_n = p (v_(n-1/2) + h a), v_(n+1/2) = decay v_(n-1/2) + gain a; h and gain in
-    s.
+    """Coefficients of a step: v_n = p (v_(n-1/2) + h a) and v_(n+1/2) = decay v_(n-1/2) + gain a, with h and
+    gain in s. In step 0 the velocity is that of t_0 itself: h is 0 and gain half a step.
     """
 
     h: float
@@ -15,15 +17,16 @@ class Central(NamedTuple):
 
 
 def undamped(start, dt) -> Central:
-    """Coefficients of a step without mass-proportional damping."""
+    """Return the coefficients of a step of ``dt`` (s) without mass-proportional damping."""
     return Central(0.0 if start else 0.5 * dt, 1.0, 0.5 * dt if start else dt, 1.0)
 
 
 def coefficients(start, dt, damping) -> Central:
-    """Coefficients of a step with mass-proportional damping z = damping dt / 2.
+    """Return the coefficients of a step of ``dt`` (s) with mass-proportional ``damping`` (1/s).
 
-    With c1 = 1/(1 + z), c2 = c1 (1 - z) this is d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1), which is Eq. 5
-    for z = 0. The first step starts from v_0 itself: d_(-1) = d_0 - dt v_0 + dt^2 a_0 / 2.
+    With z = damping dt / 2, c1 = 1/(1 + z) and c2 = c1 (1 - z) they are equivalent to
+    d_(n+1) = c1 dt^2 a + 2 c1 d_n - c2 d_(n-1), which is Eq. 5 for z = 0. The first step starts from v_0:
+    d_(-1) = d_0 - dt v_0 + dt^2 a_0 / 2.
     """
     z = 0.5 * dt * damping
     c1 = 1.0 / (1.0 + z)
@@ -35,21 +38,21 @@ def coefficients(start, dt, damping) -> Central:
 
 
 def resized(u, a, old, size, damping):
-    """Velocity half a step after t_n where the next step is ``size`` and not ``old`` long, from the one that
-    was, u, and the acceleration at t_n.
+    """Return the velocity half a step after t_n for the next step ``size`` (s), from that for the step
+    ``old``, u, and the acceleration a at t_n.
 
-    Both come from the same v_n: v_(n+1/2) = (1 - z) v_n + h/2 a_n, z = damping h / 2 for a step of h.
+    Both follow from the same v_n: v_(n+1/2) = (1 - z) v_n + h/2 a_n, with z = damping h / 2 for a step h.
     """
     return (u - 0.5 * old * a) * ((1.0 - 0.5 * size * damping) / (1.0 - 0.5 * old * damping)) + 0.5 * size * a
 
 
 def larger(a, b):
-    """The larger of two numbers, the first where they compare equal or the second is no number."""
+    """Return the larger of two numbers; the first if they are equal or the second is NaN."""
     return b if b > a else a
 
 
 def chord_acceleration(dx, dy, ax, ay, inverse):
-    """Angular acceleration (rad/s^2) of a link's chord: its ends' relative acceleration across the chord,
-    over the length.
+    """Return the angular acceleration (rad/s^2) of a link's chord: the relative acceleration of its ends
+    across the chord, divided by its length.
     """
     return (dx * ay - dy * ax) * inverse * inverse

@@ -1,28 +1,33 @@
-"""Reactions of ideal joints at t_n: those that keep the joints closed until t_(n+1).
+"""Reactions of ideal joints at t_n that keep the joints closed at t_(n+1).
 
-What is solved are the increments of a step, not the positions at its end: u dt and the turns of arms are
-small, and so is their rounding, eps v dt instead of eps x. Closing positions makes of that a noise of eps
-x/dt^2 in the accelerations, which drowns the reactions of a short step. Of what is open at t_n a step feeds
-back a share, ``GAIN``, in which rounding is lost (:func:`residual`).
+**What is solved.** The joints are closed in terms of the displacements of a step, not of the positions at its
+end. Displacements (u dt and the turns of arms) are small, and so is their rounding: eps v dt instead of
+eps x. Closing positions would turn that rounding into a noise of eps x/dt^2 in the accelerations, which
+hides the reactions of a short step. Of the distance that is open at t_n, a step closes the share ``GAIN``
+only, so that its rounding is multiplied by that share, too (:func:`residual`).
 
-The first correction uses the directions of t_n. But forces in these directions close constraints that have
-turned by t_(n+1): per unit of the angle of a step an error stays, which on a body of radius of gyration k on
-an arm r counts (r/k)^2 times, and which the next step has to make up for: it grows. How the rows turn is
-known after the first correction, and with it what is left. A run in coarse steps corrects once or twice more
-with the same factors; where what is left is still not next to nothing (a fast light body on a long arm, a
-link that swings through in a few steps) Newton's method follows with the turned rows, and where that does not
-close either, the step is taken again in parts.
+**Why one correction is not always enough.** The first correction uses the directions of t_n, but its forces
+close constraints that have turned by t_(n+1). The error is proportional to the angle of a step; on a body
+with radius of gyration k on an arm r it is multiplied by (r/k)^2, and it grows, because the next step has to
+make up for it. The turn of the rows is known after the first correction, and with it the error. Coarse steps
+correct once or twice more with the same factors. If the error is still not negligible (a fast light body on a
+long arm, a link that swings through in a few steps), Newton's method follows with the turned rows. If that
+does not close the joints either, the step is taken again in parts.
 
-Order of a step, in :func:`hold` and :func:`close`: rows and factors of t_n; the reactions extrapolated from
-the last two steps (:func:`warm_start`); then corrections, each of which moves the bodies to t_(n+1) under the
-forces so far (:func:`predict`), measures by what that opens the joints (:func:`residual`), solves for the
-reactions that close them, and adds these to the forces (:func:`correct`).
+**Order of a step**, in :func:`hold` and :func:`close`:
 
-Three coarsenesses of steps: ``HEADER.coarse`` is a flag (steps are coarse at all), ``HEADER.corrections`` the
-number of corrections with the factors of t_n, ``HEADER.newton`` a flag (the coarsest: the turned rows are
-always used). Which they are follows from ``Topology.coarse`` (``tables.py``). Names as in
-:mod:`~vfife.kernels.constraint`; ``decay`` and ``gain`` are those of :class:`Central` (1 in
-:func:`close_velocities`), not ``GAIN``.
+1. directions, levers and factors of t_n;
+2. reactions extrapolated from the last two steps (:func:`warm_start`);
+3. corrections. Each moves the bodies to t_(n+1) under the forces so far (:func:`predict`), measures how far
+   that opens the joints (:func:`residual`), solves for the reactions that close them, and adds these to the
+   forces (:func:`correct`).
+
+**Three kinds of steps**, fine, coarse and coarsest, follow from ``Topology.coarse`` (``tables.py``).
+``HEADER.coarse`` is a flag: steps are coarse or coarsest. ``HEADER.corrections`` is the number of corrections
+with the factors of t_n. ``HEADER.newton`` is a flag: steps are coarsest, and the turned rows are always used.
+
+Names as in :mod:`~vfife.kernels.constraint`. ``decay`` and ``gain`` are those of :class:`Central` (1 in
+:func:`close_velocities`); ``GAIN`` is something else.
 """
 
 from typing import NamedTuple
@@ -68,22 +73,26 @@ from .frame import chord
 from .geometry import arm, unlikely
 from .topology import ALONG, FREE, GEARED, NOWHERE, ON_PATH, PINNED, SPACED
 
-# share of what is open at t_n that a step closes, called feedback below; in coarse steps all of it, because
-# rounding over dt^2 is small there
+# Share of the distance that is open at t_n that a step closes, called feedback below. Coarse steps close all
+# of it, because rounding over dt^2 is small there.
 GAIN = 0.0625
-LEFT = 5e-11  # sizes of a mechanism that the corrections along the rows of t_n may leave open in a step
-LEFT_COARSE = 5e-10  # the same in coarse steps, in which it does not add up
-# the same where impacts change the reactions from step to step: next to nothing beside a penetration
+# Distances that a step may leave open without Newton's method, as shares of the mechanism's size
+# (SYSTEM.size, the longest arm of an ideal joint): in fine steps; in coarse steps, where errors do not
+# accumulate, because each step closes all that is open; and with contacts, whose impacts change the reactions
+# from step to step and whose penetrations are much larger.
+LEFT = 5e-11
+LEFT_COARSE = 5e-10
 LEFT_BY_CONTACTS = 1e-8
-# from direction and levers of a constraint to what they change by in a step
+# Offset in a constraint's record from its direction and levers to their change in a step.
 TURN = CONSTRAINT.turn_x - CONSTRAINT.nx
-# sizes that a third step of Newton's method may have to close; what it leaves is of the order of the square
+# Distance, as a share of the size, up to which one more correction of Newton's method is trusted: its error
+# is of the order of the square. A coarse step with more than that is an event.
 MUCH = 1e-6
 
 
 class Pins(NamedTuple):
-    """The two pins of a joint in space (m): the journal's seen from the bearing's (ex, ey), what a step moves
-    that by (dx, dy), the journal's arm (kx, ky) and what a step turns that by (dkx, dky).
+    """The two pins of a joint in space (m): the journal's pin seen from the bearing's (ex, ey) and its
+    displacement in a step (dx, dy); the journal's arm (kx, ky) and its change in a step (dkx, dky).
     """
 
     ex: float
@@ -97,7 +106,7 @@ class Pins(NamedTuple):
 
 
 def turn_driven(S, I, dt):
-    """Store the turns of the driven bodies from t_n to t_(n+1)."""
+    """Store the prescribed turns of the driven bodies from t_n to t_(n+1) (rad)."""
     for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
         i = I[r + DRIVEN_INDEX.body]
         f = I[r + DRIVEN_INDEX.function]
@@ -113,7 +122,9 @@ def turn_driven(S, I, dt):
 
 
 def begin(S, I):
-    """At the start there is no step before: its reactions count as those of the start."""
+    """Use the reactions of the start for the step before it, which does not exist, so that the first
+    extrapolation is constant.
+    """
     for r in range(I[HEADER.constraint], I[HEADER.constraint_end], CONSTRAINT_INDEX.SIZE):
         q = I[r + CONSTRAINT_INDEX.row]
         S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force]
@@ -137,8 +148,8 @@ def warm_start(S, I):
 
 
 def minimum_norm(S, I):
-    """Take off the part of redundant reactions that moves nothing: what is left has least norm, so that it
-    does not drift from step to step.
+    """Subtract the part of redundant reactions that moves no body. What remains has least norm and does not
+    drift from step to step.
     """
     idle_reactions(S, I, I[HEADER.y])
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
@@ -150,7 +161,9 @@ def minimum_norm(S, I):
 
 
 def predict(S, I, dt, decay, gain):
-    """Store displacements from t_n to t_(n+1) of the pinned bodies under the forces so far."""
+    """Store displacements and turns (m, rad) from t_n to t_(n+1) of the pinned bodies under the forces so
+    far.
+    """
     for q in range(I[HEADER.pinned], I[HEADER.pinned_end]):
         i = I[q]
         im = dt * (gain * S[i + PARTICLE.inverse_mass])
@@ -163,8 +176,10 @@ def predict(S, I, dt, decay, gain):
 
 
 def change(S, i, x, y):
-    """How a vector (x, y) that turns with a body changes from t_n to t_(n+1); versine and sine of a small
-    angle keep its digits.
+    """Return the change (m) from t_n to t_(n+1) of a vector (x, y) that turns with body i.
+
+    Sine and versine (1 - cosine) of the turn are computed directly; a difference of cosines would lose the
+    digits of a small angle.
     """
     s = S[i + PARTICLE.step_sine]
     v = S[i + PARTICLE.step_versine]
@@ -172,13 +187,13 @@ def change(S, i, x, y):
 
 
 def residual(S, I):
-    """Store in rows y what opens in each constraint from t_n to t_(n+1), with a share of what is open; and
-    how its row turns.
+    """Store in rows y the distance or angle (m, rad) that each constraint has to be closed by, and the change
+    of each row's direction and levers in this step.
 
-    What opens is what the step moves the two pins apart; a share ``feedback`` of what is open at t_n is added
-    (Baumgarte's feedback, but of positions alone). Differences of increments come first and positions are
-    multiplied by the small share, so that rounding of positions hardly enters. A path alone has no share: its
-    distance at t_(n+1) holds all that is open.
+    The residual is what the step moves the two pins apart, plus the share ``feedback`` of what is open at t_n
+    (Baumgarte's stabilisation, of positions only). Displacements are subtracted first and positions are
+    multiplied by the small share, so that rounding of positions hardly enters. A path is the exception: its
+    distance at t_(n+1) is the whole residual.
     """
     feedback = 1.0 if I[HEADER.coarse] != 0 else GAIN
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
@@ -195,8 +210,10 @@ def residual(S, I):
 
 
 def place_residual(S, I, r, feedback, aim, move):
-    """Residual of the place that joint r holds: both rows of a revolute, or the one row of a guide, a path or
-    a massless link.
+    """Store the residual (m) of the place that joint r holds: two rows of a revolute, one of a guide, a path
+    or a massless link.
+
+    ``aim`` (m) is the prescribed travel or length at t_n, ``move`` (m) its change in this step.
     """
     j, b, k = bodies(I, r)
     y = I[r + JOINT_INDEX.y]
@@ -219,7 +236,11 @@ def place_residual(S, I, r, feedback, aim, move):
 
 
 def turn_residual(S, I, r, feedback, aim, move):
-    """Residual of the turn that joint r holds, in its last row."""
+    """Store the residual (rad) of the turn that joint r holds, in the joint's last row.
+
+    ``aim`` (rad) is the prescribed angle at t_n, ``move`` (rad) its change in this step. The direction of
+    this row is zero and its levers are constant: nothing turns.
+    """
     j, b, k = bodies(I, r)
     c = I[r + JOINT_INDEX.carrier]
     last = I[r + JOINT_INDEX.rows] - 1
@@ -241,8 +262,8 @@ def turn_residual(S, I, r, feedback, aim, move):
 
 
 def guide_residual(S, I, r, feedback, aim, move, pins: Pins):
-    """Residual of a guide, a path or a massless link, whose direction turns within the step: with the
-    bearing's body, along the path, with the link.
+    """Store the residual (m) of a guide, a path or a massless link. Its direction turns within the step:
+    with the bearing's body, along the path, or with the link.
     """
     ex, ey, dx, dy, kx, ky, dkx, dky = pins
     b = I[r + JOINT_INDEX.bearing]
@@ -276,12 +297,15 @@ def guide_residual(S, I, r, feedback, aim, move, pins: Pins):
             + feedback * (length - aim)
         )
     else:
+        # (e + d) . (n + dn) - e . n without a difference of large numbers.
         distance = ex * nx + ey * ny
         opens = (dx * (nx + dnx) + dy * (ny + dny)) + (ex * dnx + ey * dny)
         if place == ALONG:
             distance = distance - aim
             opens = opens - move
         S[y] = opens + feedback * distance
+    # Change of the levers, for the turned rows: by the product rule, of the point where the force acts (the
+    # journal's pin, seen from the bearing's particle and from the journal's) and of the direction.
     rx = (S[k + PARTICLE.x] + kx) - S[b + PARTICLE.x]
     ry = (S[k + PARTICLE.y] + ky) - S[b + PARTICLE.y]
     mx = (S[k + PARTICLE.step_x] - S[b + PARTICLE.step_x]) + dkx
@@ -292,10 +316,10 @@ def guide_residual(S, I, r, feedback, aim, move, pins: Pins):
 
 
 def linearisation_error(S, I, dt, gain):
-    """Square (m^2) of what the last correction along the rows of t_n leaves open, because they turn to
-    t_(n+1) while its forces do not.
+    """Return the square (m^2) of the distance that the last correction leaves open, because rows turn until
+    t_(n+1) and the forces along them do not.
 
-    It is the change of each row times the displacements of that correction: no position is looked at again,
+    It is the change of each row times the displacements of that correction. No position is computed again,
     so it costs a tenth of a residual.
     """
     total = 0.0
@@ -312,7 +336,7 @@ def linearisation_error(S, I, dt, gain):
 
 
 def correction_displacement(S, i, dt, gain):
-    """By how much (m, m, rad) a correction displaces body i at t_(n+1)."""
+    """Return the displacement (m, m, rad) of body i at t_(n+1) by the last correction."""
     im = dt * (gain * S[i + PARTICLE.inverse_mass])
     ii = dt * (gain * S[i + PARTICLE.inverse_inertia])
     return im * S[i + PARTICLE.change_x], im * S[i + PARTICLE.change_y], ii * S[i + PARTICLE.change_m]
@@ -321,7 +345,8 @@ def correction_displacement(S, i, dt, gain):
 def correct(S, I, dt, gain):
     """Add the corrections in rows y to the reactions and to the bodies' forces."""
     apply_corrections(S, I, dt, gain)
-    scale = -1.0 / (dt * gain)  # from displacements at t_(n+1), dt gain times accelerations, to forces
+    # Displacements at t_(n+1) are dt gain times accelerations; y holds what has to be closed by forces.
+    scale = -1.0 / (dt * gain)
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
         for m in range(I[r + JOINT_INDEX.rows]):
             S[I[r + JOINT_INDEX.first] + m * CONSTRAINT.SIZE + CONSTRAINT.force] += (
@@ -330,10 +355,10 @@ def correct(S, I, dt, gain):
 
 
 def apply_corrections(S, I, dt, gain):
-    """Add the corrections in rows y to the bodies' forces; what each body gets stays in PARTICLE.change_x,
-    change_y and change_m.
+    """Add the corrections in rows y to the bodies' forces, and leave the sum of each body in
+    PARTICLE.change_x, change_y and change_m.
 
-    Sums of a body are taken first and added once: linearisation_error needs them by themselves.
+    The sum of a body is formed first and added once, because linearisation_error needs it separately.
     """
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
         clear(S, I[r + JOINT_INDEX.bearing] + PARTICLE.change_x)
@@ -359,7 +384,7 @@ def add_change(S, i):
 
 
 def closure_error(S, I, dt, decay, gain):
-    """Store what is to be closed under the forces so far; return its square (m^2 and rad^2)."""
+    """Store the residual under the forces so far; return the sum of its squares (m^2 and rad^2)."""
     predict(S, I, dt, decay, gain)
     residual(S, I)
     total = 0.0
@@ -381,8 +406,8 @@ def newton(S, I, dt, decay, gain):
 
 
 def simplified_newton(S, I, dt, decay, gain):
-    """Correct once more with the turned rows and factors of the correction before; return
-    :func:`closure_error` from before.
+    """Correct once more with the turned rows and the factors of the last correction; return
+    :func:`closure_error` from before this one.
     """
     total = closure_error(S, I, dt, decay, gain)
     solve_turned(S, I, I[HEADER.y])
@@ -391,11 +416,11 @@ def simplified_newton(S, I, dt, decay, gain):
 
 
 def close_by_newton(S, I, dt, decay, gain, much):
-    """Newton's method where the corrections so far do not do; a coarse step that it does not close is one
-    with an event.
+    """Close the joints by Newton's method where the corrections so far do not suffice; report an event where
+    it leaves more than the square root of ``much`` (m^2) open in a coarse step.
     """
-    # Two corrections with fresh factors each; their error is of second order, so the second tells what the
-    # first has left.
+    # Two corrections, each with factors of its own. The second returns the error that the first has left; its
+    # own is the square of that.
     newton(S, I, dt, decay, gain)
     left = newton(S, I, dt, decay, gain)
     if I[HEADER.coarse] != 0:
@@ -403,14 +428,14 @@ def close_by_newton(S, I, dt, decay, gain, much):
 
 
 def close(S, I, central: Central):
-    """Correct the reactions so that the joints are closed at t_(n+1)."""
+    """Correct the reactions of all ideal joints so that they are closed at t_(n+1)."""
     # 1. Corrections with the factors of t_n, which are there already: one in fine steps, more in coarse ones.
-    # 2. What these leave open follows from how the rows turn (linearisation_error), without looking at
-    #    positions again. Only where it is not next to nothing does Newton's method follow, with its own
-    #    factors: an unlikely branch, which the fast step leaves out.
-    # 3. In the coarsest steps Newton's method is the rule; its second correction has the factors of the first
-    #    (simplified_newton).
-    # All tests are of squares, in (m and rad)^2: a root would be waited for.
+    # 2. The error of these follows from the turn of the rows (linearisation_error), without computing
+    #    positions again. Newton's method, with factors of its own, follows only where the error is not
+    #    negligible: an unlikely branch, which the fast step leaves out.
+    # 3. In the coarsest steps Newton's method is the rule; its second correction uses the factors of the
+    #    first (simplified_newton).
+    # All tests compare squares, in (m and rad)^2, because the step would wait for a square root.
     decay = central.decay
     gain = central.gain
     dt = S[SYSTEM.step]
@@ -441,11 +466,11 @@ def close(S, I, central: Central):
 
 def close_velocities(S, I, dt):
     """Correct the half-step velocities so that the joints are closed after a step of another size ``dt`` (s);
-    reactions stay as they were.
+    leave the reactions as they are.
     """
-    # The change of a step's size keeps positions; half-step velocities shift by dt^2 and open the joints by a
-    # third order of the step. With the forces set to zero, what correct() would add as reactions are impulses
-    # that close them; they are no reactions and are not recorded.
+    # A change of the step size keeps positions, but shifts half-step velocities by an error of second order,
+    # which opens the joints by one of third order. With all forces set to zero, the corrections are impulses
+    # that close the joints. They are no reactions of the mechanism and are not recorded as such.
     for q in range(I[HEADER.trig], I[HEADER.trig_end]):
         i = I[q]
         S[i + PARTICLE.s], S[i + PARTICLE.c] = sincos(S[i + PARTICLE.theta])
@@ -476,8 +501,8 @@ def hold(S, I, start, central: Central):
     warm_start(S, I)
     close(S, I, central)
     if unlikely(start):
-        # Nothing is known of the reactions before the start: three corrections of Newton's method find them
-        # from whatever the warm start was.
+        # Before the start there are no reactions to extrapolate: three corrections of Newton's method find
+        # them from any guess.
         newton(S, I, dt, central.decay, central.gain)
         newton(S, I, dt, central.decay, central.gain)
         newton(S, I, dt, central.decay, central.gain)

@@ -1,20 +1,20 @@
-"""Ideal joints (paper Eq. 14-17, generalised): reactions that keep what is joined joined, one row for each
-constraint.
+"""Constraints of ideal joints: their directions and levers, and the forces and velocities that reactions
+cause (paper Eq. 14-17, generalised).
 
-For two particles alone the block of a revolute is (1/m_B + 1/m_J) and its solution is Eq. 16 with external
-forces. Equal accelerations alone let positions drift, so the reaction at t_n is the one that closes the joint
-at t_(n+1) (SHAKE: Ryckaert, Ciccotti and Berendsen 1977). Where bodies carry several joints the rows couple;
-they are factored along the profile of the joint graph, never as a matrix of the mechanism.
+For two single particles the matrix of a revolute is (1/m_B + 1/m_J), and its solution is Eq. 16 with external
+forces. Equal accelerations alone would let positions drift. The reaction at t_n is therefore the one that
+closes the joint at t_(n+1) (SHAKE: Ryckaert, Ciccotti and Berendsen 1977). Where a body carries several
+joints their rows couple; the coupled rows are factored along the profile of the joint graph.
 
-A row has a direction n and a lever on each body: its rate is n (v_k - v_b) + jk w_k - jb w_b, less jc w_c
-where a third body carries gears. A joint holds a place, a turn or both: a revolute has a row for x and one
-for y, a slider one across its guide and one for the turn, a weld all three, a pin on a path one across it, a
-massless link one along it, gears and prescribed angles one for the turn with n = 0.
+A row has a direction n and a lever on each body. Its rate is n (v_k - v_b) + jk w_k - jb w_b, minus jc w_c if
+a third body carries gears. A joint holds a place, a turn, or both: a revolute has a row for x and one for y;
+a slider one across its guide and one for the turn; a weld all three; a pin on a path one across it; a
+massless link one along it; gears and prescribed angles one for the turn, with n = 0.
 
-Names, here, in :mod:`~vfife.kernels.closing` and in :mod:`~vfife.kernels.factors`: r is a record in I, of a
-joint or a constraint; of rows in S, j is that of a joint, q that of a constraint, b and k those of the
-particles of bearing and journal, c that of the carrier of gears (0 for none), i that of any particle; y is
-the first row of a right side.
+Names here, in :mod:`~vfife.kernels.closing` and in :mod:`~vfife.kernels.factors`: r is a record in I, of a
+joint or a constraint. j, q, b, k, c and i are rows in S: of a joint, of a constraint, of the particles of
+bearing and journal, of the carrier of gears (0 for none), and of any particle. y is the first row of a
+right-hand side.
 """
 
 from typing import NamedTuple
@@ -39,15 +39,15 @@ class Row(NamedTuple):
 
 
 def bodies(I, r):
-    """Row of a contact, a joint or a constraint, and those of its bearing's and its journal's particle, which
-    begin its record r.
+    """Return the first three entries of record r: the rows in S of the contact, joint or constraint, of its
+    bearing's particle and of its journal's.
     """
     return I[r + JOINT_INDEX.row], I[r + JOINT_INDEX.bearing], I[r + JOINT_INDEX.journal]
 
 
 def set_row(S, q, nx, ny, jb, jk):
-    """Store direction and levers of constraint q, or of its change (q + TURN); the lever of gears on their
-    carrier is zero.
+    """Store direction and levers of constraint q, or their change in a step (q + TURN), with a zero lever on
+    a carrier of gears.
     """
     S[q + CONSTRAINT.nx] = nx
     S[q + CONSTRAINT.ny] = ny
@@ -57,12 +57,12 @@ def set_row(S, q, nx, ny, jb, jk):
 
 
 def lever(rx, ry, nx, ny):
-    """Moment of a unit force along n at (rx, ry)."""
+    """Return the moment (m) of a unit force along n at (rx, ry)."""
     return rx * ny - ry * nx
 
 
 class Guide(NamedTuple):
-    """What holds a pin along one line: the kind of place, first row and number of the pieces of a path,
+    """The line that holds a pin: the kind of place, the first row and the number of a path's pieces, and the
     direction of a guide in the bearing's body.
     """
 
@@ -74,7 +74,7 @@ class Guide(NamedTuple):
 
 
 def guide_of(S, I, r) -> Guide:
-    """The guide of joint r."""
+    """Return the guide of joint r."""
     j = I[r + JOINT_INDEX.row]
     return Guide(
         I[r + JOINT_INDEX.place], I[r + JOINT_INDEX.piece], I[r + JOINT_INDEX.pieces],
@@ -83,11 +83,11 @@ def guide_of(S, I, r) -> Guide:
 
 
 def guide_row(S, guide: Guide, c, s, ex, ey):
-    """What a row along or across a guide, from a path or along a massless link measures (m), and its
-    direction in space.
+    """Return the quantity (m) that the row of a guide, a path or a massless link measures, and the row's
+    direction in space: the distance across or along a guide, the distance from a path, or a link's length.
 
-    (ex, ey) is the journal's pin seen from the bearing's, in space; (c, s) the direction of the bearing's
-    body.
+    (ex, ey) is the journal's pin seen from the bearing's, in space (m); (c, s) are the direction cosines of
+    the bearing's body.
     """
     if guide.place == ON_PATH:
         measured, nx, ny = from_path(S, guide.piece, guide.pieces, c * ex + s * ey, c * ey - s * ex)
@@ -103,8 +103,8 @@ def guide_row(S, guide: Guide, c, s, ex, ey):
 
 
 def relative_turn(bearing, journal, ratio, carrier):
-    """What a row of the turn measures (rad): (journal - carrier) - ratio (bearing - carrier), Willis'
-    formula.
+    """Return the angle (rad) that a row of a turn measures: (journal - carrier) - ratio (bearing - carrier),
+    the formula of Willis for epicyclic gears. A ratio of 1 drops the carrier.
     """
     return (journal - ratio * bearing) - (1.0 - ratio) * carrier
 
@@ -123,8 +123,8 @@ def levers(S, I):
                 set_row(S, q, 1.0, 0.0, -by, -ky)
                 set_row(S, q + CONSTRAINT.SIZE, 0.0, 1.0, bx, kx)
             else:
-                # The force of a guide acts at the journal's pin: on the bearing's body too, whose lever is
-                # that of this place.
+                # The force of a guide acts at the journal's pin, on both bodies: (rx, ry) is that point seen
+                # from the bearing's particle.
                 rx = (S[k + PARTICLE.x] + kx) - S[b + PARTICLE.x]
                 ry = (S[k + PARTICLE.y] + ky) - S[b + PARTICLE.y]
                 _, nx, ny = guide_row(
@@ -139,11 +139,11 @@ def levers(S, I):
 
 
 def apply_reaction(S, I, r, q, at, force):
-    """Add a reaction along constraint q of record r: to the journal's body, its opposite to the bearing's,
-    the moment of gears to their carrier's.
+    """Add a reaction ``force`` (N, N m) along constraint q of record r to the journal's body, its opposite to
+    the bearing's, and the moment of gears to their carrier.
 
-    ``at`` is the field of a particle's first row: PARTICLE.fx of the forces, PARTICLE.change_x of what a
-    correction adds to them.
+    ``at`` is the first of the three rows of a particle to which it is added: PARTICLE.fx for the forces,
+    PARTICLE.change_x for the sum of a correction.
     """
     _, b, k = bodies(I, r)
     c = I[r + JOINT_INDEX.carrier]
@@ -188,12 +188,10 @@ def reaction(S, I, r):
 
 
 def compliance(S, I, w, y, b, k, row: Row):
-    """Store in rows w (PARTICLE.rn or .rt) of all pinned bodies their velocities per unit of a force pair
-    along a row: on body k, its opposite on b.
-
-    The pair alone moves b and k. Rows from y get the reactions that hold all joints against that, per unit of
-    the pair: what it opens in each constraint, solved with the factors of t_n; they move the bodies back.
+    """Store the response of the mechanism to a unit pair of forces along a row, on body k and its opposite on
+    body b: in rows w (PARTICLE.rn or .rt) the velocities of all pinned bodies, in rows from y the reactions.
     """
+    # 1. The pair moves its two bodies, as if they were free.
     for q in range(I[HEADER.jointed], I[HEADER.jointed_end]):
         clear(S, I[q] + w)
     S[k + w] = S[k + PARTICLE.inverse_mass] * row.nx
@@ -202,6 +200,7 @@ def compliance(S, I, w, y, b, k, row: Row):
     S[b + w] = -S[b + PARTICLE.inverse_mass] * row.nx
     S[b + w + 1] = -S[b + PARTICLE.inverse_mass] * row.ny
     S[b + w + 2] = -S[b + PARTICLE.inverse_inertia] * row.jb
+    # 2. That opens constraints; the factors of t_n give the reactions that prevent it.
     for m in range(I[HEADER.constraint_count]):
         r = I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m
         q = I[r + CONSTRAINT_INDEX.row]
@@ -215,13 +214,16 @@ def compliance(S, I, w, y, b, k, row: Row):
         if c != 0:
             S[y + m] -= S[q + CONSTRAINT.jc] * S[c + w + 2]
     solve(S, I, y)
+    # 3. The reactions move all pinned bodies back onto the constraints.
     for m in range(I[HEADER.constraint_count]):
         r = I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * m
         push_back(S, I, r, w, S[y + m])
 
 
 def push_back(S, I, r, w, force):
-    """Take the velocities of a reaction along the constraint of record r off rows w of its bodies."""
+    """Subtract from rows w of the bodies of record r the velocities that a reaction ``force`` along its
+    constraint causes.
+    """
     q, b, k = bodies(I, r)
     c = I[r + CONSTRAINT_INDEX.carrier]
     gx = force * S[q + CONSTRAINT.nx]
@@ -237,8 +239,8 @@ def push_back(S, I, r, w, force):
 
 
 def joint_compliance(S, I, b, k, normal: Row, tangent: Row):
-    """Inverse masses (1/kg) of a clearance joint between bodies b and k along n and t, and their coupling,
-    where its bodies hang in ideal joints.
+    """Return the inverse masses (1/kg) along n and t, and their coupling, of a clearance joint whose bodies
+    b and k are held by ideal joints.
     """
     compliance(S, I, PARTICLE.rn, I[HEADER.gn], b, k, normal)
     compliance(S, I, PARTICLE.rt, I[HEADER.gt], b, k, tangent)
@@ -255,8 +257,8 @@ def joint_compliance(S, I, b, k, normal: Row, tangent: Row):
 
 
 def apply_response(S, I, h, normal, friction):
-    """Change velocities at t_n and reactions by a change (N) of the force in the clearance joint of the last
-    :func:`joint_compliance`.
+    """Change velocities at t_n and reactions by the response to a change of the normal and friction force
+    (N), for the clearance joint of the last call of :func:`joint_compliance`.
     """
     for q in range(I[HEADER.jointed], I[HEADER.jointed_end]):
         i = I[q]

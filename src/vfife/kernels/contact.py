@@ -1,19 +1,19 @@
-"""Contacts at a step: where journal and bearing stand, whether a contact begins, and the force that answers
-(paper Eq. 18-33).
+"""Contacts in clearance joints: geometry, onset, and the contact force at t_n (paper Eq. 18-33).
 
-A journal meets the bearing around it, a round beside it, a straight line (the wall of a guide, met by the
-corners of a block), or the wall of a slot along a path, the one on its side.
+A journal touches the bearing around it, a round beside it, a straight line (the wall of a guide, touched by
+the corners of a block), or the nearer wall of a slot along a path.
 
-Damping and friction are stiff: both act on the velocity at t_n, which a central difference does not know yet,
-so each joint solves for its force in closed form. Joints that share a body are visited in turn, from the last
-step's forces.
+Damping and friction are stiff: both depend on the velocity at t_n, which a central difference computes only
+after the forces. Each joint therefore solves for its force in closed form. Joints that share a body are
+solved one after the other, starting from the forces of the last step.
 
-Names: S is the state and I the topology (:mod:`~vfife.kernels.arrays`); r is a contact's record in I; of rows
-in S, j is that of the joint, b and k those of the particles of its bearing and its journal, i that of any
-particle. n points from bearing to journal, t is n turned anticlockwise: (nx, ny) and (-ny, nx). jn, jt and
-bn, bt are the levers (m) of forces along n and t about journal and bearing. A force F_N, F_T acts as -F_N n +
-F_T t on the journal. gn, gt, gm: velocity along n per F_N, along t per F_T, and along t per F_N, first as
-inverse masses (1/kg), then times h (m/s/N).
+Names: S is the state and I the topology (:mod:`~vfife.kernels.arrays`). r is the record of a contact in I.
+j, b, k and i are rows in S: of the joint, of the particle of its bearing, of the particle of its journal, and
+of any particle. n points from bearing to journal; t is n turned anticlockwise, so n = (nx, ny) and
+t = (-ny, nx). jn, jt and bn, bt are the levers (m) of forces along n and t about the particles of journal and
+bearing. The force on the journal is -F_N n + F_T t. gn, gt and gm are mobilities: the change of velocity
+along n per F_N, along t per F_T, and along t per F_N; first as inverse masses (1/kg), then multiplied by h
+(m/s/N).
 
 Order of a step, in :func:`~vfife.kernels.step.joints`: :func:`contact_geometry`; then ideal joints, whose
 reactions depend on the forces put in place there; :func:`predict_velocities`; :func:`solve_contacts`;
@@ -38,7 +38,9 @@ from .tabled import tabled_law, turned_slowness
 from .topology import LINE, ROUND, SLOT
 from .wear import profile_geometry, rub
 
-STICKS = 1e-9  # share of a free velocity that a set-valued law leaves to rounding
+# A set-valued law that sticks leaves zero velocity up to rounding: less than this share of the velocity that
+# there would be without friction counts as zero.
+STICKS = 1e-9
 
 # Written by the compiler (compiler/trace/source.py) for the laws of a mechanism.
 WRITTEN: Any = None
@@ -46,7 +48,11 @@ contact_law = friction_law = friction_regime = WRITTEN
 
 
 def predict_velocities(S, I, central: Central):
-    """Velocities at t_n of the particles in clearance joints under the forces so far."""
+    """Store the velocities at t_n (m/s, rad/s) of the particles in clearance joints under the forces so far.
+
+    Solving a contact updates them, so that the next contact on the same body starts from what the one before
+    has changed.
+    """
     for q in range(I[HEADER.jointed], I[HEADER.jointed_end]):
         i = I[q]
         im = central.h * S[i + PARTICLE.inverse_mass]
@@ -58,7 +64,10 @@ def predict_velocities(S, I, central: Central):
 
 
 def expected_velocity(S, i, central: Central):
-    """Velocity at t_n of a particle under the last step's acceleration."""
+    """Return the velocity (m/s, m/s, rad/s) at t_n of a particle if it keeps the acceleration of t_(n-1).
+
+    A driven particle turns at its prescribed speed, which is that of t_n already.
+    """
     h, _, _, p = central
     turning = S[i + PARTICLE.inverse_inertia] > 0.0
     w = p * (S[i + PARTICLE.w] + h * S[i + PARTICLE.aw]) if turning else S[i + PARTICLE.w]
@@ -70,7 +79,7 @@ def expected_velocity(S, i, central: Central):
 
 
 def expected_rate(S, j, b, k, central: Central):
-    """Rate of the penetration (m/s) at t_n under the last step's accelerations."""
+    """Return the rate of the penetration (m/s) at t_n if both bodies keep the accelerations of t_(n-1)."""
     bu, bv, bw = expected_velocity(S, b, central)
     ku, kv, kw = expected_velocity(S, k, central)
     return (
@@ -82,16 +91,20 @@ def expected_rate(S, j, b, k, central: Central):
 
 
 def onset(S, I, r, depth, start, stretch, central: Central):
-    """A contact begins: locate its speed inside the step, which is held until the surfaces part, and count
-    it.
+    """Begin a contact: locate the impact speed inside the step, hold it until the surfaces part, and count
+    the contact.
 
-    ``depth`` is the penetration (m) now; CONTACT.penetration is still that of the step before, and
-    :func:`~vfife.kernels.geometry.onset_speed` takes zero as what lies between them.
+    ``depth`` is the penetration (m) at t_n; CONTACT.penetration is still that of t_(n-1).
+    :func:`~vfife.kernels.geometry.onset_speed` computes the speed where the penetration passes zero between
+    the two.
     """
     j = I[r + CONTACT_INDEX.row]
     dt = S[SYSTEM.step]
     rate = stretch * expected_rate(S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], central)
+    # At the start there is no penetration before from which to interpolate.
     located = rate if start else onset_speed(depth, S[j + CONTACT.penetration], rate, dt)
+    # Damping is proportional to rate / impact speed and explodes for contacts that begin with almost no
+    # speed. The floor of the joint bounds it; ``grazing`` counts how often it was needed.
     slow = located < S[j + CONTACT.floor]
     S[j + CONTACT.slowness] = 1.0 / (S[j + CONTACT.floor] if slow else located)
     S[j + CONTACT.onsets] += 1.0
@@ -105,9 +118,13 @@ def onset(S, I, r, depth, start, stretch, central: Central):
 
 
 def evaluate_law(S, I, r, depth, slowness, stretch, central: Central):
-    """Elastic force (N) and damping coefficient (N s/m) of a contact, by its law's function or its table."""
+    """Return elastic force (N) and damping coefficient (N s/m) of contact r from its law's function or its
+    table, at penetration ``depth`` (m) and ``slowness`` = 1/impact speed (s/m).
+    """
     j = I[r + CONTACT_INDEX.row]
     if I[r + CONTACT_INDEX.knots] != 0:
+        # A table has a loading and an unloading branch. Which one holds depends on the sign of the rate,
+        # which is not solved yet: the expected rate decides.
         rate = stretch * expected_rate(
             S, j, I[r + CONTACT_INDEX.bearing], I[r + CONTACT_INDEX.journal], central
         )
@@ -119,9 +136,12 @@ def evaluate_law(S, I, r, depth, slowness, stretch, central: Central):
 
 
 def measure_gap(S, I, r, ex, ey):
-    """Signed penetration (m) and normal of contact r, the journal's centre being (ex, ey) from the bearing's
-    pin, and by how much the levers of the normal and of the friction force on the bearing differ from those
-    of a journal in a round one (m).
+    """Return signed penetration (m), normal, and two corrections of the bearing's levers (m) of contact r.
+
+    (ex, ey) is the journal's centre seen from the bearing's pin (m). In a round bearing this vector is
+    parallel to n, and the levers follow from the pin. On a line or in a slot the journal's centre also moves
+    along t, by ``along``, and its coordinate along n exceeds the distance from the slot's middle by
+    ``beyond``: the force acts there, which changes its levers about the bearing's particle.
     """
     j = I[r + CONTACT_INDEX.row]
     b = I[r + CONTACT_INDEX.bearing]
@@ -157,8 +177,8 @@ def measure_gap(S, I, r, ex, ey):
 
 
 def contact_geometry(S, I, start, central: Central):
-    """Geometry, onset and law of every clearance joint; put the last step's forces of joints that share a
-    body in place.
+    """Store geometry and law of every clearance joint, begin and end contacts, and apply the last step's
+    forces where joints share a body.
     """
     for r in range(I[HEADER.contact], I[HEADER.contact_end], CONTACT_INDEX.SIZE):
         depth, stretch = locate_contact(S, I, r)
@@ -167,8 +187,8 @@ def contact_geometry(S, I, start, central: Central):
 
 
 def locate_contact(S, I, r):
-    """Store normal and levers of contact r; return its penetration (m) and by how much a worn surface
-    stretches that (1 where none is worn).
+    """Store normal and levers of contact r; return its penetration (m) and the stretch of a worn surface: the
+    length of the penetration's gradient, 1 where nothing is worn.
     """
     j, b, k = bodies(I, r)
     bx, by = arm(S[b + PARTICLE.c], S[b + PARTICLE.s], S[j + CONTACT.bearing_x], S[j + CONTACT.bearing_y])
@@ -204,10 +224,11 @@ def locate_contact(S, I, r):
 def detect_contact(S, I, r, depth, start, stretch, central: Central):
     """Begin or end a contact by its penetration (m), and evaluate its law.
 
-    A contact begins where the penetration is above zero and ends where it is not. Afterwards two rows tell:
-    CONTACT.slowness is above zero in contact and zero otherwise, and CONTACT.penetration is above zero in
-    contact alone. Others read the penetration for it (``put_last_forces``,
-    ``contact_forces.solve_simultaneous``, statics, measures): another limit than zero is a change there, too.
+    A contact begins when the penetration becomes positive and ends when it is zero or negative. Two rows of
+    the state show a contact: CONTACT.slowness is positive in contact and zero otherwise, and
+    CONTACT.penetration is positive in contact only. ``put_last_forces``, statics, measures and
+    ``contact_forces.solve_simultaneous`` test the penetration: another limit than zero must be changed there,
+    too.
     """
     j = I[r + CONTACT_INDEX.row]
     touching = depth > 0.0
@@ -221,8 +242,11 @@ def detect_contact(S, I, r, depth, start, stretch, central: Central):
     slowness = S[j + CONTACT.slowness]
     S[j + CONTACT.penetration] = depth
     S[j + CONTACT.duration] += S[SYSTEM.step] if touching else 0.0
+    # The law is evaluated in free flight, too, at zero: a branch would differ from lane to lane.
     elastic, damping = evaluate_law(S, I, r, depth if touching else 0.0, slowness, stretch, central)
     if I[r + CONTACT_INDEX.bearing_count] + I[r + CONTACT_INDEX.journal_count] != 0:
+        # The force on the bodies is F grad(delta), and the rate that the law sees is grad(delta) v: each
+        # brings a factor of the gradient's length, so that the damping coefficient has it twice.
         elastic *= stretch
         damping *= stretch * stretch
     S[j + CONTACT.elastic] = elastic
@@ -230,12 +254,12 @@ def detect_contact(S, I, r, depth, start, stretch, central: Central):
 
 
 def put_last_forces(S, I, r, h):
-    """Put the last step's force of contact r in place where it shares a body with others and touches now,
-    else none.
+    """Apply the last step's force of contact r if the contact shares a body with others and touches now;
+    otherwise start from zero.
 
-    Joints that share a body start from these forces, which solve_contacts then corrects one by one (Gauss and
-    Seidel). A force that holds already costs nothing; solved from zero each time, the first of two joints
-    would not feel the second.
+    :func:`solve_contacts` then corrects these forces one by one, a sweep of Gauss and Seidel. Starting from
+    the last forces, one sweep suffices because the change in a step is small; starting from zero, the first
+    of two joints on a body would not feel the second.
     """
     j, b, k = bodies(I, r)
     touching = S[j + CONTACT.penetration] > 0.0
@@ -254,8 +278,8 @@ def put_last_forces(S, I, r, h):
 
 
 def mobilities(S, I, r):
-    """Inverse masses (1/kg) of contact r along n and t and their coupling, of its two bodies alone or with
-    what is pinned to them.
+    """Return the inverse masses (1/kg) of contact r along n and along t, and their coupling: of its two
+    bodies alone or, where ideal joints hold them, together with all that is pinned to them.
     """
     j, b, k = bodies(I, r)
     jn = S[j + CONTACT.jn]
@@ -277,8 +301,8 @@ def mobilities(S, I, r):
 
 
 def half_step_velocity(S, i, central: Central):
-    """Velocity at t_(n+1/2) of a particle under the forces so far, as ``kick`` will make it; a driven one
-    turns as prescribed.
+    """Return the velocity (m/s, m/s, rad/s) at t_(n+1/2) of a particle under the forces so far: what
+    :func:`~vfife.kernels.step.kick` will store. A driven particle turns as prescribed.
     """
     _, decay, gain, _ = central
     im = S[i + PARTICLE.inverse_mass]
@@ -296,7 +320,7 @@ def half_step_velocity(S, i, central: Central):
 
 
 def half_step_slip(S, j, b, k, central: Central):
-    """Sliding velocity (m/s) of joint j at t_(n+1/2) under the forces so far."""
+    """Return the sliding velocity (m/s) of joint j at t_(n+1/2) under the forces so far."""
     bu, bv, bw = half_step_velocity(S, b, central)
     ku, kv, kw = half_step_velocity(S, k, central)
     return (
@@ -308,10 +332,11 @@ def half_step_slip(S, j, b, k, central: Central):
 
 
 def solve_contacts(S, I, span, central: Central):
-    """Solve normal and friction force of every clearance joint at t_n in closed form, in turn where joints
-    share a body.
+    """Solve normal and friction force of every clearance joint at t_n in closed form, one joint after the
+    other.
 
-    ``span`` (s) is the time over which the powers of this step count.
+    ``span`` (s) is the time over which the powers of this step are integrated: the step, or half of it at
+    the start.
     """
     h = central.p * central.h
     if I[HEADER.simultaneous] != 0:
@@ -321,18 +346,17 @@ def solve_contacts(S, I, span, central: Central):
 
 
 def solve_contact(S, I, r, h, span, central: Central):
-    """Solve the normal force of contact r from the rate under all forces so far, then friction from the slip
-    that the normal force leaves.
+    """Solve the normal force of contact r, then its friction force, and apply the changes of both.
 
-    The change of the normal force moves the surfaces along t as well, by the coupling gm; friction is solved
-    from the sliding velocity that would be there without friction. Friction does not feed back on the normal
-    force within the step: its push on the rate, through the arms, is that of the step before. One equation
-    for both would be exact, and would need a law's slope by the normal force. The changes of both are applied
-    to bodies and velocities, so that the next joint sees them.
+    The normal force follows from the penetration rate under all forces so far. Its change also moves the
+    surfaces along t, by the coupling gm. Friction then follows from the sliding velocity that there would be
+    without friction. Friction does not act back on the normal force within the step: its effect on the rate,
+    through the arms, is that of the last step. Solving both together would be exact, but needs the
+    derivative of the friction law by the normal force, which laws do not provide.
 
-    Most friction laws are solved with the velocity at t_n. A set-valued one must make the half-step velocity
-    zero to stick: at t_n it would only turn that round, and the body would tremble. ``implicit_half_step``
-    marks such a joint.
+    Most friction laws are solved for the velocity at t_n. A set-valued law sticks only if the half-step
+    velocity becomes zero: making the velocity at t_n zero would reverse the half-step velocity in each step,
+    and the body would tremble. ``implicit_half_step`` marks such a joint.
     """
     j, b, k = bodies(I, r)
     gn, gt, gm = mobilities(S, I, r)
@@ -341,6 +365,8 @@ def solve_contact(S, I, r, h, span, central: Central):
     gn = h * gn
     gt = h * gt
     gm = h * gm
+    # 1. The normal force. Rates hold the forces that were applied so far, this contact's own starting force
+    #    among them: it is taken out again (+ gn F), and the law is solved for the whole force.
     rate = approach_rate(S, j, b, k)
     slip = sliding_rate(S, j, b, k)
     push = S[j + CONTACT.elastic]
@@ -352,13 +378,14 @@ def solve_contact(S, I, r, h, span, central: Central):
     else:
         normal, rate = normal_force(push, resisting, rate + gn * S[j + CONTACT.normal], gn)
     change = normal - S[j + CONTACT.normal]
-    # What slip the new normal force leaves, without the friction to start from.
+    # 2. Friction, from the slip under the new normal force and without the friction that was applied to
+    #    start from.
     loose = slip - gm * change - gt * S[j + CONTACT.friction]
     dry = normal
     across = 0.0
     if I[r + CONTACT_INDEX.film] != 0:
-        # The film's share of the force along t is no friction; the friction law has the elastic part of the
-        # normal force alone.
+        # The film's force along t is no friction. Only the elastic part of the normal force presses solid
+        # surfaces together: the friction law gets that.
         across = film_force(S, j, rate, loose, gt)
         loose += gt * across
         dry = S[j + CONTACT.elastic] if S[j + CONTACT.elastic] < normal else normal
@@ -383,6 +410,7 @@ def solve_contact(S, I, r, h, span, central: Central):
     )
     if I[r + CONTACT_INDEX.kinked] != 0:
         change_regime(S, I, r, free, free + mobility * friction, normal)
+    # 3. Apply the changes, and account for what is dissipated at the slip that is left at t_n.
     slip = loose + gt * friction
     tangential = friction + across
     apply_force_change(S, I, r, h, change, tangential - S[j + CONTACT.friction])
@@ -406,7 +434,9 @@ def apply_force_change(S, I, r, h, normal, tangential):
 
 
 def account(S, j, span, damping_power, friction_power):
-    """Store the powers (W) of damping and friction, add their works, and update the extremes of a contact."""
+    """Store the powers (W) of damping and friction of joint j, add them times ``span`` (s) to their works,
+    and update its extremes.
+    """
     normal = S[j + CONTACT.normal_force]
     tangential = S[j + CONTACT.friction_force]
     S[j + CONTACT.damping_power] = damping_power
@@ -419,8 +449,8 @@ def account(S, j, span, damping_power, friction_power):
 
 
 def guide_forces(S, I):
-    """Update the extremes of blocks in guides with play: the corners' forces -F_N n + F_T t together, which
-    no corner alone has.
+    """Update the largest force of each block in a guide with clearance: the sum of its corners' forces
+    -F_N n + F_T t, whose maximum does not follow from the maxima of the corners.
     """
     for r in range(I[HEADER.guide], I[HEADER.guide_end], GUIDE_INDEX.SIZE):
         fx = 0.0
@@ -435,11 +465,10 @@ def guide_forces(S, I):
 
 
 def change_regime(S, I, r, free, sliding, normal):
-    """Report an event where friction passes a kink of its curve between the free sliding velocity and the one
-    that is left (m/s).
+    """Report an event if the friction law has entered another smooth part of its curve since the last step.
 
-    A set-valued law sticks at exactly zero, of which rounding leaves a share STICKS of the free velocity:
-    that is no sliding.
+    ``free`` and ``sliding`` (m/s) are the sliding velocities without and with friction. A set-valued law
+    sticks at zero up to rounding: less than STICKS times the free velocity counts as sticking.
     """
     j = I[r + CONTACT_INDEX.row]
     if I[r + CONTACT_INDEX.implicit_half_step] != 0:

@@ -1,20 +1,22 @@
-"""Forces of contacts on their two bodies, and normal forces that are solved together; names as in
+"""Forces of contacts on their two bodies, and normal forces that are solved simultaneously; names as in
 :mod:`~vfife.kernels.contact`.
 
-Contacts from outside that share a body and may begin in the same step get their
-normal forces together, whatever their order. Solved in turn, the first of two corners that meet a wall feels
-the last step's force of the second, the second the new one of the first, and a block that should stay upright
-turns. Here every contact answers to the same velocities, several times over (Jacobi's sweeps). With the force
-of a pair of bodies counted as often as contacts press on each of them, no such sweep overshoots: sum_ij x_i
-g_i g_j x_j <= c sum_i (g_i x_i)^2 for c contacts on a body (Cauchy and Schwarz), so the sweeps approach the
-common solution from any start. Joints whose bodies hang in ideal joints, and bearings around journals, are
-solved in turn.
+Contacts of rounds and corners that share a body and may begin in the same step are solved together, so that
+the result does not depend on their order. Solved one after the other, the first of two corners that hit a
+wall would feel the last step's force of the second, the second the new force of the first, and a block that
+should stay upright would turn. Here all contacts of a sweep use the same velocities, and the sweep is
+repeated (Jacobi's iteration). Each body's mobility is multiplied by the number c of contacts that press on
+it. Then no sweep overshoots, because sum_ij x_i g_i g_j x_j <= c sum_i (g_i x_i)^2 (Cauchy and Schwarz), and
+the sweeps converge to the common solution from any start. Joints whose bodies are held by ideal joints, and
+bearings around journals, are solved one after the other.
 """
 
 from .arrays import CONTACT, CONTACT_INDEX, HEADER, PARTICLE
 from .geometry import normal_force
 
-SWEEPS = 6  # over all contacts that are solved together
+# Sweeps over all contacts that are solved simultaneously. The last step's forces are a good start, so the
+# number may be fixed: lanes need no common test of convergence.
+SWEEPS = 6
 
 
 def apply_contact_force(S, j, b, k, normal, friction):
@@ -32,7 +34,9 @@ def apply_contact_force(S, j, b, k, normal, friction):
 
 
 def update_velocities(S, j, b, k, h, normal, friction):
-    """Change the velocities at t_n of the two particles of joint j as a change (N) of its force does."""
+    """Change the velocities at t_n of the two particles of joint j by the effect of a change of its normal
+    and friction force (N).
+    """
     nx = S[j + CONTACT.nx]
     ny = S[j + CONTACT.ny]
     px = normal * nx + friction * ny
@@ -52,7 +56,7 @@ def update_velocities(S, j, b, k, h, normal, friction):
 
 
 def approach_rate(S, j, b, k):
-    """Rate of the penetration (m/s) at the velocities of t_n."""
+    """Return the rate of the penetration (m/s) from the velocities at t_n."""
     ru = S[k + PARTICLE.vu] - S[b + PARTICLE.vu]
     rv = S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
     return (
@@ -64,7 +68,9 @@ def approach_rate(S, j, b, k):
 
 
 def sliding_rate(S, j, b, k):
-    """Sliding velocity along t (m/s) at the velocities of t_n."""
+    """Return the sliding velocity along t (m/s) from the velocities at t_n, the journal's surface against
+    the bearing's.
+    """
     ru = S[k + PARTICLE.vu] - S[b + PARTICLE.vu]
     rv = S[k + PARTICLE.vv] - S[b + PARTICLE.vv]
     return (
@@ -76,8 +82,8 @@ def sliding_rate(S, j, b, k):
 
 
 def solve_simultaneous(S, I, h):
-    """Solve the normal forces of contacts that may begin in the same step together, by Jacobi's sweeps; see
-    the top of this file.
+    """Solve the normal forces of contacts that may begin in the same step, by Jacobi's sweeps; the
+    docstring of this file says why.
     """
     # First count the contacts that press on each body: its mobility is multiplied by that in force_change.
     for q in range(I[HEADER.jointed], I[HEADER.jointed_end]):
@@ -118,8 +124,8 @@ def solve_simultaneous(S, I, h):
 
 
 def force_change(S, j, b, k, h):
-    """Store the change of a contact's normal force at the present velocities, its mobility counted once for
-    each contact on its bodies.
+    """Store the change of a contact's normal force (N) at the present velocities, with the mobility of each
+    body multiplied by the number of contacts that press on it.
     """
     jn = S[j + CONTACT.jn]
     bn = S[j + CONTACT.bn]

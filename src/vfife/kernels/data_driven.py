@@ -1,6 +1,4 @@
-"""What the driver calls in the data-driven loop: steps of one lane, and the change from steps of one size to
-another.
-"""
+"""The data-driven loop as the driver sees it: steps of one lane, and the change of the step size."""
 
 from .arrays import (
     CONSTRAINT,
@@ -23,23 +21,24 @@ from .closing import close_velocities
 from .step import functions, step
 from .topology import TIME
 
-# Steps between two copies of the state in the data-driven loop. A copy before every step takes a seventh of a
-# small step's time; the few steps since the last copy are taken again instead, with the same bits.
+# Steps between two copies of the state in the data-driven loop. A copy before every step would take a seventh
+# of the time of a small mechanism's step. Instead, up to seven steps since the last copy are repeated before
+# an event, with the same bits.
 COPY_EVERY = 8
 
 
 def copy_lane(to, source, rows, stride, w):
-    """Copy one lane of a state."""
+    """Copy lane w of a state."""
     for q in range(rows):
         to[q * stride + w] = source[q * stride + w]
 
 
 def fast_steps(S, R, T, I, n, count, watching):
-    """Take up to ``count`` steps of one lane from step n; where ``watching``, undo one with an event and end
-    before it. Return how many were taken.
+    """Take up to ``count`` steps of one lane from step n and return how many were taken; if ``watching``,
+    undo a step with an event and stop before it.
 
-    The data-driven loop has no fast step that leaves unlikely branches out: it takes full steps and goes back
-    where one had an event.
+    The data-driven loop has no separate fast step without unlikely branches: it takes full steps and goes
+    back if one had an event.
     """
     watched = watching and I[HEADER.watched] != 0
     since = 0  # steps since the state was copied to R
@@ -59,25 +58,25 @@ def fast_steps(S, R, T, I, n, count, watching):
 
 
 def full_step(S, T, I, n):
-    """Take step n, whatever happens in it."""
+    """Take step n with all branches; n = 0 is the start."""
     functions(S, T, I, n)
     step(S, I, n, n == 0)
 
 
 def resize(S, I, C):
-    """Give the state of one lane the step size C[0] and phase C[1], and add C[2] to the count of repeated
-    steps.
+    """Change the state of one lane to the step size C[0] (s) and phase C[1], and add C[2] to its number of
+    repeated steps.
     """
     change_step(S, I, C[0], C[1], C[2])
 
 
 def change_step(S, I, size, shift, repeated):
-    """Change the state after step n to what steps of another size (s) have: velocities and works up to t_n +
-    size/2, reactions before at t_n - size.
+    """Change the state after step n to another step size (s): velocities and works to t_n + size/2, the
+    reactions before to t_n - size.
 
-    At t_n positions, velocities and accelerations are all known, so nothing is lost there, but that ideal
-    joints would open by a third order of the step: they are closed. For one size this changes nothing but
-    rounding.
+    Positions, velocities and accelerations are known at t_n, so the change is exact up to one error: ideal
+    joints would open by the third order of the step, and are closed again. With ``size`` equal to the old
+    step it changes the state by rounding only.
     """
     old = S[SYSTEM.step]
     zeta = S[SYSTEM.damping] if I[HEADER.damped] != 0 else 0.0
@@ -85,6 +84,7 @@ def change_step(S, I, size, shift, repeated):
         retime(S, I[q], old, size, zeta)
     for i in range(I[HEADER.plain], I[HEADER.plain_end], PLAIN):
         retime(S, i, old, size, zeta)
+    # Works are integrated up to half a step after t_n: add or take off the difference at the power of t_n.
     longer = 0.5 * (size - old)
     for r in range(I[HEADER.contact], I[HEADER.contact_end], CONTACT_INDEX.SIZE):
         j = I[r + CONTACT_INDEX.row]
@@ -98,6 +98,7 @@ def change_step(S, I, size, shift, repeated):
         S[row + DRIVEN.work] += longer * S[row + DRIVEN.power]
     S[SYSTEM.damping_work] += longer * S[SYSTEM.damping_power]
     S[SYSTEM.external_work] += longer * S[SYSTEM.external_power]
+    # What is extrapolated through two steps (reactions, products of pivots) keeps its slope.
     for r in range(I[HEADER.constraint], I[HEADER.constraint_end], CONSTRAINT_INDEX.SIZE):
         q = I[r + CONSTRAINT_INDEX.row]
         S[q + CONSTRAINT.before] = S[q + CONSTRAINT.force] - (
@@ -118,7 +119,9 @@ def change_step(S, I, size, shift, repeated):
 
 
 def retime(S, i, old, size, zeta):
-    """The half-step velocity of a free particle for a step of another size."""
+    """Change the half-step velocity of particle i from the step ``old`` to ``size`` (s), with the
+    coefficient ``zeta`` (1/s) of mass-proportional damping.
+    """
     S[i + PARTICLE.u] = resized(S[i + PARTICLE.u], S[i + PARTICLE.ax], old, size, zeta)
     S[i + PARTICLE.v] = resized(S[i + PARTICLE.v], S[i + PARTICLE.ay], old, size, zeta)
     S[i + PARTICLE.w] = resized(S[i + PARTICLE.w], S[i + PARTICLE.aw], old, size, zeta)

@@ -1,26 +1,32 @@
-"""Sine, cosine, logarithm, exponential and powers from + - * / and comparisons alone: the same bits on every
+"""Sine, cosine, logarithm, exponential and powers from + - * / and comparisons only: the same bits on every
 machine, in every lane, compiled or not.
 
-The functions of the C library differ from machine to machine in the last bit and stay scalar in a vector
-loop.
+The functions of a C library differ between machines in the last bit, and are calls of one number at a time in
+a vector loop. Tables and bit operations of a usual implementation are avoided: lanes would have to load from
+different places, and JavaScript has no 64-bit integers. Constants are written with 17 or more digits, so that
+every language reads the same number.
 """
 
 import math
 
 
 def nearest(x):
-    """The nearest whole number, the even one of two, for |x| < 2**51: adding and taking off 1.5 * 2**52,
-    which needs no conversion.
+    """Return the nearest integer, the even one of two, for |x| < 2**51.
+
+    Adding 1.5 * 2**52 leaves no bits for a fraction; subtracting it again leaves the rounded number, without
+    a conversion to an integer type.
     """
     return (x + 6755399441055744.0) - 6755399441055744.0
 
 
 def sincos(angle):
-    """Sine and cosine of an angle (rad), error below 1 ulp or so for |angle| < 1e6.
+    """Return sine and cosine of an angle (rad), with an error of about 1 ulp for |angle| < 1e6.
 
-    The angle is reduced by quarter turns with a three-part pi/2; the kernels are the polynomials of FreeBSD's
-    msun (k_sin.c, k_cos.c), summed in pairs (Estrin 1960), since a step waits for them.
+    The angle is reduced by quarter turns with a three-part pi/2 (Cody and Waite). The polynomials are those
+    of FreeBSD's msun (k_sin.c, k_cos.c), summed in pairs (Estrin 1960), since a step waits for them.
     """
+    # 0.6366... is 2/pi. The first two parts of pi/2 have 32 bits at most, so that their products with k are
+    # exact for |k| < 2**20.
     k = nearest(angle * 0.6366197723675814)
     r = (
         (angle - k * 1.57079632673412561417) - k * 6.07710050630396597660e-11
@@ -36,7 +42,8 @@ def sincos(angle):
     c = (1.0 - 0.5 * z) + z2 * (
         (p + z2 * q) + z4 * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)
     )
-    m = k - 4.0 * nearest(k * 0.25)  # quarter turns, from -2 to 2
+    # Quarter turns modulo 4, from -2 to 2: an odd number exchanges sine and cosine, the sign follows from m.
+    m = k - 4.0 * nearest(k * 0.25)
     odd = abs(m) == 1.0
     sign = 1.0 - abs(m)
     sine = m * c if odd else sign * s
@@ -45,8 +52,10 @@ def sincos(angle):
 
 
 def turned(angle):
-    """Sine and versine (1 - cosine) of a small angle (rad), relative error below 1e-16 for |angle| < 0.1,
-    below 3e-8 for |angle| < 1.
+    """Return sine and versine (1 - cosine) of a small angle (rad), with a relative error below 1e-16 for
+    |angle| < 0.1 and below 3e-8 for |angle| < 1.
+
+    Joints close by differences of turned arms; 1 - cos from :func:`sincos` would lose half the digits.
     """
     z = angle * angle
     z2 = z * z
@@ -58,7 +67,9 @@ def turned(angle):
 
 
 def two_to(integer):
-    """2**whole for an integer-valued |whole| < 128, two binary digits of whole + 128 at a time."""
+    """Return 2**integer for an integer-valued float with |integer| < 128."""
+    # integer + 128 has eight binary digits: the four highest choose among powers of 2**64 and 2**16 below,
+    # two digits by three selects each, the others among 2**4 and 2. All products are exact.
     a = integer + 128.0
     r, k = (5.421010862427522e-20, 64.0) if a >= 64.0 else (2.938735877055719e-39, 0.0)
     r, k = (1.0, 128.0) if a >= 128.0 else (r, k)
@@ -79,7 +90,9 @@ def two_to(integer):
 
 
 def small_exp(y):
-    """e**y for |y| <= 0.36: Taylor series to y**13, in pairs, which waits less than term after term."""
+    """Return e**y for |y| <= 0.36: the Taylor series up to y**13, summed in pairs, because Horner's scheme
+    would wait for thirteen products, one after the other.
+    """
     z = y * y
     q = z * z
     low = (0.5 + y * 1.6666666666666666e-01) + z * (4.1666666666666664e-02 + y * 8.333333333333333e-03)
@@ -93,14 +106,15 @@ def small_exp(y):
 
 
 def exp2(integer, part):
-    """2**(whole + part) for an integer-valued |whole| < 128 and |part| <= 0.51."""
+    """Return 2**(integer + part) for an integer-valued |integer| < 128 and |part| <= 0.51."""
     return two_to(integer) * small_exp(part * 0.6931471805599453)
 
 
 def exp(x):
-    """e**x for |x| < 88; relative error below 1e-15.
+    """Return e**x for |x| < 88, with a relative error below 1e-15.
 
-    The multiple of ln 2 is taken off in two parts (msun, e_exp.c).
+    The multiple of ln 2 is subtracted in two parts (msun, e_exp.c), of which the first times an integer is
+    exact.
     """
     integer = nearest(x * 1.4426950408889634)
     return two_to(integer) * small_exp(
@@ -109,11 +123,12 @@ def exp(x):
 
 
 def reduced(x):
-    """m in [sqrt(1/2), sqrt(2)) and integer-valued e with x = m 2**e, for 2**-95 <= x < 2**32; below, as for
-    2**-95.
+    """Return m in [sqrt(1/2), sqrt(2)) and an integer-valued e with x = m 2**e, for 2**-95 <= x < 2**32;
+    smaller x count as 2**-95.
 
-    Exact: x is multiplied by powers of two, two binary digits of e at a time.
+    The result is exact: x is multiplied by powers of two, two binary digits of e at a time.
     """
+    # 2.52e-29 is 2**-95. Logarithms use m around 1, where their series converges fastest.
     m = 2.524354896707238e-29 if x < 2.524354896707238e-29 else x
     f, e = (1.0, 0.0) if x < 1.0 else (2.3283064365386963e-10, 32.0)
     f, e = (4294967296.0, -32.0) if x < 2.3283064365386963e-10 else (f, e)
@@ -135,17 +150,17 @@ def reduced(x):
 
 
 def log(x):
-    """Natural logarithm for 2**-95 <= x < 2**32, of 2**-95 below; error below 1 ulp.
+    """Return the natural logarithm for 2**-95 <= x < 2**32, that of 2**-95 below; error below 1 ulp.
 
-    x = m 2**e, s = (m - 1)/(m + 1), log m = f - f^2/2 + s (f^2/2 + R(s^2)), f = m - 1: the polynomial of
-    FreeBSD's msun (e_log.c).
+    With x = m 2**e, f = m - 1 and s = f/(m + 1), log m = f - f^2/2 + s (f^2/2 + R(s^2)); R is the polynomial
+    of FreeBSD's msun (e_log.c).
     """
     m, e = reduced(x)
     return log_of(m, e)
 
 
 def log_of(m, e):
-    """Natural logarithm of m 2**e for m in [sqrt(1/2), sqrt(2)) and integer-valued e."""
+    """Return the natural logarithm of m 2**e for m in [sqrt(1/2), sqrt(2)) and integer-valued e."""
     f = m - 1.0
     s = f / (2.0 + f)
     z = s * s
@@ -190,11 +205,11 @@ def logarithmic(level):
 
 
 def power(x, exponent):
-    """x**exponent for 0 <= x < 2**32 and |exponent log2 x| < 120; relative error below 1e-14; 0 for x below
-    2**-95.
+    """Return x**exponent for 0 <= x < 2**32 and |exponent log2 x| < 120, with a relative error below 1e-14;
+    0 for x below 2**-95.
 
-    x is brought to [sqrt(1/2), sqrt(2)) by exact powers of two, its logarithm is 2 artanh((m - 1)/(m + 1)).
-    The exponent is split so that its product with the integer part of the logarithm is exact.
+    x is reduced to m in [sqrt(1/2), sqrt(2)) by exact powers of two; log m = 2 artanh((m - 1)/(m + 1)). The
+    exponent is split so that its product with the integer part of the logarithm is exact.
     """
     tiny = x < 2.524354896707238e-29
     m, e = reduced(x)
@@ -209,6 +224,7 @@ def power(x, exponent):
         + q * (1.0 / 19.0 + z * (1.0 / 21.0))
     )
     log2m = 2.8853900817779268 * (s + s * z * (series + q * further))
+    # Adding and subtracting 1.5 * 2**32 rounds the exponent to a multiple of 2**-20; the rest is small.
     coarse = (exponent + 6442450944.0) - 6442450944.0
     rest = (exponent - coarse) * e + exponent * log2m
     integer = nearest(coarse * e + rest)
@@ -217,10 +233,10 @@ def power(x, exponent):
 
 
 def approach(x):
-    """1 - exp(-x) for x >= 0, relative error below 1e-14; beyond 40 it is 1.
+    """Return 1 - exp(-x) for x >= 0, with a relative error below 1e-14; 1 beyond 40.
 
-    Taylor's polynomial, at x itself up to 0.6 and else at x/64, from where six squarings lead back. Sums in
-    pairs, because what counts here is how long one product waits for another.
+    The Taylor polynomial is evaluated at x up to 0.6. Above, it is evaluated at x/64, and exp(-x/64) is
+    squared six times. Sums are formed in pairs, because products that wait for each other take the time.
     """
     near = x < 0.6
     t = x if near else 0.015625 * (x if x < 40.0 else 40.0)

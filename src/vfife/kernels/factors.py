@@ -1,46 +1,54 @@
-"""The equations of the reactions: G M^-1 G^T along the profile of the joint graph, factored in place, and
-what is done where it is singular.
+"""The equations of the reactions: the matrix G M^-1 G^T, factored in place along the profile of the joint
+graph, and its treatment where it is singular.
 
-**Singular positions.** Where the directions of two constraints become one, a pivot goes as the square of the
-angle that is left, and within some steps of there it changes by as much as itself in a step: what a whole
-correction does is unbounded. There all pivots get a share more (Levenberg 1944), and inertia carries the
-mechanism through. A pivot may also be small and stay so, in a flat arch or a light body far off its pin; that
-is no passage. What becomes small is told from what is small by the product of the pivots that close loops:
-the parabola through its last three values has its least value near zero, and soon. A tree of bodies has no
-such pivots.
+**Singular positions.** As the directions of two constraints approach each other, a pivot decreases with the
+square of the angle between them. Within a few steps of the singular position it changes by its own size in
+each step, and a full correction is unbounded. There all pivots are enlarged by a share of the diagonal
+(Levenberg 1944), and inertia carries the mechanism through. A pivot may also be small all the time, in a flat
+arch or a light body far from its pin; that needs no damping. The product of the pivots that close loops
+separates the two: at a passage, the parabola through its last three values has its minimum near zero and
+within the next steps. A tree of bodies closes no loop and has no such pivots.
 
-**Redundant joints.** With rows that depend on one another all pivots have a floor, so that the order of the
-rows does not matter, and the part of the reactions that moves nothing is taken off again: what is left is
-their solution of least norm, each row weighed by its own diagonal.
+**Redundant joints.** If rows are linearly dependent, all pivots get a floor, so that the result does not
+depend on the order of the rows. The part of the reactions that moves no body is subtracted afterwards: the
+remaining solution has least norm, each row weighted by its own diagonal.
 
-**Turned rows.** The forces of t_n act along the rows of t_n, G, and close those of t_(n+1), G + dG: (G + dG)
-M^-1 G^T, the matrix of Newton's method, is not symmetric, and its error is of second order in what is still
-open, whatever the angle of the step. It has the profile of the symmetric one, once below and once above the
-diagonal.
+**Turned rows.** Forces at t_n act along the rows of t_n, G, but have to close those of t_(n+1), G + dG. The
+matrix of Newton's method, (G + dG) M^-1 G^T, is not symmetric. The error of its solution is of second order
+in the distance that is still open, for any angle of the step. It has the profile of the symmetric matrix,
+once below and once above the diagonal.
 """
 
 from .arrays import CONSTRAINT, CONSTRAINT_INDEX, COUPLE_INDEX, HEADER, PARTICLE, SYSTEM
 from .central_difference import larger
 from .geometry import unlikely
 
-# second differences of the product of pivots, over itself, that count as a passage: eight steps away from it
+# A passage through a singular position is detected by the product P of pivots. Near it P = s^2 k^2, k steps
+# away from it, with the second difference 2 s^2: their ratio is k^2/2. NEAR is that ratio eight steps away.
 NEAR = 32.0
-# second differences, of the least that the parabola through the last three products comes to: it passes two
-# steps away, or nearer
-AT_ALL = 2.0
-SINGULAR = 16.0  # share of the pivots there, in squared turns of a step: that of four steps away
+# The least value of the parabola through the last three products, in second differences: it corresponds to a
+# passage at a distance of two steps or less. A larger minimum means that the mechanism turns round before.
+CLOSEST = 2.0
+# Share of the diagonal that is added there, in squared turns of a step: the pivot four steps away, at most
+# LARGEST_SHARE.
+SINGULAR = 16.0
 LARGEST_SHARE = 1e-2
-FLOOR = 1e-8  # share of the pivots where joints are redundant
-ROUNDING = 1e-12  # pivot, of what it was before elimination, that is nothing but rounding
-TURN = CONSTRAINT.turn_b - CONSTRAINT.jb  # from a lever to its change
-LEAST = 1e-9  # pivot, of the diagonal, that is not divided by
-# share of the diagonal where joints are redundant: they are so only where they are closed, and there is no
-# hurry for them
+# Share of the diagonal that is added where joints are redundant.
+FLOOR = 1e-8
+# A pivot below this share of its value before elimination is rounding, and its row is left out.
+ROUNDING = 1e-12
+TURN = CONSTRAINT.turn_b - CONSTRAINT.jb  # offset from a lever to its change
+# The same limit for the turned matrix, whose pivots may be negative.
+LEAST = 1e-9
+# Share of the diagonal that is added to the turned matrix where joints are redundant. It is larger than FLOOR
+# because turned rows become dependent only as the joints close; that these rows converge slowly does no harm.
 REDUNDANT = 1e-5
 
 
 def fill(S, I):
-    """Fill the lower half of the matrix G M^-1 G^T, summed over the bodies that two constraints share."""
+    """Fill the lower half of the matrix G M^-1 G^T: each couple is two constraints that share a body, and
+    adds the product of their rows with that body's inverse mass and inertia.
+    """
     for q in range(I[HEADER.profile], I[HEADER.profile] + I[HEADER.profile_count]):
         S[q] = 0.0
     for r in range(I[HEADER.couple], I[HEADER.couple_end], COUPLE_INDEX.SIZE):
@@ -53,16 +61,15 @@ def fill(S, I):
         ii = S[body + PARTICLE.inverse_inertia]
         sign = 1.0 if I[r + COUPLE_INDEX.same] != 0 else -1.0
         at = I[r + COUPLE_INDEX.at]
-        if (
-            I[r + COUPLE_INDEX.pins] != 0
-        ):  # two revolutes: their four entries at once, of directions (1, 0) and (0, 1)
+        if I[r + COUPLE_INDEX.pins] != 0:
+            # Two revolutes, whose rows have the directions (1, 0) and (0, 1): their four entries at once.
             lower = I[r + COUPLE_INDEX.lower]
             along_x = sign * ii * S[y]
             along_y = sign * ii * S[y + CONSTRAINT.SIZE]
             S[at] += sign * im + S[x] * along_x
             S[lower] += S[x + CONSTRAINT.SIZE] * along_x
             S[lower + 1] += sign * im + S[x + CONSTRAINT.SIZE] * along_y
-            if first != second:  # of a joint with itself this entry lies above the diagonal
+            if first != second:  # for a joint with itself this entry lies above the diagonal
                 S[at + 1] += S[x] * along_y
         else:
             cosine = (
@@ -73,29 +80,29 @@ def fill(S, I):
 
 
 def first_column(I, r):
-    """First column of row r of the matrix that is not zero."""
+    """Return the first column of row r of the matrix that can differ from zero."""
     return I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.start]
 
 
 def column_zero(I, r):
-    """Row of the state in which column 0 of row r of the matrix would lie."""
+    """Return the row of the state in which column 0 of row r of the matrix would lie."""
     return I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.at]
 
 
 def factor(S, I, share):
-    """Factor the matrix into L D L^T along its profile, in place, its diagonal enlarged by ``share``; a pivot
-    lost to rounding is left out.
+    """Factor the matrix into L D L^T in place along its profile, with its diagonal enlarged by ``share``.
 
-    D is kept as its inverse. Returns the product of the pivots of rows that close loops, over what each was
-    before elimination.
+    D is stored as its inverse, which is zero where a pivot is lost to rounding. Returns the product, over
+    the rows that close loops, of pivot over diagonal before elimination: 1 far from a singular position, 0
+    in it.
     """
     inverse = I[HEADER.inverse]
     stiff = 1.0
-    # Row by row (Jennings' skyline scheme): a row has entries from column ``first`` on, and factors fill in
-    # nothing before that. ``at`` is where column 0 of the row would lie. The upper half is never stored: the
-    # second loop divides by the pivots only after the row's sums are done. A dense matrix would take n^3/6
-    # products where a chain of n joints takes 8 n; the topology is known, so that straight-line code has no
-    # loop.
+    # Row by row (the skyline scheme of Jennings): a row has entries from column ``first`` on, and elimination
+    # fills in nothing before that. ``at`` is where column 0 of the row would lie. The upper half is never
+    # stored: the second loop divides by the pivots only after the row's sums are done. A dense matrix would
+    # take n^3/6 products where a chain of n joints takes 8 n. Straight-line code has no loop at all, because
+    # the topology is known.
     for r in range(I[HEADER.constraint_count]):
         first = first_column(I, r)
         at = column_zero(I, r)
@@ -121,7 +128,9 @@ def factor(S, I, share):
 
 
 def passage(S, I, dt):
-    """Share of the pivots by which the fastest turning pinned body is held back near a singular position."""
+    """Return the share of the diagonal that is added near a singular position, from the step ``dt`` (s) and
+    the fastest turning pinned body: the angle between two constraints changes no faster than it turns.
+    """
     spin = 0.0
     for q in range(I[HEADER.pinned], I[HEADER.pinned_end]):
         spin = larger(spin, abs(S[I[q] + PARTICLE.w]))
@@ -130,8 +139,8 @@ def passage(S, I, dt):
 
 
 def equations(S, I, dt, start):
-    """Fill and factor the matrix of t_n, damped where the step before saw the mechanism pass a singular
-    position: a test that waits for nothing.
+    """Fill and factor the matrix of t_n, damped if the last step has detected a passage through a singular
+    position.
     """
     fill(S, I)
     floor = FLOOR if I[HEADER.redundant] != 0 else 0.0
@@ -141,9 +150,10 @@ def equations(S, I, dt, start):
         if unlikely(start):
             S[SYSTEM.pivots] = pivots
             S[SYSTEM.pivots_before] = pivots
-        # The parabola through the last three products of pivots: near a passage it is small against its
-        # curvature, and its least value, last - slope^2 / (2 bent), is below two second differences. The
-        # damping comes a step later, so that factoring waits for no test.
+        # The parabola through the last three products of pivots. A passage has two marks: the product is
+        # small against its second difference ``bent`` (NEAR), and the parabola's minimum,
+        # last - slope^2 / (2 bent), is below CLOSEST second differences. The damping comes one step later,
+        # so that the solution of this step does not wait for the test.
         last = S[SYSTEM.pivots]
         slope = 0.5 * (pivots - S[SYSTEM.pivots_before])
         bent = (pivots - last) - (last - S[SYSTEM.pivots_before])
@@ -151,7 +161,7 @@ def equations(S, I, dt, start):
         S[SYSTEM.pivots] = pivots
         before = S[SYSTEM.passing]
         S[SYSTEM.passing] = (
-            1.0 if NEAR * bent > pivots and 2.0 * bent * (last - AT_ALL * bent) < slope * slope else 0.0
+            1.0 if NEAR * bent > pivots and 2.0 * bent * (last - CLOSEST * bent) < slope * slope else 0.0
         )
         if unlikely(before > 0.5):
             fill(S, I)
@@ -174,7 +184,7 @@ def solve(S, I, y):
 
 
 def forward(S, I, y, shift):
-    """Substitute forward with a lower half that lies ``shift`` rows behind the profile."""
+    """Substitute forward in rows y with a lower half that lies ``shift`` rows behind the profile."""
     for r in range(I[HEADER.constraint_count]):
         at = column_zero(I, r) + shift
         value = S[y + r]
@@ -184,10 +194,10 @@ def forward(S, I, y, shift):
 
 
 def idle_reactions(S, I, y):
-    """Store in rows y the part of the reactions that moves nothing, of redundant joints.
+    """Store in rows y the part of redundant reactions that moves no body.
 
-    It is (A + f D)^-1 f D times the reactions, with the floor f and the diagonal D: what the floor has added
-    to the matrix moves back exactly that.
+    With the matrix A, its diagonal D and the floor f it is (A + f D)^-1 f D times the reactions: A annuls
+    this part, so that f D alone answers to it.
     """
     for r in range(I[HEADER.constraint_count]):
         q = I[I[HEADER.constraint] + CONSTRAINT_INDEX.SIZE * r + CONSTRAINT_INDEX.row]
@@ -212,8 +222,8 @@ def fill_turned(S, I):
 
 
 def add_turned(S, I, r, on, to, low):
-    """Add the body of couple r to two entries: of the rows ``on`` and ``to`` behind its first rows, at
-    ``low``, and of the two exchanged.
+    """Add couple r to two entries of the turned matrix: that of the rows ``on`` and ``to`` behind the
+    couple's first rows, at ``low``, and its mirror image above the diagonal.
     """
     a = I[r + COUPLE_INDEX.first] + on
     c = I[r + COUPLE_INDEX.second] + to
@@ -236,9 +246,12 @@ def add_turned(S, I, r, on, to, low):
 
 
 def factor_turned(S, I, share):
-    """Factor the turned matrix into L U in place, L with a unit diagonal; pivots are kept as inverses, 0
-    where they are next to nothing.
+    """Factor the turned matrix into L U in place, L with a unit diagonal. Pivots are stored as inverses, 0
+    where they are below LEAST of the diagonal.
     """
+    # Both halves of row r are eliminated together: ``low`` is an entry of L in row r, ``high`` the entry of
+    # U in column r. Rows are not exchanged: the matrix is the positive definite one of t_n up to the turn of
+    # a step, and an exchange would leave the profile and differ from lane to lane.
     shift = I[HEADER.turned] - I[HEADER.profile]
     up = I[HEADER.profile_count]
     inverse = I[HEADER.turned] + 2 * up

@@ -1,9 +1,8 @@
-"""A film of oil between journal and bearing, which acts while the surfaces are apart, too, beside their
-contact.
+"""Oil film between journal and bearing: it acts in free flight and adds to the contact force in contact.
 
-Forces of a film depend linearly on the velocities at t_n, with coefficients that its law gives at the present
-place; so film and contact are solved together in closed form, the force along t eliminated first. Names as in
-:mod:`~vfife.kernels.contact`.
+The force of a film is linear in the velocities at t_n. Its law provides the coefficients at the present
+eccentricity. Film and contact therefore have one closed-form solution: the force along t is eliminated, and
+what remains is the scalar equation of a dry contact. Names as in :mod:`~vfife.kernels.contact`.
 """
 
 from typing import Any
@@ -14,11 +13,12 @@ film_law: Any = None  # written by the compiler (compiler/trace/source.py) for t
 
 
 def film_coefficients(S, contact, j, b, k):
-    """Store a film's forces at rest and their dependence on the velocities at t_n, of which only the sense is
-    taken beforehand.
+    """Store the coefficients of a film's force, which is linear in the velocities at t_n.
 
-    What runs into the film is e (w_J + w_B) - 2 v_t, v_t along t between the centres; friction has no arms in
-    a joint with a film.
+    The wedge of oil turns with the sign of e (w_J + w_B) - 2 v_t, where e is the eccentricity and v_t the
+    velocity along t between the centres; friction has no arms in a joint with a film, so that v_t is the
+    joint's sliding velocity. Only this sign is taken from the half-step velocities that are known already;
+    everything else is solved at t_n.
     """
     nx = S[j + CONTACT.nx]
     ny = S[j + CONTACT.ny]
@@ -43,12 +43,14 @@ def film_coefficients(S, contact, j, b, k):
 
 
 def eliminate_film(S, j, slip, gt):
-    """Normal force at rest (N) and damping coefficient (N s/m) of a joint with a film, its force along t
-    eliminated from the two equations.
+    """Return the normal force at zero rate (N) and the damping coefficient (N s/m) of a joint with a film,
+    after elimination of the force along t.
 
-    F_N = radial + D_n v_n - X v_t and F_T = across + X v_n - D_t v_t, with v_t = slip + gt F_T; X^2 < D_n D_t
-    keeps the damping positive.
+    The two equations are F_N = radial + D_n v_n - X v_t and F_T = across + X v_n - D_t v_t, with
+    v_t = slip + gt F_T. The damping coefficient that remains is positive because X^2 < D_n D_t.
     """
+    # F_T (1 + gt D_t) = across + X v_n - D_t slip is put into the equation of F_N. The slip is that under
+    # the forces so far; what a change of F_N adds to it by the coupling gm enters only the force along t.
     share = 1.0 / (1.0 + gt * S[j + CONTACT.film_damping])
     cross = S[j + CONTACT.film_cross]
     push = (
@@ -60,7 +62,7 @@ def eliminate_film(S, j, slip, gt):
 
 
 def film_force(S, j, rate, slip, gt):
-    """Force of the film along t (N) for the rate along n that was solved."""
+    """Return the force of the film along t (N) at the solved rate along n (m/s)."""
     return (
         S[j + CONTACT.film_across] + S[j + CONTACT.film_cross] * rate - S[j + CONTACT.film_damping] * slip
     ) / (1.0 + gt * S[j + CONTACT.film_damping])

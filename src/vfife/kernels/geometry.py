@@ -1,11 +1,9 @@
-"""Revolute joints: where the two centres are, how the journal meets the bearing, and the force that answers
-(paper Eq. 14-31).
+"""Geometry of contact: eccentricity, impact speed, the normal force in closed form (paper Eq. 18-31), and the
+distance of a point from a path.
 
-Both bodies of a joint are particles with mass and inertia; on a rigid body the centre sits on an arm, on an
-elastic link the arm is zero. n points from the bearing centre to the journal centre, t is n turned
-anticlockwise. Forces are those on the journal: -F_N n + F_T t.
-
-Paths of pieces of constant curvature, straight or round, and how far a point is from one.
+Both bodies of a joint are particles with mass and inertia. On a rigid body the centre of a bearing or journal
+sits on an arm; on an elastic link the arm is zero. n points from the bearing's centre to the journal's, t is
+n turned anticlockwise, and the force on the journal is -F_N n + F_T t.
 
 A piece begins at (x, y) along a unit vector t, with its normal n on its left, and bends to the left with a
 curvature c. Of a point t . r along and n . r across from there, f = 2 n . r - c |r|^2 gives the signed
@@ -18,28 +16,33 @@ import math
 
 from .arrays import PIECE
 
-FAR = 1e300  # m
+FAR = 1e300  # m: farther than any point of a path
 
 
 def arm(c, s, px, py):
-    """A point (px, py) of the body's frame, seen from the particle, in the global frame (m)."""
+    """Return the point (px, py) of a body's frame (m) in global directions, seen from the body's particle;
+    (c, s) are cosine and sine of its rotation.
+    """
     return c * px - s * py, s * px + c * py
 
 
 def eccentricity(ex, ey, clearance):
-    """Signed penetration e - c (m) and the normal, Eq. 20-24; that of coincident centres is zero."""
+    """Return the signed penetration e - c (m) and the normal, Eq. 20-24; the normal of coincident centres is
+    the zero vector.
+    """
+    # 1e-300 prevents 0/0 and changes no other quotient.
     e = math.sqrt(ex * ex + ey * ey)
     inverse = 1.0 / (e + 1e-300)
     return e - clearance, ex * inverse, ey * inverse
 
 
 def onset_speed(penetration, before, rate, dt):
-    """Penetration rate (m/s) at the sign change of the penetration (Eq. 29), located inside the step.
+    """Return the penetration rate (m/s) where the penetration passes zero (Eq. 29), inside the step ``dt``.
 
-    The parabola through the penetration before, the penetration now and the rate now crosses zero with the
-    speed sqrt(rate^2 - 2 b penetration), b its curvature. Second order, where the chord of Eq. 30 is first;
-    the rate at the end of the step, which a plain loop takes, is what leads a near-grazing impact to the
-    wrong branch.
+    A parabola through the penetration before, the penetration now and the rate now passes zero with the speed
+    sqrt(rate^2 - 2 b penetration), where b is its second derivative. The error is of second order; that of
+    the chord of Eq. 30 is of first order. The rate at the end of the step would put near-grazing impacts on
+    a wrong branch of the motion, whatever the step.
     """
     curvature = 2.0 * (rate - (penetration - before) / dt) / dt
     square = rate * rate - 2.0 * curvature * penetration
@@ -47,19 +50,22 @@ def onset_speed(penetration, before, rate, dt):
 
 
 def unlikely(condition):
-    """Mark a branch that few steps take: the fast step leaves it out and reports that the full step is needed
+    """Return the condition unchanged; mark it for the tracer as the test of a branch that few steps take.
+
+    The fast step leaves such a branch out and reports where it would be needed
     (compiler/trace/straight_line.py).
     """
     return condition
 
 
 def normal_force(elastic, damping, rate, mobility):
-    """F_N (N) and penetration rate (m/s) at step n, solved together: F = elastic + damping r, r = rate -
-    mobility F.
+    """Return the normal force F_N (N) and the penetration rate r (m/s) at t_n, solved together from
+    F = elastic + damping r and r = rate - mobility F.
 
-    ``rate`` is the rate without this force, ``mobility`` (m/s/N) half a step times the joint's inverse mass.
-    Never attractive.
+    ``rate`` (m/s) is the rate without this force, ``mobility`` (m/s/N) half a step times the joint's inverse
+    mass. An attractive force is replaced by zero, as the law of Eq. 25 is meant for surfaces that push.
     """
+    # Rate first, then force: the denominator is at least 1, so that no damping is too stiff for the step.
     solved = (rate - mobility * elastic) / (1.0 + mobility * damping)
     force = elastic + damping * solved
     pushes = force > 0.0
@@ -67,8 +73,8 @@ def normal_force(elastic, damping, rate, mobility):
 
 
 def from_piece(S, i, x, y):
-    """Signed distance (m) of a point from the line or circle of a piece, the normal there, and whether the
-    foot is on the piece.
+    """Return the signed distance (m) of the point (x, y) from the line or circle of a piece, the normal
+    there, and whether the foot of the point lies on the piece.
     """
     c = S[i + PIECE.cosine]
     s = S[i + PIECE.sine]
@@ -90,9 +96,11 @@ def from_piece(S, i, x, y):
 
 
 def from_path(S, first, count, x, y):
-    """Signed distance (m) of a point from a path of ``count`` pieces, positive on its left, and the path's
-    normal to the left at the foot.
+    """Return the signed distance (m) of the point (x, y) from a path of ``count`` pieces, positive on its
+    left, and the path's normal to the left at the foot of the point.
     """
+    # Selects instead of branches: lanes may be on different pieces. If no foot lies on its piece, the first
+    # piece counts.
     distance, nx, ny, on = from_piece(S, first, x, y)
     if count > 1:
         nearest = abs(distance) if on else FAR
@@ -107,8 +115,8 @@ def from_path(S, first, count, x, y):
 
 
 def in_slot(S, first, count, c, s, ex, ey):
-    """Distance (m) of a pin from the middle of a slot and the direction of the nearer wall, in space; (c, s)
-    is that of the slot's body.
+    """Return the distance (m) of a pin from the middle of a slot and the direction to the nearer wall, in
+    space; (c, s) are the direction cosines of the slot's body, (ex, ey) the pin seen from its origin (m).
     """
     away, px, py = from_path(S, first, count, c * ex + s * ey, c * ey - s * ex)
     side = 1.0 if away >= 0.0 else -1.0

@@ -1,17 +1,18 @@
-"""Functions of time as piecewise polynomials: a ramp is one exactly, a table becomes one by a spline.
+"""Functions of one argument as piecewise polynomials of degree 6: a ramp is one exactly, a table becomes one
+by a spline.
 
-Layout of a table: number of pieces, then their start times, then seven coefficients each (constant first,
-time counted from the piece's start), then for each piece the number of kinks up to its begin. A negative
-number of pieces says that the function repeats itself; its period and the number of kinks in it follow,
-before the start times, which lie in [0, period).
+Layout of a table: number of pieces; their start times; seven coefficients each (constant first, time counted
+from the piece's start); for each piece the number of kinks up to its begin. A negative number of pieces marks
+a periodic function; its period and the number of kinks per period follow that number, and start times lie in
+[0, period).
 """
 
 from .elementary import nearest
 
 
 def polynomial(table, start, time):
-    """Value, first two derivatives and the number of kinks before ``time``; the first piece goes on before
-    its start and the last for ever.
+    """Return value, first two derivatives and the number of kinks before ``time`` (s, or the unit of another
+    argument). The first piece also holds before its start, the last one without end.
     """
     pieces = int(table[start])
     first = start + 1
@@ -23,6 +24,7 @@ def polynomial(table, start, time):
         time = time - turns * period
         kinks = turns * table[first + 1]
         first += 2
+    # Bisection for the last piece that begins at ``time`` or before.
     low = 0
     high = pieces - 1
     while low < high:
@@ -33,6 +35,7 @@ def polynomial(table, start, time):
             high = middle - 1
     x = time - table[first + low]
     c = first + pieces + 7 * low
+    # Horner's scheme for the value, its derivative and half its second derivative in one pass.
     value = 0.0
     rate = 0.0
     half = 0.0

@@ -1,9 +1,11 @@
-"""Springs and dampers between two bodies, each axis solved for the velocity at t_n in closed form, as
+"""Springs and dampers between two bodies; each axis is solved for the velocity at t_n in closed form, as
 contacts are.
 
-A damper acts on the velocity at t_n, which a central difference does not know yet. The velocity expected from
-the last step's acceleration holds the last resistance already; the change of the resistance enters through
-the mobility of the two bodies, so a stiff damper is stable.
+A damper depends on the velocity at t_n, which a central difference computes only after the forces. The
+velocity expected from the last acceleration contains the effect of the last resistance; the change of the
+resistance enters through the mobility of the two bodies. A stiff damper is therefore stable. The mobility is
+that of the two bodies alone: where they are pinned to others it is an upper bound, which errs on the stable
+side.
 """
 
 import math
@@ -34,9 +36,10 @@ class Ends(NamedTuple):
 
 
 def resist(S, ends: Ends, axis, row: Row, x, central: Central):
-    """Force (N, N m) along one axis, against its lengthening; returned with its elastic part and the rate.
+    """Return the resistance (N, N m) along one axis to its lengthening, the elastic part of it, and the rate
+    (m/s, rad/s).
 
-    ``x`` is the elastic lengthening of a stiffness at ``SPRING.stiffness + axis``.
+    ``axis`` is 0 or 1 for forces and 2 for a moment; ``x`` (m, rad) is the lengthening of the spring.
     """
     g = ends.g
     i = ends.i
@@ -54,6 +57,8 @@ def resist(S, ends: Ends, axis, row: Row, x, central: Central):
     mobility = central.p * central.h * inverse
     damping = S[g + SPRING.damping + axis]
     elastic = S[g + SPRING.stiffness + axis] * x
+    # The rate without this spring: the expected rate holds the last resistance, which is taken out. The
+    # second line solves rate' = rate - mobility (elastic + damping rate').
     rate = (
         row.nx * (ju - iu)
         + row.ny * (jv - iv)
@@ -66,7 +71,7 @@ def resist(S, ends: Ends, axis, row: Row, x, central: Central):
 
 
 def add(S, ends: Ends, axis, row: Row, force):
-    """Put a resistance on both bodies."""
+    """Apply a resistance (N, N m) along one axis to both bodies, and store it for the next step."""
     i = ends.i
     j = ends.j
     S[ends.g + SPRING.resistance + axis] = force
@@ -92,9 +97,10 @@ def springs(S, I, span, central: Central):
 
 
 def spring(S, g, i, j, kind, central: Central):
-    """Add the force of one of them to its bodies i and j; return the power lost.
+    """Add the force of the spring in row g to its bodies i and j; return the power lost in it (W).
 
-    With h = 0 the velocities are those at t_n, as they stand.
+    With ``central.h`` = 0 the velocities in the state count as those at t_n: so in step 0, and for the
+    reactions of :mod:`vfife.kinematics.forces`.
     """
     ix, iy = arm(S[i + PARTICLE.c], S[i + PARTICLE.s], S[g + SPRING.first_x], S[g + SPRING.first_y])
     jx, jy = arm(S[j + PARTICLE.c], S[j + PARTICLE.s], S[g + SPRING.second_x], S[g + SPRING.second_y])
@@ -114,7 +120,7 @@ def spring(S, g, i, j, kind, central: Central):
 
 
 def stretch(S, ends: Ends, central: Central):
-    """Spring along the line between two pins; return the power lost."""
+    """Add the force of a spring along the line between two pins; return the power lost (W)."""
     g = ends.g
     length = math.sqrt(ends.ex * ends.ex + ends.ey * ends.ey)
     inverse = 1.0 / (length + 1e-300)
@@ -131,10 +137,10 @@ def stretch(S, ends: Ends, central: Central):
 
 
 def twist(S, ends: Ends, stop, angle, central: Central):
-    """Torsional spring, or a stop beyond one of its limits, which never pulls back; return the power lost.
+    """Add the moment of a torsional spring, or of a stop beyond one of its limits; return the power lost (W).
 
-    A stop that does not push any more relaxes by itself: what it has stored goes into its damper as the angle
-    comes back.
+    A stop never pulls back. Where its damper would make it pull, the moment is zero, and the stop relaxes by
+    itself: the energy that it still stores is dissipated in its damper as the angle returns.
     """
     g = ends.g
     row = Row(0.0, 0.0, 1.0, 1.0)
@@ -153,7 +159,7 @@ def twist(S, ends: Ends, stop, angle, central: Central):
 
 
 def engage(S, g, angle):
-    """Report an event where a stop is met or left."""
+    """Report an event if a stop was touched or left since the last step."""
     low = angle < S[g + SPRING.free]
     high = angle > S[g + SPRING.high]
     regime = -1.0 if low else 1.0 if high else 0.0
@@ -163,7 +169,7 @@ def engage(S, g, angle):
 
 
 def bush(S, ends: Ends, angle, central: Central):
-    """Bushing along the axes of the first body and about the axis of the plane; return the power lost."""
+    """Add the force and moment of a bushing along the axes of its first body; return the power lost (W)."""
     g = ends.g
     c = S[ends.i + PARTICLE.c]
     s = S[ends.i + PARTICLE.s]

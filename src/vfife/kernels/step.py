@@ -1,8 +1,15 @@
-"""The data-driven step: any mechanism, compiled once, the topology read from integer tables.
+"""The step: from the state after step n - 1 to that after step n, for any mechanism.
 
-``compiler`` writes the same step out for one topology; the two must agree to the bit, so each sum here has
-one fixed order. The step n: drift to t_n, forces from positions, joints, accelerations, kick to t_(n+1/2).
-Velocities at half steps are algebraically the paper's Eq. 3-5.
+This text is compiled once as the data-driven loop, which reads the topology from integer tables. The compiler
+also traces it for one topology and writes straight-line code. Both must agree to the bit, so each sum has one
+fixed order.
+
+Step n: drift to t_n with the velocities of t_(n-1/2); forces from positions; joints, which solve for the
+forces that depend on velocities at t_n; accelerations; kick to t_(n+1/2). The velocities at half steps are
+algebraically equivalent to the paper's Eq. 3-5 and lose fewer digits than the difference of two positions.
+
+Names: S is the state, I the topology, T the tables of functions; r is a record in I; i and j are rows in S of
+particles, f of a function, e of an element, ``row`` of anything else.
 """
 
 from .arrays import (
@@ -38,9 +45,11 @@ from .topology import CURRENT, SLIDING, TIME, TRAVEL, TURNED
 
 
 def travel(S, i, j, f, dt):
-    """Travel (m) at t_n of a pin of body j from one of body i along a direction of body i, and its rate
-    (m/s), as function f has them.
+    """Return the travel (m) at t_n of a pin of body j from a pin of body i, along a direction fixed in body
+    i, and its rate (m/s); function f gives pins and direction.
     """
+    # Functions are evaluated before the bodies move (they may drive them): the drift of this step is
+    # anticipated here, and velocities are those expected from the last acceleration.
     si, ci = sincos(S[i + PARTICLE.theta] + dt * S[i + PARTICLE.w])
     sj, cj = sincos(S[j + PARTICLE.theta] + dt * S[j + PARTICLE.w])
     gx, gy = arm(ci, si, S[f + FUNCTION.along_x], S[f + FUNCTION.along_y])
@@ -64,12 +73,12 @@ def travel(S, i, j, f, dt):
 
 
 def argument(S, kind, i, j, f, time, dt):
-    """What function f depends on, at t_n: time, the angle (rad) of body j from body i, its relative speed
-    (rad/s), its travel (m) or the rate of that (m/s).
+    """Return the argument of function f at t_n: time (s), the angle of body j from body i (rad), their
+    relative speed (rad/s), the travel of a pin (m), or its rate (m/s).
 
-    ``dt`` is the step that leads to t_n, 0 at the start. Speeds at t_n are expected from the last step's
-    acceleration. The table of a travel whose two ways differ has that of the way back a gap before that of
-    the way out, with a kink between them.
+    ``dt`` (s) is the step that leads to t_n, 0 at the start. Speeds at t_n are those expected from the last
+    acceleration. A function of travel may differ between the way out and the way back: its table then holds
+    the way back first and the way out a gap later, with a kink between them.
     """
     x = time
     if kind == TURNED:
@@ -87,7 +96,11 @@ def argument(S, kind, i, j, f, time, dt):
 
 
 def functions(S, T, I, n):
-    """Functions at t_n, and their value at t_(n+1); T holds their tables."""
+    """Evaluate all functions at t_n, with their first two derivatives and number of kinks passed.
+
+    Functions of time are also evaluated at t_(n+1), because joints are closed there; of other arguments the
+    value of t_n stands in.
+    """
     time = (n + S[SYSTEM.shift]) * S[SYSTEM.step]
     after = (n + 1 + S[SYSTEM.shift]) * S[SYSTEM.step]
     dt = 0.0 if n == 0 else S[SYSTEM.step]  # the step that leads to t_n
@@ -106,7 +119,7 @@ def functions(S, T, I, n):
 
 
 def pass_kinks(S, I):
-    """Report an event where a function has passed a kink."""
+    """Report an event if a function has passed a kink since the last step."""
     for r in range(I[HEADER.function], I[HEADER.function_end], FUNCTION_INDEX.SIZE):
         f = I[r + FUNCTION_INDEX.row]
         if unlikely(S[f + FUNCTION.kinks] != S[f + FUNCTION.passed]):
@@ -115,7 +128,7 @@ def pass_kinks(S, I):
 
 
 def drift(S, i, d):
-    """Position of a free particle at t_n by its mid-step velocity; its force starts as its constant load."""
+    """Move a free particle by its half-step velocity over d (s), and set its force to its constant load."""
     S[i + PARTICLE.x] += d * S[i + PARTICLE.u]
     S[i + PARTICLE.y] += d * S[i + PARTICLE.v]
     S[i + PARTICLE.theta] += d * S[i + PARTICLE.w]
@@ -125,7 +138,9 @@ def drift(S, i, d):
 
 
 def move(S, I, time, d):
-    """Bound particles at t_n: free ones drift, driven ones go as prescribed; then directions."""
+    """Move bound particles to ``time`` (s): free ones drift over d (s), driven ones turn as prescribed; then
+    store sine and cosine of those that turn an arm.
+    """
     for q in range(I[HEADER.bound], I[HEADER.bound_end]):
         drift(S, I[q], d)
     for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
@@ -150,8 +165,8 @@ def move(S, I, time, d):
 
 
 def load(S, row, i, follow, value):
-    """Force (N) and moment (N m) about particle i of the load in row ``row``, for a ``value`` of its
-    function.
+    """Return the force (N, N) and the moment about particle i (N m) of the load in row ``row``, for a
+    ``value`` of its function; the force turns with the body if ``follow`` is not 0.
     """
     c = S[i + PARTICLE.c]
     s = S[i + PARTICLE.s]
@@ -164,7 +179,7 @@ def load(S, row, i, follow, value):
 
 
 def loads(S, I):
-    """Add loads over time, speed or angle, at t_n, to the forces."""
+    """Add the loads at t_n that depend on time, speed, angle or travel to the forces."""
     for r in range(I[HEADER.load], I[HEADER.load_end], LOAD_INDEX.SIZE):
         i = I[r + LOAD_INDEX.body]
         value = S[I[r + LOAD_INDEX.function] + FUNCTION.value]
@@ -175,12 +190,12 @@ def loads(S, I):
 
 
 def elements(S, I, first, end, renew):
-    """Add the forces of elements, from the reversed rigid-body motion; renew the reference where a path unit
-    ends.
+    """Add the internal forces of elements by the reversed rigid-body motion (paper Eq. 6-13); if ``renew``,
+    make the present configuration the reference of a new path unit.
 
-    ``first`` and ``end`` are records in I. Stiffness counts on the length that the element has at the
-    reference, as the paper's does, or for good on the length that it has without forces. Where a path unit is
-    one step, the forces at its start are those of the step before, in the same rows.
+    ``first`` and ``end`` are records in I. The stiffness refers to the element's length at the reference, as
+    in the paper, or to its length without forces. If a path unit is one step long, the forces at its start
+    are those of the last step: they share the rows of the present forces.
     """
     single = I[HEADER.path_unit] == 1
     for r in range(first, end, FRAME_INDEX.SIZE):
@@ -220,7 +235,11 @@ def elements(S, I, first, end, renew):
 
 
 def end_moments(S, I, r, c, s, single):
-    """Moments (N m) at both ends of element r in direction (c, s), by which of its ends are released."""
+    """Return the moments (N m) at both ends of element r, whose chord has the direction (c, s).
+
+    ``release`` has bit 1 for a released first end and bit 2 for a released second end; a released end has no
+    moment.
+    """
     e = I[r + FRAME_INDEX.row]
     a = I[r + FRAME_INDEX.unit]
     release = I[r + FRAME_INDEX.release]
@@ -246,7 +265,9 @@ def end_moments(S, I, r, c, s, single):
 
 
 def kick(S, i, central: Central):
-    """Store acceleration of a free particle at t_n and velocity at t_(n+1/2); return its velocity at t_n."""
+    """Store the acceleration at t_n and the velocity at t_(n+1/2) of a free particle; return its velocity at
+    t_n (m/s, m/s, rad/s).
+    """
     h, decay, gain, p = central
     im = S[i + PARTICLE.inverse_mass]
     ii = S[i + PARTICLE.inverse_inertia]
@@ -269,14 +290,17 @@ def kick(S, i, central: Central):
 
 
 def damping_power(S, i, zeta, u, v, w):
-    """Power (W) that mass-proportional damping takes from a particle."""
+    """Return the power (W) that mass-proportional damping takes from particle i at the velocities of t_n."""
     ii = S[i + PARTICLE.inverse_inertia]
     return zeta * ((u * u + v * v) / S[i + PARTICLE.inverse_mass] + (w * w / ii if ii > 0.0 else 0.0))
 
 
 def tiles(S, I, renew, d, central: Central):
-    """Step elements, with the plain particles around them drifting just before and kicked just after, while
-    they are in the cache.
+    """Step all elements tile by tile: drift the plain particles that a tile needs, add its elements' forces,
+    and kick the particles that no later tile needs, while all of them are in the cache.
+
+    Three passes, over particles, elements and particles again, would load each record several times. The
+    ranges are made in :func:`vfife.compiler.trace.tables.tiles`.
     """
     damping = 0.0
     zeta = S[SYSTEM.damping]
@@ -301,8 +325,8 @@ def tiles(S, I, renew, d, central: Central):
 
 
 def settle(S, I, span, central: Central):
-    """Kick the bound particles; store the power of damping, of time-dependent loads and of prescribed travels
-    at t_n.
+    """Kick the bound particles; store the powers (W) at t_n of mass-proportional damping, of variable loads
+    and of prescribed travels, and add them times ``span`` (s) to their works.
     """
     damping = 0.0
     zeta = S[SYSTEM.damping]
@@ -328,7 +352,7 @@ def settle(S, I, span, central: Central):
 
 
 def external_power(S, I):
-    """Power (W) of time-dependent loads and of prescribed travels at t_n."""
+    """Return the power (W) of variable loads and of prescribed travels at t_n."""
     power = 0.0
     for r in range(I[HEADER.load], I[HEADER.load_end], LOAD_INDEX.SIZE):
         i = I[r + LOAD_INDEX.body]
@@ -343,7 +367,9 @@ def external_power(S, I):
 
 
 def observe(S, I, span):
-    """Store what drivers and ideal joints do and how the bodies turn at t_n, with their extremes."""
+    """Store torque and work of drivers, reactions of ideal joints and angular accelerations of bodies at t_n,
+    with their extremes.
+    """
     for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
         observe_driver(S, I[r + DRIVEN_INDEX.row], I[r + DRIVEN_INDEX.body], span)
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
@@ -373,10 +399,11 @@ def observe(S, I, span):
 
 def observe_driver(S, row, i, span):
     """Store torque, power and work of the driver in row ``row`` on body i, and the ground's force on that
-    body.
+    body, from the balance of moments and forces.
 
-    The body turns about a fixed pivot, its particle. (rx, ry) is mass times centre of mass from there, whose
-    acceleration is alpha x r - w^2 r; forces that the body feels there count against it.
+    The body turns about a fixed pivot, its particle. (rx, ry) is mass times centre of mass seen from there
+    (kg m); the acceleration of the centre of mass is alpha x r - w^2 r. What loads and joints contribute to
+    the balance is in the particle's force and moment already.
     """
     w = S[i + PARTICLE.w]
     alpha = S[i + PARTICLE.aw]
@@ -400,13 +427,13 @@ def observe_driver(S, row, i, span):
 
 
 def joints(S, I, start, span, central: Central):
-    """Solve all joints at t_n: contacts met, ideal reactions, contact forces, then ideal reactions again
-    where contacts have changed them.
+    """Solve all joints at t_n: geometry of contacts, ideal reactions, contact forces, then ideal reactions
+    again where contacts have changed them.
 
-    Contact forces depend on the velocities that the reactions leave, and the reactions on contact forces.
-    Both exactly would be one system with unknowns as many as joints; this way costs one pass through the
-    contacts, whose response through the ideal joints is solved with (joint_compliance), and leaves what the
-    second :func:`close` then closes.
+    Contact forces depend on the velocities under the reactions, and the reactions on contact forces. An exact
+    solution is one nonlinear system with as many unknowns as joints. Here each contact is solved once, with
+    the response of all ideal joints to its force (:func:`~vfife.kernels.constraint.joint_compliance`), and
+    the second :func:`~vfife.kernels.closing.close` removes what that linear response leaves open.
     """
     if I[HEADER.contact_count] > 0:
         contact_geometry(S, I, start, central)
@@ -423,9 +450,13 @@ def joints(S, I, start, span, central: Central):
 
 
 def step(S, I, n, start):
-    """Take one step: everything it needs and leaves is in S; functions of time are there already."""
+    """Take step n; ``start`` marks step 0. The state S holds all that the step reads and writes, and
+    :func:`functions` has been called for it.
+    """
     dt = S[SYSTEM.step]
     central = coefficients(start, dt, S[SYSTEM.damping]) if I[HEADER.damped] != 0 else undamped(start, dt)
+    # Step 0 does not move: it evaluates the forces of the start and kicks over half a step. Works of step n
+    # run from t_(n-1/2) to t_(n+1/2).
     span = 0.5 * dt if start else dt
     d = 0.0 if start else dt
     S[SYSTEM.event] = 0.0

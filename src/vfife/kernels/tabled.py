@@ -1,20 +1,19 @@
-"""A contact law as a table: loading and unloading over the penetration, as pieces of cubics.
+"""A contact law as a table: a loading and an unloading branch over the penetration, in cubic pieces.
 
-The force is the mean of both branches and half of what they are apart times a factor, which is 1 while the
-surfaces approach, -1 while they part, and passes from one to the other with the rate where that is less than
-a share of the impact speed. Where a table's branches are apart by nothing its force is elastic.
+The force is the mean of both branches plus a factor times half of their difference. The factor is 1 while the
+surfaces approach and -1 while they separate. Below a share of the impact speed, the transition, it is
+proportional to the rate. The solution of :func:`~vfife.kernels.geometry.normal_force` needs a force that is
+linear in the rate, so the factor is written as slowness times rate. Equal branches make an elastic law.
 """
 
 from .arrays import KNOT
 
 
 def turned_slowness(slowness, inverse_transition, rate):
-    """The slowness (s/m) that makes half of the branches' distance times it and the rate the force beyond
-    their mean.
+    """Return the slowness (s/m) that, times the rate, is the factor of half the branches' difference.
 
-    1/|rate| while the surfaces approach or part, and no more than that of the ``transition``, a share of the
-    impact speed 1/slowness, where they turn. The rate is the one expected; the force is solved for the rate
-    that results.
+    It is 1/|rate| for the expected ``rate`` (m/s), so that the factor is 1 or -1, but at most 1/(transition
+    times impact speed), where the surfaces turn. ``inverse_transition`` is the inverse of that share (1).
     """
     slow = slowness * inverse_transition
     over = slow * abs(rate)
@@ -22,9 +21,10 @@ def turned_slowness(slowness, inverse_transition, rate):
 
 
 def tabled_law(S, first, count, depth, slowness):
-    """Elastic force (N) and damping coefficient (N s/m) at a penetration (m); the first piece begins at 0,
-    the last goes on for ever.
+    """Return elastic force (N) and damping coefficient (N s/m) at a penetration ``depth`` (m) from the
+    ``count`` pieces that begin at row ``first``; the first begins at 0, the last has no end.
     """
+    # Every piece is compared and the last one that begins before ``depth`` remains: a search would branch.
     begin = S[first + KNOT.begin]
     m0 = S[first + KNOT.mean]
     m1 = S[first + KNOT.mean + 1]

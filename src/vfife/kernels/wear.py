@@ -1,16 +1,17 @@
-"""Wear: what rubs where, by Archard's law, and the shape of surfaces that are worn.
+"""Wear: the frictional contact work that Archard's law needs, and contact of worn surfaces.
 
-The volume that a surface loses is its coefficient times the normal force times the sliding distance (Archard
-1953). A step keeps that product and the direction between the centres in which it was done; what is made of
-it where is said by the analysis, output by output.
+The volume that a surface loses is a coefficient times the normal force times the sliding distance (Archard
+1953). A step adds up that product and its direction; :mod:`vfife.tribology` turns it into depths, output by
+output.
 
-A worn surface is round no more: where the centres lie e apart, n pointing at angle psi, the penetration is
+A worn surface is no longer round. If the centres are e apart and n points at the angle psi, the penetration
+is
 
     delta = e - c - h_B(psi - theta_B) - h_J(psi - theta_J)
 
-with the depths h of bearing and journal there, each a sum of cosines and sines. The force is F grad(delta):
-it leans from n by the slope of the profiles and turns the bodies by it, so that what a contact without
-damping and friction takes it gives back, to the last of it.
+with the depths h of bearing and journal in that direction, each a sum of cosines and sines. The force is
+F grad(delta): it is inclined against n by the slope of the profiles and has a moment about both centres.
+Because it is the gradient of a potential, a contact without damping and friction conserves energy.
 """
 
 import math
@@ -20,16 +21,17 @@ from .central_difference import larger
 
 
 def profile(S, first, count, body, nx, ny):
-    """Depth (m) of a worn profile of a body in the direction n, and its derivative by the angle (m/rad); the
-    profile turns with the body.
+    """Return the depth (m) of a worn profile in the direction n and its derivative by the angle (m/rad); the
+    profile turns with ``body``.
     """
     c_body = S[body + PARTICLE.c]
     s_body = S[body + PARTICLE.s]
     c = c_body * nx + s_body * ny
     s = c_body * ny - s_body * nx
+    # Cosine and sine of ``order`` times the angle, from those of the order before by the addition theorem.
     depth = S[first + HARMONIC.cosine]
     slope = 0.0
-    c_order = c  # cosine and sine of as many times the angle
+    c_order = c
     s_order = s
     for order in range(1, count):
         cosine = S[first + HARMONIC.SIZE * order + HARMONIC.cosine]
@@ -43,11 +45,11 @@ def profile(S, first, count, body, nx, ny):
 
 
 def profile_geometry(S, I, r, depth, nx, ny):
-    """Penetration, normal, and levers of the profiles on bearing and journal of contact r, which was met as
-    if it were round.
+    """Return penetration (m), unit normal, levers of the profiles on bearing and journal (m), and stretch of
+    contact r; ``depth`` (m) and n are those of round surfaces.
 
-    The normal is of length one; ``stretch`` is that of grad(delta), by which the law's force is larger and
-    its rate faster than along n. The slope counts on half the clearance at the least, where nothing touches.
+    The stretch is the length of grad(delta): the law's force and rate along the unit normal are larger by
+    that factor. The slope is divided by at least half the clearance, which matters only in free flight.
     """
     w = I[r + CONTACT_INDEX.wear]
     size = S[I[r + CONTACT_INDEX.row] + CONTACT.size]
@@ -82,7 +84,9 @@ def profile_geometry(S, I, r, depth, nx, ny):
 
 
 def rub(S, w, j, span, slip):
-    """Adds what contact j rubs in a step to record w: force times distance, and the same by direction."""
+    """Add normal force times sliding distance of contact j in this step (N m) to record w, as a sum and as a
+    vector along the direction between the centres.
+    """
     rubbed = span * (S[j + CONTACT.normal_force] * abs(slip))
     S[w + WEAR.work] += rubbed
     S[w + WEAR.x] += rubbed * S[w + WEAR.nx]
