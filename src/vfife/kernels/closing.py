@@ -26,8 +26,7 @@ does not close the joints either, the step is taken again in parts.
 ``HEADER.coarse`` is a flag: steps are coarse or coarsest. ``HEADER.corrections`` is the number of corrections
 with the factors of t_n. ``HEADER.newton`` is a flag: steps are coarsest, and the turned rows are always used.
 
-Names as in :mod:`~vfife.kernels.constraint`. ``decay`` and ``gain`` are those of :class:`Central` (1 in
-:func:`close_velocities`); ``GAIN`` is something else.
+Names as in :mod:`~vfife.kernels.constraint`; ``decay`` and ``gain`` are those of :class:`Central`, not GAIN.
 """
 
 from typing import NamedTuple
@@ -176,10 +175,8 @@ def predict(S, I, dt, decay, gain):
 
 
 def change(S, i, x, y):
-    """Return the change (m) from t_n to t_(n+1) of a vector (x, y) that turns with body i.
-
-    Sine and versine (1 - cosine) of the turn are computed directly; a difference of cosines would lose the
-    digits of a small angle.
+    """Return the change (m) from t_n to t_(n+1) of a vector (x, y) that turns with body i, from sine and
+    versine (1 - cosine) of the turn: a difference of cosines would lose the digits of a small angle.
     """
     s = S[i + PARTICLE.step_sine]
     v = S[i + PARTICLE.step_versine]
@@ -210,10 +207,8 @@ def residual(S, I):
 
 
 def place_residual(S, I, r, feedback, aim, move):
-    """Store the residual (m) of the place that joint r holds: two rows of a revolute, one of a guide, a path
-    or a massless link.
-
-    ``aim`` (m) is the prescribed travel or length at t_n, ``move`` (m) its change in this step.
+    """Store the residual (m) of the place that joint r holds: two rows of a revolute, else one. ``aim`` (m)
+    is the prescribed travel or length at t_n, ``move`` (m) its change in this step.
     """
     j, b, k = bodies(I, r)
     y = I[r + JOINT_INDEX.y]
@@ -236,10 +231,8 @@ def place_residual(S, I, r, feedback, aim, move):
 
 
 def turn_residual(S, I, r, feedback, aim, move):
-    """Store the residual (rad) of the turn that joint r holds, in the joint's last row.
-
-    ``aim`` (rad) is the prescribed angle at t_n, ``move`` (rad) its change in this step. The direction of
-    this row is zero and its levers are constant: nothing turns.
+    """Store the residual (rad) of the turn that joint r holds, in its last row, whose levers are constant.
+    ``aim`` (rad) is the prescribed angle at t_n, ``move`` (rad) its change in this step.
     """
     j, b, k = bodies(I, r)
     c = I[r + JOINT_INDEX.carrier]
@@ -317,10 +310,8 @@ def guide_residual(S, I, r, feedback, aim, move, pins: Pins):
 
 def linearisation_error(S, I, dt, gain):
     """Return the square (m^2) of the distance that the last correction leaves open, because rows turn until
-    t_(n+1) and the forces along them do not.
-
-    It is the change of each row times the displacements of that correction. No position is computed again,
-    so it costs a tenth of a residual.
+    t_(n+1) and the forces along them do not: the change of each row times the displacements of that
+    correction. No position is computed again.
     """
     total = 0.0
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):

@@ -365,8 +365,7 @@ def solve_contact(S, I, r, h, span, central: Central):
     gn = h * gn
     gt = h * gt
     gm = h * gm
-    # 1. The normal force. Rates hold the forces that were applied so far, this contact's own starting force
-    #    among them: it is taken out again (+ gn F), and the law is solved for the whole force.
+    # 1. The normal force. The rate contains this contact's own starting force, which is taken out (+ gn F).
     rate = approach_rate(S, j, b, k)
     slip = sliding_rate(S, j, b, k)
     push = S[j + CONTACT.elastic]
@@ -378,14 +377,12 @@ def solve_contact(S, I, r, h, span, central: Central):
     else:
         normal, rate = normal_force(push, resisting, rate + gn * S[j + CONTACT.normal], gn)
     change = normal - S[j + CONTACT.normal]
-    # 2. Friction, from the slip under the new normal force and without the friction that was applied to
-    #    start from.
+    # 2. Friction, from the slip under the new normal force and without the friction applied so far.
     loose = slip - gm * change - gt * S[j + CONTACT.friction]
     dry = normal
     across = 0.0
     if I[r + CONTACT_INDEX.film] != 0:
-        # The film's force along t is no friction. Only the elastic part of the normal force presses solid
-        # surfaces together: the friction law gets that.
+        # The film's force along t is no friction. Only the elastic part of F_N presses solid surfaces.
         across = film_force(S, j, rate, loose, gt)
         loose += gt * across
         dry = S[j + CONTACT.elastic] if S[j + CONTACT.elastic] < normal else normal
