@@ -30,9 +30,9 @@ export MPLBACKEND ?= Agg
 # A test run starts a hundred processes, and each would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test system matrix golden oldest coverage lint docs package release bench verify soak mutations clean help
+.PHONY: demo test system matrix golden oldest coverage lint docs texts package release bench verify soak mutations clean help
 
-demo: $(VENV)/.runtime  ## what play costs an air compressor in force, noise and energy, with figures in runs/demo
+demo: $(VENV)/.runtime  ## what clearance costs an air compressor in force, energy and noise; figures in runs/demo
 	@$(PYTHON) examples/compressor.py runs/demo
 	@echo "Next: $(VENV)/bin/vfife run examples/compressor.toml --set joint.small-end.clearance=\"50 um\" -o runs/mine --figures"
 	@echo "      $(VENV)/bin/vfife new compressor -o mine.toml    $(VENV)/bin/vfife run examples/four_bar.toml (the paper's four-bar)"
@@ -67,6 +67,9 @@ lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
 	@$(PYTHON) -m sphinx -W --keep-going -q -j auto -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
+
+texts: $(VENV)/.runtime  ## run the demo and write its numbers, film and figure into the README and the docs
+	@$(PYTHON) .ci/texts.py
 
 package: $(VENV)/.dev  ## build wheel and sdist into dist/, and try the wheel in a bare environment outside this folder
 	@$(PYTHON) .ci/package.py

@@ -43,6 +43,7 @@ def main() -> None:
     run([sys.executable, "-m", "hatchling", "build", "-d", str(DIST)], ROOT)
     (sdist,), (wheel,) = DIST.glob("*.tar.gz"), DIST.glob("*.whl")
     assert version in sdist.name and version in wheel.name, (sdist.name, wheel.name)
+    run([sys.executable, "-m", "twine", "check", "--strict", str(sdist), str(wheel)], ROOT)
     with tempfile.TemporaryDirectory() as folder:
         look_inside(sdist, wheel, Path(folder))
         told(f"{wheel.name} ({wheel.stat().st_size:,} bytes) and {sdist.name} ({sdist.stat().st_size:,} bytes)", began)

@@ -24,7 +24,7 @@ def script(name: str) -> ModuleType:
 
 def copied(folder: Path) -> Path:
     """The files that a release changes, elsewhere."""
-    for name in ("src/vfife/__init__.py", "CITATION.cff", "CHANGELOG.md"):
+    for name in ("src/vfife/__init__.py", "CITATION.cff", "CHANGELOG.md", "README.md", "conda/recipe.yaml"):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text((ROOT / name).read_text(encoding="utf-8"), encoding="utf-8")
     changelog = folder / "CHANGELOG.md"
@@ -61,6 +61,9 @@ def test_a_release_puts_version_and_date_where_they_stand(tmp_path: Path) -> Non
     assert "version: 7.0.0\ndate-released: 2031-02-03\n" in (root / "CITATION.cff").read_text(
         encoding="utf-8"
     )
+    readme = (root / "README.md").read_text(encoding="utf-8")
+    assert "  version = {7.0.0},\n  year    = {2031}\n" in readme and "year    = {2016}" in readme
+    assert '  version: "7.0.0"' in (root / "conda/recipe.yaml").read_text(encoding="utf-8")
     text = (root / "CHANGELOG.md").read_text(encoding="utf-8")
     assert re.search(r"^## Unreleased\n\n## 7\.0\.0 - 2031-02-03\n\n- Something\.", text, re.M)
     with pytest.raises(SystemExit, match="nothing under Unreleased"):

@@ -1,5 +1,6 @@
-"""README and the first page name every command, so that who has only them finds it."""
+"""The page of commands names every command by its purpose and describes all of them; no page invents one."""
 
+import importlib
 import re
 from pathlib import Path
 
@@ -10,15 +11,30 @@ from vfife.cli.app import app
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMANDS = get_command(app).commands
+PAGES = ("README.md", "docs/index.md", "docs/commands.md")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
-def test_every_command_is_named(page):
-    text = (ROOT / page).read_text(encoding="utf-8")
-    assert [name for name in COMMANDS if not re.search(rf"vfife {name}\b", text)] == []
+def test_every_command_has_a_purpose():
+    text = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    assert [name for name in COMMANDS if not re.search(rf"`vfife {name}\b", text)] == []
 
 
 def test_no_command_is_named_that_there_is_not():
-    text = "".join((ROOT / page).read_text(encoding="utf-8") for page in ("README.md", "docs/index.md"))
-    named = set(re.findall(r"(?:^|`)vfife ([a-z]+)", text, re.MULTILINE))
+    text = "".join((ROOT / page).read_text(encoding="utf-8") for page in PAGES)
+    code = re.findall(r"```(?:sh|console)\n.*?```|`[^`\n]+`", text, re.S)
+    named = set(re.findall(r"\bvfife ([a-z]+)", "\n".join(code)))
     assert named <= set(COMMANDS) and len(named) > 20
+
+
+def test_every_command_and_option_is_described(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "extensions"))
+    reference = importlib.import_module("command_reference")
+    page = reference.page()
+    assert "### vfife study tolerance" in page
+    for words, command in reference.commands().items():
+        text = page.partition(f"# {words}\n")[2].partition("\n## ")[0]
+        assert text, words
+        if not hasattr(command, "commands"):
+            options = [one for parameter in command.params for one in getattr(parameter, "opts", [])]
+            missing = [one for one in options if one.startswith("--") and one != "--help" and one not in text]
+            assert missing == [], words

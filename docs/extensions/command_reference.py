@@ -1,0 +1,89 @@
+"""The page of all commands, made from the command line itself: purpose, arguments, options and defaults."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from tables import cell, grid
+
+PAGE = "commands"
+MARK = "@COMMANDS@"
+HIDDEN = ("help",)  # options that every command has
+
+
+def commands() -> dict[str, Any]:
+    """Return every command by the words that call it, in the order of the help; groups come before their members."""
+    from typer.main import get_command
+
+    from vfife.cli.app import app
+
+    found: dict[str, Any] = {}
+
+    def collect(words: str, group: Any) -> None:
+        for name, command in dict(group.commands).items():
+            found[f"{words} {name}"] = command
+            if hasattr(command, "commands"):
+                collect(f"{words} {name}", command)
+
+    collect("vfife", get_command(app))
+    return found
+
+
+def section(words: str, command: Any, level: int) -> str:
+    """Return the section of one command, in Markdown."""
+    parameters = [one for one in command.params if one.name not in HIDDEN]
+    rows = [
+        (name(one), cell(plain(getattr(one, "help", None) or "")), default(one))
+        for one in parameters
+        if name(one)
+    ]
+    parts = [f"{'#' * level} {words}", plain(command.help or "")]
+    if rows and not hasattr(command, "commands"):
+        parts.append(f":::{{container}} keys\n{grid(('argument or option', 'meaning', 'default'), rows)}\n:::")
+    return "\n\n".join(part for part in parts if part)
+
+
+def name(parameter: Any) -> str:
+    """Return how an argument or option is typed."""
+    options = getattr(parameter, "opts", [])
+    shown = parameter.metavar or ("" if getattr(parameter, "is_flag", False) else str(parameter.name).upper())
+    if not options or not options[0].startswith("-"):
+        return f"`{parameter.metavar or str(parameter.name).upper()}`"
+    value = f" {shown}" if shown and not getattr(parameter, "is_flag", False) else ""
+    return f"`{', '.join(sorted(options, key=len, reverse=True))}{value}`"
+
+
+def default(parameter: Any) -> str:
+    """Return the default of an option, where it has one worth showing."""
+    value = parameter.default
+    if getattr(parameter, "required", False):
+        return "required"
+    if callable(value) or value in (None, False, (), [], "") or str(value).startswith("Sentinel"):
+        return ""
+    return f"`{value}`"
+
+
+def plain(text: str) -> str:
+    """Return a text of the help as one paragraph a line."""
+    paragraphs = re.split(r"\n\s*\n", text.replace("\b", "").strip())
+    return "\n\n".join(" ".join(one.split()) for one in paragraphs)
+
+
+def page() -> str:
+    """Return the sections of all commands."""
+    return "\n\n".join(
+        section(words, command, 2 + (len(words.split()) > 2)) for words, command in commands().items()
+    )
+
+
+def fill(app: Any, docname: str, source: list[str]) -> None:
+    """Put the sections into the page before it is read."""
+    if docname == PAGE:
+        app.env.note_dependency(str(app.srcdir / "_made" / "made-of"))
+        source[0] = source[0].replace(MARK, page())
+
+
+def setup(app: Any) -> dict[str, bool]:
+    app.connect("source-read", fill)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
