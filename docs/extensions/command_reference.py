@@ -40,7 +40,9 @@ def section(words: str, command: Any, level: int) -> str:
     ]
     parts = [f"{'#' * level} {words}", plain(command.help or "")]
     if rows and not hasattr(command, "commands"):
-        parts.append(f":::{{container}} keys\n{grid(('argument or option', 'meaning', 'default'), rows)}\n:::")
+        parts.append(
+            f":::{{container}} keys\n{grid(('argument or option', 'meaning', 'default'), rows)}\n:::"
+        )
     return "\n\n".join(part for part in parts if part)
 
 

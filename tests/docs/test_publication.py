@@ -31,9 +31,7 @@ def test_the_conda_recipe_has_the_dependencies_and_the_version_of_the_package() 
 
 def test_the_forge_tests_the_oldest_and_newest_python_on_three_systems() -> None:
     workflow = (ROOT / ".github" / "workflows" / "tests.yml").read_text(encoding="utf-8")
-    versions = [
-        one.rpartition(" ")[2] for one in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", one)
-    ]
+    versions = [one.rpartition(" ")[2] for one in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", one)]
     assert versions[0] == PROJECT["requires-python"].removeprefix(">=")
     assert f'python: ["{versions[0]}", "{versions[-1]}"]' in workflow
     assert "os: [ubuntu-latest, windows-latest, macos-latest]" in workflow
