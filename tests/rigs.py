@@ -35,7 +35,7 @@ def synthetic(
     run = vfife.simulate(
         true, turns=float(math.ceil(turns[1])), step=step, outputs=1000, companions=0, reference=False
     )
-    place, source = run.crank_angle / 360.0, np.random.default_rng(seed)
+    place, source = run.crank_rotation / 360.0, np.random.default_rng(seed)
     place -= place[0]
     kept = np.flatnonzero((place >= turns[0]) & (place <= turns[1]))[::every]
     columns = [1e3 * (run.time[kept] - run.time[kept[0]])]

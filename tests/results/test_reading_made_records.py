@@ -36,20 +36,18 @@ def made(turns: int = TURNS, rounding: float = 0.0, **blocks):
 
 
 @pytest.mark.parametrize("rounding", [-1e-9, 0.0, 1e-9])
-def test_the_latest_turns_begin_at_a_whole_turn_of_the_crank(rounding: float) -> None:
-    """A begin that rounding puts just before a whole turn is that turn: angles go from one output to 360
-    degrees.
-    """
+def test_a_whole_turn_of_the_crank_is_0_whatever_its_rounding(rounding: float) -> None:
+    """An output that rounding puts just before a whole turn lies at 0, where its turn ends."""
     record = made(rounding=rounding)
     found = View(record).turns
     assert (
         found.turn.values.tolist() == list(range(TURNS - 7, TURNS + 1)) or found.turn.values[0] <= TURNS - 7
     )
-    assert found.crank_angle.values == pytest.approx(360.0 / OUTPUTS * np.arange(1, OUTPUTS + 1), abs=1e-6)
+    assert found.crank_angle.values == pytest.approx(360.0 / OUTPUTS * np.arange(OUTPUTS), abs=1e-6)
     first = int(found.turn.values[0])
-    assert found.time.values[0, 0] == pytest.approx(
+    assert found.time.values[0, 1] == pytest.approx(
         (first - 1) * TURN + TURN / OUTPUTS
-    ) and found.time.values[-1, -1] == pytest.approx(TURNS * TURN)
+    ) and found.time.values[-1, 0] == pytest.approx(TURNS * TURN)
     with pytest.raises(VfifeError, match="no turns to lay over each other"):
         _ = View(
             made_record(four_bar("", speed=SPEED), {}, np.arange(10) * 4, turns=1, step=STEP, outputs=OUTPUTS)
@@ -107,7 +105,9 @@ def test_the_crank_is_the_first_driven_body_and_modes_have_their_numbers() -> No
     assert (
         view.crank == "crank"
         and view.crank_angle is not None
-        and view.crank_angle[-1] == pytest.approx(360.0)
+        and view.crank_angle[-1] == pytest.approx(0.0)
+        and view.crank_rotation is not None
+        and view.crank_rotation[-1] == pytest.approx(360.0)
     )
     loose = View(made_record(four_bar(), {}, np.arange(5), turns=1, step=1e-7))
     mode = loose.data["mode"]

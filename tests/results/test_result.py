@@ -41,7 +41,9 @@ def test_every_series_has_a_unit_and_a_name(result: Result, elastic: Result) -> 
 
 
 def test_crank_angle(result: Result) -> None:
-    assert result.data.crank_angle.values[[0, -1]] == pytest.approx([0.0, 720.0])
+    angle = result.data.crank_angle.values
+    assert angle[[0, -1]] == pytest.approx([0.0, 0.0]) and angle.min() >= 0.0 and angle.max() < 360.0
+    assert result.crank_rotation[-1] == pytest.approx(720.0)
 
 
 def test_newton_holds_for_the_joint_forces(result: Result) -> None:

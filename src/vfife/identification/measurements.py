@@ -118,6 +118,8 @@ def measured(
         over, unit = ABSCISSAE[columns[place][0].lower()]
         factors[place] = factor(columns[place][1], unit, f"line 1, column {place + 1}", faults)
     values = numbers(rows, heads, sorted(factors), faults)
+    if place is not None and over == "angle" and np.isfinite(values[place]).all():  # of several turns
+        values[place] = np.unwrap(factors[place] * values[place]) / factors[place]
     if place is not None:
         check_places(values[place], [line for line, _ in rows], heads[place], faults)
     flat = [heads[k] for k in chosen if len(rows) and float(np.ptp(values[k])) == 0.0]

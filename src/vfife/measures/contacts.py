@@ -19,7 +19,7 @@ from ..model.surfaces import surfaces
 from ..numerics.elementwise import atan2, sincos
 from ..solvers.record import Record
 from .forces import normals, places
-from .motion import times, velocities
+from .motion import crank_rotation, times, velocities, within_turn
 from .turns import Window, named, of_window
 
 Array = NDArray[np.float64]
@@ -297,10 +297,10 @@ class Impact:
     """A contact that began in a joint with clearance, or ``count`` of them if several began between two
     outputs.
 
-    It began after ``since`` (s) and up to ``time`` (s), the output that shows it, with the crank at ``crank``
-    (degrees, None without one). ``speed`` (m/s): normal approach speed, located inside the step; the mean of
-    several. ``energy`` (J) lost in normal damping and ``depth`` (m), the largest penetration, are up to the
-    next entry of the joint.
+    It began after ``since`` (s) and up to ``time`` (s), the output that shows it, with the crank at the angle
+    ``crank`` (degrees, 0 to 360, None without one). ``speed`` (m/s): normal approach speed, located inside
+    the step; the mean of several. ``energy`` (J) lost in normal damping and ``depth`` (m), the largest
+    penetration, are up to the next entry of the joint.
     """
 
     joint: str
@@ -365,7 +365,8 @@ def impacts(record: Record) -> Impacts:
     assembly = record.assembly
     if not assembly.contacts or not record.keeps("contact_onsets"):
         return Impacts((), 0.0)
-    time, crank = times(record), crank_angle(record)
+    time, rotation = times(record), crank_rotation(record)
+    crank = None if rotation is None else within_turn(rotation)
     onsets, work = record.block("contact_onsets"), spent_energy(record, "impact")
     speeds = record.block("contact_approach") if record.keeps("contact_approach") else None
     depths = record.block("contact_penetration_max")
@@ -401,9 +402,3 @@ def impacts(record: Record) -> Impacts:
                 )
             )
     return Impacts(tuple(sorted(entries, key=lambda one: (one.time, one.joint))), before)
-
-
-def crank_angle(record: Record) -> np.ndarray | None:
-    """Angle of the first driven body (degrees, not reduced to one turn), or None without one."""
-    driven = record.assembly.topology.driven
-    return np.degrees(record.block("particle_theta")[:, driven[0]]) if driven else None

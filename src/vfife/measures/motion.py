@@ -21,6 +21,7 @@ AXES = (
     ("y", "v", "ay"),
     ("theta", "w", "aw"),
 )  # position, velocity and acceleration of each axis
+ROUNDING = 1e-6  # degrees by which the angle of a run may be off after many turns
 
 
 def times(record: Record) -> Array:
@@ -152,6 +153,24 @@ def carrier(body: BodyMap, pin: str) -> Carrier:
         return Carrier(body.nodes[pin], (0.0, 0.0))
     x, y = np.subtract(body.pins[pin], body.reference)
     return Carrier(body.particles[0], (float(x), float(y)))
+
+
+def crank_rotation(record: Record) -> Array | None:
+    """Angle of the crank, the first driven body (degrees), over the outputs: it goes on from turn to turn;
+    None without a crank.
+    """
+    driven = record.assembly.topology.driven
+    return np.degrees(record.block("particle_theta")[:, driven[0]]) if driven else None
+
+
+def within_turn(rotation: Array | float) -> Array:
+    """Return crank angles as all outputs of vfife show them: the angle of the crank itself, from 0 to below
+    360 degrees.
+
+    This is the ``angle`` of the body in the model: of its own x axis from the global one, counterclockwise.
+    An angle that rounding leaves just below a whole turn is 0.
+    """
+    return np.maximum(np.mod(np.asarray(rotation, dtype=float) + ROUNDING, 360.0) - ROUNDING, 0.0)
 
 
 def pin_path(record: Record, body: str, pin: str) -> Array:

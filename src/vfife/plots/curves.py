@@ -264,7 +264,7 @@ def draw(ax: Axes, result: View, reference: View | None, one: Quantity, over: Sp
     reach = reach_of(result, one, over)
     ideal = _ideal(reference, one, over)
     factor, unit = scale_of(
-        max(reach.most, 0.0 if ideal is None else float(np.abs(ideal[1]).max())), one.unit
+        max(reach.most, 0.0 if ideal is None else float(np.nanmax(np.abs(ideal[1])))), one.unit
     )
     _companions(ax, result, one, over, factor)
     if np.any(reach.high > reach.low):
@@ -329,7 +329,7 @@ def _ideal(reference: View | None, one: Quantity, over: Span) -> tuple[Array, Ar
         x, y = over.curve_of(reference, one.samples(reference.record))
     except (KeyError, ValueError, IndexError):
         return None
-    return (x, y) if len(x) > 1 else None
+    return (x, y) if np.isfinite(y).sum() > 1 else None
 
 
 # --------------------------------------------------------------------------------------------------- energies

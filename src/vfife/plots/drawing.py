@@ -28,7 +28,7 @@ from .symbols import (
     label_places,
     outline,
 )
-from .turn import abscissa, shown_turn, span
+from .turn import shown_turn, span
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -73,7 +73,7 @@ def strip(result: View) -> Figure:
     low, high = extent(result, outlines)
     width, height = sides(high - low)
     over = span(result)
-    closed = over.cut is not None  # the last output repeats the first
+    closed = over.full_turn  # the last output repeats the first
     moments = np.linspace(over.first, over.last, min(STRIP + closed, over.last - over.first + 1)).astype(int)[
         : STRIP if closed else None
     ]
@@ -81,7 +81,7 @@ def strip(result: View) -> Figure:
     for ax, k in zip(panels.axes, moments, strict=True):
         sheet = Sheet.between(ax, result, int(k), low, high)
         draw_symbols(sheet, outlines)
-        ax.set_title(moment(result, over.x[k - over.first], int(k)), fontsize=9, fontweight="normal")
+        ax.set_title(moment(result, int(k)), fontsize=9, fontweight="normal")
         ax.set(xlabel="", ylabel="", xticks=[], yticks=[])
         for spine in ax.spines.values():
             spine.set_visible(False)
@@ -89,11 +89,12 @@ def strip(result: View) -> Figure:
     return panels.close(f"{result.name}{shown_turn(result, over)}")
 
 
-def moment(result: View, x: float, k: int) -> str:
+def moment(result: View, k: int) -> str:
     """Crank angle, time or load factor of an output in words."""
     if result.record.static:
         return f"load factor {result.time[k]:.4g}"
-    return f"{1e3 * result.time[k]:.4g} ms" if result.crank is None else f"{x % 360.0:.0f}°"
+    angles = result.crank_angle
+    return f"{1e3 * result.time[k]:.4g} ms" if angles is None else f"{round(float(angles[k])) % 360}°"
 
 
 def sides(span: Array) -> tuple[float, float]:
@@ -128,7 +129,8 @@ def _position(result: View, shown: int, chosen: bool, faint: bool) -> str:
     if result.record.static:
         return f"at load factor {result.time[shown]:.4g}" + (" (faint: at the others)" if faint else "")
     if chosen:
-        angle = "" if result.crank is None else f"{result.crank} at {abscissa(result)[shown] % 360.0:.4g}°, "
+        angles = result.crank_angle
+        angle = "" if angles is None else f"{result.crank} at {angles[shown]:.4g}°, "
         return f"at {angle}{1e3 * result.time[shown]:.4g} ms" + (
             " (faint: over the last turn)" if faint and result.crank is not None else ""
         )

@@ -9,6 +9,7 @@ from matplotlib import rc_context
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
+from ..measures.motion import within_turn
 from .style import (
     BLUE,
     BODIES,
@@ -203,7 +204,7 @@ def points(ax: Axes, result: PoincareSection) -> None:
     ax.scatter(scale_x * x, scale_y * y, s=MARK, c=BLUE, lw=0.0)
     ax.set_xlabel(f"{names[0]} ({unit_x})")
     ax.set_ylabel(f"{label} ({unit_y})")
-    ax.set_title(f"once a turn, at {360.0 * result.spec.phase:g}° of it")
+    ax.set_title(f"once a turn, {360.0 * result.spec.phase:g}° of the crank after its start")
     ax.ticklabel_format(useOffset=False)
 
 
@@ -238,7 +239,7 @@ def onsets(left: Axes, right: Axes, result: PoincareSection, name: str) -> None:
     and the speed itself.
     """
     one = result.struck[name]
-    crank = np.degrees(np.mod(one["crank"], 2.0 * np.pi))
+    crank = within_turn(np.degrees(one["crank"]))
     scale, unit = readable(one["speed"], "m/s")
     place = np.degrees(one["place"])
     for ax, high in ((left, scale * one["speed"]), (right, scale * one["speed"])):

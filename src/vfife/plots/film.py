@@ -4,9 +4,8 @@ joint forces.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -15,14 +14,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..measures.motion import pin_path
+from ..measures.motion import pin_path, within_turn
 from ..results.view import View
 from ..solvers.record import Record
 from .curves import Quantity, joint_forces, largest_forces
 from .drawing import draw_symbols, extent
 from .style import BLUE, INK, ORANGE, STYLE, VERMILION, heading, scale_of
 from .symbols import Outline, Sheet, joint_names, outline
-from .turn import Span, abscissa, axis_title, one_turn
+from .turn import Span, span_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -232,10 +231,10 @@ class FilmSheet(Sheet):
 
 @dataclass(frozen=True)
 class ForcePanel:
-    """Axes with a growing curve, and its points in the units drawn."""
+    """Axes with a growing curve, and its values in the unit drawn."""
 
     ax: Axes
-    x: Array
+    over: Span
     y: Array
 
 
@@ -250,7 +249,6 @@ class Film:
         self.at = frame_positions(len(result.record.steps), self.first, frames)
         self.view = interpolated(result, self.at)
         self.frames = len(self.at)
-        self.over, _ = one_turn(abscissa(result)[self.first :], result)
         with matplotlib.rc_context(STYLE):
             self.figure = Figure(figsize=SIZE, dpi=dpi)
             self.canvas: Any = FigureCanvasAgg(self.figure)  # whose methods have no types
@@ -277,15 +275,16 @@ class Film:
                 self.canvas.restore_region(grown)
                 for line, curve in zip(lines, self.curves, strict=True):
                     upto = slice(*self._between(k))
-                    line.set_data(
-                        np.append(curve.x[upto], self._head(curve.x, k)),
-                        np.append(curve.y[upto], self._head(curve.y, k)),
+                    x, y = (
+                        np.append(values[upto], self._head(values, k)) for values in (curve.over.x, curve.y)
                     )
+                    line.set_data(*replace(curve.over, x=x).placed(y))
                     curve.ax.draw_artist(line)
                 # What a curve has drawn stays
                 grown = self.canvas.copy_from_bbox(self.figure.bbox) if lines else grown
                 for head, curve in zip(heads, self.curves, strict=True):
-                    head.set_data([self._head(curve.x, k)], [self._head(curve.y, k)])
+                    x, y = (np.array([self._head(values, k)]) for values in (curve.over.x, curve.y))
+                    head.set_data(*replace(curve.over, x=x).placed(y))
                     curve.ax.draw_artist(head)
                 self.playback.draw(k)
                 self.clock.set_text(self._clock_text(k))
@@ -303,8 +302,11 @@ class Film:
         now = self._head(self.result.time[self.first :], k)
         if self.result.record.static:
             return f"load factor {now:.4g}"
-        angle = "" if self.result.crank is None else f"{self.result.crank} {self._head(self.over, k):.0f}°, "
-        return f"{angle}{1e3 * now:.2f} ms"
+        rotation = self.result.crank_rotation
+        if rotation is None:
+            return f"{1e3 * now:.2f} ms"
+        degrees = round(float(within_turn(self._head(rotation[self.first :], k)))) % 360
+        return f"{self.result.crank} {degrees}°, {1e3 * now:.2f} ms"
 
     # -------------------------------------------------------------------------------------------- what does
     # not move
@@ -359,9 +361,9 @@ class Film:
         height = 0.76 / count
         ax = self.figure.add_axes((0.665, 0.11 + (count - 1 - k) * height + 0.02, 0.315, height - 0.075))
         curve = force_from(self.result, self.reference, joint_forces(self.result)[name], self.first)
-        most = max(float(curve.force.max()), 0.0 if curve.ideal is None else float(curve.ideal[1].max()))
+        most = max(float(curve.force.max()), 0.0 if curve.ideal is None else np.nanmax(curve.ideal[1]))
         factor, unit = scale_of(most, "N")
-        ax.plot(curve.x, factor * curve.force, color=BLUE, lw=0.8, alpha=0.25, zorder=2)
+        ax.plot(*curve.over.placed(factor * curve.force), color=BLUE, lw=0.8, alpha=0.25, zorder=2)
         if curve.ideal is not None:
             ax.plot(
                 curve.ideal[0],
@@ -374,24 +376,14 @@ class Film:
             if k == 0:
                 ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderpad=0.0, fontsize=9)
         ax.set_title(f"joint {name}", fontsize=10)
-        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * most), xlim=_limits(curve.x))
+        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * most))
+        curve.over.set_limits(ax)
         if k == count - 1:
-            ax.set_xlabel(axis_title(self.result))
+            ax.set_xlabel(curve.over.title)
         else:
             ax.tick_params(labelbottom=False)
-        if (
-            self.result.crank is not None
-            and not self.result.record.static
-            and 300.0 < abs(curve.x[-1] - curve.x[0]) <= 361.0
-        ):
-            ax.set_xticks(np.arange(60.0 * math.ceil(min(curve.x) / 60.0 - 1e-6), max(curve.x) + 1e-6, 60.0))
         ax.set_autoscale_on(False)
-        return ForcePanel(ax, curve.x, factor * curve.force)
-
-
-def _limits(x: Array) -> tuple[float, float]:
-    low, high = float(min(x)), float(max(x))
-    return (low, high) if high > low else (low - 0.5, high + 0.5)
+        return ForcePanel(ax, curve.over, factor * curve.force)
 
 
 def first_output(result: View, turns: float) -> int:
@@ -430,29 +422,20 @@ def interpolated(result: View, at: Array) -> View:
 
 @dataclass(frozen=True)
 class ForceCurve:
-    """Largest force of a joint in each interval (N) over crank angle (degrees), time (ms) or load factor, and
-    the ideal one's.
-    """
+    """Largest force of a joint in each interval (N) over a span, and the ideal one's."""
 
-    x: Array
+    over: Span
     force: Array
     ideal: tuple[Array, Array] | None
 
 
 def force_from(result: View, reference: View | None, one: Quantity, first: int) -> ForceCurve:
-    """The force of a joint from an output on; the last turn of the ideal one is repeated for each turn."""
-    x, origin = one_turn(abscissa(result)[first:], result)
-    force = largest(result, one)[first:]
+    """The force of a joint from an output on, and that of the last ideal turn."""
+    over, force = span_of(result, first, len(result.record.steps) - 1), largest(result, one)[first:]
     if reference is None:
-        return ForceCurve(x, force, None)
-    at, values = Span(first, first + len(x) - 1, x, None, axis_title(result), origin).curve_of(
-        reference, largest(reference, one)
-    )
-    if result.crank is not None and not result.record.static:
-        turns = range(1 + int(abs(x[-1] - x[0]) / 360.0))
-        at, values = np.concatenate([at + 360.0 * k for k in turns]), np.tile(values, len(turns))
-    inside = (at >= min(x) - 1e-6) & (at <= max(x) + 1e-6)
-    return ForceCurve(x, force, (at[inside], values[inside]) if inside.sum() > 1 else None)
+        return ForceCurve(over, force, None)
+    x, y = over.curve_of(reference, largest(reference, one))
+    return ForceCurve(over, force, (x, y) if np.isfinite(y).sum() > 1 else None)
 
 
 def largest(result: View, one: Quantity) -> Array:

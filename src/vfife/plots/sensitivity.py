@@ -25,7 +25,7 @@ from .style import (
     saved,
     scale_of,
 )
-from .turn import abscissa, one_turn
+from .turn import span_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,17 +55,13 @@ def forces(comparison: Comparison) -> Figure:
         factor, unit = scale_of(max(row["joints"][name]["force.max"] for row in comparison.rows), "N")
         for k, (result, label) in enumerate(zip(comparison.results, labels(comparison), strict=True)):
             first = max(int(np.argmax(result.last_turn)) - 1, 0)
-            x, _ = one_turn(abscissa(result)[first:], result)
+            over = span_of(result, first, len(result.record.steps) - 1)
             joint = list(result.record.assembly.mechanism.joints).index(name)
             y = result.channels["joint_force_max"].values[first:, joint]
-            ax.plot(x, factor * y, lw=1.0, label=label, **curve_look(k))
+            ax.plot(*over.placed(factor * y), lw=1.0, label=label, **curve_look(k))
         ax.set(title=f"joint {name}", ylabel=f"joint force\n({unit})")
-        ax.set_xlabel(
-            "time (ms)"
-            if comparison.results[0].crank is None
-            else f"angle of {comparison.results[0].crank} (degrees)"
-        )
-        ax.margins(x=0.0)
+        ax.set_xlabel(over.title)
+        over.set_limits(ax)
     one_legend(figure, axes)
     turn = "" if comparison.results[0].crank is None else ", last turn"
     heading(figure, f"{comparison.mechanism}: joint force{turn}")

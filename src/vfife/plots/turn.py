@@ -1,4 +1,4 @@
-"""Abscissae of curves: the turn over which measures are taken, cut open where forces vary least; time; load
+"""Abscissae of curves: crank angle from 0 to 360 degrees over the turn that measures are of, time, load
 factors; outputs by name.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, VfifeError, shown
-from ..measures.forces import joint_force_max
+from ..measures.motion import within_turn
 from ..solvers.repeating import outputs_of_a_turn
 from ..units import number
 
@@ -21,60 +21,56 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 Array = NDArray[np.float64]
-AROUND = 25.0  # degrees to both sides of an angle that have to be quiet for a turn to be opened there
-EVERY = 30  # degrees: where a turn may be opened
-# A turn stays open at 0 unless another place has less than this part of its variation, and this much less
-BETTER = (1.5, 0.05)
-ROUNDED = 1e-6  # degrees by which an angle may be off where the turn is opened
 FULL = 300.0  # degrees from which on a turn is one
 
 
 @dataclass(frozen=True)
 class Span:
-    """The outputs ``first`` to ``last`` of a run and their abscissa ``x``; a whole turn is cut open at the
-    angle ``cut`` (degrees).
+    """The outputs ``first`` to ``last`` of a run and their abscissa ``x``: the crank's rotation (degrees),
+    the time (ms) or a load factor. Rotations are drawn over the crank angle, from 0 to 360 degrees.
     """
 
     first: int
     last: int
     x: Array
-    cut: float | None
+    angular: bool
     title: str
-    origin: float = 0.0  # degrees before the turn
     turns: tuple[int, int] | None = (
         None  # first and last turn of the means, counted from 1, of as many outputs as this one
     )
 
+    @property
+    def full_turn(self) -> bool:
+        """Whether the outputs are those of a turn."""
+        return self.angular and bool(FULL < np.ptp(self.x) <= 361.0)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Ends of the axis: a turn, or the part of it that a shorter run covers."""
+        at = within_turn(self.x) if self.angular else self.x
+        if self.angular and (np.ptp(self.x) > FULL or np.any(np.abs(np.diff(at)) > 180.0)):
+            return 0.0, 360.0
+        low, high = float(at.min()), float(at.max())
+        return low, high if high > low else low + 1.0
+
     def placed(self, values: Array) -> tuple[Array, Array]:
-        """Abscissa and values of a curve over the span; interrupted where the turn is cut open."""
-        if self.cut is None:
-            return self.x, values
-        at = self.cut + np.mod(self.x - self.cut + ROUNDED, 360.0) - ROUNDED
-        crossing = int(np.argmax(np.abs(np.diff(at)))) + 1
-        if abs(at[crossing] - at[crossing - 1]) < 180.0:
-            return at, values
-        if crossing == len(at) - 1:  # opened where it ends
-            return np.append(at[:-1], self.cut + (360.0 if at[1] > at[0] else 0.0)), values
-        order = [*range(crossing, len(at)), -1, *range(crossing)]
-        broken = np.where(np.array(order) < 0, np.nan, values[order])
-        return np.where(np.array(order) < 0, at[-1], at[order]), broken
+        """Abscissa and values of a curve over the span, shape (points,)."""
+        return over_turn(self.x, values) if self.angular else (self.x, values)
 
     def curve_of(self, reference: View, values: Array) -> tuple[Array, Array]:
-        """The curve of a reference over the same angles: its last turn; times and load factors are compared
-        as they are.
+        """The curve of a reference over the same angles: its last turn; times, load factors and parts of a
+        turn are compared as they are.
         """
-        over, chosen = abscissa(reference)[reference.last_turn], values[reference.last_turn]
-        if reference.crank is None or reference.record.static or np.ptp(over) < FULL:
-            over = over - self.origin
+        first = max(int(np.argmax(reference.last_turn)) - 1, 0)
+        over, chosen = abscissa(reference)[first:], values[first:]
+        if not self.angular or np.ptp(over) < FULL:
             inside = (over >= min(self.x) - 1e-6) & (over <= max(self.x) + 1e-6)
-            return over[inside], chosen[inside]
-        low = min(self.x) if self.cut is None else self.cut
-        at = low + np.mod(over - low - 1e-6, 360.0) + 1e-6
-        order = np.argsort(at, kind="stable")
-        at, chosen = at[order], chosen[order]
-        at, chosen = np.concatenate([[at[-1] - 360.0], at]), np.concatenate([chosen[-1:], chosen])
-        inside = at <= (max(self.x) if self.cut is None else low + 360.0) + 1e-6
-        return at[inside], chosen[inside]
+            over, chosen = over[inside], chosen[inside]
+        else:
+            chosen = np.append(chosen[-1:], chosen[1:])  # a turn begins as it ends; forces of a start differ
+        at, chosen = over_turn(over, chosen) if self.angular else (over, chosen)
+        low, high = self.limits
+        return at, np.where((at >= low - 1e-6) & (at <= high + 1e-6), chosen, np.nan)
 
     def overlaid(self, values: Array) -> Array:
         """Values of the turns over which measures are means, shape (turns, outputs of a turn and the one
@@ -88,48 +84,44 @@ class Span:
         )
 
     def set_limits(self, ax: Axes) -> None:
-        """Limits and ticks of an axis of angles: whole sixties, counted within one turn."""
-        low, high = (min(self.x), max(self.x)) if self.cut is None else (self.cut, self.cut + 360.0)
-        ax.set_xlim(low, high if high > low else low + 1.0)
-        if self.title.endswith("(degrees)") and high - low > FULL:
-            ticks = np.arange(
-                np.ceil(low / 60.0 - 1e-6) * 60.0, high + 1e-6, 60.0 if high - low <= 361.0 else 180.0
-            )
-            ax.set_xticks(ticks, [f"{tick % 360.0 if self.cut is not None else tick:.0f}" for tick in ticks])
+        """Limits of the axis, and ticks at whole sixties of a turn."""
+        ax.set_xlim(*self.limits)
+        if self.angular and self.limits == (0.0, 360.0):
+            ax.set_xticks(np.arange(0.0, 361.0, 60.0))
+
+
+def over_turn(rotation: Array, values: Array) -> tuple[Array, Array]:
+    """A curve over the crank angle (degrees): it is interrupted by NaN where a turn ends, and reaches both
+    ends of the axis there by linear interpolation.
+    """
+    at = within_turn(rotation)
+    k = np.flatnonzero(np.abs(np.diff(at)) > 180.0)
+    end = np.where(at[k] > 180.0, 360.0, 0.0)
+    share = np.clip((end - at[k]) / (rotation[k + 1] - rotation[k]), 0.0, 1.0)
+    between = values[k] + share * (values[k + 1] - values[k])
+    inserted_angles = np.stack([end, end, 360.0 - end], axis=1).ravel()
+    inserted_values = np.stack([between, np.full(len(k), np.nan), between], axis=1).ravel()
+    where = np.repeat(k + 1, 3)
+    return np.insert(at, where, inserted_angles), np.insert(
+        np.asarray(values, dtype=float), where, inserted_values
+    )
 
 
 def span(result: View) -> Span:
     """The span of the curves of a result: the last turn over which measures are taken, or all outputs."""
-    over, title = abscissa(result), axis_title(result)
     inside = result.last_turn
-    first, last = max(int(np.argmax(inside)) - 1, 0), len(over) - 1
+    first, last = max(int(np.argmax(inside)) - 1, 0), len(result.record.steps) - 1
     motion, turns = result.motion, None
     if motion is not None and motion.several:
         count = outputs_of_a_turn(result.record.assembly) or 0
         first, last, turns = (motion.last - 1) * count, motion.last * count, (motion.first, motion.last)
-    x, origin = one_turn(over[first : last + 1], result)
-    full_turn = result.crank is not None and not result.record.static and FULL < np.ptp(x) <= 361.0
-    return Span(
-        first, last, x, _quietest(result, first, last, x) if full_turn else None, title, origin, turns
-    )
+    return span_of(result, first, last, turns)
 
 
-def _quietest(result: View, first: int, last: int, x: Array) -> float:
-    """The angle (degrees) around which the joint forces vary least, as shares of the largest of each; 0
-    unless it is much quieter elsewhere.
-    """
-    forces = joint_force_max(result.record)[first + 1 : last + 1]
-    most = forces.max(axis=0) if forces.size else np.zeros(0)
-    loaded = most > 1e-9 * max(most.max(initial=0.0), 1e-300)
-    share = forces[:, loaded] / most[loaded]
-    if not share.size:
-        return 0.0
-    angles, varied = np.mod(x[1:], 360.0), {}
-    for cut in range(0, 360, EVERY):
-        near = np.abs(np.mod(angles - cut + 180.0, 360.0) - 180.0) <= AROUND
-        varied[cut] = float(np.ptp(share[near], axis=0).max()) if near.any() else np.inf
-    best = min(varied, key=lambda cut: varied[cut])
-    return 0.0 if varied[0] <= BETTER[0] * varied[best] + BETTER[1] else float(best)
+def span_of(result: View, first: int, last: int, turns: tuple[int, int] | None = None) -> Span:
+    """The span of some outputs of a result."""
+    angular = result.crank is not None and not result.record.static
+    return Span(first, last, abscissa(result)[first : last + 1], angular, axis_title(result), turns)
 
 
 def shown_part(result: View, over: Span) -> str:
@@ -152,22 +144,12 @@ def axis_title(result: View) -> str:
 
 
 def abscissa(result: View) -> Array:
-    """Crank angle (degrees), or time (ms) without a crank, at the outputs; load factors of a static
+    """Rotation of the crank (degrees), or time (ms) without a crank, at the outputs; load factors of a static
     analysis.
     """
     if result.record.static:
         return result.time
-    return 1e3 * result.time if result.crank_angle is None else result.crank_angle
-
-
-def one_turn(angle: Array, result: View) -> tuple[Array, float]:
-    """Angles of a turn counted from the last whole turn before it, and that whole turn's angle; times as they
-    are.
-    """
-    if result.crank is None or result.record.static:
-        return angle, 0.0
-    origin = 360.0 * np.floor(min(angle[0], angle[-1]) / 360.0 + 1e-6)
-    return angle - origin, float(origin)
+    return 1e3 * result.time if result.crank_rotation is None else result.crank_rotation
 
 
 def output_at(result: View, text: str) -> int:
@@ -201,11 +183,12 @@ def _at_angle(result: View, angle: float, text: str) -> int:
             f"at {shown(text)}: nothing is driven, so there is no crank with an angle; give a time, as 12ms"
         )
     inside = np.flatnonzero(result.last_turn)
-    off = np.abs(np.mod(abscissa(result)[inside] - angle + 180.0, 360.0) - 180.0)
+    rotation = abscissa(result)[inside]
+    off = np.abs(np.mod(rotation - angle + 180.0, 360.0) - 180.0)
     k = int(np.argmin(off))
-    spacing = float(np.abs(np.diff(abscissa(result)[inside])).max()) if len(inside) > 1 else 0.0
+    spacing = float(np.abs(np.diff(rotation)).max()) if len(inside) > 1 else 0.0
     if off[k] > spacing:
-        low, high = np.sort(abscissa(result)[inside[[0, -1]]])
+        low, high = within_turn(np.sort(rotation[[0, -1]]))
         raise VfifeError(
             f"at {shown(text)}: {result.crank} goes from {low:.4g} to {high:.4g} degrees in this run"
         )

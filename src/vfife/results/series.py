@@ -200,7 +200,7 @@ def columns(view: View, names: Collection[str] = (), fine: bool = False) -> list
     )
     first = [SeriesColumn(variable, "", None, Channel(view.time, None, unit, meaning))]
     if view.crank_angle is not None:
-        angle = Channel(view.crank_angle, None, "deg", f"angle of {view.crank}, not reduced to one turn")
+        angle = Channel(view.crank_angle, None, "deg", f"angle of {view.crank}")
         first.append(SeriesColumn("crank_angle", "", None, angle))
     of_owners: dict[str, dict[str, SeriesColumn]] = {}
     for column in view.series.every:

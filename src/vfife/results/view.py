@@ -16,7 +16,7 @@ from ..measures import Ledger, Measures, last_turn, ledger, ranged
 from ..measures.contacts import Around, Impacts, around, impacts
 from ..measures.elastic import element_places
 from ..measures.error_ranges import evaluated_turns
-from ..measures.motion import PointMotion, point_motion, times
+from ..measures.motion import PointMotion, crank_rotation, point_motion, times, within_turn
 from ..measures.turns import Turns, part_of
 from ..modelfile import dump
 from ..results.provenance import sources, versions
@@ -83,11 +83,13 @@ class View:
 
     @property
     def crank_angle(self) -> NDArray[np.float64] | None:
-        """Angle of the crank (degrees, not reduced to one turn), shape (outputs,); None without a crank."""
-        if self.crank is None:
-            return None
-        p = self.record.assembly.topology.driven[0]
-        return np.degrees(self.record.block("particle_theta")[:, p])
+        """Angle of the crank (degrees, 0 to 360), shape (outputs,); None without a crank."""
+        return None if self.crank_rotation is None else within_turn(self.crank_rotation)
+
+    @property
+    def crank_rotation(self) -> NDArray[np.float64] | None:
+        """The same (degrees) as it goes on from turn to turn, for interpolation and counting."""
+        return crank_rotation(self.record)
 
     @property
     def last_turn(self) -> NDArray[np.bool_]:
@@ -153,7 +155,7 @@ class View:
         coords: dict[str, Any] = {"time": ("time", self.time, time)}
         coords |= {entity: (entity, np.array(names)) for entity, names in entities(self.record).items()}
         if self.crank_angle is not None:
-            angle = {"units": "deg", "long_name": f"angle of {self.crank}, not reduced to one turn"}
+            angle = {"units": "deg", "long_name": f"angle of {self.crank}"}
             coords["crank_angle"] = ("time", self.crank_angle, angle)
         if "element" in coords:
             place = {
@@ -306,9 +308,9 @@ def latest_turns(view: View) -> xarray.Dataset:
     """Dataset of the channels of a run over ``turn`` and ``crank_angle``, shape (turns, outputs of a turn,
     ...).
 
-    The turns are those that measures are of, and at least the last eight. Turns count from 1; angles
-    (degrees) count from the last full turn of the crank before a turn begins. Raises VfifeError without a
-    full turn of a crank at constant speed, or where the step does not divide it.
+    The turns are those that measures are of, and at least the last eight. Turns count from 1 and begin
+    where the run began; in each, outputs are in the order of the crank angle (degrees, 0 to 360).
+    Raises VfifeError without a full turn of a crank at constant speed, or where the step does not divide it.
     """
     motion, outputs, angle = view.motion, outputs_of_a_turn(view.record.assembly), view.crank_angle
     if motion is None or outputs is None or angle is None:
@@ -318,20 +320,25 @@ def latest_turns(view: View) -> xarray.Dataset:
             " of the run over time"
         )
     first = min(motion.first, max(1, motion.count - LONGEST + 1))
-    numbers, begin = np.arange(first, motion.count + 1), (motion.count - 1) * outputs
+    numbers, begin = np.arange(first, motion.count + 1), (motion.count - 1) * outputs + 1
     window, shape = slice((first - 1) * outputs + 1, motion.count * outputs + 1), (len(numbers), outputs)
-    over = angle[begin + 1 : begin + outputs + 1] - 360.0 * np.floor(angle[begin] / 360.0 + 1e-6)
+    over = angle[begin : begin + outputs]
+    order = np.argsort(over, kind="stable")
     data = view.data.isel(time=window).drop_vars(("time", "crank_angle"), errors="ignore")
     dims = ("turn", "crank_angle")
     variables = {
-        str(name): ((*dims, *series.dims[1:]), series.values.reshape(*shape, *series.shape[1:]), series.attrs)
+        str(name): (
+            (*dims, *series.dims[1:]),
+            series.values.reshape(*shape, *series.shape[1:])[:, order],
+            series.attrs,
+        )
         for name, series in data.variables.items()
         if "time" in series.dims
     }
     dataset = data.drop_dims("time").assign_coords(
         turn=("turn", numbers, {"units": "1", "long_name": "turn of the run, counted from 1"}),
-        crank_angle=("crank_angle", over, {"units": "deg", "long_name": f"angle of {view.crank}"}),
-        time=(dims, view.time[window].reshape(shape), {"units": "s", "long_name": "time"}),
+        crank_angle=("crank_angle", over[order], {"units": "deg", "long_name": f"angle of {view.crank}"}),
+        time=(dims, view.time[window].reshape(shape)[:, order], {"units": "s", "long_name": "time"}),
     )
     return dataset.assign(variables).assign_attrs(
         motion=motion.motion, measures_of=part_of(view.record, motion)

@@ -100,7 +100,8 @@ class Axes {
   }
 
   // A line through (x, y); a value that is no number breaks it.
-  line(xs, ys, { colour, width = 1.6, dash = [], alpha = 1 }) {
+  line(across, up, { colour, width = 1.6, dash = [], alpha = 1 }) {
+    const [xs, ys] = this.x.angle ? overTurn(across, up) : [across, up];
     this.inside(() => {
       const { pen } = this;
       pen.strokeStyle = colour;
@@ -124,7 +125,15 @@ class Axes {
     });
   }
 
-  band(xs, lows, highs, colour) {
+  band(across, lowest, highest, colour) {
+    const [xs, lows] = this.x.angle ? overTurn(across, lowest) : [across, lowest];
+    const highs = this.x.angle ? overTurn(across, highest)[1] : highest;
+    const cut = lows.findIndex(Number.isNaN);
+    if (cut >= 0) for (const part of [[0, cut], [cut + 1]]) this.area(...[xs, lows, highs].map((list) => list.slice(...part)), colour);
+    else this.area(xs, lows, highs, colour);
+  }
+
+  area(xs, lows, highs, colour) {
     this.inside(() => {
       const { pen } = this;
       const points = [...xs.map((x, k) => [x, highs[k]]), ...xs.map((x, k) => [x, lows[k]]).reverse()];
@@ -140,7 +149,8 @@ class Axes {
     });
   }
 
-  cursor(x) {
+  cursor(at) {
+    const x = this.x.angle ? withinTurn(at) : at;
     this.inside(() => {
       const { pen } = this;
       pen.strokeStyle = ink.ink;

@@ -18,16 +18,19 @@ function turnAt(running, head) {
   return whole === undefined ? turnsOf(running).at(-1) : { first: whole, count: perTurn };
 }
 
-// Where outputs of a turn lie on the axis: degrees of the crank since its begin, or seconds.
+// Where outputs of a turn lie on the axis: rotation of the crank (degrees), shown from 0 to 360, or seconds.
 function axisOf(running) {
-  if (perTurn) return { low: 0, high: 360, label: "crank angle (°)", angle: true, of: (k) => (360 * k) / perTurn };
+  if (perTurn) {
+    const of = (k) => running.reader.rotation(k / perTurn);
+    return { low: 0, high: 360, label: `angle of ${given.crank} (°)`, angle: true, of };
+  }
   if (factors) return axisOfPath();
   const end = wholeRun * running.reader.interval;
   const [factor, unit] = scaleOf(end, "s");
   return { low: 0, high: factor * end, label: `time (${unit})`, of: (k) => factor * k * running.reader.interval };
 }
 
-const largestOf = (lists) => lists.reduce((most, list) => list.reduce((one, value) => Math.max(one, value), most), 0);
+const largestOf = (lists) => lists.reduce((most, list) => list.reduce((one, value) => (value > one ? value : one), most), 0);
 
 // What was found for a turn before: whole turns do not change, and a chart is drawn a few times a second.
 const known = new Map();
@@ -94,14 +97,14 @@ function drawForces(pen, width, height, running, head, other) {
   if (others) axes.line(xs, scaled(others), { colour: ink.other, width: 1.5, dash: [3, 2] });
   axes.line(xs, scaled(now), { colour: ink.accent });
   if (without) axes.line(without.xs, scaled(without.ys), { colour: ink.ideal, width: 2.2, dash: [8, 4] });
-  axes.cursor(x.of(perTurn ? (((head - turn.first) % perTurn) + perTurn) % perTurn : head));
+  axes.cursor(x.of(head));
 }
 
 // The ideal turn's forces of the joint that is chosen; it turns as the mechanism does, in steps of its own.
 function idealForces({ idealReader, idealStore }) {
   if (!idealStore || idealStore.end <= ideal.perTurn || !(selected.joint in ideal.joints || selected.joint.startsWith(TORQUE))) return null;
   const ys = forcesOf(idealReader, idealStore, { first: 0, count: ideal.perTurn }, selected.joint);
-  return { xs: Array.from(ys, (_, k) => (360 * k) / ideal.perTurn), ys };
+  return { xs: Array.from(ys, (_, k) => idealReader.rotation(k / ideal.perTurn)), ys };
 }
 
 // ---------------------------------------------------------------------------------------------------------------- phase
@@ -117,6 +120,7 @@ function phaseOf(running, turn) {
 function foundPhase({ reader, store }, { first, count }) {
   const body = given.bodies.find((one) => one.name === selected.body);
   const found = { xs: [], ys: [] };
+  found.points = [found.xs, found.ys]; // an entry for each output
   let [last, whole] = [null, 0];
   for (let k = first; k <= first + count; k++) {
     const at = store.offset(k);
@@ -134,8 +138,9 @@ function foundPhase({ reader, store }, { first, count }) {
     found.ys.push(pair[1]);
   }
   const [low, high] = [Math.min(...found.xs), Math.max(...found.xs)];
-  if (selected.quantity === "angle" && high - low > 6) found.xs = found.xs.map((value) => value - found.xs[0]); // it turns round
-  return found;
+  if (selected.quantity !== "angle" || high - low <= 6) return found;
+  const [xs, ys] = overTurn(found.xs.map((value) => (180 / Math.PI) * value), found.ys); // it turns round
+  return { ...found, xs: xs.map((value) => (Math.PI / 180) * value), ys, around: true };
 }
 
 function drawPhase(pen, width, height, running, head, other) {
@@ -150,7 +155,7 @@ function drawPhase(pen, width, height, running, head, other) {
   const [fx, ux] = unit === "rad" ? [180 / Math.PI, "°"] : scaleOf(size("xs"), unit);
   const [fy, uy] = unit === "rad" ? [1, "rad/s"] : [scaleOf(size("ys"), unit)[0], `${scaleOf(size("ys"), unit)[1]}/s`];
   const range = (key, factor) => {
-    const values = lists.flatMap((one) => one[key]);
+    const values = lists.flatMap((one) => one[key]).filter(Number.isFinite);
     const [low, high] = [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))];
     const least = 1e-9 * (unit === "rad" ? 1 : scene.size) * (key === "ys" ? 1 / running.reader.interval : 1); // below it there is but round-off
     const room = Math.max(0.02 * (high - low), high - low < least ? least : 0);
@@ -168,7 +173,9 @@ function drawPhase(pen, width, height, running, head, other) {
   if (others) axes.line(...scaled(others), { colour: ink.other, width: 1.3, dash: [3, 2] });
   axes.line(...scaled(now), { colour: ink.accent });
   const k = Math.round(head - turn.first);
-  if (k >= 0 && k <= turn.count) axes.dot(fx * now.xs[k], fy * now.ys[k], ink.warm);
+  if (k < 0 || k > turn.count) return;
+  const [x, y] = now.points.map((list) => list[k]);
+  axes.dot(now.around ? withinTurn(fx * x) : fx * x, fy * y, ink.warm);
 }
 
 // ------------------------------------------------------------------------------------------------------------- spectrum
@@ -281,7 +288,7 @@ function drawEnergy(pen, width, height, running, head) {
       { colour: ink.bodies[k], dash: DASHES[k], width: 1.8 },
     );
   });
-  axes.cursor(x.of(perTurn ? (((head - turn.first) % perTurn) + perTurn) % perTurn : head));
+  axes.cursor(x.of(head));
 }
 
 function waiting(pen, width, height) {

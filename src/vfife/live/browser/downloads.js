@@ -17,7 +17,7 @@ function csvOf(running) {
   const joints = Object.keys(own.joints);
   const driven = Object.keys(own.torques).map((name) => TORQUE + name);
   const head = [factors ? "load factor (1)" : "time (s)"];
-  if (given.crank) head.push(`angle of ${given.crank} (rad)`);
+  if (given.crank) head.push("crank_angle (deg)");
   for (const name of joints) head.push(`force ${name} x (N)`, `force ${name} y (N)`, `force ${name} largest since the line before (N)`);
   for (const name of driven) head.push(`${name} (N m)`, `${name} largest since the line before (N m)`);
   for (const { name } of given.contacts) head.push(`eccentricity ${name} x (m)`, `eccentricity ${name} y (m)`, `penetration ${name} (m)`);
@@ -27,7 +27,7 @@ function csvOf(running) {
   for (let k = store.begin; k < store.end; k++) {
     const at = store.offset(k);
     const cells = [factors ? factors[k] : k * reader.interval];
-    if (crank) cells.push(store.data[at + reader.of("particle_theta")[crank.particles[0]]]);
+    if (crank) cells.push(withinTurn((180 / Math.PI) * store.data[at + reader.of("particle_theta")[crank.particles[0]]]));
     for (const name of joints) cells.push(...reader.force(store.data, at, name), reader.forceMax(store.data, at, name));
     for (const name of driven) cells.push(reader.size(store.data, at, name), reader.forceMax(store.data, at, name));
     given.contacts.forEach((_, c) => {

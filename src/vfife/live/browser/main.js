@@ -171,7 +171,7 @@ function tellTime() {
   const head = Math.max(0, clock.wanted < store.end ? Math.min(clock.head, store.end - 1) : clock.head);
   const time = head * reader.interval;
   $("time").textContent = perTurn
-    ? `turn ${Math.floor(head / perTurn) + 1}, ${((360 * (head % perTurn)) / perTurn).toFixed(0).padStart(3)}°, ${quantity(time, "s", 5)}`
+    ? `turn ${Math.floor(head / perTurn) + 1}, ${String(Math.round(withinTurn(reader.rotation(head / perTurn))) % 360).padStart(3)}°, ${quantity(time, "s", 5)}`
     : factors
       ? `load factor ${Number(factorAt(head).toPrecision(4))}`
       : `${quantity(time, "s", 5)}`;

@@ -7,6 +7,27 @@ const TORQUE = "torque of "; // before the name of a driven body, where a chart 
 
 const PATH_LASTS = 8; // s of looking at all equilibria of a static analysis
 
+// The angle of the crank as all outputs of vfife show it (degrees, 0 to 360); see within_turn in Python.
+const withinTurn = (degrees) => Math.max(((((degrees + 1e-6) % 360) + 360) % 360) - 1e-6, 0);
+
+// A curve over the angle of the crank: it is interrupted where a turn ends, and reaches both ends of the axis there.
+function overTurn(rotation, values) {
+  const [xs, ys] = [[], []];
+  rotation.forEach((degrees, k) => {
+    const [x, before] = [withinTurn(degrees), withinTurn(rotation[Math.max(k - 1, 0)])];
+    if (Math.abs(x - before) > 180) {
+      const end = before > 180 ? 360 : 0;
+      const share = Math.min(Math.max((end - before) / (degrees - rotation[k - 1]), 0), 1);
+      const between = values[k - 1] + share * (values[k] - values[k - 1]);
+      xs.push(end, end, 360 - end);
+      ys.push(between, Number.NaN, between);
+    }
+    xs.push(x);
+    ys.push(values[k]);
+  });
+  return [xs, ys];
+}
+
 class Reader {
   // `sim` is how a mechanism is stepped, `state` its numbers at the start, `setting` where plays and energies are.
   constructor(sim, state, setting) {
@@ -64,6 +85,12 @@ class Reader {
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
     const [rx, ry] = [c * px - s * py, s * px + c * py];
     return [x + rx, y + ry, u - w * ry, v + w * rx];
+  }
+
+  // Rotation of the crank (degrees) after some turns: it goes on from turn to turn.
+  rotation(turns) {
+    const p = this.sim.driven[0];
+    return (180 / Math.PI) * this.parameter("particle_theta", p) + (this.parameter("particle_w", p) < 0 ? -360 : 360) * turns;
   }
 
   // Angle of a body and its rate; of an elastic link those of its chord.
