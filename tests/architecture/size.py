@@ -5,19 +5,19 @@ it to see the numbers.
 from __future__ import annotations
 
 import ast
-import io
-import tokenize
+import re
 from dataclasses import dataclass
+from itertools import chain
 
-from architecture.sources import SOURCE
+from architecture.sources import Function, files, inside
 
-BLANK = (
-    tokenize.COMMENT,
-    tokenize.NL,
-    tokenize.NEWLINE,
-    tokenize.INDENT,
-    tokenize.DEDENT,
-    tokenize.ENDMARKER,
+# A text, a number or name, an operator; a comment and the end of a line are matched to be passed over. An
+# f-string is one token, as before Python 3.12.
+TOKEN = re.compile(
+    r"""(?x: [rbufRBUF]{0,2} (?: \"\"\" (?:\\[\s\S]|[^\\])*? \"\"\" | \'\'\' (?:\\[\s\S]|[^\\])*? \'\'\'
+         | " (?:\\[\s\S]|[^"\\\n])* " | ' (?:\\[\s\S]|[^'\\\n])* ' )
+       | (?:\d[\d_]*\.?|\.\d) (?:[eE][+-]\d|[\w.])* | \w+ | \#.* | \n
+       | \.\.\. | (?:\*\*|//|>>|<<)=? | [-+*/%@&|^=<>!:]= | -> | [^\s\\] )"""
 )
 
 
@@ -43,14 +43,26 @@ class Size:
         return self.import_lines / self.code
 
 
-def docstring_lines(tree: ast.AST) -> set[int]:
-    nodes = [
-        node
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
-    ]
-    first = [node.body[0] for node in nodes if node.body and ast.get_docstring(node) is not None]
-    return {line for node in first for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)}
+def docstring_lines(statements: list[ast.stmt], tree: ast.Module) -> set[int]:
+    """Lines of the docstrings of a file and of its classes and functions."""
+    nodes = [tree, *(node for node in statements if isinstance(node, ast.ClassDef | Function))]
+    first = [node.body[0] for node in nodes if node.body and ast.get_docstring(node, clean=False) is not None]
+    return set(chain.from_iterable(map(lines_of, first)))
+
+
+def lines_of(node: ast.stmt) -> range:
+    """Lines of a statement, from 1."""
+    return range(node.lineno, (node.end_lineno or node.lineno) + 1)
+
+
+def tokens(text: str) -> list[tuple[int, int]]:
+    """First and last line of each token of a file, without comments and ends of lines."""
+    found, line = [], 1
+    for token in TOKEN.findall(text):
+        first, line = line, line + token.count("\n")
+        if token[0] not in "#\n":
+            found.append((first, line))
+    return found
 
 
 def argument_count(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
@@ -68,30 +80,24 @@ def returns_tuple(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     return False
 
 
-def size_of(text: str) -> Size:
+def size_of(tree: ast.Module, text: str) -> Size:
     """The size of one file."""
-    tree = ast.parse(text)
-    docstrings = docstring_lines(tree)
-    tokens = [
-        token for token in tokenize.generate_tokens(io.StringIO(text).readline) if token.type not in BLANK
-    ]
-    tokens = [token for token in tokens if not docstrings & {token.start[0], token.end[0]}]
-    lines = {line for token in tokens for line in range(token.start[0], token.end[0] + 1)}
-    imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    statements = list(inside(tree))
+    docstrings = docstring_lines(statements, tree)
+    code = [(first, last) for first, last in tokens(text) if not docstrings & {first, last}]
+    imports = [node for node in statements if isinstance(node, ast.Import | ast.ImportFrom)]
+    functions = [node for node in statements if isinstance(node, Function)]
     inner = {
         id(node)
         for one in functions
-        for node in ast.walk(one)
+        for node in inside(one)
         if isinstance(node, ast.ImportFrom) and node.level
     }
     return Size(
         files=1,
-        code=len(lines),
-        tokens=len(tokens),
-        import_lines=len(
-            {line for node in imports for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)}
-        ),
+        code=len({line for first, last in code for line in range(first, last + 1)}),
+        tokens=len(code),
+        import_lines=len(set(chain.from_iterable(map(lines_of, imports)))),
         inner_imports=len(inner),
         many_arguments=sum(argument_count(one) >= 8 for one in functions),
         tuples=sum(map(returns_tuple, functions)),
@@ -101,10 +107,11 @@ def size_of(text: str) -> Size:
 def sizes() -> dict[str, Size]:
     """The size of each package of vfife."""
     found: dict[str, Size] = {}
-    for path in sorted(SOURCE.rglob("*.py")):
-        parts = path.relative_to(SOURCE).parts
-        name = parts[0] if len(parts) > 1 else "top level"
-        found[name] = found.get(name, Size()) + size_of(path.read_text("utf-8"))
+    for name, tree, text in files():
+        package, *parts = name.split("/")
+        if package == "vfife":
+            room = parts[0] if len(parts) > 1 else "top level"
+            found[room] = found.get(room, Size()) + size_of(tree, text)
     return found
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
+import io
+import sys
+import tokenize
 
 import pytest
 
-from architecture.size import Size, size_of, sizes
+from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=450, code=61_000, tokens=600_000, import_lines=5_800, inner_imports=235, many_arguments=9, tuples=28
@@ -37,11 +41,26 @@ def f(self, p1, p2, p3, p4, p5, p6, *, p7, p8) -> tuple[int, str, float]:
     return e("""
 four""")
 '''
-    found = size_of(text)
-    assert (found.code, found.import_lines, found.inner_imports, found.many_arguments, found.tuples) == (
-        6,
-        3,
-        1,
-        1,
-        1,
-    )
+    found = size_of(ast.parse(text), text)
+    counts = (found.code, found.import_lines, found.inner_imports, found.many_arguments, found.tuples)
+    assert counts == (6, 3, 1, 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "count"),
+    [
+        ("x = a.b[-1.5e-3:2] # one\n", 11),
+        ('x **= \'it\\\'s\' + rb"""a\n\\""" \'b\' """\n', 5),
+        ("def f(a, *, b: int = 0x1F) -> float: ...\n", 17),
+        ("if a != b and (c := d // 2) >= 1_000.j:\n    e = f'{a}' \\\n        'b'\n", 19),
+    ],
+)
+def test_tokens_are_those_of_python(text: str, count: int) -> None:
+    passed_over = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
+    of_python = [
+        (one.start[0], one.end[0])
+        for one in tokenize.generate_tokens(io.StringIO(text).readline)
+        if one.type not in (*passed_over, tokenize.ENDMARKER)
+    ]
+    assert tokens(text) == of_python or sys.version_info >= (3, 12)
+    assert len(tokens(text)) == count
