@@ -1,3 +1,1 @@
-"""The nouns: mechanism, bodies, joints, springs, drivers, loads, and what they are without arrays: functions
-of time, lumped masses, limits.
-"""
+"""Mechanisms as data: bodies, joints, springs, drivers, loads and their parameters, without arrays."""

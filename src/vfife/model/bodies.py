@@ -35,46 +35,45 @@ ELASTIC = ("elastic", "two-particle")
 DIAMETER = Measure("m", above=0.0)
 STRAINS = (
     Choice(("reference", "current")),
-    (
-        "length that E A and E I count on: reference, that without forces, as in beam codes; current, the"
-        " present one, as in the VFIFE paper"
-    ),
+    "length that E A and E I count on: reference, that without forces, as in beam codes; current, the"
+    " present one, as in the VFIFE paper",
     "reference",
 )
 
 
 class Pin(str):
-    """A pin of a body or a point of the ground: the text ``body.pin`` or ``ground.point``, wherever the name
-    of a pin is expected.
+    """Name of a pin, ``body.pin``, or of a point of the ground, ``ground.point``: a text that can be passed
+    wherever a pin is expected.
     """
 
     __slots__ = ()
 
     @property
     def body(self) -> str:
-        """Name of its body, or ``ground``."""
+        """Name of the body, or ``ground``."""
         return self.partition(".")[0]
 
     @property
     def name(self) -> str:
-        """Name within its body."""
+        """Name within the body."""
         return self.partition(".")[2]
 
 
 @dataclass(frozen=True)
 class Section:
-    """Cross section of an elastic link: area (m^2) and second moment of area about the axis of bending (m^4).
+    """Cross section of an elastic link: area (m^2) and second moment of area about the bending axis (m^4).
 
-    ``extreme_fibre`` (m) is the distance of the outermost fibre from that axis; with it stresses N/A + M e/I
-    are known.
+    ``extreme_fibre`` (m) is the distance of the outermost fibre from that axis; stresses N/A + M e/I require
+    it.
     """
 
+    # Alternatives of a model file; the method of the same name computes the section.
     shapes: ClassVar[dict[str, tuple[Value, str]]] = {
         "square": (Measure("m^2", above=0.0), "area of a square"),
         "rectangle": (Each((DIAMETER, DIAMETER)), "width and height, bent across the height"),
         "round": (DIAMETER, "diameter of a solid circle"),
         "tube": (Each((DIAMETER, DIAMETER)), "outer and inner diameter of a hollow circle"),
-    }  # what a file may give instead, each made by the method of its name
+    }
 
     area: float = quantity("m^2", "area", above=0.0)
     second_moment: float = quantity("m^4", "second moment of area about the axis of bending", above=0.0)
@@ -87,24 +86,24 @@ class Section:
 
     @classmethod
     def rectangle(cls, width: float, height: float) -> Section:
-        """Rectangle, bent across its height (m)."""
+        """Return a rectangle of ``width`` and ``height`` (m), bent across its height."""
         return cls(width * height, width * (height * height * height) / 12.0, 0.5 * height)
 
     @classmethod
     def square(cls, area: float) -> Section:
-        """Square of the given area (m^2): I = A^2/12."""
+        """Return a square of an ``area`` (m^2): I = A^2/12."""
         return cls(area, area * area / 12.0, 0.5 * math.sqrt(area))
 
     @classmethod
     def round(cls, diameter: float) -> Section:
-        """Solid circle (m)."""
+        """Return a solid circle of a ``diameter`` (m)."""
         return cls(
             math.pi * (diameter * diameter) / 4.0, math.pi * integer_power(diameter, 4) / 64.0, 0.5 * diameter
         )
 
     @classmethod
     def tube(cls, outer: float, inner: float) -> Section:
-        """Hollow circle of outer and inner diameter (m)."""
+        """Return a hollow circle of ``outer`` and ``inner`` diameter (m)."""
         return cls(
             math.pi * (outer * outer - inner * inner) / 4.0,
             math.pi * (integer_power(outer, 4) - integer_power(inner, 4)) / 64.0,
@@ -114,11 +113,11 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Body:
-    """What all bodies have: a name, an approximate angle (rad) and position of the frame's origin (m) to
-    close the mechanism from.
+    """Base of all bodies: a name, and the approximate angle (rad) and position of the frame's origin (m) from
+    which the mechanism is closed.
 
-    ``velocity`` (m/s, m/s, rad/s) is that of the frame's origin, and the turning, at the start of a body that
-    no driver moves; joints with clearance then do not hold it.
+    ``velocity`` (m/s, m/s, rad/s) is the start velocity of the frame's origin and the angular velocity of a
+    body that no driver moves; joints with clearance do not constrain it.
     """
 
     own_points: ClassVar[tuple[str, ...]] = ("center",)  # points that every body of the kind has
@@ -135,17 +134,17 @@ class Body:
 
     @property
     def points(self) -> dict[str, Point]:
-        """All named points in the body's frame (m): those that every body of its kind has, and its pins."""
+        """Named points in the body's frame (m): those common to its class, and its pins."""
         raise NotImplementedError
 
     @property
     def model(self) -> str:
-        """Which model of the body is used."""
+        """Name of the body's model."""
         raise NotImplementedError
 
     def pin(self, name: str = "center") -> Pin:
-        """Return one of its pins, for joints, springs and loads: ``plate.pin("eye")``. Raises ModelError
-        where it has none of this name.
+        """Return a pin for joints, springs and loads: ``plate.pin("eye")``. Raises ModelError if the body has
+        none of this name.
         """
         if name not in self.points:
             remedy = suggestion(str(name), self.points, "name one that is there, or add it")
@@ -158,11 +157,11 @@ class Body:
 
 @dataclass(frozen=True, kw_only=True)
 class RigidBody(Body):
-    """Rigid body with its exact mass (kg), inertia about the centre of mass (kg m^2), centre of mass and pins
-    (m, in the body's frame).
+    """A rigid body with mass (kg), moment of inertia about the centre of mass (kg m^2), centre of mass and
+    pins (m, in the body's frame).
 
-    Mass, inertia and centre are those without the ``masses`` (kg) that sit at its pins. A body without any
-    inertia, one mass on a rigid arm, counts with a millionth of its mass times the square of its reach.
+    Mass, inertia and centre exclude the ``masses`` (kg) attached at pins. A body without any inertia (one
+    mass on a rigid arm) is given a millionth of its mass times the square of its largest radius.
     """
 
     mass: float = quantity("kg", "mass without attached masses", low=0.0)
@@ -188,16 +187,16 @@ class RigidBody(Body):
 
 @dataclass(frozen=True, kw_only=True)
 class Link(Body):
-    """Link from ``start`` (0, 0) to ``end`` (length, 0): straight, or bent along the points ``via`` (m, in
-    the link's frame) on the way.
+    """A link from ``start`` (0, 0) to ``end`` (length, 0): straight, or bent at the points ``via`` (m, in the
+    link's frame).
 
-    Models: ``rigid`` has the exact mass, centre and inertia (a uniform rod unless ``inertia``, kg m^2 about
-    the centre of mass, and ``center``, m from the start, are given). ``elastic`` is cut into ``elements``
-    frame elements of its section and material, masses lumped by Eq. 2 (k elements give a uniform rod (m
-    l^2/12)(1 + 2/k^2)). ``two-particle`` is one stiff element with half the mass at each end, as in the VFIFE
-    paper; with ``release = "both"`` it is a bar. ``mass`` is that of the link alone, attached masses (kg) and
-    rotary inertias (kg m^2, a flywheel on the pin) sit at its ends. A polyline's elements are spread over its
-    pieces by their length, each piece having one at least.
+    Models: ``rigid`` has the exact mass, centre and inertia: those of a uniform rod, unless ``inertia`` (kg
+    m^2, about the centre of mass) and ``center_at`` (m from the start) are given. ``elastic`` is divided into
+    ``elements`` frame elements of its section and material, with masses lumped by Eq. 2 (k elements give a
+    uniform rod the inertia (m l^2/12)(1 + 2/k^2)). ``two-particle`` is one stiff element with half the mass
+    at each end, as in the VFIFE paper; with ``release = "both"`` it is a bar. ``mass`` is that of the link
+    alone; attached masses (kg) and rotary inertias (kg m^2, such as a flywheel on the pin) are at its ends.
+    The elements of a bent link are distributed over its straight pieces by length, at least one to each.
     """
 
     own_points: ClassVar[tuple[str, ...]] = ("start", "end")
@@ -261,22 +260,24 @@ class Link(Body):
 
     @property
     def start(self) -> Pin:
-        """The pin where it starts."""
+        """The pin at its start."""
         return self.pin("start")
 
     @property
     def end(self) -> Pin:
-        """The pin where it ends."""
+        """The pin at its end."""
         return self.pin("end")
 
     @property
     def points(self) -> dict[str, Point]:
-        """``start``, ``end`` and, on a rigid link, its pins."""
+        """``start``, ``end`` and, for a rigid link, its further pins."""
         return {"start": (0.0, 0.0), "end": (self.length, 0.0), **self.pins}
 
     @property
     def own_mass(self) -> float:
-        """Mass (kg) as given, else density times section area times length."""
+        """Mass (kg) as given, else density times area times length. Raises ValueError without mass and
+        section.
+        """
         if self.mass is not None:
             return self.mass
         if self.section is None:
@@ -285,12 +286,12 @@ class Link(Body):
 
     @property
     def corners(self) -> tuple[Point, ...]:
-        """Start, the points on the way, end (m)."""
+        """Start, ``via`` points and end (m)."""
         return ((0.0, 0.0), *self.via, (self.length, 0.0))
 
     @property
     def path_length(self) -> float:
-        """Length along the points (m)."""
+        """Length (m) along the corners."""
         return sum(distance(a, b) for a, b in zip(self.corners, self.corners[1:], strict=False))
 
     @property
@@ -301,7 +302,7 @@ class Link(Body):
 
 @dataclass(frozen=True, kw_only=True)
 class PointMass(Body):
-    """A particle: mass (kg), rotary inertia (kg m^2), one pin ``center``."""
+    """A particle: mass (kg), rotary inertia (kg m^2) and one pin, ``center``."""
 
     mass: float = quantity("kg", "mass", above=0.0)
     inertia: float = quantity("kg m^2", "rotary inertia", 0.0, low=0.0)
@@ -319,8 +320,8 @@ class PointMass(Body):
 
 @dataclass(frozen=True)
 class Member:
-    """A straight piece of a frame from node ``start`` to node ``end``, cut into ``elements``; section and
-    material of the frame unless given.
+    """A straight piece of a frame from node ``start`` to node ``end``, divided into ``elements``. Section and
+    material default to those of the frame.
     """
 
     start: str = described(Text(), "node where it starts")
@@ -335,10 +336,11 @@ class Member:
 
 @dataclass(frozen=True, kw_only=True)
 class Frame(Body):
-    """Structure of straight members welded together at its nodes (m, in the body's frame); every node is a
-    pin.
+    """A structure of straight members that are welded together at its nodes (m, in the body's frame); every
+    node is a pin.
 
-    ``masses`` (kg) sit at nodes. The weight of a member is its ``mass``, or density times area times length.
+    ``masses`` (kg) are attached at nodes. A member has its own ``mass``, else density times area times
+    length.
     """
 
     own_points: ClassVar[tuple[str, ...]] = ()

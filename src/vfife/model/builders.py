@@ -1,11 +1,10 @@
-"""What adds bodies, joints, gears, springs, drivers and loads to a mechanism: :meth:`Builders.add`, and a
-method for each kind.
+"""Methods that add bodies, joints, gears, springs, drivers and loads to a mechanism.
 
-The methods are made from the fields of the kinds; ``builders.pyi`` writes their signatures out for editors
-and type checkers (``python tests/model/stubs.py``).
-Quantities are numbers in SI units or texts with a unit, "100 mm". Laws and materials are objects or go by
-their names, laws and sections also as tables of a model file: ``contact={"law": "hertz-...", ...}``,
-``section={"round": "20 mm"}``.
+:meth:`Builders.add` takes an object; one method for each kind takes the fields of its class. These methods
+are generated; ``builders.pyi`` contains their signatures for editors and type checkers (``python
+tests/model/stubs.py``). Quantities are numbers in SI units or texts with a unit ("100 mm"). Laws and
+materials are objects or names; laws and sections may also be tables of a model file: ``contact={"law":
+"hertz", ...}``, ``section={"round": "20 mm"}``.
 """
 
 from __future__ import annotations
@@ -52,11 +51,8 @@ from .validation.single import faults_of
 if TYPE_CHECKING:
     from .mechanism import Mechanism
 
-TARGETS = (
-    "body",
-    "slider",
-    "point",
-)  # what a driver is called after, where it has no name: of a pin without its dot
+# Fields from which a driver without a name takes it; the dot of a pin becomes a space.
+TARGETS = ("body", "slider", "point")
 SECTIONS: dict[type, str] = {
     Body: "body",
     Joint: "joint",
@@ -65,19 +61,20 @@ SECTIONS: dict[type, str] = {
     Driver: "driver",
     Load: "load",
 }
+# Builders of classes that are no kinds: they have no registry.
 OTHERS: dict[str, type] = {
     "link": Link,
     "rigid_body": RigidBody,
     "point_mass": PointMass,
     "frame": Frame,
     "gear": Gear,
-}  # that are no kinds
+}
 
 
 @dataclass(frozen=True)
 class Builder:
-    """A method that adds one kind: its name, section and class, the keywords of it that it does not take, and
-    those it cannot do without.
+    """Specification of a builder method: its name, the section and class of what it adds, ``omitted`` fields
+    that it does not accept, and optional fields that it requires (``needed``).
     """
 
     name: str
@@ -88,7 +85,7 @@ class Builder:
 
     @property
     def fields(self) -> dict[str, Field]:
-        """Fields that it takes, by name."""
+        """Accepted fields, by name."""
         named = [field for field in dataclasses.fields(self.kind) if field.name == "name"]
         return {
             field.name: field
@@ -98,7 +95,7 @@ class Builder:
 
     @property
     def arguments(self) -> list[Argument]:
-        """Its name, what it connects, and all else by keyword."""
+        """Arguments of the method: the name and what it connects by position, all others by keyword."""
         arguments = []
         for name, field in self.fields.items():
             held = None if name == "name" else value_of(field)
@@ -121,8 +118,9 @@ class Builder:
 
     @property
     def help(self) -> str:
-        """What it adds, and a line for each keyword: the meaning of its field, with units and limits."""
-        lines = [f"Adds {(inspect.getdoc(self.kind) or '').partition(chr(10) * 2)[0]}", ""]
+        """Docstring of the method: what it adds, then one line per keyword with its meaning and units."""
+        summary = (inspect.getdoc(self.kind) or "").partition("\n\n")[0]
+        lines = [f"Add {summary[:1].lower()}{summary[1:]}", ""]
         for name, field in self.fields.items():
             if name != "name":
                 units = "; ".join(dict.fromkeys(value_of(field).units()))
@@ -130,7 +128,7 @@ class Builder:
         return "\n".join(lines)
 
     def method(self) -> Callable[..., Any]:
-        """The method of a mechanism."""
+        """Return the method, with its signature and docstring."""
         arguments = self.arguments
         leading = [one.name for one in arguments if one.kind is Argument.POSITIONAL_OR_KEYWORD]
 
@@ -163,7 +161,7 @@ class Builder:
 
 
 def builders() -> dict[str, Builder]:
-    """Builders by name: of bodies, of gears, and of each kind that is registered."""
+    """Return all builders by name: bodies, gears and every registered kind."""
     every = [Builder(name, section_of(kind), kind) for name, kind in OTHERS.items()]
     for base, section in SECTIONS.items():
         for kind in vars(base)["registry"].values() if issubclass(base, Kind) else ():
@@ -172,7 +170,7 @@ def builders() -> dict[str, Builder]:
 
 
 def annotation_of(held: Value) -> str:
-    """What a builder takes for a field, as an annotation."""
+    """Return the type annotation of a builder argument, as source text."""
     if isinstance(held, Measure):
         return "Quantity | Sequence[Quantity]" if held.series else "Quantity"
     if isinstance(held, Each):
@@ -198,15 +196,17 @@ def annotation_of(held: Value) -> str:
 
 
 class Builders:
-    """What adds to a mechanism; the methods of kinds are set below."""
+    """Base of :class:`Mechanism` with the methods that add to it; those of the kinds are attached at the end
+    of this module.
+    """
 
     if TYPE_CHECKING:
         name: str
         points: dict[str, tuple[float, float]]
 
     def point(self, name: str, x: Any, y: Any) -> Pin:
-        """Add a point of the ground (m) and return it. Raises ModelError where its place is none, or there is
-        one of this name.
+        """Add a point of the ground at (``x``, ``y``) in m and return its pin. Raises ModelError for an
+        invalid position and for a name that is invalid or in use.
         """
         reading, at = ScriptReading(), ("ground", str(name))
         place = PLACE.read((x, y), at, reading)
@@ -224,17 +224,19 @@ class Builders:
         return Pin(f"ground.{name}")
 
     def clearance(self, *places: Any, **values: Any) -> Any:
-        """Add a revolute joint with clearance by the old name of ``clearance_joint``."""
+        """Add a revolute joint with clearance: former name of ``clearance_joint``, with a
+        DeprecationWarning.
+        """
         warnings.warn(
             "Mechanism.clearance() is called clearance_joint() now", DeprecationWarning, stacklevel=2
         )
         return getattr(self, "clearance_joint")(*places, **values)  # noqa: B009 - the method is set below
 
     def add(self, item: Any, name: str | None = None) -> Any:
-        """Add a body, joint, gear, spring, driver or load, with the checks of its builder; a driver is called
-        after what it drives.
+        """Add a body, joint, gear, spring, driver or load and return it.
 
-        Returns the item. Raises ModelError with all its faults, and TypeError for what no mechanism has.
+        Applies the checks of its builder. A driver without a ``name`` takes that of the body, slider or point
+        it drives. Raises ModelError with all faults, and TypeError for other objects.
         """
         return admit(cast("Mechanism", self), type(item), vars(item), name)
 
@@ -242,10 +244,11 @@ class Builders:
 def admit(
     mechanism: Mechanism, kind: Any, raw: Mapping[str, Any], name: Any = None, faults: Sequence[Fault] = ()
 ) -> Any:
-    """Read the values of a kind, check it among what the mechanism has, and add it. Raises ModelError with
-    all ``faults`` known before, and these.
+    """Read the values of a class, check the object against the mechanism, add and return it.
 
-    Pins of bodies that come later are looked for in a whole mechanism.
+    ``raw`` has the values by field name, ``faults`` those already known of the call. Raises ModelError, or
+    ArgumentError if ``faults`` is not empty, with all faults. Pins of bodies that are not yet in the
+    mechanism are checked by :func:`~vfife.model.validation.validate`.
     """
     section, name = section_of(kind), name or raw.get("name") or called(raw)
     path: Path = (section, name if isinstance(name, str) else "?")
@@ -273,7 +276,7 @@ def admit(
 
 
 def section_of(kind: type) -> str:
-    """The section of a model file that holds what is of a class. Raises TypeError where there is none."""
+    """Return the section of a model file that contains objects of a class. Raises TypeError if none does."""
     for base, section in SECTIONS.items():
         if issubclass(kind, base):
             return section
@@ -283,7 +286,7 @@ def section_of(kind: type) -> str:
 
 
 def called(values: Mapping[str, Any]) -> Any:
-    """The name of what has none of its own."""
+    """Return the name of an object without one: the target of a driver, else None."""
     target = next((values[one] for one in TARGETS if values.get(one)), None)
     return target.replace(".", " ") if isinstance(target, str) else getattr(target, "name", target)
 
@@ -291,7 +294,9 @@ def called(values: Mapping[str, Any]) -> Any:
 def strange(
     path: Path, builder: Builder, leading: list[str], places: tuple[Any, ...], values: Mapping[str, Any]
 ) -> list[Fault]:
-    """Arguments that there are not, or that come twice."""
+    """Return a fault for each unknown argument, for each one passed twice, and for surplus positional
+    arguments.
+    """
     faults, names = [], list(builder.fields)
     for key, value in values.items():
         if key not in names:
@@ -323,7 +328,9 @@ def strange(
 
 
 def read(path: Path, kind: Any, raw: Mapping[str, Any]) -> tuple[Any, list[Fault]]:
-    """The object of what is given, known in part where something is refused, and the faults."""
+    """Return the object made of ``raw`` values and the faults found; with faults, the object has only its
+    valid fields.
+    """
     reading, values = ScriptReading(), {key: raw[key] for key in ("name",) if key in raw}
     along = bool(raw.get("slider") or raw.get("point"))
     fields: dict[str, Field] = {field.name: field for field in described_fields(kind)}
@@ -339,7 +346,9 @@ def read(path: Path, kind: Any, raw: Mapping[str, Any]) -> tuple[Any, list[Fault
 
 
 def users_of(kind: Any, fields: Mapping[str, Field], key: str, raw: Mapping[str, Any]) -> tuple[str, ...]:
-    """Models that would have a use for a value that is no default, where the model that is named has none."""
+    """Return the models (``selected_by`` choices) that use a field, if the chosen model ignores the value
+    given for it; else nothing.
+    """
     only, field = fields[key].metadata.get("only"), fields[key]
     word = raw.get(getattr(kind, "selected_by", ""))
     default = field.default if field.default_factory is dataclasses.MISSING else field.default_factory()
@@ -355,7 +364,7 @@ def users_of(kind: Any, fields: Mapping[str, Field], key: str, raw: Mapping[str,
 
 
 def items(mechanism: Mechanism, section: str) -> dict[str, Any]:
-    """The objects of a section by name."""
+    """Return the objects of a section of the mechanism, by name."""
     field = next(field for field in described_fields(type(mechanism)) if key_of(field) == section)
     entries: dict[str, Any] = getattr(mechanism, field.name)
     return entries

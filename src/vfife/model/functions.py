@@ -1,6 +1,4 @@
-"""What follows from a whole mechanism: functions of its drivers over time, its crank, the carriers of its
-gears.
-"""
+"""Properties of a whole mechanism: motion of its drivers over time, its crank, the carriers of its gears."""
 
 from __future__ import annotations
 
@@ -17,10 +15,10 @@ if TYPE_CHECKING:
 
 
 def motion_function(driver: Driver, offset: float = 0.0, clock: float = 0.0) -> Polynomials:
-    """What a driver prescribes (rad or m) over the time of a run that begins at ``clock`` (s): what it adds
-    from there on to ``offset``.
+    """Return the motion of a driver (rad or m) over the time of a run that begins at ``clock`` (s).
 
-    TypeError for a driver that prescribes no motion.
+    The motion is ``offset`` at the beginning of the run. Raises TypeError for a driver that prescribes no
+    motion.
     """
     if clock == 0.0:
         return driver.motion(offset)
@@ -29,26 +27,26 @@ def motion_function(driver: Driver, offset: float = 0.0, clock: float = 0.0) -> 
 
 
 def timed(function: Polynomials, clock: float) -> Polynomials:
-    """A function of the clock over the time of a run that begins at ``clock`` (s)."""
+    """Return a function of clock time as a function of the time since ``clock`` (s)."""
     return moved(function, -clock) if clock else function
 
 
 def turning_speed(driver: Driver) -> float:
-    """Speed (rad/s) at which a driver turns a body round and round; 0 for those that move it to and fro, or
-    along a line.
+    """Return the largest speed (rad/s) of a driver that makes a body revolve; 0 for oscillating and linear
+    drivers.
     """
     return driver.largest_speed if driver.revolves and not driver.slider and not driver.point else 0.0
 
 
 def turn_of(mechanism: Mechanism) -> float | None:
-    """Period (s) of a turn of the fastest driven body, or None."""
+    """Return the period (s) of a turn of the fastest driven body, or None."""
     speed = max((turning_speed(driver) for driver in mechanism.drivers.values()), default=0.0)
     return 2.0 * math.pi / speed if speed > 0.0 else None
 
 
 def crank_of(mechanism: Mechanism, named: str = "") -> str:
-    """The body on whose angle a load depends: the one that is ``named``, else the fastest that a driver
-    turns. ValueError where there is none.
+    """Return the body whose angle a load depends on: the one ``named``, else the fastest driven one. Raises
+    ValueError if no driver turns a body.
     """
     speeds = {
         (driver.body or name): turning_speed(driver)
@@ -67,10 +65,10 @@ Place = tuple[str, str]
 
 
 def carrier_of(mechanism: Mechanism, gear: Gear) -> str:
-    """The body on which both wheels of a gear turn, ``"ground"`` where they do so on the ground.
+    """Return the body that carries both wheels of a gear, or ``"ground"``.
 
-    A body carries a wheel that is pinned to it, and one that turns on the ground about the very point about
-    which the carrier does: the sun of a planetary train, or its ring. Nothing carries a wheel that it is.
+    A body carries a wheel that is pinned to it, and a wheel that turns on the ground about the same point as
+    the body itself: the sun of a planetary train, or its ring. A wheel is not its own carrier.
     """
     if gear.carrier is not None:
         return gear.carrier
@@ -85,7 +83,9 @@ def carrier_of(mechanism: Mechanism, gear: Gear) -> str:
 
 
 def _pins(mechanism: Mechanism) -> Iterator[tuple[Place, Place]]:
-    """The two sides of each revolute, with play or without; points of the ground by where they are."""
+    """Yield the two sides of each revolute joint, with or without clearance; ground points are named by
+    position, so that coincident points count as one.
+    """
     for joint in mechanism.joints.values():
         if joint.revolves:
             one, two = (
@@ -96,7 +96,7 @@ def _pins(mechanism: Mechanism) -> Iterator[tuple[Place, Place]]:
 
 
 def _carriers(pins: list[tuple[Place, Place]], wheel: str) -> list[str]:
-    """Bodies that carry a wheel."""
+    """Return the bodies that carry a wheel."""
     own = [other for side, other in _both(pins) if side[0] == wheel]
     bodies = [body for body, _ in own]
     axes = [place for place in own if place[0] == "ground"]
@@ -106,7 +106,7 @@ def _carriers(pins: list[tuple[Place, Place]], wheel: str) -> list[str]:
 
 
 def _both(pins: list[tuple[Place, Place]]) -> Iterator[tuple[Place, Place]]:
-    """Each pin from either side."""
+    """Yield each pair in both orders."""
     for one, other in pins:
         yield one, other
         yield other, one

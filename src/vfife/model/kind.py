@@ -1,4 +1,4 @@
-"""What makes a class of nouns a kind: a word in a model file, by which its package finds it."""
+"""Base of the kinds of joints, springs, drivers and loads, which register themselves under a word."""
 
 from __future__ import annotations
 
@@ -6,21 +6,20 @@ from typing import Any, ClassVar
 
 
 class Kind:
-    """Base of joints, springs, drivers and loads. The base in each package has a ``registry``, which each
-    class below it with a ``kind`` enters.
+    """Base of joints, springs, drivers and loads. The base class of each package has a ``registry``; every
+    subclass with a ``kind`` enters it.
     """
 
     kind: ClassVar[str] = ""  # the word in a model file
-    sample: ClassVar[
-        dict[str, Any]
-    ] = {}  # for fields without a default, sizes with which a test walks its stops
+    # Values of fields without a default, with which generic tests construct the kind.
+    sample: ClassVar[dict[str, Any]] = {}
     registry: ClassVar[dict[str, Any]] = {}
-    # Methods of a mechanism that add it: keywords that each does not take, and those that it cannot do
-    # without. Named after the kind if not said.
+    # Builders by name: fields that each does not accept, and optional fields that it requires. The default is
+    # one builder named after the kind.
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Registers a kind."""
+        """Register a class that has a ``kind``, with a builder of that name unless it states others."""
         super().__init_subclass__(**kwargs)
         if cls.__dict__.get("kind"):
             cls.registry[cls.kind] = cls

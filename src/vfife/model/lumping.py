@@ -1,5 +1,5 @@
-"""Mass of bodies: exact for rigid ones, lumped at particles for elastic ones (Eq. 2 of the VFIFE paper,
-corrected).
+"""Mass properties of bodies: exact for rigid ones, lumped at particles for elastic ones (Eq. 2 of the VFIFE
+paper, corrected).
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from .bodies import Body, Frame, Link, Point, PointMass, RigidBody, Section, Str
 
 Array = NDArray[np.float64]
 _MESH, _WEIGHED = "_mesh", "_weighed"
-THIN = 1e-6  # inertia of a body that has none of its own, over its mass times the square of its reach
-ROUNDING = 1e-14  # of the same: what is left of none where masses are summed up
+THIN = 1e-6  # inertia given to a body without its own, over its mass times the square of its largest radius
+ROUNDING = 1e-14  # inertia that is a rounding error of a sum over masses, in the same unit
 RELEASES = {"none": 0, "start": 1, "end": 2, "both": 3}
 
 
@@ -34,9 +34,9 @@ class MassProperties(NamedTuple):
 class Mesh:
     """An elastic body as particles and frame elements, in its own frame.
 
-    ``position`` (n, 2) m, ``mass`` (n,) kg, ``inertia`` (n,) kg m^2 and ``pins`` (index by name) of its
-    particles; ``nodes`` (k, 2), ``release``, ``axial`` = E A (N) and ``bending`` = E I (N m^2) of its
-    elements, shape (k,); ``strain`` is the length that these count on.
+    Particles: ``position`` (n, 2) m, ``mass`` (n,) kg, ``inertia`` (n,) kg m^2, ``pins`` (index by name).
+    Elements: ``nodes`` (k, 2), ``release`` flags, axial stiffness ``axial`` = E A (N) and bending stiffness
+    ``bending`` = E I (N m^2), shape (k,). ``strain`` is the reference length of the stiffness.
     """
 
     position: Array
@@ -51,7 +51,7 @@ class Mesh:
 
     @property
     def length(self) -> Array:
-        """Of its elements without forces (m), shape (k,)."""
+        """Lengths of the elements without forces (m), shape (k,)."""
         return np.asarray(
             _sizes(self.position[self.nodes[:, 1]] - self.position[self.nodes[:, 0]]), dtype=float
         )
@@ -68,37 +68,29 @@ def is_elastic(body: Body) -> bool:
 
 
 def mesh(body: Body) -> Mesh:
-    """Particles and elements of a link or frame; the arrays are not to be written to.
+    """Return the particles and elements of a link or frame, as arrays that are read-only.
 
-    A body is made once, so its mesh is cut once and kept with it; that of a frame anew where its nodes or
-    masses were changed in place.
+    The mesh is computed once and stored with the body, because bodies are immutable; that of a frame is
+    recomputed after its nodes or masses were changed in place. Raises TypeError for other bodies.
     """
     if not isinstance(body, Frame | Link):
         raise TypeError(f"{type(body).__name__} {body.name!r} has no elements")
     sources = (dict(body.nodes), dict(body.masses)) if isinstance(body, Frame) else ()
     cached = vars(body).get(_MESH)
     if cached is None or cached[0] != sources:
-        cached = sources, _frame(body) if isinstance(body, Frame) else _link(body)
-        for values in (
-            cached[1].position,
-            cached[1].mass,
-            cached[1].inertia,
-            cached[1].nodes,
-            cached[1].axial,
-            cached[1].bending,
-        ):
+        made = _frame(body) if isinstance(body, Frame) else _link(body)
+        for values in (made.position, made.mass, made.inertia, made.nodes, made.axial, made.bending):
             values.setflags(write=False)
-        vars(body)[_MESH] = cached  # a frozen noun has no other way to remember what follows from it
+        cached = vars(body)[_MESH] = sources, made  # past the frozen dataclass, whose equality ignores it
     result: Mesh = cached[1]
     return result
 
 
 def _link(link: Link) -> Mesh:
-    """Eq. 2: half of each element's mass at its ends, I = sum of half masses times the section's radius of
-    gyration squared.
+    """Lump a link by Eq. 2: half of each element's mass at its two ends, I = sum of half masses times r^2.
 
-    The print has I = sum 1/2 m_i r^2 with r "of the cross section at the node"; r^2 = I_section/A. Attached
-    masses are added at the ends.
+    The paper prints I = sum 1/2 m_i r^2 with r "of the cross section at the node"; r is the radius of
+    gyration of the section, r^2 = I_section/A. Attached masses are added at the ends.
     """
     section, position = section_of(link), _along(link)
     k = len(position) - 1
@@ -122,8 +114,8 @@ def _link(link: Link) -> Mesh:
 
 
 def _along(link: Link) -> Array:
-    """Particles of a link (k + 1, 2): equal elements on a straight one, spread over the pieces of a polyline
-    by their length.
+    """Return the particles of a link, shape (k + 1, 2): equally spaced on a straight one, distributed over
+    the pieces of a bent one by length.
     """
     k = link.element_count
     if not link.via:
@@ -146,7 +138,7 @@ def _along(link: Link) -> Array:
 
 
 def _halves(mass: Array, nodes: NDArray[np.intp], count: int) -> Array:
-    """Half of each element's mass at its two particles, summed element by element."""
+    """Return half of each element's mass at its two particles, summed element by element, shape (count,)."""
     total = np.zeros(count)
     np.add.at(total, nodes[:, 0], 0.5 * mass)
     np.add.at(total, nodes[:, 1], 0.5 * mass)
@@ -154,7 +146,7 @@ def _halves(mass: Array, nodes: NDArray[np.intp], count: int) -> Array:
 
 
 def _frame(frame: Frame) -> Mesh:
-    """Particles in the order in which the members come to them, so that neighbours are near each other in
+    """Number the particles in the order in which the members first use them, so that neighbours are close in
     memory.
     """
     index: dict[str, int] = {}
@@ -173,11 +165,8 @@ def _frame(frame: Frame) -> Mesh:
         k = member.elements
         size = float(hypot(b[0] - a[0], b[1] - a[1]))
         mass = material.density * section.area * size if member.mass is None else member.mass
-        stretch, bend = (
-            material.youngs_modulus * section.area,
-            material.youngs_modulus * section.second_moment,
-        )
-        row = (mass / k, section.second_moment / section.area, stretch, bend)
+        stiffness = material.youngs_modulus * section.area, material.youngs_modulus * section.second_moment
+        row = (mass / k, section.second_moment / section.area, *stiffness)
         chain = []
         for j in range(k + 1):
             name = member.start if j == 0 else member.end if j == k else None
@@ -217,7 +206,7 @@ def _frame(frame: Frame) -> Mesh:
 
 
 def section_of(link: Link) -> Section:
-    """Section of an elastic link; a sentence if it has none."""
+    """Return the section of an elastic link. Raises ValueError if it has none."""
     if link.section is None:
         raise ValueError(
             f"link {link.name!r} is {link.model} and needs a section (area and second moment of area)"
@@ -228,10 +217,10 @@ def section_of(link: Link) -> Section:
 def rigid_properties(body: Body) -> MassProperties:
     """Return the mass properties of a body as if it were rigid.
 
-    One mass on a rigid arm has no inertia of its own: what turns the body is on its arm. It counts with
-    ``THIN`` m r^2, r the farthest point. ValueError where there is no mass, or no inertia and no arm. A body
-    is asked for them at each of its pins, so they are kept with it; they are found anew where its pins or
-    masses were changed in place.
+    A single mass on a rigid arm has no inertia of its own; it is given ``THIN`` m r^2, r being the distance
+    of the farthest point. Raises ValueError without mass, or with neither inertia nor arm. The result is
+    stored with the body, because each of its pins asks for it, and is recomputed after pins or masses were
+    changed in place.
     """
     sources = _sources_of(body)
     cached = vars(body).get(_WEIGHED)
@@ -242,7 +231,7 @@ def rigid_properties(body: Body) -> MassProperties:
 
 
 def _sources_of(body: Body) -> tuple[Any, ...]:
-    """What of a body may be another thing than before: its mesh, its pins and masses."""
+    """Return the objects from which the mass properties follow: the mesh, or pins and masses."""
     if is_elastic(body):
         return (mesh(body),)
     if isinstance(body, RigidBody | Link):
@@ -251,7 +240,7 @@ def _sources_of(body: Body) -> tuple[Any, ...]:
 
 
 def _weighed(body: Body) -> MassProperties:
-    """Mass, centre and inertia, not asked for before."""
+    """Compute mass, centre and inertia with attached masses."""
     mass, center, inertia = _own_properties(body)
     attached = body.masses if isinstance(body, RigidBody | Link) and not is_elastic(body) else {}
     if attached:
@@ -278,7 +267,7 @@ def _weighed(body: Body) -> MassProperties:
 
 
 def _own_properties(body: Body) -> MassProperties:
-    """Those without attached point masses."""
+    """Compute the mass properties without attached point masses."""
     if isinstance(body, PointMass):
         return MassProperties(body.mass, (0.0, 0.0), body.inertia)
     if isinstance(body, RigidBody):
@@ -301,7 +290,9 @@ def _own_properties(body: Body) -> MassProperties:
 
 
 def _rigid_polyline(link: Link) -> MassProperties:
-    """A bent rigid link: each piece a uniform rod of its share of the mass."""
+    """Compute the mass properties of a bent rigid link, each piece a uniform rod with its share of
+    the mass.
+    """
     corners = np.array(link.corners)
     length = _sizes(np.diff(corners, axis=0))
     mass = link.own_mass * length / length.sum()
@@ -314,7 +305,7 @@ def _rigid_polyline(link: Link) -> MassProperties:
 
 
 def _sum_of_masses(at: Array, mass: Array, inertia: Array) -> MassProperties:
-    """Mass, centre and inertia of masses at places [n, 2]."""
+    """Return mass, centre and inertia of masses at places ``at``, shape (n, 2)."""
     total = float(mass.sum())
     if not total > 0.0:
         return MassProperties(0.0, (float(at[0, 0]), float(at[0, 1])), float(inertia.sum()))
@@ -327,7 +318,7 @@ def _sum_of_masses(at: Array, mass: Array, inertia: Array) -> MassProperties:
 
 
 def rigidified(body: Body) -> Body:
-    """The body as a rigid one with the same (lumped) mass, centre and inertia."""
+    """Return a rigid body with the same (lumped) mass, centre and inertia."""
     if not is_elastic(body):
         return body
     mass, center, inertia = rigid_properties(body)

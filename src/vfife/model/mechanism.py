@@ -1,4 +1,6 @@
-"""The mechanism: what a user builds. It holds nouns and plain numbers in SI units, and no arrays."""
+"""The mechanism that a user builds: named bodies, joints, drivers and loads with plain numbers in
+SI units.
+"""
 
 from __future__ import annotations
 
@@ -49,9 +51,9 @@ Journals = Literal["centred", "seated"]
 class StartSettings:
     """How a run starts.
 
-    ``consistent``: closed positions, velocities and accelerations of the ideal mechanism, elastic links
-    already carrying the forces that go with them. ``rough``: positions and velocities only, links unstressed.
-    Journals are ``centred`` in their bearings, or ``seated`` where the ideal reaction presses them.
+    ``consistent``: positions, velocities and accelerations of the ideal mechanism; elastic links carry the
+    corresponding forces. ``rough``: positions and velocities only; links are unstressed. Journals are
+    ``centred`` in their bearings, or ``seated`` where the ideal reaction presses them.
     """
 
     mode: StartMode = described(
@@ -75,17 +77,17 @@ class StartSettings:
 @with_units("run")
 @dataclass(frozen=True)
 class Settings:
-    """Defaults of a run: length in crank ``turns`` or ``duration`` (s), step (s or "auto"), outputs per turn
-    (or per run without a crank).
+    """Defaults of a run: its length in crank ``turns`` or as ``duration`` (s), the step (s, or "auto") and
+    the number of outputs per turn (per run without a crank).
 
-    ``settle``: the run ends as soon as turns repeat within that share of their largest values, after
-    ``turns`` at the latest. ``companions`` repeat a run with contact with other step sizes: ranges estimate
-    the error of the step from their results, and an automatic step is halved until the largest values of a
-    turn agree within ``tolerance``.
+    With ``settle`` a run ends as soon as two turns agree within that share of their largest values, at the
+    latest after ``turns``. ``companions`` are repetitions of a run with contact with other step sizes; their
+    scatter estimates the step error. An automatic step is halved until the largest values of a turn agree
+    within ``tolerance``.
 
-    A static ``analysis`` finds equilibrium under each of the ``load_factors``, which take the place of time
-    in loads and drivers: unbalanced force at most ``residual`` of the largest force, and kinetic energy at
-    most ``kinetic_energy`` of the largest met, in so many ``iterations``.
+    A static ``analysis`` computes the equilibrium under each of the ``load_factors``, which replace time in
+    loads and drivers. It ends when the unbalanced force is at most ``residual`` times the largest force and
+    the kinetic energy at most ``kinetic_energy`` times its largest value, or fails after ``iterations``.
     """
 
     selected_by: ClassVar[str] = "analysis"  # the field that says which others are of use
@@ -217,12 +219,12 @@ class Mechanism(Builders):
 
     @property
     def clearances(self) -> dict[str, ClearanceRevolute]:
-        """The revolute joints with clearance; :attr:`contacts` are all joints with play."""
+        """Revolute joints with clearance, by name; :attr:`contacts` has all joints with clearance."""
         return {name: joint for name, joint in self.joints.items() if isinstance(joint, ClearanceRevolute)}
 
     @property
     def contacts(self) -> dict[str, Contact]:
-        """All joints with play: revolutes and sliders with clearance, external contacts."""
+        """Joints with clearance, by name: revolutes, sliders, curved slots and external contacts."""
         return {name: joint for name, joint in self.joints.items() if isinstance(joint, Contact)}
 
     if TYPE_CHECKING:  # attached by vfife.methods
@@ -235,12 +237,12 @@ class Mechanism(Builders):
 
     @property
     def clock(self) -> float:
-        """Where the clock (s) of drivers and loads stands when a run begins; load factors have none."""
+        """Time (s) of drivers and loads at the beginning of a run; 0 for a static analysis."""
         return 0.0 if self.settings.analysis == "static" else self.start.time or 0.0
 
     def ideal(self) -> Mechanism:
-        """The reference that clearance runs are compared with: every joint ideal, every link rigid with its
-        lumped masses.
+        """Return the reference for runs with clearance: all joints ideal, all bodies rigid with their lumped
+        masses, damping 0.
         """
         return dataclasses.replace(
             self,

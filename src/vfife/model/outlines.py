@@ -1,7 +1,7 @@
-"""What a drawing shows of bodies: which of their pins, in which order a line runs through them, and about
-which pins they turn.
+"""What a drawing shows of bodies: their pins, the order in which an outline connects them, and the axes of
+gears.
 
-Names and orders only: where a pin is at a moment is for those to say who draw.
+Results are names and orders; positions come from the caller.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ COLLINEAR = 1e-9  # width over length below which points lie on a line
 
 
 def attached(mechanism: Mechanism, name: str) -> set[str]:
-    """Pins of a body that a joint or spring takes hold of."""
+    """Return the pins of a body to which a joint or spring is attached."""
     ends = [end for joint in mechanism.joints.values() for end in (joint.bearing, joint.journal)]
     ends += [end for spring in mechanism.springs.values() for end in (spring.first, spring.second)]
     return {pin for body, _, pin in (end.partition(".") for end in ends) if body == name}
 
 
 def drawn_pins(mechanism: Mechanism, name: str) -> list[str]:
-    """Pins of a rigid body that are drawn: its own, and those that something is fixed to; the centre of mass
-    where there is but one pin.
+    """Return the pins of a rigid body to draw: its own and those with an attachment; of a body with one pin
+    also the centre of mass.
     """
     noun, held = mechanism.bodies[name], attached(mechanism, name)
     own = ["start", "end"] if isinstance(noun, Link) else [pin for pin in noun.points if pin != CENTER]
@@ -45,8 +45,8 @@ def drawn_pins(mechanism: Mechanism, name: str) -> list[str]:
 
 
 def loose_pins(mechanism: Mechanism, name: str, elastic: bool) -> list[str]:
-    """Pins of a body that nothing takes hold of: feet, pens and ends, whose paths are worth seeing; of an
-    ``elastic`` one its ends only.
+    """Return the pins of a body without attachment (feet, pens, ends), whose paths are worth drawing; of an
+    ``elastic`` body only its ends.
     """
     noun, held = mechanism.bodies[name], attached(mechanism, name)
     own = [pin for pin in ("start", "end") if pin in noun.points] if elastic else noun.points
@@ -54,8 +54,8 @@ def loose_pins(mechanism: Mechanism, name: str, elastic: bool) -> list[str]:
 
 
 def corners(points: NDArray[np.float64]) -> tuple[list[int], bool]:
-    """The order in which a line runs through points, shape (points, 2), and whether it encloses an area: it
-    is their hull then, and closed.
+    """Return the order in which an outline connects points, shape (points, 2), and whether it is closed: the
+    convex hull, or a line if the points are collinear.
     """
     import numpy as np
 
@@ -71,7 +71,7 @@ def corners(points: NDArray[np.float64]) -> tuple[list[int], bool]:
 
 
 def _hull(points: NDArray[np.float64]) -> list[int]:
-    """Corners of the convex hull, anticlockwise, by Andrew's chain."""
+    """Return the corners of the convex hull anticlockwise, by Andrew's monotone chain."""
     order = sorted(range(len(points)), key=lambda k: (float(points[k, 0]), float(points[k, 1])))
 
     def turn(a: int, b: int, c: int) -> float:
@@ -90,8 +90,8 @@ def _hull(points: NDArray[np.float64]) -> list[int]:
 
 
 def axis_between(mechanism: Mechanism, first: str, second: str) -> str | None:
-    """The pin about which two bodies turn against each other: their common one, else the pivot of the second,
-    else any pin of it; None without.
+    """Return the pin about which two bodies turn relative to each other: their common pin, else the ground
+    pivot of the second, else any pin of the second, else None.
     """
     joints = mechanism.joints.values()
     for pair in ({first, second}, {"ground", second}):
@@ -112,8 +112,8 @@ def axis_between(mechanism: Mechanism, first: str, second: str) -> str | None:
 def wheels_at(
     mechanism: Mechanism, gear: Gear, axis: Callable[[str, str], Place], same: Callable[[Place, Place], bool]
 ) -> tuple[Place, Place]:
-    """Where the two wheels of a gear turn, by the place of the ``axis`` between two bodies; ``same`` says
-    whether two places are one.
+    """Return the centres of the two wheels of a gear. ``axis`` maps two bodies to the position of their axis;
+    ``same`` tells whether two positions coincide.
     """
     carrier = carrier_of(mechanism, gear)
     if carrier != "ground":

@@ -1,4 +1,4 @@
-"""What scripts and files give for objects of a model: laws by name, sections by their shapes, quantities as
+"""Readers of what scripts and files may give for objects: laws by name, sections by shape, quantities as
 texts, materials by name.
 """
 
@@ -22,26 +22,28 @@ DEFAULTS: dict[str, Any] = {
 
 
 class LawReading(Reading):
-    """Reads the parameters of a law as they are written."""
+    """Reader of the parameters of a law."""
 
     def __init__(self, name: str) -> None:
         super().__init__(written=True)
         self.name = name
 
     def unknown(self, path: Path, value: Any, names: Iterable[str] = ()) -> None:
-        """A parameter that the law does not have."""
+        """Report a parameter that the law does not have."""
         remedy = suggestion(str(path[-1]), names, f'remove it, or name another law than "{self.name}"')
         self.refuse(path, "unknown key", shown(value), "", remedy)
 
     def missing(self, path: Path, field: Field) -> None:
-        """A parameter that the law cannot do without: its meaning and unit."""
+        """Report a missing parameter with its meaning and unit."""
         meaning, unit = meaning_of(field), field.metadata.get("unit", "1")
         needs = f"{meaning} in {unit}" if unit != "1" else meaning
         self.refuse(path, f'the law "{self.name}" needs this key, which is missing', "", needs, "add it")
 
 
 def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fault]]:
-    """The law of a table [joint.NAME.contact] or [joint.NAME.friction], or its faults, by keys."""
+    """Return the law of a table [joint.NAME.contact] or [joint.NAME.friction] and no faults, or None and its
+    faults.
+    """
     registry = LAWS[kind].known()
     name = holder.get("law", DEFAULTS[kind].name)
     if not isinstance(name, str) or name not in registry:
@@ -70,8 +72,8 @@ def read_law(kind: str, holder: Mapping[str, Any]) -> tuple[Law | None, list[Fau
 
 
 def read_section(by: Any, path: Path, value: Mapping[str, Any]) -> Section:
-    """The section of a table: ``area`` and ``second_moment``, or one shape; known in part where something is
-    refused.
+    """Return the section of a table: ``area`` and ``second_moment``, or one shape; with faults, only its
+    valid fields.
     """
     before, shapes = len(by.faults), [key for key in Section.shapes if key in value]
     both = {"area", "second_moment"} & set(value)
@@ -113,13 +115,13 @@ Table: TypeAlias = Mapping[str, Any]  # keys and values as in a model file
 
 
 class ScriptReading(Reading):
-    """Reads what a script gives: everything that a model file can say, and the objects themselves."""
+    """Reader of script values: everything that a model file can contain, and the objects themselves."""
 
     def __init__(self) -> None:
         super().__init__(written=True)
 
     def noun(self, path: Path, kind: type, value: Any) -> Any:
-        """A noun, or the table of one."""
+        """Return an object, or the one that a table describes."""
         if isinstance(value, Mapping):
             if kind is Section:
                 return read_section(self, path, value)
@@ -132,7 +134,7 @@ class ScriptReading(Reading):
         return self.one_of(path, kind, value)
 
     def named(self, path: Path, kind: type, value: Any) -> Any:
-        """A material, or the name of one."""
+        """Return a material, or the one of a name."""
         if not isinstance(value, str):
             return self.one_of(path, kind, value)
         if value not in MATERIALS:
@@ -145,7 +147,7 @@ class ScriptReading(Reading):
         return MATERIALS.get(value)
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:
-        """A law, its name, or its table: law = name, and its parameters."""
+        """Return a law given as object, name, or table of ``law = name`` and parameters."""
         kind = next(kind for kind, registered in LAWS.items() if registered is base)
         if isinstance(value, Law) and not isinstance(value, base):
             self.refuse(
@@ -178,7 +180,7 @@ class ScriptReading(Reading):
         return law
 
     def one_of(self, path: Path, kind: type, value: Any) -> Any:
-        """A noun as it is: it was made by Python, where numbers are numbers."""
+        """Return an object made by Python, whose numbers are numbers already."""
         plain = Reading()
         item = plain.one_of(path, kind, value)
         self.faults += plain.faults
@@ -186,8 +188,8 @@ class ScriptReading(Reading):
 
 
 def idle(noun: Any, word: Any, users: tuple[str, ...], value: Any) -> Fault:
-    """What is said of a value for which the model of a link, or the kind of analysis, has no use; ``users``
-    would have one.
+    """Return the fault for a ``value`` that the chosen link model or analysis ignores; ``users`` are the
+    choices that use it.
     """
     chooser = noun.selected_by
     kind = f"{article(word)} {'link' if chooser == 'model' else chooser}"
@@ -205,11 +207,10 @@ Noun = TypeVar("Noun", bound=type)
 
 
 def with_units(*path: str) -> Callable[[Noun], Noun]:
-    """Lets a dataclass take texts with units where it holds quantities. ``path``: where it stands in a model
-    file.
+    """Return a decorator that lets a dataclass accept texts with units for its quantities.
 
-    Making one raises ArgumentError for a keyword that it does not have, and ModelError for a text that is no
-    such quantity. Numbers are looked at when the whole mechanism is.
+    ``path`` is its place in a model file. The constructor raises ArgumentError for unknown keywords and
+    ModelError for texts that are no such quantity. Limits are checked when the whole mechanism is validated.
     """
 
     def decorate(noun: Noun) -> Noun:
@@ -242,14 +243,14 @@ def with_units(*path: str) -> Callable[[Noun], Noun]:
 
 
 def strange(path: Path, value: Any, names: list[str]) -> Fault:
-    """A keyword that there is not."""
+    """Return the fault for an unknown keyword."""
     return Fault(
         path, "there is no such keyword", shown(value), "", suggestion(str(path[-1]), names, "remove it")
     )
 
 
 def written(value: Any) -> bool:
-    """Whether a text is given where a quantity stands, or among those of a list."""
+    """Return whether a value is a text, or a list that contains one."""
     return isinstance(value, str) or (
         isinstance(value, tuple | list) and any(isinstance(one, str) for one in value)
     )

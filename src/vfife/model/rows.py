@@ -1,6 +1,4 @@
-"""What a joint holds, as rows of constraints, and where its surfaces touch, as data that kinematics and steps
-read.
-"""
+"""Constraint rows of joints and their contact surfaces, as data for kinematics and steps."""
 
 from __future__ import annotations
 
@@ -17,27 +15,27 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Coincide:
-    """Two pins in one place: two rows."""
+    """Two pins coincide: two rows."""
 
     def mirrored(self) -> Coincide:
-        """The row with y turned round."""
+        """Return the row with y reversed."""
         return self
 
 
 @dataclass(frozen=True)
 class Guided:
-    """The journal's pin seen from a guide through the bearing's pin along ``direction``, in the frame of the
-    bearing's body.
+    """Base of rows of a guide through the bearing's pin along ``direction``, in the frame of the bearing's
+    body.
     """
 
     direction: Point
 
     def mirrored(self) -> Any:
-        """The row with y turned round."""
+        """Return the row with y reversed."""
         return type(self)((self.direction[0], -self.direction[1]))
 
     def unit(self) -> Point:
-        """The direction with length 1. ValueError where it has none."""
+        """Return the direction with length 1. Raises ValueError for a direction of length 0."""
         size = hypot(*self.direction)
         if not 0.0 < size < math.inf:
             x, y = (round(float(value), 6) for value in self.direction)
@@ -49,48 +47,48 @@ class Guided:
 
 @dataclass(frozen=True)
 class Across(Guided):
-    """The pin does not leave the guide: one row."""
+    """The journal's pin stays on the guide: one row."""
 
 
 @dataclass(frozen=True)
 class Along(Guided):
-    """Its place along the guide (m) is what it was, or what is prescribed: one row."""
+    """The journal's position along the guide (m) keeps its start value or follows a driver: one row."""
 
 
 @dataclass(frozen=True)
 class OnPath:
-    """The journal's pin does not leave a path in the frame of the bearing's body, which counts from the
-    bearing's pin: one row.
+    """The journal's pin stays on a path, given from the bearing's pin in the frame of the bearing's body: one
+    row.
     """
 
     path: Path
 
     def mirrored(self) -> OnPath:
-        """The row with y turned round."""
+        """Return the row with y reversed."""
         return OnPath(self.path.mirrored())
 
 
 @dataclass(frozen=True)
 class FixedDistance:
-    """Two pins stay a ``length`` (m) apart: one row."""
+    """Two pins keep a distance ``length`` (m): one row."""
 
     length: float
 
     def mirrored(self) -> FixedDistance:
-        """The row with y turned round."""
+        """Return the row with y reversed."""
         return self
 
 
 @dataclass(frozen=True)
 class Turn:
-    """The journal's body turns by ``ratio`` times the angle of the bearing's body, beside what it was or what
-    is prescribed: one row.
+    """The journal's body turns by ``ratio`` times the angle of the bearing's body, plus the start angle or
+    that of a driver: one row.
     """
 
     ratio: float = 1.0
 
     def mirrored(self) -> Turn:
-        """The row with every angle turned round."""
+        """Return the row with all angles reversed."""
         return self
 
 
@@ -99,17 +97,17 @@ Place = Coincide | Across | Along | OnPath | FixedDistance
 
 
 def turn_row(rows: tuple[Row, ...]) -> Turn | None:
-    """The row that holds the turn of a body, if there is one."""
+    """Return the row that constrains the relative angle, or None."""
     return next((row for row in rows if isinstance(row, Turn)), None)
 
 
 def place_row(rows: tuple[Row, ...]) -> Place | None:
-    """The row that holds a place, if there is one."""
+    """Return the row that constrains the position, or None."""
     return next((row for row in rows if not isinstance(row, Turn)), None)
 
 
 def loosened(rows: tuple[Row, ...]) -> tuple[Row, ...]:
-    """The rows without that of the turn."""
+    """Return the rows without the one that constrains the relative angle."""
     return tuple(row for row in rows if not isinstance(row, Turn))
 
 
@@ -119,12 +117,13 @@ CENTRED = {"bearing": 0.0, "round": -1.0, "line": 1.0, "slot": 1.0}
 
 @dataclass(frozen=True)
 class Touching:
-    """A round of the journal's body in a bearing, beside another round, on a line, or in a slot along a path.
+    """A contact of a round of the journal's body: in a bearing, beside another round, on a line, or in a slot
+    along a path.
 
-    ``size`` (m) is the distance from the bearing's pin, from the line through it or from the path at which
-    the surfaces begin to touch; ``arms`` (m) are those of friction on bearing and journal from there.
-    ``offset`` is the round's centre seen from the journal's pin, in the journal's frame. ``normal`` points
-    into the material of a line, and ``path`` counts from the bearing's pin, both in the bearing's frame.
+    ``size`` (m) is the distance from the bearing's pin, line or path at which contact begins; ``arms`` (m)
+    are the arms of friction on bearing and journal at that distance. ``offset`` is the round's centre from
+    the journal's pin, in the journal's frame. ``normal`` points into the material of a line; ``path`` starts
+    at the bearing's pin; both are in the bearing's frame.
     """
 
     geometry: Geometry
@@ -136,14 +135,14 @@ class Touching:
 
     @property
     def centred(self) -> tuple[float, float]:
-        """Arms with which friction makes no couple: at the centres, which are in one place in a bearing;
-        outside, both at the journal's.
+        """Arms (m) with which friction exerts no couple: both at the bearing's pin inside a bearing, both at
+        the journal's pin outside.
         """
         return CENTRED[self.geometry] * self.size, 0.0
 
     def depth(self, x: Any, y: Any) -> Any:
-        """Penetration (m) with the round's centre at (x, y), seen from the bearing's pin in the bearing's
-        frame; negative where they are apart.
+        """Return the penetration (m) for the round's centre at (x, y), from the bearing's pin in the
+        bearing's frame; negative without contact.
         """
         if self.path is not None:
             return abs(self.path.distance(x, y)) - self.size

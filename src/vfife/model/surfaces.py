@@ -1,4 +1,4 @@
-"""The two surfaces that meet in a joint with play, and what its laws say of them."""
+"""The two surfaces of a joint with clearance, and the range of validity of the laws that act between them."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 
 def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
-    """The pair of surfaces of a joint, with the materials and the effective mass of its bodies; the ground
-    does not move.
+    """Return the pair of surfaces of a joint: sizes, materials and the effective mass (kg) of its bodies; the
+    ground counts as infinitely heavy.
     """
     materials = [
         mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides
@@ -30,11 +30,11 @@ def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
 def cautions(
     mechanism: Mechanism, extremes: Mapping[str, tuple[float, float]] | None = None
 ) -> tuple[str, ...]:
-    """Sentences on where the laws of the joints leave their ranges; joints that say the same share one.
+    """Return a sentence for each law that is used outside its range; joints with the same sentence share it.
 
-    Without ``found`` what is known before a run; with it, the deepest penetration (m) and the fastest impact
-    (m/s) of each joint, what only the run could tell, of the worst of those joints that have the same laws
-    and surfaces.
+    Without ``extremes``: what is known before a run. With ``extremes``, by joint the deepest penetration (m)
+    and the fastest impact (m/s) of a run: only the additional cautions that follow from them, for the worst
+    of the joints with equal laws and surfaces.
     """
     joints: dict[str, list[str]] = {}
     for (law, pair), names in _alike(mechanism).items():
@@ -51,8 +51,8 @@ def cautions(
 
 
 def remarks(mechanism: Mechanism, extremes: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
-    """A line on impacts beyond the theory of the laws, as nearly all machines have them, its joints together;
-    ``found`` as in :func:`cautions`.
+    """Return a line for each law whose impacts exceed its quasi-static range by no more than is usual in
+    machines; ``extremes`` as in :func:`cautions`.
     """
     beyond: dict[float, list[str]] = {}
     for (law, pair), names in _alike(mechanism).items():
@@ -68,7 +68,7 @@ def remarks(mechanism: Mechanism, extremes: Mapping[str, tuple[float, float]]) -
 
 
 def _alike(mechanism: Mechanism) -> dict[tuple[Law, Pair], list[str]]:
-    """Joints with the same law and the same surfaces."""
+    """Group the joints with clearance by law and surfaces."""
     alike: dict[tuple[Law, Pair], list[str]] = {}
     for name, joint in mechanism.contacts.items():
         pair = dataclasses.replace(surfaces(mechanism, joint), effective_mass=None)
@@ -79,5 +79,6 @@ def _alike(mechanism: Mechanism) -> dict[tuple[Law, Pair], list[str]]:
 
 
 def _worst(extremes: Mapping[str, tuple[float, float]], names: list[str]) -> tuple[float, float]:
+    """Return the largest penetration (m) and impact speed (m/s) of some joints."""
     depths, speeds = zip(*(extremes[name] for name in names), strict=True)
     return max(depths), max(speeds)

@@ -1,4 +1,4 @@
-"""How the two surfaces of a joint with play wear, and the shape that they have when they did."""
+"""Wear of the two surfaces of a joint with clearance: Archard's coefficients, and the worn profiles."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ PROFILE = (
 class Wear:
     """Archard's law: a surface loses the volume k F s.
 
-    ``bearing`` and ``journal`` are the coefficients k (1/Pa) of the two surfaces, or names of pairs, whose K
-    over the hardness of the surface's material is k. The ``_profile`` of a surface is the depth (m) that it
-    has lost already, over the angle from its body's x axis, as (mean, cosine 1, sine 1, cosine 2, sine 2
-    ...); it makes the clearance larger there.
+    ``bearing`` and ``journal`` are the coefficients k (1/Pa) of the two surfaces, or names of material pairs,
+    whose K is divided by the hardness of the surface's material. The ``_profile`` of a surface is the depth
+    (m) already lost over the angle from its body's x axis, as (mean, cosine 1, sine 1, cosine 2, sine 2,
+    ...); it adds to the clearance.
     """
 
     bearing: float | str = described(COEFFICIENT, MEANING.format("bearing"), 0.0)
@@ -41,11 +41,13 @@ class Wear:
 
     @property
     def harmonics(self) -> tuple[int, int]:
-        """How many harmonics the profiles of bearing and journal have, with the mean; 0 for a round one."""
+        """Number of harmonics of the profiles of bearing and journal, the mean included; 0 for a round
+        surface.
+        """
         return (len(self.bearing_profile) + 1) // 2, (len(self.journal_profile) + 1) // 2
 
     def conflicts(self) -> Iterator[Fault]:
-        """Profiles have a mean and pairs of cosine and sine."""
+        """Yield a fault for a profile that is too long, or has a cosine without its sine."""
         for key in ("bearing_profile", "journal_profile"):
             profile = getattr(self, key)
             if profile and len(profile) % 2 == 0:
@@ -64,7 +66,7 @@ class Wear:
 
 
 def depth_at(profile: tuple[float, ...], angle: Any) -> tuple[Any, Any]:
-    """Depth (m) of a profile at angles (rad) of any shape, and its derivative (m/rad)."""
+    """Return the depth (m) of a profile at angles (rad) of any shape, and its derivative (m/rad)."""
     import numpy as np
 
     depth, slope = np.zeros_like(angle), np.zeros_like(angle)
@@ -76,7 +78,7 @@ def depth_at(profile: tuple[float, ...], angle: Any) -> tuple[Any, Any]:
 
 
 def deepest(profile: tuple[float, ...]) -> float:
-    """Largest depth (m) that a profile can have anywhere."""
+    """Return an upper bound of the depth (m) of a profile."""
     return (
         abs(profile[0]) + sum(hypot(*profile[k : k + 2]) for k in range(1, len(profile), 2))
         if profile

@@ -1,1 +1,1 @@
-"""Strokes by which joints, gears and springs are drawn."""
+"""Drawings of joints, gears and springs as strokes."""

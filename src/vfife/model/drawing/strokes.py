@@ -1,7 +1,7 @@
-"""How joints, gears and springs are drawn, as data: strokes in the plane of the drawing. Who draws them knows
-no kinds.
+"""Drawings of joints, gears and springs as data: strokes in the plane of the drawing, rendered without
+knowledge of kinds.
 
-Places and lengths are in the units drawn; a noun's own sizes (m) times ``factor`` are in those too.
+Positions and lengths are in units of the drawing; sizes of the model (m) are multiplied by ``factor``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ BLOCK = (0.06, 0.036)  # length and height of an ideal slider's block, as shares
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A line through points (n, 2); ``sign`` is what the legend calls it."""
+    """A line through points (n, 2); ``sign`` is its entry in the legend."""
 
     points: Any
     colour: Colour = "ink"
@@ -39,7 +39,7 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A straight surface, its material hatched to a ``depth`` on the side that ``inward`` points to."""
+    """A straight surface, hatched to a ``depth`` on the side of ``inward``."""
 
     first: Array
     second: Array
@@ -49,7 +49,7 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """A rectangle with its length along a unit vector."""
+    """A rectangle whose length is parallel to the unit vector ``along``."""
 
     centre: Array
     along: Array
@@ -61,7 +61,7 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """A sign of one size in all drawings, in one place, or in the legend only."""
+    """A symbol of constant size at a place, or in the legend only."""
 
     at: Array | None
     shape: Shape
@@ -71,7 +71,7 @@ class Mark:
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """Where a name stands: there if it is ``fixed``, else beside it, away from the middle of the drawing."""
+    """Place of a name: exactly there if ``fixed``, else beside it, away from the middle of the drawing."""
 
     at: Array
     fixed: bool = False
@@ -81,8 +81,8 @@ Stroke = Curve | Surface | Block | Mark
 
 
 class Extent(NamedTuple):
-    """What a drawing must hold of a joint (m): points in the bearing's frame from its pin, and how far around
-    the two pins; None leaves one out.
+    """Space (m) that a drawing leaves for a joint: points in the bearing's frame from its pin, and radii
+    around the two pins; None leaves one out.
     """
 
     points: tuple[tuple[float, float], ...] = ()
@@ -92,12 +92,12 @@ class Extent(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JointView:
-    """A joint in a drawing: places of its pins, angles (rad) of its bodies there and at the start, ``ground``
-    where a side is the ground's.
+    """A joint in a drawing: positions of its pins, present and start angles (rad) of its bodies, and which
+    sides belong to the ``ground``.
 
-    ``size`` is that of the drawing. ``way`` gives the least and largest way of the journal over the run along
-    a direction (rad) in the bearing's frame; ``leaving`` the one of the four directions along the axes in
-    which a body leaves the ground.
+    ``size`` is that of the drawing. ``way`` maps a direction (rad) in the bearing's frame to the least and
+    largest travel of the journal along it during the run; ``leaving`` returns the one of the four axis
+    directions in which a body leaves the ground.
     """
 
     bearing: Array
@@ -111,11 +111,11 @@ class JointView:
     leaving: Callable[[], Array]
 
     def along(self, direction: tuple[float, float]) -> Array:
-        """A direction of the bearing's frame as it is drawn, a unit vector."""
+        """Return the unit vector, in the drawing, of a direction in the bearing's frame."""
         return facing(self.angles[0] + math.atan2(direction[1], direction[0]))
 
     def space(self, points: Any) -> Array:
-        """Points (n, 2) in m, in the bearing's frame from its pin, as they are drawn."""
+        """Return points (n, 2) in m, in the bearing's frame from its pin, in units of the drawing."""
         import numpy as np
 
         x, y = self.factor * np.asarray(points, dtype=float).T
@@ -125,7 +125,7 @@ class JointView:
 
 @dataclass(frozen=True, eq=False)
 class PairView:
-    """A spring or gear in a drawing: places of its two ends (of bodies: where they turn), angle (rad) of the
+    """A spring or gear in a drawing: positions of its two ends (of a body: its axis), angle (rad) of the
     first body, size of the drawing.
     """
 
@@ -136,21 +136,21 @@ class PairView:
 
 
 def facing(angle: float) -> Array:
-    """Unit vector at an angle (rad)."""
+    """Return the unit vector at an angle (rad)."""
     import numpy as np
 
     return np.array([math.cos(angle), math.sin(angle)])
 
 
 def left_of(along: Array) -> Array:
-    """A vector turned by a right angle, anticlockwise."""
+    """Return a vector turned anticlockwise by a right angle."""
     import numpy as np
 
     return np.array([-along[1], along[0]])
 
 
 def ring(centre: Array, radius: float, **look: Any) -> Curve:
-    """A circle."""
+    """Return a circle."""
     import numpy as np
 
     turn = np.linspace(0.0, 2.0 * np.pi, 121)
@@ -158,7 +158,9 @@ def ring(centre: Array, radius: float, **look: Any) -> Curve:
 
 
 def standing(view: JointView) -> list[Stroke]:
-    """A triangle on a hatched strip where a pin is the ground's."""
+    """Return the symbol of the ground at a joint: a triangle on a hatched strip; nothing if neither side is
+    ground.
+    """
     import numpy as np
 
     if not any(view.ground):
@@ -171,7 +173,7 @@ def standing(view: JointView) -> list[Stroke]:
 
 
 def under(view: JointView) -> Label:
-    """The name of a pin: under the sign of the ground, else beside the pin."""
+    """Return a place for the name of a pin: below the ground symbol, else beside the pin."""
     import numpy as np
 
     if not view.ground[0]:
@@ -180,7 +182,9 @@ def under(view: JointView) -> Label:
 
 
 def rails(view: JointView, direction: tuple[float, float], length: float, gap: float) -> list[Stroke]:
-    """Two rails as far as the journal goes, hatched outside where the guide is the ground's."""
+    """Return two rails along the travel of the journal, hatched outside if the guide belongs to the
+    ground.
+    """
     along = view.along(direction)
     across, reach = left_of(along), view.way(math.atan2(direction[1], direction[0]))
     ends = [
@@ -198,14 +202,16 @@ def rails(view: JointView, direction: tuple[float, float], length: float, gap: f
 
 
 def side_label(view: JointView, direction: tuple[float, float], gap: float) -> Label:
-    """The name of a guide: over its upper rail, or to the right of it."""
+    """Return a place for the name of a guide: above its upper rail, or to the right of a vertical one."""
     across = left_of(view.along(direction))
     across = across * (1.0 if across[1] > 0.3 or (abs(across[1]) <= 0.3 and across[0] > 0.0) else -1.0)
     return Label(view.journal + (gap + (0.05 + 0.03 * abs(across[0])) * view.size) * across, fixed=True)
 
 
 def zigzag(first: Array, second: Array, width: float) -> Array:
-    """Corners of a spring between two points, straight in an eighth at each end, shape (corners, 2)."""
+    """Return the corners of a spring between two points, shape (corners, 2), with a straight eighth at each
+    end.
+    """
     import numpy as np
 
     along = second - first
@@ -217,7 +223,7 @@ def zigzag(first: Array, second: Array, width: float) -> Array:
 
 
 def tangent(first: tuple[Array, float], second: tuple[Array, float], side: float) -> Array:
-    """Ends of the outer tangent of two circles on one side, shape (2, 2)."""
+    """Return the ends of the outer tangent of two circles on one side, shape (2, 2)."""
     import numpy as np
 
     (p, r), (q, s) = first, second

@@ -1,4 +1,4 @@
-"""Constant speed."""
+"""The driver with constant speed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .driver import Driver
 
 @dataclass(frozen=True, kw_only=True)
 class ConstantSpeed(Driver):
-    """speed t; rad/s or m/s."""
+    """A drive with constant speed: speed t; rad/s or m/s."""
 
     kind: ClassVar[str] = "constant-speed"
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {
@@ -25,20 +25,20 @@ class ConstantSpeed(Driver):
     speed: float = quantity("rad/s", "angular velocity", along=quantity("m/s", "velocity"))
 
     def motion(self, offset: float = 0.0) -> Polynomials:
-        """What it prescribes over time (rad or m), ``offset`` added."""
+        """Return the motion over time (rad or m), plus ``offset``."""
         return Polynomials((0.0,), ((offset, self.speed),))
 
     @property
     def largest_speed(self) -> float:
-        """Its speed (rad/s or m/s)."""
+        """The speed (rad/s or m/s), unsigned."""
         return abs(self.speed)
 
     @property
     def steady_speed(self) -> float | None:
-        """Its speed (rad/s or m/s)."""
+        """The speed (rad/s or m/s)."""
         return self.speed
 
     @property
     def words(self) -> str:
-        """What it does, in a few words."""
+        """Description for readers."""
         return f"constant speed {self.speed:.6g} {self.unit}/s"

@@ -1,4 +1,4 @@
-"""What all drivers share."""
+"""Base of all drivers."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Driver(Kind):
-    """What is driven: the angle of ``body``, the travel of the joint ``slider``, or the pin ``point`` along
-    ``direction`` (fixed in space).
+    """Base of all drivers, which act on the angle of ``body``, the travel of the joint ``slider``, or the pin
+    ``point`` along ``direction`` (fixed in space).
 
-    The angle (rad) counts from the body's start angle; a body turns about its one ideal revolute to the
-    ground, or, with ``against``, relative to another body. Travel and path (m) count from the start.
+    The angle (rad) is measured from the body's start angle. A body turns about its one ideal revolute joint
+    to the ground, or relative to the body ``against``. Travel and path (m) are measured from the start.
     """
 
     body: str = described(Text("body"), "the body; the name of the table if left out", "")
@@ -39,62 +39,64 @@ class Driver(Kind):
 
     @property
     def target(self) -> str:
-        """What is driven: "body", "slider" or "point"."""
+        """Type of what is driven: "body", "slider" or "point"."""
         return "slider" if self.slider else "point" if self.point else "body"
 
     @property
     def lead_key(self) -> str:
-        """What a file calls that which tells the kind."""
+        """Key of a model file that determines the kind of driver."""
         return self.lead_keys(self.along)
 
     @classmethod
     def lead_keys(cls, along: bool) -> str:
-        """The same, about an axis or along a line."""
+        """Return that key for a driver along a line (``along``) or about an axis."""
         return next(
             (key_of(field, along) for field in dataclasses.fields(cls) if field.name == cls.lead), cls.lead
         )
 
     @property
     def along(self) -> bool:
-        """Whether it acts along a line, in m or N, not about an axis, in rad or N m."""
+        """Whether the driver acts along a line (m or N) rather than about an axis (rad or N m)."""
         return bool(self.slider or self.point)
 
     def motion(self, offset: float = 0.0) -> Polynomials:
-        """What it prescribes over time (rad or m), ``offset`` added. TypeError where it is no motion."""
+        """Return the prescribed motion over time (rad or m), plus ``offset``. Raises TypeError for a torque
+        or force.
+        """
         raise TypeError(f"{type(self).__name__} prescribes no motion")
 
     def effort(self) -> Polynomials:
-        """Its torque (N m) or force (N). TypeError where it prescribes a motion."""
+        """Return the torque (N m) or force (N). Raises TypeError for a prescribed motion."""
         raise TypeError(f"{type(self).__name__} is no torque and no force")
 
     @property
     def over(self) -> Literal["time", "speed", "angle"]:
-        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start
+        """Argument of the effort: time (s), angular speed of the body (rad/s), or its angle from the start
         (rad).
         """
         return "time"
 
     @property
     def steady(self) -> bool:
-        """Whether its effort does not depend on time."""
+        """Whether the effort is independent of time."""
         return True
 
     @property
     def largest_speed(self) -> float:
-        """Largest speed (rad/s or m/s) that it asks for."""
+        """Largest prescribed speed (rad/s or m/s)."""
         return 0.0
 
     @property
     def steady_speed(self) -> float | None:
-        """Its speed (rad/s or m/s) if that never changes, else None."""
+        """Prescribed speed (rad/s or m/s) if constant, else None."""
         return None
 
     @property
     def unit(self) -> str:
-        """Unit of what it prescribes."""
+        """Unit of the prescribed motion."""
         return "m" if self.along else "rad"
 
     @property
     def words(self) -> str:
-        """What it does, in a few words."""
+        """Description for readers."""
         return self.kind

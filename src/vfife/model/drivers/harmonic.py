@@ -1,4 +1,4 @@
-"""Harmonic motion."""
+"""The driver with harmonic motion."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOTION = "of amplitude [sin(2 pi frequency t + phase) - sin(phase)]"
 
 @dataclass(frozen=True, kw_only=True)
 class Harmonic(Driver):
-    """amplitude [sin(2 pi frequency t + phase) - sin(phase)]; rad or m, Hz, rad."""
+    """A harmonic motion: amplitude [sin(2 pi frequency t + phase) - sin(phase)]; rad or m, Hz, rad."""
 
     kind: ClassVar[str] = "harmonic"
     sample: ClassVar[dict[str, Any]] = {"amplitude": 0.2, "frequency": 3.0}
@@ -27,15 +27,15 @@ class Harmonic(Driver):
     phase: float = quantity("rad", "phase of the amplitude; 0 if left out", 0.0)
 
     def motion(self, offset: float = 0.0) -> Polynomials:
-        """What it prescribes over time (rad or m), ``offset`` added."""
+        """Return the motion over time (rad or m), plus ``offset``."""
         return sine(self.amplitude, self.frequency, self.phase, offset)
 
     @property
     def largest_speed(self) -> float:
-        """Speed in the middle of its swing (rad/s or m/s)."""
+        """Speed (rad/s or m/s) at mid-stroke."""
         return 2.0 * math.pi * self.frequency * abs(self.amplitude)
 
     @property
     def words(self) -> str:
-        """What it does, in a few words."""
+        """Description for readers."""
         return f"harmonic, {self.amplitude:.6g} {self.unit} at {self.frequency:.6g} Hz"

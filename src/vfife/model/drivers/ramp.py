@@ -1,4 +1,4 @@
-"""A smooth ramp to a speed."""
+"""The driver with a smooth run-up."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from .driver import Driver
 
 @dataclass(frozen=True, kw_only=True)
 class Ramp(Driver):
-    """From rest to ``speed`` (rad/s, m/s) within ``duration`` (s): the speed is a fifth-order step, 10 s^3 -
-    15 s^4 + 6 s^5, then constant.
+    """A smooth run-up from rest to ``speed`` (rad/s or m/s) within ``duration`` (s): the speed follows the
+    fifth-order step 10 s^3 - 15 s^4 + 6 s^5 and is constant afterwards.
     """
 
     kind: ClassVar[str] = "ramp"
@@ -26,7 +26,9 @@ class Ramp(Driver):
     duration: float = quantity("s", "time of a smooth ramp from rest to the speed", above=0.0, key="ramp")
 
     def motion(self, offset: float = 0.0) -> Polynomials:
-        """The angle w T (5/2 s^4 - 3 s^5 + s^6), s = t/T, then on at w (rad or m), ``offset`` added."""
+        """Return the motion (rad or m): w T (5/2 s^4 - 3 s^5 + s^6) with s = t/T, then speed w, plus
+        ``offset``.
+        """
         w, t = self.speed, self.duration
         rising = (
             offset,
@@ -41,10 +43,10 @@ class Ramp(Driver):
 
     @property
     def largest_speed(self) -> float:
-        """The speed it ends with (rad/s or m/s)."""
+        """Final speed (rad/s or m/s), unsigned."""
         return abs(self.speed)
 
     @property
     def words(self) -> str:
-        """What it does, in a few words."""
+        """Description for readers."""
         return f"smooth ramp to {self.speed:.6g} {self.unit}/s within {self.duration:.6g} s"

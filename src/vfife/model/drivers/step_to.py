@@ -1,4 +1,4 @@
-"""A smooth step from rest to rest."""
+"""The driver with a smooth step from rest to rest."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ STEEPEST = 1.875  # largest rate of the step 10 s^3 - 15 s^4 + 6 s^5, at its mid
 
 @dataclass(frozen=True, kw_only=True)
 class StepTo(Driver):
-    """From 0 to ``travel`` (rad, m) between ``begin`` and ``begin + duration`` (s), by the step 10 s^3 - 15
-    s^4 + 6 s^5; at rest else.
+    """A smooth step from 0 to ``travel`` (rad or m) between ``begin`` and ``begin + duration`` (s) by 10 s^3
+    - 15 s^4 + 6 s^5, at rest before and after.
     """
 
     kind: ClassVar[str] = "step"
@@ -34,7 +34,7 @@ class StepTo(Driver):
     begin: float = quantity("s", "when the travel begins; 0 if left out", 0.0)
 
     def motion(self, offset: float = 0.0) -> Polynomials:
-        """What it prescribes over time (rad or m), ``offset`` added."""
+        """Return the motion over time (rad or m), plus ``offset``."""
         r, t = self.travel, self.duration
         step = (
             offset,
@@ -48,12 +48,12 @@ class StepTo(Driver):
 
     @property
     def largest_speed(self) -> float:
-        """Speed in the middle of the step (rad/s or m/s)."""
+        """Speed (rad/s or m/s) in the middle of the step."""
         return STEEPEST * abs(self.travel) / self.duration
 
     @property
     def words(self) -> str:
-        """What it does, in a few words."""
+        """Description for readers."""
         return (
             f"smooth step by {self.travel:.6g} {self.unit} from {self.begin:.6g} to"
             f" {self.begin + self.duration:.6g} s"

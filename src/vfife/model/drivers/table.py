@@ -1,4 +1,4 @@
-"""Motion through a table of values."""
+"""The driver with a motion through tabulated values."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from ...schema import Many, Measure, described
 from ..geometry.polynomials import Polynomials, spline
 from .driver import Driver
 
-LOOKS = 1000  # times at which a table is asked for its speed
+LOOKS = 1000  # times at which the speed of a table is evaluated
 
 
 @dataclass(frozen=True, kw_only=True)
 class AngleTable(Driver):
-    """Angle (rad) or travel (m) at given times (s), joined by a cubic spline; the last piece goes on."""
+    """A motion through tabulated angles (rad) or travels (m) at given times (s), interpolated by a cubic
+    spline; the last piece continues beyond the table.
+    """
 
     kind: ClassVar[str] = "table"
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"motion": ()}
@@ -33,12 +35,12 @@ class AngleTable(Driver):
     )
 
     def motion(self, offset: float = 0.0) -> Polynomials:
-        """What it prescribes over time (rad or m), ``offset`` added."""
+        """Return the motion over time (rad or m), plus ``offset``."""
         return spline(self.times, self.values, offset)
 
     @property
     def largest_speed(self) -> float:
-        """Largest speed (rad/s or m/s) on its way, looked for at 1000 times."""
+        """Largest speed (rad/s or m/s) at 1000 equally spaced times of the table."""
         import numpy as np
 
         function = self.motion()
@@ -46,7 +48,7 @@ class AngleTable(Driver):
 
     @property
     def words(self) -> str:
-        """What it does, in a few words."""
+        """Description for readers."""
         return (
             f"table of {len(self.times)} {'travels' if self.unit == 'm' else 'angles'} up to"
             f" {self.times[-1]:.6g} s"

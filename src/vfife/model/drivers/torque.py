@@ -1,4 +1,4 @@
-"""A torque or a force."""
+"""The driver that applies a torque or force."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .driver import Driver
 
 @dataclass(frozen=True, kw_only=True)
 class Torque(Driver):
-    """Torque (N m) on ``body`` (and its opposite on ``against``), or force (N) on ``point`` along
+    """A torque (N m) on ``body`` with its opposite on ``against``, or a force (N) on ``point`` along
     ``direction``.
 
-    A constant, or a table over time (s), over the speed of the body (``speeds``, rad/s: a motor's curve) or
-    over its angle from the start (``angles``, rad). Tables are joined by ``interpolation`` and keep their end
-    values beyond.
+    It is constant, or a table over time (s), over the speed of the body (``speeds``, rad/s: a motor's
+    characteristic) or over its angle from the start (``angles``, rad). ``interpolation`` connects the values
+    of a table; beyond its ends a table keeps its end values.
     """
 
     kind: ClassVar[str] = "effort"
@@ -61,9 +61,7 @@ class Torque(Driver):
     interpolation: Interpolation = described(Choice(INTERPOLATIONS), JOINING, "monotone")
 
     def effort(self) -> Polynomials:
-        """Torque (N m) or force (N): over time (s), speed (rad/s) or angle (rad), whichever it has; else
-        constant.
-        """
+        """Return the torque (N m) or force (N) over time (s), speed (rad/s) or angle (rad), see ``over``."""
         return self._effort
 
     @cached_property
@@ -79,19 +77,19 @@ class Torque(Driver):
 
     @property
     def over(self) -> Literal["time", "speed", "angle"]:
-        """What its effort depends on: time (s), the speed of the body (rad/s), or its angle from the start
+        """Argument of the effort: time (s), angular speed of the body (rad/s), or its angle from the start
         (rad).
         """
         return "speed" if self.speeds is not None else "angle" if self.angles is not None else "time"
 
     @property
     def steady(self) -> bool:
-        """Whether its effort does not depend on time."""
+        """Whether the effort is independent of time."""
         return self.times is None
 
     @property
     def words(self) -> str:
-        """What it does, in a few words."""
+        """Description for readers."""
         what, newton = ("force", "N") if self.point else ("torque", "N m")
         over = (
             " over speed"

@@ -1,5 +1,5 @@
-"""Expressions of one variable, in a grammar of our own: numbers, + - * / ^, parentheses, a few functions. A
-text is parsed, never executed.
+"""Parser of expressions of one variable: numbers, + - * / ^, parentheses and some functions. A text is
+parsed, never executed.
 
     sum      = product {("+" | "-") product}
     product  = signed {("*" | "/") signed}
@@ -7,7 +7,7 @@ text is parsed, never executed.
     power    = value ["^" signed]
     value    = number ["[" unit "]"] | "pi" | variable | function "(" sum {"," sum} ")" | "(" sum ")"
 
-A bare number is in SI units, ``2.5[kN]`` carries its own. ``-2^2`` is -4, and ``2^3^2`` is 2^9.
+A bare number is in SI units; ``2.5[kN]`` has its own. ``-2^2`` is -4, and ``2^3^2`` is 2^9.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 LONGEST, DEEPEST = 1000, 40  # characters; parentheses and powers within each other
 VARIABLES = {"t": "times", "angle": "angles", "x": "travels", "v": "speeds"}
+# Functions by name, with the number of their arguments.
 FUNCTIONS = {
     "sin": 1,
     "cos": 1,
@@ -41,7 +42,7 @@ FUNCTIONS = {
     "step": 1,
     "min": 2,
     "max": 2,
-}  # and how many arguments
+}
 NUMPY_NAMES = {
     "+": "add",
     "-": "subtract",
@@ -49,15 +50,9 @@ NUMPY_NAMES = {
     "/": "divide",
     "min": "minimum",
     "max": "maximum",
-}  # what numpy calls them
-OWN = {
-    "sin": "sin",
-    "cos": "cos",
-    "tan": "tan",
-    "exp": "exp",
-    "log": "log",
-    "^": "power",
-}  # the same bits on every machine: numerics.elementwise
+}
+# Functions of numerics.elementwise, which have the same bits on every machine; numpy computes the others.
+OWN = {"sin": "sin", "cos": "cos", "tan": "tan", "exp": "exp", "log": "log", "^": "power"}
 TOKEN = re.compile(
     r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)|(?P<name>[A-Za-z_]+)|(?P<mark>[-+*/^(),\[])|(?P<other>\S)"
 )
@@ -65,27 +60,27 @@ UNIT = re.compile(r"[^\[\]]{1,40}\]")
 
 
 class Token(NamedTuple):
-    """A word of the text, its kind ("number", "name", "mark", "end") and its column."""
+    """A token of the text: its kind ("number", "name", "mark", "end"), text and column."""
 
     kind: str
     text: str
     column: int
 
     def fault(self, what: str, remedy: str) -> Fault:
-        """A fault at this word."""
+        """Return a fault at this token."""
         return Fault(f"column {self.column}", what, remedy=remedy)
 
 
 @dataclass(frozen=True)
 class Node:
-    """A number, the variable, or what a function makes of others."""
+    """A node of the syntax tree: a number, the variable, or an operator or function with its operands."""
 
     word: str  # "number", "variable", an operator or a function
     value: float = 0.0
     parts: tuple[Node, ...] = ()
 
     def at(self, x: Array) -> Array:
-        """Its values at many places."""
+        """Return the values at many arguments, shape (n,)."""
         import numpy as np
 
         if self.word in ("number", "variable"):
@@ -101,8 +96,8 @@ class Node:
         return values
 
     def switches(self) -> Iterator[Node]:
-        """What changes its sign where a bend or a leap is: arguments of abs and step, differences of those of
-        min and max, denominators.
+        """Yield the nodes whose zeros are kinks or jumps: arguments of abs and step, differences of the
+        arguments of min and max, denominators.
         """
         if self.word in ("abs", "step"):
             yield self.parts[0]
@@ -116,7 +111,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Expression:
-    """A text that was parsed: its tree, and its variable, "" for a constant."""
+    """A parsed text: its tree, and its variable ("" for a constant)."""
 
     text: str
     tree: Node
@@ -124,13 +119,13 @@ class Expression:
 
     @property
     def constant(self) -> float:
-        """Its value where it has no variable."""
+        """Value of an expression without variable."""
         import numpy as np
 
         return float(self(np.zeros(1))[0])
 
     def __call__(self, x: Array) -> Array:
-        """Its values at many places; not finite where it has none."""
+        """Return the values at many arguments, shape (n,); not finite where undefined."""
         import numpy as np
 
         with np.errstate(all="ignore"):
@@ -139,7 +134,7 @@ class Expression:
 
 @lru_cache(maxsize=64)
 def parse(text: str) -> Expression:
-    """The expression of a text. Raises Fault where it is none."""
+    """Return the expression of a text. Raises Fault, with the column, for an invalid one."""
     if len(text) > LONGEST:
         raise Fault(
             f"column {LONGEST}",
@@ -154,14 +149,14 @@ def parse(text: str) -> Expression:
 
 
 class _Parser:
-    """Reads one token after the other."""
+    """Recursive-descent parser with one token of lookahead."""
 
     def __init__(self, text: str) -> None:
         self.text, self.at, self.variable = text, 0, ""
         self.here = self.next()
 
     def next(self) -> Token:
-        """The token that follows."""
+        """Return the next token of the text."""
         while self.at < len(self.text) and self.text[self.at].isspace():
             self.at += 1
         match = TOKEN.match(self.text, self.at)
@@ -171,12 +166,12 @@ class _Parser:
         return Token(str(match.lastgroup), match[0], match.start() + 1)
 
     def take(self) -> Token:
-        """This token, and on to the next."""
+        """Return the current token and advance."""
         token, self.here = self.here, self.next()
         return token
 
     def refuse(self, expected: str, remedy: str) -> None:
-        """Raises Fault: something else stands here."""
+        """Raise Fault: something other than ``expected`` is at the current token."""
         what = (
             f"{expected} is missing at the end"
             if self.here.kind == "end"
@@ -185,13 +180,13 @@ class _Parser:
         raise self.here.fault(what, remedy)
 
     def shallow(self, depth: int) -> None:
-        """Refuses what is nested too deeply."""
+        """Raise Fault if the nesting is too deep."""
         if depth > DEEPEST:
             what = f"more than {DEEPEST} parentheses, signs or powers within each other"
             raise self.here.fault(what, "write it shorter, or give a table")
 
     def sum(self, depth: int) -> Node:
-        """Terms."""
+        """Parse a sum."""
         self.shallow(depth)
         tree = self.product(depth)
         while self.here.text in ("+", "-") and self.here.kind == "mark":
@@ -199,14 +194,14 @@ class _Parser:
         return tree
 
     def product(self, depth: int) -> Node:
-        """Factors."""
+        """Parse a product."""
         tree = self.signed(depth)
         while self.here.text in ("*", "/") and self.here.kind == "mark":
             tree = Node(self.take().text, parts=(tree, self.signed(depth)))
         return tree
 
     def signed(self, depth: int) -> Node:
-        """A power with its sign."""
+        """Parse a power with its sign."""
         if self.here.text in ("+", "-"):
             self.shallow(depth)
             sign = self.take().text
@@ -215,7 +210,7 @@ class _Parser:
         return self.power(depth)
 
     def power(self, depth: int) -> Node:
-        """A value, raised perhaps."""
+        """Parse a value with an optional exponent."""
         self.shallow(depth)
         tree = self.value(depth)
         if self.here.text == "^":
@@ -224,7 +219,7 @@ class _Parser:
         return tree
 
     def value(self, depth: int) -> Node:
-        """A number, the variable, a function, or what stands in parentheses."""
+        """Parse a number, the variable, a function or a parenthesis."""
         token = self.here
         if token.kind == "number":
             return self.number()
@@ -260,7 +255,7 @@ class _Parser:
         return Node("variable")
 
     def number(self) -> Node:
-        """A number, with its unit perhaps."""
+        """Parse a number with an optional unit."""
         token, begin = self.here, self.at
         if self.next_is_bracket():
             unit_match = UNIT.match(self.text, self.text.index("[", begin) + 1)
@@ -277,11 +272,11 @@ class _Parser:
         return Node("number", float(token.text))
 
     def next_is_bracket(self) -> bool:
-        """Whether a unit follows a number."""
+        """Return whether a unit follows the number."""
         return self.text[self.at :].lstrip().startswith("[")
 
     def function(self, token: Token, depth: int) -> Node:
-        """A function of so many arguments."""
+        """Parse the arguments of a function."""
         if self.here.text != "(":
             raise token.fault(f"{token.text} has no argument", f"write {token.text}(...)")
         self.take()
@@ -297,7 +292,7 @@ class _Parser:
         return Node(token.text, parts=tuple(parts))
 
     def close(self) -> None:
-        """A closing parenthesis."""
+        """Parse a closing parenthesis."""
         if self.here.text != ")":
             self.refuse('")"', "close what was opened, and write * between factors")
         self.take()

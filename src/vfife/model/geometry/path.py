@@ -1,4 +1,4 @@
-"""Paths of straight and round pieces that turn no corner: circles, and polylines with rounded corners."""
+"""Paths of straight pieces and arcs without corners: circles, and polylines with rounded corners."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ SHARPEST = math.radians(175.0)  # turn of a corner, beyond which its arc would l
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece from ``begin`` to ``end`` (m), with unit tangents at both and a ``curvature`` (1/m), positive
-    to the left.
+    """A piece from ``begin`` to ``end`` (m) with unit tangents at both and a ``curvature`` (1/m), positive to
+    the left.
 
-    ``opens`` and ``closes``: whether it has a begin and an end; else it goes on beyond it.
+    ``opens`` and ``closes``: whether the piece is limited at its beginning and end; else it continues beyond
+    it.
     """
 
     begin: Point
@@ -29,19 +30,19 @@ class Piece:
     closes: bool = True
 
     def numbers(self) -> Rows:
-        """As the kernels read it."""
+        """Return the piece as the kernels read it."""
         gate = self.end_tangent if self.closes else (0.0, 0.0)
         return (*self.begin, *self.tangent, self.curvature, 1.0 if self.opens else 0.0, *self.end, *gate)
 
     def mirrored(self) -> Piece:
-        """With y turned round."""
+        """Return the piece with y reversed."""
         begin, tangent, end, last = (
             (x, -y) for x, y in (self.begin, self.tangent, self.end, self.end_tangent)
         )
         return Piece(begin, tangent, -self.curvature, end, last, self.opens, self.closes)
 
     def points(self, share: float = 0.1) -> list[Point]:
-        """Points on the piece, some ``share`` rad of its turn apart, its begin and its end among them."""
+        """Return points on the piece at most ``share`` rad of arc apart, including its ends."""
         turn = atan2(_cross(self.tangent, self.end_tangent), _dot(self.tangent, self.end_tangent))
         if self.curvature == 0.0:
             return [self.begin, self.end]
@@ -64,33 +65,31 @@ class Piece:
 
 @dataclass(frozen=True)
 class Path:
-    """Pieces one after the other, each beginning where and as the one before it ends."""
+    """A sequence of pieces, each beginning with the end point and tangent of the one before."""
 
     pieces: tuple[Piece, ...]
 
     def numbers(self) -> list[Rows]:
-        """Of each piece, as the kernels read them."""
+        """Return all pieces as the kernels read them."""
         return [piece.numbers() for piece in self.pieces]
 
     def mirrored(self) -> Path:
-        """With y turned round: left becomes right."""
+        """Return the path with y reversed: left becomes right."""
         return Path(tuple(piece.mirrored() for piece in self.pieces))
 
     def points(self) -> list[Point]:
-        """A polyline near the path."""
+        """Return a polyline close to the path."""
         return [point for piece in self.pieces for point in piece.points()]
 
     def distance(self, x: float, y: float) -> float:
-        """Distance (m) of a point from the path, positive on its left."""
+        """Return the distance (m) of a point from the path, positive on its left."""
         return self.nearest(x, y)[0]
 
     def nearest(self, x: float, y: float) -> tuple[float, float, float]:
-        """Distance (m) of a point from the path, positive on its left, and the path's normal to the left at
-        the foot.
+        """Return the distance (m) of a point from the path, positive on its left, and the left normal of the
+        path at the nearest point.
         """
-        from ...kernels.geometry import (
-            from_path,  # with the arrays of the kernels, which `import vfife` does without
-        )
+        from ...kernels.geometry import from_path  # loads numpy, which `import vfife` avoids
 
         distance, nx, ny = from_path(
             [number for piece in self.numbers() for number in piece], 0, len(self.pieces), x, y
@@ -99,23 +98,23 @@ class Path:
 
     @property
     def sharpest(self) -> float:
-        """Smallest radius (m) of its arcs, infinite where all is straight."""
+        """Smallest radius (m) of its arcs, infinite if all pieces are straight."""
         return min((1.0 / abs(piece.curvature) for piece in self.pieces if piece.curvature), default=math.inf)
 
 
 def circle(centre: Point, radius: float) -> Path:
-    """A circle, run through anticlockwise: its left is inside. It has one piece without begin and end."""
+    """Return an anticlockwise circle, whose left is inside: one unlimited piece."""
     start = (centre[0] + radius, centre[1])
     return Path((Piece(start, (0.0, 1.0), 1.0 / radius, start, (0.0, 1.0), opens=False, closes=False),))
 
 
 def polyline(points: tuple[Point, ...], fillet: float) -> Path:
-    """Straight pieces through the points, each corner between them replaced by an arc of radius ``fillet``
-    (m) that touches both.
+    """Return straight pieces through ``points``, each corner replaced by an arc of radius ``fillet`` (m) that
+    is tangent to both.
 
-    A corner has no tangent, so a pin could not pass it without a blow; of an arc the force is finite. First
-    and last piece go on beyond their ends. Raises ValueError where points coincide, a corner turns back, or a
-    fillet takes more than the pieces beside it have.
+    A pin cannot pass a corner without an impact; on an arc its force is finite. First and last piece continue
+    beyond their ends. Raises ValueError for coinciding points, for a corner that turns back, and for a fillet
+    longer than its pieces.
     """
     if len(points) < 2:
         raise ValueError(f"a path needs two points at least, not {len(points)}; give more")
@@ -148,7 +147,7 @@ def polyline(points: tuple[Point, ...], fillet: float) -> Path:
 
 
 def _arc_length_share(turn: float, fillet: float, number: int) -> float:
-    """Length (m) that the arc in a corner takes of both pieces beside it."""
+    """Return the length (m) that the arc of a corner takes from each adjacent piece."""
     if abs(turn) > SHARPEST:
         raise ValueError(
             f"the path turns back at point {number}, by {math.degrees(abs(turn)):.4g} degrees; at most 175"

@@ -1,4 +1,4 @@
-"""Piecewise polynomials, the form in which kernels evaluate functions of time, of a speed or of an angle."""
+"""Piecewise polynomials: the form in which kernels evaluate functions of time, speed, angle or travel."""
 
 from __future__ import annotations
 
@@ -15,27 +15,24 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-KINK = (
-    1e-6  # jump, over the size of a piece's value, slope and curvature, from which two pieces meet in a kink
-)
-ENDS = (
-    *((at, order) for at in (0.0, 1.0) for order in (0, 1, 2)),
-    (0.5, 0),
-)  # where a piece of a sine has its value or a derivative
-# a period: of degree 6 through value, rate and second derivative, they are right to 1e-15 of the amplitude
+# Smaller jumps, relative to the value, slope and curvature of a piece, are rounding errors and make no kink.
+KINK = 1e-6
+# Conditions of a piece of a sine: place in the piece, and order of the derivative that it matches there.
+ENDS = (*((at, order) for at in (0.0, 1.0) for order in (0, 1, 2)), (0.5, 0))
+# Pieces in a period; with degree 6 they agree with the sine to 1e-15 of its amplitude.
 HARMONIC_PIECES = 128
 
 
 @dataclass(frozen=True)
 class Polynomials:
-    """Pieces: start times (s), ascending, and coefficients, seven each, constant first, time counted from the
-    piece's start.
+    """A piecewise polynomial: ascending start times (s) and coefficients, up to seven each, constant first,
+    in the time since the piece's start.
 
-    With a ``period`` (s) the function repeats itself; the pieces then cover [0, period). A kink is where the
-    value jumps, or one of its derivatives up to ``order``: 2 for motions, whose acceleration must not jump
-    unseen; 0 for forces, of which steps take the sum as the trapezoidal rule does, to second order over bends
-    too. ``breaks``: pieces that begin with a kink whatever they are; ``edges``: those that may begin with a
-    kink or a bend, all unless said.
+    With a ``period`` (s) the function is periodic and the pieces cover [0, period). A kink is a jump of the
+    value or of a derivative up to ``order``: 2 for motions, because steps must notice jumps of the
+    acceleration; 0 for forces, which the trapezoidal rule integrates to second order across jumps of the
+    slope. ``breaks``: pieces that always begin with a kink; ``edges``: pieces that may begin with a kink or a
+    jump of the slope, by default all.
     """
 
     starts: tuple[float, ...]
@@ -46,7 +43,7 @@ class Polynomials:
     edges: tuple[int, ...] | None = None
 
     def table(self) -> NDArray[np.float64]:
-        """As the kernels read it."""
+        """Return the function as the kernels read it."""
         return self._table.copy()
 
     @cached_property
@@ -69,7 +66,7 @@ class Polynomials:
 
     @cached_property
     def _lengths(self) -> NDArray[np.float64]:
-        """Lengths of the pieces; of the last one that goes on for ever, that of all others together."""
+        """Lengths of the pieces; that of an unlimited last piece is the total length of all others."""
         import numpy as np
 
         last = (
@@ -81,10 +78,10 @@ class Polynomials:
 
     @cached_property
     def _jumps(self) -> NDArray[np.float64]:
-        """By how much value, slope and curvature jump where each piece begins, shape (pieces, 3); 0 for what
-        is next to nothing.
+        """Jumps of value, slope and curvature at the beginning of each piece, shape (pieces, 3); negligible
+        ones are 0.
 
-        At the first piece that is where a function that repeats itself begins anew; of others nothing.
+        The first row is the jump between two periods; without a period it is 0.
         """
         import numpy as np
 
@@ -92,7 +89,9 @@ class Polynomials:
             return self._jumped(np.roll(self._lengths, 1), np.roll(self._rows, 1, axis=0))
 
     def _jumped(self, lengths: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The jumps, of the pieces before as they end."""
+        """Return the jumps from the ends of the previous pieces, given by their ``lengths`` and coefficients
+        ``ends``.
+        """
         import numpy as np
 
         value, rate, half = (np.zeros(len(self.starts)) for _ in range(3))
@@ -114,9 +113,7 @@ class Polynomials:
 
     @cached_property
     def _kinked(self) -> NDArray[np.bool_]:
-        """Whether each piece begins with a kink: a jump of the value, or of a derivative up to the ``order``,
-        or a break.
-        """
+        """Whether each piece begins with a kink or a break."""
         import numpy as np
 
         kinked: NDArray[np.bool_] = np.asarray((self._jumps[:, : self.order + 1] > 0.0).any(axis=1))
@@ -125,8 +122,8 @@ class Polynomials:
 
     @cached_property
     def bends(self) -> tuple[tuple[float, float], ...]:
-        """Where the slope jumps without a kink, with the jump over the mean length of the two pieces: a
-        second derivative for their sum.
+        """Places where the slope jumps without a kink, each with the jump over the mean length of the two
+        pieces: an equivalent second derivative for the error of sums.
         """
         import numpy as np
 
@@ -141,7 +138,7 @@ class Polynomials:
 
     @cached_property
     def kinks(self) -> tuple[float, ...]:
-        """Begins of the pieces that meet the one before in a kink, those of the first period only."""
+        """Beginnings of the pieces with a kink, of the first period only."""
         counts = self._table[-len(self.starts) :]
         inside = [
             start
@@ -152,7 +149,7 @@ class Polynomials:
         return (self.starts[0], *inside) if again else tuple(inside)
 
     def sampled(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Value and first two derivatives at many times, shape (times, 3)."""
+        """Return the value and two derivatives at many times, shape (times, 3)."""
         import numpy as np
 
         if self.period is not None:
@@ -167,15 +164,13 @@ class Polynomials:
         return np.stack([value, rate, 2.0 * half], axis=1)
 
     def __call__(self, time: float) -> tuple[float, float, float]:
-        """Value and first two derivatives, as the step evaluates them."""
+        """Return the value and two derivatives, as a step evaluates them."""
         value, rate, second, _ = polynomial(self._table, 0, time)
         return float(value), float(rate), float(second)
 
 
 def moved(function: Polynomials, by: float) -> Polynomials:
-    """The function with its argument counted from ``by``: f(x - by). Pieces of one that repeats itself still
-    begin in [0, period).
-    """
+    """Return f(x - ``by``). The pieces of a periodic function still begin in [0, period)."""
     if function.period is None:
         return replace(function, starts=tuple(start + by for start in function.starts))
     period, count = function.period, len(function.starts)
@@ -193,12 +188,12 @@ def moved(function: Polynomials, by: float) -> Polynomials:
 
 
 def raised(function: Polynomials, by: float) -> Polynomials:
-    """The function with a constant added."""
+    """Return the function plus a constant."""
     return replace(function, coefficients=tuple((row[0] + by, *row[1:]) for row in function.coefficients))
 
 
 def recentred(coefficients: tuple[float, ...], at: float) -> tuple[float, ...]:
-    """The polynomial in x + at, for x."""
+    """Return the coefficients of the polynomial in x + ``at``, for x."""
     rows = list(coefficients)
     for k in range(len(rows) - 1):
         for m in range(len(rows) - 2, k - 1, -1):
@@ -207,7 +202,9 @@ def recentred(coefficients: tuple[float, ...], at: float) -> tuple[float, ...]:
 
 
 def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 0.0) -> Polynomials:
-    """Natural cubic spline through the points; a straight line through two. Needs ascending times."""
+    """Return the natural cubic spline through the points; a straight line through two. Needs
+    ascending times.
+    """
     if len(times) == 2:
         slope = (values[1] - values[0]) / (times[1] - times[0])
         return Polynomials((times[0],), ((values[0] + offset, slope),))
@@ -216,33 +213,29 @@ def spline(times: tuple[float, ...], values: tuple[float, ...], offset: float = 
 
 
 def clamped(places: tuple[float, ...], values: tuple[float, ...]) -> Polynomials:
-    """The spline through the points, which keeps its end values beyond its ends."""
+    """Return the spline through the points, constant beyond its ends."""
     inside = spline(places, values)
     starts = (float(places[0]) - 1.0, *inside.starts, float(places[-1]))
     return Polynomials(starts, ((float(values[0]),), *inside.coefficients, (float(values[-1]),)))
 
 
 def constant(value: float) -> Polynomials:
-    """A constant."""
+    """Return a constant function."""
     return Polynomials((0.0,), ((value,),))
 
 
 def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) -> Polynomials:
-    """offset + amplitude [sin(2 pi frequency t + phase) - sin(phase)].
+    """Return offset + amplitude [sin(2 pi frequency t + phase) - sin(phase)].
 
-    Pieces of degree 6 with the value, rate and second derivative of the sine at both ends, and its value in
-    the middle.
+    Its pieces of degree 6 match the value and two derivatives of the sine at both ends, and its value in the
+    middle.
     """
     import numpy as np
 
     from ...numerics.dense import solve
 
-    amplitude, frequency, phase, offset = (
-        float(amplitude),
-        float(frequency),
-        float(phase),
-        float(offset),
-    )  # of one mechanism, not of many
+    # Scalars of one mechanism; a batch of mechanisms calls this function for each.
+    amplitude, frequency, phase, offset = map(float, (amplitude, frequency, phase, offset))
     h, time = 2.0 * math.pi / HARMONIC_PIECES, 1.0 / (frequency * HARMONIC_PIECES)
     quarters = [0.5 * math.pi * order for _, order in ENDS]
     matrix = np.array(
@@ -251,11 +244,9 @@ def sine(amplitude: float, frequency: float, phase: float, offset: float = 0.0) 
             for at, order in ENDS
         ]
     )
-    shares, scales, conditions = (
-        [at * h for at, _ in ENDS],
-        [integer_power(h, order) for _, order in ENDS],
-        [],
-    )
+    shares = [at * h for at, _ in ENDS]
+    scales = [integer_power(h, order) for _, order in ENDS]
+    conditions = []
     for piece in range(HARMONIC_PIECES):
         begin = piece * h + phase
         conditions.append(

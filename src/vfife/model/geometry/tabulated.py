@@ -1,4 +1,4 @@
-"""Functions given by tables or expressions, as pieces of polynomials."""
+"""Functions given by tables or expressions, as piecewise polynomials."""
 
 from __future__ import annotations
 
@@ -25,9 +25,7 @@ JOINING = (
     " and may overshoot"
 )
 GAP_RANGES = 64.0  # ranges of a table by which that of the way back lies before that of the way out
-CLOSED = (
-    1e-8  # of the largest value, by which the first and the last value of a table that repeats may differ
-)
+CLOSED = 1e-8  # largest difference of first and last value of a periodic table, over its largest value
 
 Places = Sequence[float]
 Rows = tuple[tuple[float, ...], ...]
@@ -36,12 +34,11 @@ Rows = tuple[tuple[float, ...], ...]
 def rows_between(
     places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False
 ) -> Rows:
-    """Coefficients, constant first, of the piece from each place to the next.
+    """Return the coefficients, constant first, of the polynomial from each place to the next.
 
-    ``monotone``: cubic pieces after Fritsch and Carlson (1980), which rise only where the values do and never
-    leave them; ``linear``; ``spline``: a cubic spline with steady curvature, natural at its ends, which may
-    overshoot. Pieces of a table that is ``repeated`` meet at its ends as they do inside. Needs at least two
-    ascending places.
+    ``monotone``: cubic pieces after Fritsch and Carlson (1980), monotone where the values are, without
+    overshoot; ``linear``; ``spline``: a cubic spline with continuous curvature, natural at its ends, which
+    may overshoot. A ``repeated`` table is continued periodically. Needs at least two ascending places.
     """
     count = len(places) - 1
     if how == "linear" or (count == 1 and not repeated):
@@ -65,10 +62,10 @@ def rows_between(
 
 @dataclass(frozen=True)
 class Pieces:
-    """Polynomials over a range: where each begins, its coefficients from there, constant first, and where the
-    last one ends.
+    """Polynomials over a range: the beginning of each, its coefficients from there (constant first), and the
+    end of the last.
 
-    ``edges`` are those at whose begin the function may leap or bend; all but the first unless said.
+    ``edges`` are the pieces at whose beginning the function may jump or kink; by default all but the first.
     """
 
     starts: tuple[float, ...]
@@ -78,17 +75,17 @@ class Pieces:
 
     @property
     def inner(self) -> tuple[int, ...]:
-        """The pieces at whose begin the function may leap or bend."""
+        """Indices of the pieces at whose beginning the function may jump or kink."""
         return tuple(range(1, len(self.starts))) if self.edges is None else self.edges
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Its first and its last value."""
+        """First and last value."""
         return self.rows[0][0], polynomial_at(self.rows[-1], self.end - self.starts[-1])
 
     @property
     def largest(self) -> float:
-        """Its largest absolute value where pieces begin and end."""
+        """Largest absolute value at the ends of pieces."""
         return max(abs(value) for value in (*(row[0] for row in self.rows), self.ends[1]))
 
     @property
@@ -98,7 +95,7 @@ class Pieces:
 
 
 def polynomial_at(row: tuple[float, ...], x: float) -> float:
-    """Value of a polynomial, constant first."""
+    """Return the value of a polynomial, constant first."""
     value = 0.0
     for c in reversed(row):
         value = value * x + c
@@ -108,7 +105,7 @@ def polynomial_at(row: tuple[float, ...], x: float) -> float:
 def table(
     places: Places, values: Places, how: Interpolation = "monotone", *, repeated: bool = False
 ) -> Pieces:
-    """A table's pieces, as :func:`rows_between` has them."""
+    """Return the pieces of a table; arguments as in :func:`rows_between`."""
     return Pieces(
         tuple(map(float, places[:-1])),
         rows_between(places, values, how, repeated=repeated),
@@ -117,17 +114,15 @@ def table(
 
 
 def held(pieces: Pieces) -> Polynomials:
-    """A force that keeps its end values beyond its ends."""
+    """Return the function that keeps its end values beyond its ends."""
     first, last = pieces.ends
-    starts, rows = (
-        (pieces.starts[0] - pieces.span, *pieces.starts, pieces.end),
-        ((first,), *pieces.rows, (last,)),
-    )
+    starts = (pieces.starts[0] - pieces.span, *pieces.starts, pieces.end)
+    rows = ((first,), *pieces.rows, (last,))
     return Polynomials(starts, rows, order=0, edges=(1, *(k + 1 for k in pieces.inner), len(starts) - 1))
 
 
 def repeated(pieces: Pieces) -> Polynomials:
-    """A force that repeats itself, from the first place to the last."""
+    """Return the function continued periodically."""
     starts = tuple(start - pieces.starts[0] for start in pieces.starts)
     return moved(
         Polynomials(starts, pieces.rows, pieces.span, order=0, edges=(0, *pieces.inner)), pieces.starts[0]
@@ -135,11 +130,11 @@ def repeated(pieces: Pieces) -> Polynomials:
 
 
 def two_ways(out: Pieces, back: Pieces) -> tuple[Polynomials, float]:
-    """A force over a travel on the way out and on the way back, and the gap (m) by which the second lies
-    before the first.
+    """Return a function of the travel with different values on the forward and the return stroke, and the gap
+    (m) by which the part for the return stroke lies before the other.
 
-    Each keeps its end values beyond its ends; between them is a kink, so that a step in which the way changes
-    is taken in parts.
+    Each part keeps its end values beyond its ends. Between the parts is a kink, so that a step in which the
+    direction reverses is divided.
     """
     gap = GAP_RANGES * out.span
     before, after = moved(held(back), -gap), held(out)
@@ -156,31 +151,33 @@ def two_ways(out: Pieces, back: Pieces) -> tuple[Polynomials, float]:
 
 
 def closes(values: Places) -> bool:
-    """Whether a table's first and last values are the same."""
+    """Return whether the first and last value of a table agree."""
     return abs(values[-1] - values[0]) <= CLOSED * max(abs(value) for value in values)
 
 
 def full_turns(angles: Places) -> bool:
-    """Whether a table's angles (rad) go round once, or a whole number of times."""
+    """Return whether the angles (rad) of a table cover a whole number of turns."""
     turns = (angles[-1] - angles[0]) / (2.0 * math.pi)
     return round(turns) >= 1 and abs(turns - round(turns)) < 1e-9
 
 
-RIGHT = 1e-9  # of the largest value: by how much a piece may miss the function
-ROUGH = 1e-6  # the same where halving comes to an end: beside the root of a square root, say
-GRID = 4001  # places at which a range is looked through for signs that change
+RIGHT = 1e-9  # error of a piece that is accepted, over the largest value of the function
+ROUGH = 1e-6  # error that is accepted in a piece that cannot be halved, such as next to the root of sqrt(x)
+GRID = 4001  # places at which a range is searched for changes of sign
 MOST = 4000  # pieces
-COUNT, LOOKED = 7, 23  # places in a piece that its polynomial goes through, and at which it is checked
+COUNT, LOOKED = 7, 23  # places of a piece that its polynomial interpolates, and at which its error is checked
 
 
 class SamplingError(ValueError):
-    """A function that polynomials cannot follow, and where."""
+    """A function that polynomials cannot approximate, and where."""
 
 
 @lru_cache(maxsize=64)
 def sampled(text: str, first: float, last: float) -> Pieces:
-    """An expression over a range as pieces. Raises Fault for a text that is none, and SamplingError where
-    pieces cannot follow it.
+    """Return an expression over a range as pieces, each halved until it agrees with the expression.
+
+    Raises Fault for an invalid text, and SamplingError, with the place, if the function is singular, jumps
+    without a known switch or oscillates too much.
     """
     import numpy as np
 
@@ -221,10 +218,9 @@ def sampled(text: str, first: float, last: float) -> Pieces:
 
 @lru_cache(maxsize=1)
 def scheme() -> tuple[Array, Array, Array, Array]:
-    """In a piece from 0 to 1: places of values, the matrix from these to coefficients, places of checks, that
-    from coefficients to values there.
-
-    No place is at its ends, where the function may leap.
+    """Return the interpolation scheme of a piece from 0 to 1: places of values, the matrix from values to
+    coefficients, places of checks, the matrix from coefficients to values there. No place is at an end, where
+    the function may jump.
     """
     import numpy as np
 
@@ -238,8 +234,8 @@ def scheme() -> tuple[Array, Array, Array, Array]:
 
 
 def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tuple[tuple[float, ...], float]:
-    """Coefficients of a polynomial from one place to another, and by how much it misses the function;
-    infinite where that has no value.
+    """Return the polynomial from ``low`` to ``high`` and its largest error at the places of checks; infinite
+    where the function is undefined.
     """
     import numpy as np
 
@@ -258,8 +254,8 @@ def fitted(expression: Callable[[Array], Array], low: float, high: float) -> tup
 def missed_between(
     row: tuple[float, ...], low: float, grid: Array, values: Array, first: int, last: int
 ) -> float:
-    """By how much a polynomial from ``low`` on misses values of the grid within its piece: a pulse may lie
-    between those of :func:`fitted`.
+    """Return the largest error of a polynomial from ``low`` at the grid points of its piece: a pulse may lie
+    between the places of :func:`fitted`.
     """
     import numpy as np
 
@@ -270,7 +266,7 @@ def missed_between(
 
 
 def breaks(expression: Expression, grid: Array) -> list[float]:
-    """Where the function may bend or leap: between two places of the grid, to the last bit."""
+    """Return where the function may kink or jump between points of the grid, to the last bit."""
     import numpy as np
 
     places = set()
@@ -284,7 +280,7 @@ def breaks(expression: Expression, grid: Array) -> list[float]:
 
 
 def crossing(function: Callable[[Array], Array], low: float, high: float) -> float:
-    """Where a function that changes its sign between two places does so, by bisection."""
+    """Return the zero of a function that changes sign between two places, by bisection."""
     import numpy as np
 
     below = float(function(np.array([low]))[0]) < 0.0

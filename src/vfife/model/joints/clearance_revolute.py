@@ -19,12 +19,13 @@ LARGE_BEARING = 0.03  # bearing radius, as a share of the drawing, from which it
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceRevolute(Contact):
-    """Bearing and journal collide: free flight, impact and continuous contact (Eq. 18-25).
+    """A revolute joint with clearance: free flight, impact and continuous contact of journal and bearing (Eq.
+    18-25).
 
-    ``clearance`` c = R_B - R_J, ``bearing_radius`` R_B and ``axial_length`` in m. ``friction_moment``:
-    friction acts at the surfaces, with arms R_J - delta/2 and R_B + delta/2 (``mid-overlap``), R_J and R_B
-    (``surface``), or at the particles alone (``off``, as the paper seems to do; the sliding velocity then
-    leaves the turning of the surfaces out). ``landing_depth`` is c/20 unless given.
+    ``clearance`` c = R_B - R_J, ``bearing_radius`` R_B and ``axial_length`` are in m. ``friction_moment``:
+    friction acts at the surfaces, with arms R_J - delta/2 and R_B + delta/2 (``mid-overlap``) or R_J and R_B
+    (``surface``), or at the particles (``off``, presumably as in the paper; the sliding speed then excludes
+    the rotation of the surfaces). ``landing_depth`` defaults to c/20.
     """
 
     kind: ClassVar[str] = "clearance"
@@ -39,7 +40,7 @@ class ClearanceRevolute(Contact):
     bearing_radius: float = quantity("m", "radius of the bearing", above=0.0)
 
     def conflicts(self) -> Iterator[Fault]:
-        """The journal is smaller than its bearing, and something of it remains."""
+        """Yield a fault for a clearance that leaves no journal."""
         yield from super().conflicts()
         if None not in (self.clearance, self.bearing_radius) and self.clearance >= self.bearing_radius:
             limit = f"above 0 m and below bearing_radius = {self.bearing_radius:g} m"
@@ -47,7 +48,9 @@ class ClearanceRevolute(Contact):
             yield Fault(("clearance",), "as large as the bearing: no journal is left", "", limit, remedy)
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
-        """The two surfaces, with the bodies' materials where the joint names none."""
+        """Return the two surfaces; ``bearing`` and ``journal`` are the bodies' materials, used where the
+        joint names none.
+        """
         return Pair(
             self.bearing_radius,
             self.clearance,
@@ -57,17 +60,19 @@ class ClearanceRevolute(Contact):
         )
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
-        """A journal in its bearing."""
+        """Return the contact of the journal in its bearing."""
         return (
             Touching("bearing", self.clearance, (self.bearing_radius, self.bearing_radius - self.clearance)),
         )
 
     def ideal(self) -> IdealRevolute:
-        """The joint without play."""
+        """Return the ideal revolute joint."""
         return IdealRevolute(name=self.name, bearing=self.bearing, journal=self.journal)
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """A ring with a dot, or two circles where they are large enough to be seen; the ground under it."""
+        """Return a ring with a dot, or two circles if they are large enough to be seen, and the ground
+        symbol.
+        """
         strokes = standing(view)
         if self.bearing_radius * view.factor > LARGE_BEARING * view.size:
             strokes.append(ring(view.bearing, view.factor * self.bearing_radius, width=1.8, rank=4.0))
@@ -83,5 +88,5 @@ class ClearanceRevolute(Contact):
 
     @property
     def drawn(self) -> Extent:
-        """The bearing around its pin."""
+        """Extent of the bearing around its pin."""
         return Extent(bearing=self.bearing_radius)

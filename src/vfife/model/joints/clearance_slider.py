@@ -1,4 +1,4 @@
-"""The block with play in a straight guide."""
+"""The slider with clearance."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from .slider import Slider
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceSlider(Contact):
-    """A block with play in a straight guide: its four corners meet the two walls.
+    """A block with clearance in a straight guide: its four corners may touch the two walls.
 
-    The guide's middle line runs through the bearing's pin along ``direction`` (in the frame of the bearing's
-    body); the journal's pin is the middle of the block. ``clearance`` (m) is the gap on each side of the
-    centred block, ``length`` and ``height`` (m) are those of the block along and across the guide, whose
-    walls are ``height + 2 clearance`` apart. ``corner_radius`` (m) rounds the corners for the contact law.
-    The block lies along the guide at the start; ``landing_depth`` is c/20 unless given.
+    The centre line of the guide passes through the bearing's pin along ``direction`` (in the frame of the
+    bearing's body); the journal's pin is the centre of the block. ``clearance`` (m) is the gap on each side
+    of the centred block, ``length`` and ``height`` (m) are the sizes of the block along and across the guide,
+    whose walls are ``height + 2 clearance`` apart. ``corner_radius`` (m) is the radius of the corners in the
+    contact law. At the start the block is parallel to the guide. ``landing_depth`` defaults to c/20.
     """
 
     kind: ClassVar[str] = "clearance-slider"
@@ -43,7 +43,7 @@ class ClearanceSlider(Contact):
     corner_radius: float = quantity("m", "radius of the block's corners", 1e-3, above=0.0)
 
     def conflicts(self) -> Iterator[Fault]:
-        """Its corners fit on the block."""
+        """Yield a fault for corners larger than the block."""
         yield from super().conflicts()
         sizes, r = (self.length, self.height), self.corner_radius
         if None not in (*sizes, r) and r > 0.5 * min(sizes):
@@ -54,15 +54,15 @@ class ClearanceSlider(Contact):
             )
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
-        """A rounded corner on a straight wall."""
+        """Return the surfaces: a rounded corner on a flat wall."""
         materials = (self.bearing_material or bearing, self.journal_material or journal)
         return Pair(
             math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.corner_radius
         )
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
-        """The four corners of the block, rear and front, at the wall to the left of the guide's direction and
-        at that to its right.
+        """Return the contacts of the four corners: rear and front at the wall to the left of the guide's
+        direction, then at the wall to its right.
         """
         x, y = Across(self.direction).unit()
         s, c = sincos(turned)
@@ -76,16 +76,16 @@ class ClearanceSlider(Contact):
         return tuple(touchings)
 
     def ideal(self) -> Slider:
-        """The joint without play."""
+        """Return the ideal slider."""
         return Slider(name=self.name, bearing=self.bearing, journal=self.journal, direction=self.direction)
 
     @property
     def words(self) -> str:
-        """What it is, in a word or two."""
+        """Name of the joint for readers."""
         return "clearance slider"
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """The walls, and the block as it lies between them."""
+        """Return the walls, and the block at its angle between them."""
         length, height = view.factor * self.length, view.factor * self.height
         lies = (
             view.angles[1]
@@ -97,10 +97,10 @@ class ClearanceSlider(Contact):
         return [*rails(view, self.direction, length, 0.5 * height + view.factor * self.clearance), block]
 
     def label(self, view: JointView) -> Label:
-        """Beside the guide."""
+        """Return a place beside the guide."""
         return side_label(view, self.direction, view.factor * (0.5 * self.height + self.clearance))
 
     @property
     def drawn(self) -> Extent:
-        """The block and its walls around the journal's pin."""
+        """Extent of the block and its walls around the journal's pin."""
         return Extent(journal=0.5 * hypot(self.length, self.height) + self.clearance)

@@ -1,4 +1,4 @@
-"""What joints with play share."""
+"""Base of all joints with clearance."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ FrictionMoment = Literal["mid-overlap", "surface", "off"]
 
 @dataclass(frozen=True, kw_only=True)
 class Contact(Joint):
-    """What all contacts with play share: surfaces, laws, and when a first contact counts as deep.
+    """Base of all joints with clearance: surfaces, laws, and the depth from which a first contact counts as
+    deep.
 
-    ``impact_speed_floor`` (m/s) bounds the impact speed from below; a first contact that lands deeper than
-    ``landing_depth`` (m) is counted, and shortens an automatic step. Friction acts in the middle of the
-    overlap, at both surfaces, or, with ``friction_moment`` off, at the journal's centre (of a block, at those
-    of its corners), so that it does not turn the round.
+    ``impact_speed_floor`` (m/s) is the lower bound of the impact speed in the damping term. A first contact
+    deeper than ``landing_depth`` (m) is counted, and shortens an automatic step. Friction acts in the middle
+    of the overlap, at both surfaces or, with ``friction_moment = "off"``, at the journal's centre (of a
+    block: at the centres of its corners), where it exerts no moment on the round.
     """
 
     axial_length: float = quantity("m", "length of the surfaces along the axis", 0.02, above=0.0)
@@ -60,15 +61,15 @@ class Contact(Joint):
     )
 
     sizes: ClassVar[tuple[str, ...]] = ()  # fields of its own that a description of the joint lists
-    extent: ClassVar[tuple[str, str]] = (
-        "",
-        "",
-    )  # the field of the size (m) that no contact in a sound run is as deep as, and its name
+    # Field with the size (m) that no contact of a sound run penetrates, and its description.
+    extent: ClassVar[tuple[str, str]] = ("", "")
 
     keeps_profile: ClassVar[bool] = False  # whether its surfaces may have a worn profile
 
     def conflicts(self) -> Iterator[Fault]:
-        """What wears slides on its surface, without a film."""
+        """Yield a fault for wear of a film, wear without friction moment, and a profile that the joint cannot
+        have.
+        """
         if self.wear is None:
             return
         yield from self.wear.conflicts()
@@ -97,30 +98,32 @@ class Contact(Joint):
 
     @property
     def landing(self) -> float:
-        """Depth (m) at which a first contact may land."""
+        """Depth (m) of a first contact from which it counts as deep."""
         return self.landing_depth if self.landing_depth is not None else self.usual_landing
 
     @property
     def usual_landing(self) -> float:
-        """The same where nothing is given: c/20."""
+        """Default of ``landing_depth`` (m): clearance/20."""
         return float(getattr(self, "clearance")) / 20.0  # noqa: B009 - of all but external contacts
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
-        """The two surfaces, with the bodies' materials where the joint names none."""
+        """Return the two surfaces; ``bearing`` and ``journal`` are the bodies' materials, used where the
+        joint names none.
+        """
         raise NotImplementedError
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
-        """Where the surfaces can touch; ``turned`` (rad) is the angle of the bearing's body less that of the
-        journal's, at the start.
+        """Return the places of contact; ``turned`` (rad) is the start angle of the bearing's body minus that
+        of the journal's.
         """
         raise NotImplementedError
 
     @property
     def reach(self) -> float:
-        """Depth (m) that no contact has in a sound run."""
+        """Depth (m) that no contact of a sound run reaches."""
         return float(getattr(self, self.extent[0]))
 
     @property
     def deepest_start(self) -> tuple[float, str]:
-        """Depth (m) at the start beyond which no contact law is meant, half the extent, and what it is."""
+        """Largest depth (m) at the start for which contact laws are valid, and its description."""
         return 0.5 * self.reach, f"half {self.extent[1]} of {self.reach:g} m"

@@ -1,5 +1,5 @@
-"""A pin in a curved slot, ideal and with play. The slot is a circle, or a polyline with rounded corners, in
-the frame of the bearing's body.
+"""A pin in a curved slot, ideal and with clearance. The slot is a circle or a polyline with rounded corners,
+fixed in the frame of the bearing's body.
 """
 
 from __future__ import annotations
@@ -28,41 +28,43 @@ FILLET = "radius of the arcs that round the corners of a polyline"
 
 
 class Slot:
-    """What slots with and without play share: a path from whose begin the journal's pin starts."""
+    """Base of slots with and without clearance: a path, at whose beginning the journal's pin is
+    first placed.
+    """
 
     @property
     def half_width(self) -> float:
-        """Half the distance of its walls (m); 0 without play."""
+        """Half the distance of its walls (m); 0 without clearance."""
         return 0.0
 
     @property
     def path(self) -> Path:
-        """The middle of the slot. Raises Fault where its sizes make none, or leave no wall inside an arc."""
+        """Centre line of the slot. Raises Fault if its sizes make no path, or leave no wall inside an arc."""
         return slot_path(self, self.half_width)  # type: ignore[arg-type]
 
     @property
     def first_place(self) -> Point:
-        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's (m)."""
+        """First guess of the journal's pin (m), from the bearing's pin."""
         return self.path.pieces[0].begin
 
     def label(self, view: JointView) -> Label:
-        """Above the pin."""
+        """Return a place above the pin."""
         return Label(view.journal + (0.0, LABEL * view.size), fixed=True)
 
     @property
     def drawn(self) -> Extent:
-        """The path; its pin may be far from it."""
+        """Extent of the path, which the bearing's pin may be far from."""
         return Extent(tuple(self.path.points()), None, self.half_width)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CurvedSlot(Slot, Joint):
-    """The journal's pin does not leave a path that is fixed in the bearing's body, and its body turns freely.
+    """A pin that stays on a path fixed in the bearing's body, while its own body turns freely.
 
-    The path is a circle of ``radius`` (m) about ``centre``, or runs through ``points``, whose corners are
-    rounded by arcs of radius ``fillet`` (m), so that it has a tangent everywhere; its first and last piece go
-    on beyond their ends. Centre and points (m) count from the bearing's pin, in the frame of its body. Where
-    a straight piece meets an arc the curvature jumps, and with it the force m v^2/R: the pin feels no blow.
+    The path is a circle of ``radius`` (m) about ``centre``, or connects ``points`` with corners rounded to
+    arcs of radius ``fillet`` (m), so that it has a tangent everywhere; its first and last piece continue
+    beyond their ends. Centre and points (m) are measured from the bearing's pin, in the frame of its body.
+    Where a straight piece meets an arc the curvature jumps, and with it the force m v^2/R, without an impact.
     """
 
     kind: ClassVar[str] = "curved-slot"
@@ -74,20 +76,20 @@ class CurvedSlot(Slot, Joint):
     fillet: float = quantity("m", FILLET, 0.0, low=0.0)
 
     def conflicts(self) -> Iterator[Fault]:
-        """Its sizes make a path."""
+        """Yield a fault if the sizes make no path."""
         yield from no_path(self, 0.0)
 
     def rows(self) -> tuple[Row, ...]:
-        """A pin on a path."""
+        """Return the row of a pin on a path."""
         return (OnPath(self.path),)
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Name of the joint for readers."""
         return "pin in a curved slot"
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """The two walls, and the pin between them."""
+        """Return the two walls, and the pin between them."""
         return [
             *walls(view, self.path, 0.5 * WIDTH * view.size),
             Mark(view.journal, "pin", "journal", "pin in a curved slot"),
@@ -96,12 +98,12 @@ class CurvedSlot(Slot, Joint):
 
 @dataclass(frozen=True, kw_only=True)
 class ClearanceCurvedSlot(Slot, Contact):
-    """A round pin of ``journal_radius`` (m) between the two walls of a curved slot,
-    ``2 (journal_radius + clearance)`` apart.
+    """A round pin of ``journal_radius`` (m) between the two walls of a curved slot, which are ``2
+    (journal_radius + clearance)`` apart.
 
-    The slot is that of :class:`CurvedSlot`; its walls run beside its middle at a distance of journal_radius +
-    ``clearance`` (m), so its arcs must be wider than that. The contact law takes the wall as flat where the
-    pin touches it. ``landing_depth`` is c/20 unless given.
+    The slot is that of :class:`CurvedSlot`; its walls are offset from its centre line by journal_radius +
+    ``clearance`` (m), so its arcs must have a larger radius. The contact law treats the wall as flat.
+    ``landing_depth`` defaults to c/20.
     """
 
     kind: ClassVar[str] = "clearance-curved-slot"
@@ -117,7 +119,7 @@ class ClearanceCurvedSlot(Slot, Contact):
     fillet: float = quantity("m", FILLET, 0.0, low=0.0)
 
     def conflicts(self) -> Iterator[Fault]:
-        """Its sizes make a path, with room for walls on both sides."""
+        """Yield a fault if the sizes make no path, or leave no room for the inner wall."""
         yield from super().conflicts()
         if None not in (self.journal_radius, self.clearance):
             yield from no_path(self, self.half_width)
@@ -128,29 +130,29 @@ class ClearanceCurvedSlot(Slot, Contact):
         return self.journal_radius + self.clearance
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
-        """A round pin on a flat wall."""
+        """Return the surfaces: a round pin on a flat wall."""
         materials = (self.bearing_material or bearing, self.journal_material or journal)
         return Pair(
             math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.journal_radius
         )
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
-        """The pin between both walls, of which it can touch one at a time."""
+        """Return the contact of the pin with either wall; it can touch one at a time."""
         r = self.journal_radius
         return (Touching("slot", self.clearance, (self.half_width, r), path=self.path),)
 
     def ideal(self) -> CurvedSlot:
-        """The joint without play."""
+        """Return the ideal slot."""
         slot = {"centre": self.centre, "radius": self.radius, "points": self.points, "fillet": self.fillet}
         return CurvedSlot(name=self.name, bearing=self.bearing, journal=self.journal, **slot)  # type: ignore[arg-type]
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Name of the joint for readers."""
         return "pin with play in a curved slot"
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """The two walls, and the pin between them."""
+        """Return the two walls, and the pin between them."""
         pin = ring(
             view.journal,
             view.factor * self.journal_radius,
@@ -162,19 +164,21 @@ class ClearanceCurvedSlot(Slot, Contact):
 
 
 def slot_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Path:
-    """The path of a slot of ``half`` its width (m). Raises Fault where its sizes make none."""
+    """Return the path of a slot whose walls are ``half`` (m) from it. Raises Fault if its sizes make none."""
     for fault in no_path(slot, half):
         raise fault.at(("joint", slot.name, *fault.path))
     return geometry_of(slot)
 
 
 def geometry_of(slot: CurvedSlot | ClearanceCurvedSlot) -> Path:
-    """The path of a slot. ValueError where it is none."""
+    """Return the path of a slot without checks. Raises ValueError if its sizes make none."""
     return polyline(slot.points, slot.fillet) if slot.radius is None else circle(slot.centre, slot.radius)
 
 
 def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fault]:
-    """Why the sizes of a slot make no path, or leave no wall of its inside."""
+    """Yield the fault for which the sizes of a slot make no path, or leave no inner wall at a half width
+    ``half`` (m).
+    """
     if None in (slot.points, slot.fillet, slot.centre):
         return
     if (slot.radius is None) == (not slot.points):
@@ -203,7 +207,9 @@ def no_path(slot: CurvedSlot | ClearanceCurvedSlot, half: float) -> Iterator[Fau
 
 
 def walls(view: JointView, path: Path, gap: float) -> list[Stroke]:
-    """The two walls beside the middle of a slot, ``gap`` from it as drawn."""
+    """Return the two walls of a slot at the distance ``gap`` from its centre line, in units of the
+    drawing.
+    """
     import numpy as np
 
     strokes: list[Stroke] = []

@@ -1,4 +1,4 @@
-"""The massless link: two pins that stay a distance apart."""
+"""The massless link, which keeps two pins at a distance."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .joint import Joint, Point
 
 @dataclass(frozen=True, kw_only=True)
 class Distance(Joint):
-    """A rigid link without mass from the bearing's pin to the journal's: they stay ``length`` (m) apart, and
+    """A rigid massless link from the bearing's pin to the journal's: the pins stay ``length`` (m) apart, and
     both bodies turn freely.
 
-    ``angle`` (rad) is that of the link in the frame of the bearing's body, roughly, where no position of the
-    other body says where it starts.
+    ``angle`` (rad) is the approximate start angle of the link in the frame of the bearing's body, used if
+    nothing else determines where the other body starts.
     """
 
     kind: ClassVar[str] = "distance"
@@ -32,24 +32,24 @@ class Distance(Joint):
     )
 
     def rows(self) -> tuple[Row, ...]:
-        """Two pins a distance apart."""
+        """Return the row of a fixed distance."""
         return (FixedDistance(self.length),)
 
     @property
     def first_place(self) -> Point:
-        """At the end of the link."""
+        """First guess of the journal's pin (m): the end of the link."""
         return self.length * cos(self.angle), self.length * sin(self.angle)
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Name of the joint for readers."""
         return "massless link"
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """A thin line between two rings."""
+        """Return a thin line between two rings."""
         line = Curve([view.bearing, view.journal], "grey", 1.6, 3.0, sign="massless link")
         return [line, Mark(view.bearing, "ring"), Mark(view.journal, "ring")]
 
     def label(self, view: JointView) -> Label:
-        """In the middle of the link."""
+        """Return the middle of the link."""
         return Label(0.5 * (view.bearing + view.journal))

@@ -1,4 +1,4 @@
-"""A round pin beside a line or another round."""
+"""A round pin that touches a line or another round from outside."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .joint import Point
 
 @dataclass(frozen=True, kw_only=True)
 class ExternalContact(Contact):
-    """A round pin of ``journal_radius`` (m) beside a straight line or another round of ``bearing_radius``
-    (m).
+    """A contact of a round of ``journal_radius`` (m) with a straight line, or with a round of
+    ``bearing_radius`` (m).
 
     Without ``bearing_radius`` the bearing is a line through its pin along ``direction`` (in the frame of its
-    body), its material on the right; the journal stays on the left. ``landing_depth`` is journal_radius/1000
-    unless given.
+    body) with its material on the right; the journal is on the left. ``landing_depth`` defaults to
+    journal_radius/1000.
     """
 
     kind: ClassVar[str] = "contact"
@@ -44,7 +44,7 @@ class ExternalContact(Contact):
     )
 
     def conflicts(self) -> Iterator[Fault]:
-        """A round has no direction."""
+        """Yield a fault for a round with a direction."""
         yield from super().conflicts()
         if self.bearing_radius is not None and self.direction not in (None, (1.0, 0.0)):
             yield Fault(
@@ -57,17 +57,17 @@ class ExternalContact(Contact):
 
     @property
     def usual_landing(self) -> float:
-        """Depth (m) at which a first contact may land where nothing is given."""
+        """Default of ``landing_depth`` (m): journal_radius/1000."""
         return self.journal_radius / 1000.0
 
     def pair(self, bearing: Material, journal: Material) -> Pair:
-        """A round on a line or beside another round."""
+        """Return the surfaces: a round on a line, or two rounds."""
         materials = (self.bearing_material or bearing, self.journal_material or journal)
         radius = math.inf if self.bearing_radius is None else self.bearing_radius
         return Pair(radius, 0.0, self.axial_length, *materials, opposite_radius=self.journal_radius)
 
     def touchings(self, turned: float) -> tuple[Touching, ...]:
-        """A round on a line, or beside another round."""
+        """Return the contact of the round with a line or with another round."""
         r = self.journal_radius
         if self.bearing_radius is not None:
             return (Touching("round", self.bearing_radius + r, (-self.bearing_radius, r)),)
@@ -75,17 +75,17 @@ class ExternalContact(Contact):
         return (Touching("line", -r, (0.0, r), normal=(y, -x)),)
 
     def ideal(self) -> None:
-        """Nothing: what may part is no joint."""
+        """Return None: bodies that may separate are not joined."""
         return None
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Name of the joint for readers."""
         return "contact with a line" if self.bearing_radius is None else "contact of rounds"
 
     @property
     def deepest_start(self) -> tuple[float, str]:
-        """Half the smaller radius."""
+        """Half the smaller radius (m), and its description."""
         radius = (
             self.journal_radius
             if self.bearing_radius is None
@@ -94,7 +94,7 @@ class ExternalContact(Contact):
         return 0.5 * radius, f"half the radius of {radius:g} m"
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """A round on a line, hatched if it is the ground's, or beside another round."""
+        """Return a round on a line, hatched if it belongs to the ground, or two rounds."""
         journal = ring(
             view.journal, view.factor * self.journal_radius, colour="journal", width=1.6, sign="contact"
         )
@@ -111,10 +111,10 @@ class ExternalContact(Contact):
         return [journal, Curve(ends, "bearing", 3.0, 3.5)]
 
     def label(self, view: JointView) -> Label:
-        """Beside the round."""
+        """Return a place beside the round."""
         return Label(view.journal)
 
     @property
     def drawn(self) -> Extent:
-        """The rounds around their pins; of a line, only what the journal comes to."""
+        """Extent of the rounds around their pins; of a line, only the part that the journal reaches."""
         return Extent((), self.bearing_radius, self.journal_radius)

@@ -12,13 +12,13 @@ from ..rows import Row, Turn
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
-    """Gears or a belt between two bodies: ``second`` turns by ``ratio`` times the angle by which ``first``
-    turns.
+    """A pair of gears or a belt between two bodies: ``second`` turns by ``ratio`` times the angle of
+    ``first``.
 
-    The ratio is negative for external gears (- teeth of the first over teeth of the second) and positive for
-    belts and internal gears. Angles are those that the ``carrier`` sees, the body on which both wheels turn
-    (Willis); it takes what the moments on the two wheels leave. Left out, it is found where the wheels are
-    pinned: the arm of a planet, else the ground. One of the two may be the ground: a fixed sun or ring.
+    The ratio is negative for external gears (minus teeth of the first over teeth of the second) and positive
+    for belts and internal gears. Angles are relative to the ``carrier``, the body on which both wheels turn
+    (Willis), which takes the remaining moment. By default the carrier follows from the pins of the wheels:
+    the arm of a planet, else the ground. One of the two bodies may be the ground: a fixed sun or ring.
     """
 
     name: str
@@ -36,23 +36,23 @@ class Gear:
     )
 
     def rows(self) -> tuple[Row, ...]:
-        """One turn coupled to another."""
+        """Return the row that couples the two angles."""
         return (Turn(self.ratio),)
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Name of the gear for readers."""
         return f"gear, ratio {self.ratio:.6g}"
 
     def wheels(self, view: PairView) -> tuple[tuple[Array, float], tuple[Array, float]]:
-        """Centre and radius of both wheels: r_1 = |ratio| r_2, touching where the gears are external."""
+        """Return centre and radius of both wheels, with r_1 = |ratio| r_2; external gears touch."""
 
         distance, ratio = hypot(*(view.second - view.first)) or 0.2 * view.size, abs(self.ratio)
         second = distance / (1.0 + ratio) if self.ratio < 0.0 else 0.3 * distance / max(1.0, ratio)
         return (view.first, ratio * second), (view.second, second)
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """Pitch circles of external gears; wheels with a belt where both turn the same way."""
+        """Return pitch circles for external gears, wheels with a belt for a positive ratio."""
         import numpy as np
 
         first, second = self.wheels(view)

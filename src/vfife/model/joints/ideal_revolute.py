@@ -12,15 +12,17 @@ from .joint import Joint
 
 @dataclass(frozen=True, kw_only=True)
 class IdealRevolute(Joint):
-    """Bearing and journal share one motion; the reaction follows (Eq. 16, generalised)."""
+    """An ideal revolute joint: bearing and journal move together, and the reaction follows (Eq. 16,
+    generalised).
+    """
 
     kind: ClassVar[str] = "ideal"
     builders: ClassVar[dict[str, tuple[tuple[str, ...], ...]]] = {"revolute": ()}
 
     def rows(self) -> tuple[Row, ...]:
-        """Two pins in one place."""
+        """Return the row of two coinciding pins."""
         return (Coincide(),)
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """A ring, and the ground under it."""
+        """Return a ring, and the ground symbol."""
         return [*standing(view), Mark(view.bearing, "ring", sign="ideal joint")]

@@ -1,4 +1,4 @@
-"""What all joints share."""
+"""Base of all joints."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Joint(Kind):
-    """Two pins in one place: ``bearing`` and ``journal`` are ``body.pin`` or ``ground.point``."""
+    """Base of all joints between two pins: ``bearing`` and ``journal`` are ``body.pin`` or
+    ``ground.point``.
+    """
 
     name: str
     bearing: str = described(Text("pin"), 'the bearing side, "body.pin" or "ground.point"')
     journal: str = described(Text("pin"), 'the journal side, "body.pin" or "ground.point"')
 
     registry: ClassVar[dict[str, type[Joint]]] = {}
-    refits: ClassVar[bool] = (
-        # whether its numbers reach nothing but the record of its one contact, journals being centred at the
-        # start
-        False
-    )
+    # Whether its sizes enter only the record of its one contact, so that another size needs no new assembly.
+    # This holds while journals start centred: a seated journal starts at a place that depends on them.
+    refits: ClassVar[bool] = False
 
     @property
     def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
@@ -37,16 +37,18 @@ class Joint(Kind):
         return (bearing[0], bearing[2]), (journal[0], journal[2])
 
     def conflicts(self) -> Iterator[Fault]:
-        """Sizes that do not go together; of what is not known (None) nothing is said."""
+        """Yield a fault for each pair of sizes that contradict each other; unknown sizes (None) are
+        skipped.
+        """
         yield from ()
 
     def rows(self) -> tuple[Row, ...]:
-        """What the joint holds; with play: what it would hold without."""
+        """Return the constraint rows; of a joint with clearance, those of its ideal joint."""
         without = self.ideal()
         return () if without is None or without is self else without.rows()
 
     def ideal(self) -> Joint | None:
-        """The joint without play, itself where it has none; None where nothing is left of it then."""
+        """Return the joint without clearance, which may be the joint itself; None if nothing remains."""
         return self
 
     @property
@@ -56,33 +58,31 @@ class Joint(Kind):
 
     @property
     def rank(self) -> int:
-        """Which joints hang a body first when a mechanism is put together: pins (0) before guides (1) before
-        what only touches (2).
+        """Order in which joints place bodies when a mechanism is assembled: pins (0), guides (1), contacts
+        (2).
         """
         held = place_row(self.rows())
         return 2 if held is None else 0 if isinstance(held, Coincide) else 1
 
     @property
     def first_place(self) -> Point:
-        """Where the journal's pin stands before the mechanism is closed, seen from the bearing's in the frame
-        of its body (m).
-        """
+        """First guess of the journal's pin (m), from the bearing's pin in the frame of its body."""
         return 0.0, 0.0
 
     @property
     def words(self) -> str:
-        """What it is, in a word or two."""
+        """Name of the joint for readers."""
         return self.kind
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """How it is drawn."""
+        """Return the strokes that draw the joint."""
         return []
 
     def label(self, view: JointView) -> Label:
-        """Where its name stands."""
+        """Return the place of its name in a drawing."""
         return under(view)
 
     @property
     def drawn(self) -> Extent:
-        """What a drawing must hold of it."""
+        """Extent that a drawing must leave for the joint."""
         return Extent()

@@ -13,10 +13,10 @@ from .joint import Joint, Point
 
 @dataclass(frozen=True, kw_only=True)
 class Slider(Joint):
-    """The journal's pin moves along a straight guide through the bearing's pin.
+    """A slider: the journal's pin moves along a straight guide through the bearing's pin.
 
     ``direction`` is that of the guide, in the frame of the bearing's body. The two bodies keep their relative
-    angle (that of the closed start) unless ``turning``: then the journal is a pin in a slot.
+    start angle unless ``turning`` is true; then the journal is a pin in a slot.
     """
 
     kind: ClassVar[str] = "slider"
@@ -29,16 +29,18 @@ class Slider(Joint):
     )
 
     def rows(self) -> tuple[Row, ...]:
-        """A pin on a line, and no turning unless it is a pin in a slot."""
+        """Return the row of a pin on a line and, unless the pin may turn, that of a constant
+        relative angle.
+        """
         return (Across(self.direction),) if self.turning else (Across(self.direction), Turn())
 
     @property
     def words(self) -> str:
-        """What it is, in a word or two."""
+        """Name of the joint for readers."""
         return "pin in a slot" if self.turning else "slider"
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """Rails, and the block or the pin between them."""
+        """Return the rails, and the block or the pin between them."""
         length, height = (share * view.size * (0.6 if self.turning else 1.0) for share in BLOCK)
         guide = rails(view, self.direction, length, 0.5 * height)
         if self.turning:
@@ -46,5 +48,5 @@ class Slider(Joint):
         return [*guide, Block(view.journal, view.along(self.direction), length, height, sign="ideal slider")]
 
     def label(self, view: JointView) -> Label:
-        """Beside the guide."""
+        """Return a place beside the guide."""
         return side_label(view, self.direction, 0.5 * BLOCK[1] * view.size)

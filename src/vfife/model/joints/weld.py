@@ -1,4 +1,4 @@
-"""The weld."""
+"""The welded joint."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from .joint import Joint
 
 @dataclass(frozen=True, kw_only=True)
 class Weld(Joint):
-    """Two pins in one place, and the relative angle of their bodies kept as it is in the closed start."""
+    """A weld: two coinciding pins whose bodies keep their relative start angle."""
 
     kind: ClassVar[str] = "weld"
 
     def rows(self) -> tuple[Row, ...]:
-        """Two pins in one place and no turning."""
+        """Return the rows of two coinciding pins and a constant relative angle."""
         return Coincide(), Turn()
 
     def strokes(self, view: JointView) -> list[Stroke]:
-        """A filled square; with the ground, a clamp in a wall."""
+        """Return a filled square and, for a weld to the ground, a clamp in a wall."""
         strokes: list[Stroke] = [Mark(view.bearing, "square", sign="weld")]
         if any(view.ground):
             away = view.leaving()
@@ -30,5 +30,5 @@ class Weld(Joint):
         return strokes
 
     def label(self, view: JointView) -> Label:
-        """Beside it."""
+        """Return a place beside the weld."""
         return Label(view.journal)

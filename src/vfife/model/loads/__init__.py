@@ -1,8 +1,8 @@
-"""Loads, one file each: gravity is a vector of the mechanism; forces and moments act at a pin of a body or
-along a guide.
+"""Loads, one file each: forces and moments at a pin of a body or along a guide. Gravity is a vector of the
+mechanism.
 
-They are constant, or go by a table over time, a crank's angle, or a travel along a guide, with its direction,
-and its speed.
+A load is constant, or depends on time, on a crank's angle, or on the travel along a guide, its direction and
+its speed.
 """
 
 from __future__ import annotations

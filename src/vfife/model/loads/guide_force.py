@@ -1,4 +1,4 @@
-"""A force along a guide, as gas has it in a cylinder."""
+"""The force along a guide, such as that of gas in a cylinder."""
 
 from __future__ import annotations
 
@@ -17,14 +17,13 @@ from .tabular import Tabular, Values
 
 @dataclass(frozen=True, kw_only=True)
 class GuideForce(Tabular):
-    """Force along the guide of the joint ``slider`` on its journal, and its opposite on the bearing: that of
-    a piston, a spindle, a spring's table.
+    """A force along the guide of the joint ``slider`` on its journal, with its opposite on the bearing: of a
+    piston, a spindle or a nonlinear spring.
 
-    It is ``force`` (N), or ``pressure`` (Pa) above ``ambient`` on the area of a ``bore`` (m), pi bore^2/4; an
-    ``expression`` is a pressure where there is a bore. Where positive it pushes the journal along the guide's
-    direction, or against it where it is to be ``reverse``. ``force_back``, ``pressure_back`` or
-    ``expression_back`` holds while the journal goes against the guide's direction: two ways enclose the work
-    of a turn.
+    It is a ``force`` (N), or a ``pressure`` (Pa) above ``ambient`` on the area pi bore^2/4 of a ``bore`` (m);
+    with a bore an ``expression`` is a pressure. A positive force pushes the journal along the guide's
+    direction or, with ``reverse``, against it. ``force_back``, ``pressure_back`` or ``expression_back`` apply
+    while the journal moves against the guide's direction: the area between both curves is the work of a turn.
     """
 
     kind: ClassVar[str] = "guide"
@@ -59,7 +58,7 @@ class GuideForce(Tabular):
     along: ClassVar[bool] = True
 
     def conflicts(self) -> Iterator[Fault]:
-        """A force, or a pressure on a bore."""
+        """Yield a fault for a load without size, with both force and pressure, or a pressure without bore."""
         if self.force is not None and self.pressure is not None:
             yield Fault(
                 ("pressure",), "a force and a pressure exclude each other", "", "", "keep one of them"
@@ -94,22 +93,22 @@ class GuideForce(Tabular):
 
     @property
     def keys(self) -> tuple[str, str]:
-        """The keys of its values, and of those of the way back."""
+        """Field names of its values and of the values of the return stroke."""
         return ("force", "force_back") if self.pressure is None else ("pressure", "pressure_back")
 
     @property
     def pressed(self) -> bool:
-        """Whether its size is a pressure; an expression is one where there is a bore."""
+        """Whether its values are pressures."""
         return self.pressure is not None or bool(self.expression and self.bore)
 
     @property
     def below(self) -> float:
-        """The ambient pressure, which is taken off that of an expression."""
+        """Ambient pressure (Pa), which is subtracted from an expression; 0 for a force."""
         return self.ambient if self.pressed else 0.0
 
     @property
     def unit(self) -> float:
-        """Force (N) along the guide's direction for a force of 1 N or a pressure of 1 Pa."""
+        """Force (N) along the guide's direction per N of force or Pa of pressure."""
         area = 0.25 * math.pi * ((self.bore or 0.0) * (self.bore or 0.0)) if self.pressed else 1.0
         return -area if self.reverse else area
 
@@ -120,7 +119,7 @@ class GuideForce(Tabular):
 
     @property
     def values_back(self) -> Values:
-        """Those of the way back."""
+        """Those of the return stroke."""
         return self.force_back if self.pressure is None else self._gauge(self.pressure_back)
 
     def _gauge(self, pressure: Values) -> Values:
@@ -130,7 +129,7 @@ class GuideForce(Tabular):
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Description for readers."""
         out, back = self.way(self.values, self.expression), self.way(self.values_back, self.expression_back)
         largest = abs(self.unit) * max(
             (way.largest for way in (out, back) if way is not None), default=abs(self.constant)
@@ -140,7 +139,7 @@ class GuideForce(Tabular):
 
     @property
     def measured(self) -> tuple[str, str]:
-        """The unit of its function, and what that is."""
+        """Unit and meaning of its function."""
         return (
             ("Pa", "pressure of the load above ambient")
             if self.pressed
@@ -148,7 +147,9 @@ class GuideForce(Tabular):
         )
 
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
-        """The force on the journal, and its opposite on the bearing, which is the guide's own."""
+        """Return the force on the journal and its opposite on the bearing. Raises ValueError if the joint has
+        no guide.
+        """
         joint = joints[self.slider]
         guide = place_row(joint.rows())
         if not isinstance(guide, Guided):

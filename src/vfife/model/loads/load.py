@@ -1,4 +1,4 @@
-"""What all loads share."""
+"""Base of all loads."""
 
 from __future__ import annotations
 
@@ -14,21 +14,17 @@ from ..kind import Kind
 
 Over = Literal["time", "angle", "travel", "speed"]
 Triple = tuple[float, float, float]
-OVER: dict[str, Over] = {
-    "times": "time",
-    "angles": "angle",
-    "travels": "travel",
-    "speeds": "speed",
-}  # by the key of a table's places
+# Argument of a table, by the field with its places.
+OVER: dict[str, Over] = {"times": "time", "angles": "angle", "travels": "travel", "speeds": "speed"}
 
 
 @dataclass(frozen=True)
 class Push:
-    """Force (N, N) and moment (N m) on ``body`` at its ``pin``, or on the body itself where that is empty,
-    where the load's function is 1.
+    """Force (N, N) and moment (N m) of a load whose function is 1, on ``body`` at its ``pin``, or on the body
+    as a whole if ``pin`` is empty.
 
-    ``follow``: the force turns with the body; else it is fixed in space. ``aligned``: its direction is that
-    of another body's frame at the start, and turns with this one.
+    With ``follow`` the force turns with the body, else it is fixed in space. ``aligned`` names another body
+    in whose frame at the start the direction is given; the force then turns with the loaded body.
     """
 
     body: str
@@ -40,8 +36,8 @@ class Push:
 
 @dataclass(frozen=True, kw_only=True)
 class Load(Kind):
-    """Forces and moments on bodies, multiplied by a function of time, of an angle, of a travel along a guide
-    or of its speed.
+    """Base of all loads: forces and moments on bodies, multiplied by a function of time, of an angle, or of
+    the travel or speed along a guide.
     """
 
     name: str
@@ -56,21 +52,23 @@ class Load(Kind):
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Description for readers."""
         return self.kind
 
     @property
     def place(self) -> str:
-        """Where it acts: a pin, "body.pin", or the joint along whose guide it does."""
+        """Where it acts: a pin, "body.pin", or the joint along whose guide it acts."""
         return self.slider
 
     @property
     def measured(self) -> tuple[str, str]:
-        """The unit of its function, and what that is."""
+        """Unit and meaning of its function."""
         return "1", "what multiplies the load"
 
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
-        """On which bodies it acts, and how, where its function is 1."""
+        """Return the forces and moments for a function value of 1; ``joints`` are those of the mechanism, by
+        name.
+        """
         raise NotImplementedError
 
     tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it
@@ -78,29 +76,31 @@ class Load(Kind):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys of its values, and of those of the way back."""
+        """Field names of its values and of the values of the return stroke."""
         return ()
 
     def conflicts(self) -> Iterator[Fault]:
-        """Sizes that do not go together; of what is not known (None) nothing is said."""
+        """Yield a fault for each pair of values that contradict each other; unknown values (None) are
+        skipped.
+        """
         yield from ()
 
     def cautions(self) -> tuple[str, ...]:
-        """Sentences on what is strange in it, though it can be meant."""
+        """Sentences on values that are unusual but possible."""
         return ()
 
     @property
     def over(self) -> Over:
-        """What its function depends on: time (s), an angle (rad), a travel (m) or the speed of that (m/s)."""
+        """Argument of its function: time (s), angle (rad), travel (m) or speed (m/s)."""
         return "time"
 
     @property
     def steady(self) -> bool:
-        """Whether it does not depend on time."""
+        """Whether it is independent of time."""
         return True
 
     def course(self) -> tuple[Polynomials, float]:
-        """What forces and moments are multiplied by, and the gap (m) by which the part for the way back lies
-        before that for the way out.
+        """Return the function that multiplies forces and moments, and the gap (m) by which the part for the
+        return stroke lies before that for the forward stroke.
         """
         return constant(1.0), 0.0

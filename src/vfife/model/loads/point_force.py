@@ -1,4 +1,4 @@
-"""A force and a moment at a pin."""
+"""The force and moment at a pin."""
 
 from __future__ import annotations
 
@@ -15,12 +15,11 @@ from .tabular import Tabular, Values
 
 @dataclass(frozen=True, kw_only=True)
 class PointForce(Tabular):
-    """Force (N) and moment (N m) at ``at`` = ``body.pin``; fixed in space, or turning with the body where it
-    is to ``follow``.
+    """A force (N) and moment (N m) at ``at`` = ``body.pin``, fixed in space or, with ``follow``, turning with
+    the body.
 
-    With ``factors`` both are multiplied by a function, a table over ``times`` (s), ``angles`` of a crank
-    (rad), or ``travels`` (m) or ``speeds`` (m/s) along the guide of the joint ``slider``; ``factors_back``
-    holds on the way back.
+    ``factors`` multiply both by a table over ``times`` (s), ``angles`` of a crank (rad), or ``travels`` (m)
+    or ``speeds`` (m/s) along the guide of the joint ``slider``; ``factors_back`` apply on the return stroke.
     """
 
     kind: ClassVar[str] = "force"
@@ -45,7 +44,7 @@ class PointForce(Tabular):
 
     @property
     def keys(self) -> tuple[str, str]:
-        """The keys of its values, and of those of the way back."""
+        """Field names of its values and of the values of the return stroke."""
         return "factors", "factors_back"
 
     @property
@@ -55,12 +54,12 @@ class PointForce(Tabular):
 
     @property
     def values_back(self) -> Values:
-        """The factors of the way back."""
+        """The factors of the return stroke."""
         return self.factors_back
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Description for readers."""
         size = hypot(*self.force)
         parts = [f"force {size:.6g} N"] if size or not self.moment else []
         parts += [f"moment {self.moment:.6g} N m"] if self.moment else []
@@ -72,6 +71,6 @@ class PointForce(Tabular):
         return self.at
 
     def pushes(self, joints: Mapping[str, Joint]) -> tuple[Push, ...]:
-        """Force and moment at the pin."""
+        """Return force and moment at the pin."""
         body, _, pin = self.at.partition(".")
         return (Push(body, pin, (*self.force, self.moment), self.follow),)

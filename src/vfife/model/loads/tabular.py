@@ -1,4 +1,4 @@
-"""Loads that go by a table: over time, a crank's angle, or a travel along a guide and its speed."""
+"""Loads given by a table or expression over time, a crank's angle, or the travel or speed along a guide."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ Values = float | Sequence[float] | None
 
 @dataclass(frozen=True, kw_only=True)
 class Tabular(Load):
-    """A load whose size is one number, a table over ``times``, ``angles``, ``travels`` or ``speeds``, or an
-    ``expression``.
+    """Base of loads whose size is a number, a table over ``times``, ``angles``, ``travels`` or ``speeds``, or
+    an ``expression``.
 
-    ``angles`` are those of the body ``crank``, as it lies in space, less ``zero_angle``; ``travels`` and
-    ``speeds`` are those of a guide's journal from its bearing, less ``zero_travel``. Beyond its ends a table
-    keeps its end values, unless it is to ``repeat``, as one over whole turns does by itself.
+    ``angles`` are those of the body ``crank`` in space, minus ``zero_angle``; ``travels`` and ``speeds`` are
+    those of a guide's journal relative to its bearing, travels minus ``zero_travel``. Beyond its ends a table
+    keeps its end values unless it repeats: with ``repeat``, or by default over whole turns.
     """
 
     times: tuple[float, ...] | None = described(
@@ -73,19 +73,19 @@ class Tabular(Load):
 
     @property
     def keys(self) -> tuple[str, str]:
-        """The keys of its values, and of those of the way back."""
+        """Field names of its values and of the values of the return stroke."""
         raise NotImplementedError
 
     @property
     def axis(self) -> str:
-        """The key of the places of its table or its expression; nothing where it has neither."""
+        """Field name of the argument of its table or expression; "" if it has neither."""
         return (VARIABLES.get(self.variable, "") if self.expression else "") or next(
             (key for key in OVER if getattr(self, key) is not None), ""
         )
 
     @property
     def variable(self) -> str:
-        """The variable of its expression; nothing where it has none, or one that cannot be read."""
+        """Variable of its expression; "" without one, or if the expression cannot be parsed."""
         try:
             return parse(self.expression).variable
         except Fault:
@@ -93,23 +93,23 @@ class Tabular(Load):
 
     @property
     def places(self) -> tuple[float, ...]:
-        """The places of its table, or the range of its expression: a turn, if an angle's has none."""
+        """Arguments of its table, or the range of its expression; the default for angles is one turn."""
         places: tuple[float, ...] | None = getattr(self, self.axis) if self.axis else None
         return places or ((0.0, 2.0 * math.pi) if self.axis == "angles" and self.expression else ())
 
     @property
     def over(self) -> Over:
-        """What its function depends on."""
+        """Argument of its function: time (s), angle (rad), travel (m) or speed (m/s)."""
         return OVER.get(self.axis, "time")
 
     @property
     def steady(self) -> bool:
-        """Whether it does not depend on time."""
+        """Whether it is independent of time."""
         return self.axis != "times"
 
     @property
     def repeats(self) -> bool:
-        """Whether its table or expression repeats itself."""
+        """Whether its table or expression is periodic."""
         if self.repeat is not None:
             return self.repeat and self.axis in ("times", "angles")
         return (
@@ -118,12 +118,12 @@ class Tabular(Load):
 
     @property
     def ends(self) -> tuple[float, ...]:
-        """The first and the last value of its table or expression; nothing where it has none."""
+        """First and last value of its table or expression; empty if it has neither."""
         way = self.way(self.values, self.expression)
         return () if way is None else way.ends
 
     def way(self, values: Values, expression: str, *, repeated: bool = False) -> Pieces | None:
-        """The pieces of a table's values, or of an expression, where there is one."""
+        """Return the pieces of tabulated values or of an expression, or None for a constant."""
         if expression and len(self.places) > 1:
             pieces = sampled(expression, self.places[0], self.places[-1])
             return replace(pieces, rows=tuple((row[0] - self.below, *row[1:]) for row in pieces.rows))
@@ -133,7 +133,7 @@ class Tabular(Load):
 
     @property
     def below(self) -> float:
-        """What is taken off an expression."""
+        """Value that is subtracted from an expression."""
         return 0.0
 
     @property
@@ -143,17 +143,17 @@ class Tabular(Load):
 
     @property
     def values_back(self) -> Values:
-        """Those of the way back where they differ; None else."""
+        """Values of the return stroke if they differ, else None."""
         return None
 
     @property
     def by(self) -> str:
-        """By what its table or expression goes, in words; nothing where it has none."""
+        """Description of its argument for readers; "" for a constant."""
         ways = ", with a way back" if self.values_back is not None or self.expression_back else ""
         return f", by {self.over}{ways}{', repeated' if self.repeats else ''}" if self.axis else ""
 
     def cautions(self) -> tuple[str, ...]:
-        """Sentences on two ways whose values do not meet where the way turns."""
+        """Sentences on values of the two strokes that differ where the direction reverses."""
         back = self.way(self.values_back, self.expression_back)
         out = None if back is None else self.way(self.values, self.expression)
         if out is None or back is None:
@@ -169,7 +169,9 @@ class Tabular(Load):
         )
 
     def course(self) -> tuple[Polynomials, float]:
-        """The function of its table or expression, or a constant, and the gap (m) of one with two ways."""
+        """Return the function of its table or expression, or a constant, and the gap (m) of one with two
+        strokes.
+        """
         return self._course
 
     @cached_property
@@ -187,7 +189,7 @@ class Tabular(Load):
 
     @property
     def constant(self) -> float:
-        """Its value where it depends on nothing."""
+        """Value of a load that depends on nothing."""
         if self.expression:
             return parse(self.expression).constant - self.below
         return float(self.values) if isinstance(self.values, int | float) else 1.0

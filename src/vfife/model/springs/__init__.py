@@ -1,4 +1,4 @@
-"""Massless elements of force between two bodies, one file each: springs and dampers along a line, about an
+"""Massless force elements between two bodies, one file each: springs and dampers along a line or about an
 axis, stops and bushings.
 """
 

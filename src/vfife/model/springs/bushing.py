@@ -1,4 +1,4 @@
-"""Elastic bearing."""
+"""The bushing."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .force_element import Axes, ForceElement, SpringNumbers
 
 @dataclass(frozen=True, kw_only=True)
 class Bushing(ForceElement):
-    """Elastic bearing between two pins: stiffness (N/m, N/m, N m/rad) and damping (N s/m, N s/m, N m s/rad)
-    in x, y and about the axis.
+    """A bushing (elastic bearing) between two pins: stiffness (N/m, N/m, N m/rad) and damping (N s/m, N s/m,
+    N m s/rad) in x, in y and about the axis.
 
-    The axes are those of the first body; the bushing is free of force where the pins coincide and the angle
-    is that of the start.
+    The axes are those of the first body. The bushing exerts no force where the pins coincide and the relative
+    angle is that of the start.
     """
 
     kind: ClassVar[str] = "bushing"
@@ -34,7 +34,7 @@ class Bushing(ForceElement):
     )
 
     def numbers(self, start: float) -> SpringNumbers:
-        """What a step reads; it is free of moment at the angle ``start`` (rad)."""
+        """Return the numbers for a step; the moment is zero at the angle ``start`` (rad)."""
         return SpringNumbers(self.stiffness, self.damping, start)
 
     @property
@@ -44,12 +44,12 @@ class Bushing(ForceElement):
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Description for readers."""
         x, y, turning = self.stiffness
         return f"bushing, {x:.6g} and {y:.6g} N/m, {turning:.6g} N m/rad"
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """Rings of rubber."""
+        """Return two rings."""
         return [
             ring(view.first, 0.022 * view.size, colour="spring", width=3.5, fade=0.6),
             ring(view.first, 0.012 * view.size, colour="spring", sign="bushing"),

@@ -1,4 +1,4 @@
-"""What all massless elements of force share."""
+"""Base of all massless force elements."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Triple = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class SpringNumbers:
-    """What a step reads of a spring: stiffness (N/m, N/m, N m/rad) and damping (N s/m, N s/m, N m s/rad)
+    """Numbers of a spring for a step: stiffness (N/m, N/m, N m/rad) and damping (N s/m, N s/m, N m s/rad)
     along its axes.
 
-    ``free`` is its free length (m), free angle (rad), or the lower limit (rad) of a stop, ``high`` the upper
-    limit.
+    ``free`` is the free length (m), the free angle (rad) or the lower limit (rad) of a stop; ``high`` is its
+    upper limit.
     """
 
     stiffness: Triple
@@ -32,28 +32,27 @@ class SpringNumbers:
 
 @dataclass(frozen=True, kw_only=True)
 class ForceElement(Kind):
-    """A massless element between ``first`` and ``second``: pins (``body.pin`` or ``ground.point``), or bodies
-    where it acts about the axis.
+    """Base of massless elements between ``first`` and ``second``: pins (``body.pin`` or ``ground.point``), or
+    bodies if it acts about the axis.
     """
 
     name: str
     first: str = described(Text("pin"), 'one end, "body.pin" or "ground.point"')
     second: str = described(Text("pin"), 'the other end, "body.pin" or "ground.point"')
 
-    axes: ClassVar[Axes] = (
-        # along the line between two pins, about the axis between two bodies, with limits there, or along
-        # three axes
-        "linear"
-    )
+    # Along the line between two pins, about the axis between two bodies (torsional, stop), or in three axes.
+    axes: ClassVar[Axes] = "linear"
     registry: ClassVar[dict[str, type[ForceElement]]] = {}
 
     def conflicts(self) -> Iterator[Fault]:
-        """Sizes that do not go together; of what is not known (None) nothing is said."""
+        """Yield a fault for each pair of sizes that contradict each other; unknown sizes (None) are
+        skipped.
+        """
         yield from ()
 
     @property
     def between_pins(self) -> bool:
-        """Whether its ends are pins, ``body.pin``; else bodies."""
+        """Whether its ends are pins, ``body.pin``, rather than bodies."""
         return self.axes in ("linear", "bushing")
 
     @property
@@ -62,16 +61,16 @@ class ForceElement(Kind):
         return not self.between_pins
 
     def numbers(self, start: float) -> SpringNumbers:
-        """What a step reads; ``start`` is the distance (m) of the pins at the start if it is linear, else the
-        angle (rad) between the bodies.
+        """Return the numbers for a step. ``start`` is the start distance (m) of the pins of a linear spring,
+        else the start angle (rad) between the bodies.
         """
         raise NotImplementedError
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Description for readers."""
         return self.kind
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """How it is drawn."""
+        """Return the strokes that draw the element."""
         return []

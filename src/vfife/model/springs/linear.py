@@ -1,4 +1,4 @@
-"""Spring and damper along a line."""
+"""The linear spring and damper."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .force_element import Axes, ForceElement, SpringNumbers
 
 @dataclass(frozen=True, kw_only=True)
 class Spring(ForceElement):
-    """Spring and damper between two pins, ``first`` and ``second`` (``body.pin`` or ``ground.point``), along
-    the line between them.
+    """A spring and damper along the line between two pins, ``first`` and ``second`` (``body.pin`` or
+    ``ground.point``).
 
-    F = stiffness (l - free_length) + damping dl/dt, pulling where positive; N/m, N s/m, m. The free length is
-    the distance at the start unless given.
+    F = stiffness (l - free_length) + damping dl/dt pulls where positive; N/m, N s/m, m. The free length
+    defaults to the start distance.
     """
 
     kind: ClassVar[str] = "linear"
@@ -31,15 +31,15 @@ class Spring(ForceElement):
     )
 
     def numbers(self, start: float) -> SpringNumbers:
-        """What a step reads; the free length is ``start`` (m) unless given."""
+        """Return the numbers for a step; ``start`` (m) is the default of the free length."""
         free = start if self.free_length is None else self.free_length
         return SpringNumbers((self.stiffness, 0.0, 0.0), (self.damping, 0.0, 0.0), free)
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Description for readers."""
         return f"spring, {self.stiffness:.6g} N/m, {self.damping:.6g} N s/m"
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """A zigzag."""
+        """Return a zigzag."""
         return [Curve(zigzag(view.first, view.second, 0.018 * view.size), "spring", 1.5, 6.0, sign="spring")]

@@ -1,4 +1,4 @@
-"""Rotational stop."""
+"""The rotational stop."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ from .force_element import Axes, ForceElement, SpringNumbers
 
 @dataclass(frozen=True, kw_only=True)
 class Stop(ForceElement):
-    """Rotational stop: the angle of the second body less that of the first stays between ``low`` and ``high``
-    (rad).
+    """A rotational stop: the angle of the second body minus that of the first stays between ``low`` and
+    ``high`` (rad).
 
-    Beyond either the stop answers like a torsional spring and damper (N m/rad, N m s/rad); it never pulls
-    back.
+    Beyond a limit the stop acts as a torsional spring and damper (N m/rad, N m s/rad) that only pushes.
     """
 
     kind: ClassVar[str] = "stop"
@@ -34,7 +33,7 @@ class Stop(ForceElement):
     damping: float = quantity("N m s/rad", "damping beyond the limits", 0.0, low=0.0)
 
     def conflicts(self) -> Iterator[Fault]:
-        """There is room between the limits."""
+        """Yield a fault for limits in the wrong order."""
         if None not in (self.low, self.high) and self.low >= self.high:
             yield Fault(
                 ("low",),
@@ -45,16 +44,16 @@ class Stop(ForceElement):
             )
 
     def numbers(self, start: float) -> SpringNumbers:
-        """What a step reads."""
+        """Return the numbers for a step."""
         return SpringNumbers((0.0, 0.0, self.stiffness), (0.0, 0.0, self.damping), self.low, self.high)
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Description for readers."""
         return f"stop between {self.low:.6g} and {self.high:.6g} rad, {self.stiffness:.6g} N m/rad"
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """Cheeks at the angles of the second body seen from the first; the sector between them is free."""
+        """Return a cheek at each limit, seen from the first body, and the free sector between them."""
         import numpy as np
 
         at, radius, strokes = view.second, 0.06 * view.size, []

@@ -1,4 +1,4 @@
-"""Spring and damper about the axis of the plane."""
+"""The torsional spring and damper."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .force_element import Axes, ForceElement, SpringNumbers
 
 @dataclass(frozen=True, kw_only=True)
 class TorsionalSpring(ForceElement):
-    """Spring and damper about the axis of the plane between two bodies (or the ground).
+    """A torsional spring and damper between two bodies (or a body and the ground).
 
-    M = -stiffness (angle - free_angle) - damping rate on the second body, angle that of the second less that
-    of the first; N m/rad, N m s/rad, rad. The free angle is the angle at the start unless given.
+    M = -stiffness (angle - free_angle) - damping rate acts on the second body; the angle is that of the
+    second minus that of the first; N m/rad, N m s/rad, rad. The free angle defaults to the start angle.
     """
 
     kind: ClassVar[str] = "torsional"
@@ -35,17 +35,17 @@ class TorsionalSpring(ForceElement):
     )
 
     def numbers(self, start: float) -> SpringNumbers:
-        """What a step reads; the free angle is ``start`` (rad) unless given."""
+        """Return the numbers for a step; ``start`` (rad) is the default of the free angle."""
         free = start if self.free_angle is None else self.free_angle
         return SpringNumbers((0.0, 0.0, self.stiffness), (0.0, 0.0, self.damping), free)
 
     @property
     def words(self) -> str:
-        """What it is, in a few words."""
+        """Description for readers."""
         return f"torsional spring, {self.stiffness:.6g} N m/rad, {self.damping:.6g} N m s/rad"
 
     def strokes(self, view: PairView) -> list[Stroke]:
-        """A spiral."""
+        """Return a spiral."""
         import numpy as np
 
         turn = np.linspace(0.0, 4.5 * np.pi, 200)

@@ -1,7 +1,7 @@
-"""Whether a mechanism can be meant: every field within its limits, every name leading somewhere, nothing held
-or driven twice.
+"""Validation of mechanisms: limits of all fields, references, and constraints or drivers that contradict each
+other.
 
-Model files and Python hear the same sentences. A noun of which a field was refused is checked for the rest:
+Model files and scripts get the same messages. An object with invalid fields is checked for everything else,
 see :func:`~vfife.schema.partial`.
 """
 
@@ -27,15 +27,15 @@ __all__ = ["Checks", "across", "check_laws", "faults", "validate"]
 
 
 def validate(mechanism: Mechanism) -> None:
-    """Raises ModelError with every fault of a mechanism."""
+    """Raise ModelError with all faults of a mechanism, if it has any."""
     every = faults(mechanism)
     if every:
         raise ModelError(every, str(mechanism.name) or "mechanism")
 
 
 def faults(mechanism: Mechanism) -> list[Fault]:
-    """Every fault of a mechanism: of single fields, of what does not go together, of laws that do not suit
-    their surfaces.
+    """Return all faults of a mechanism: invalid fields, contradictions, and laws that do not suit their
+    surfaces.
     """
     reading = Reading()
     partial_mechanism = read(mechanism, reading)
@@ -51,7 +51,9 @@ def faults(mechanism: Mechanism) -> list[Fault]:
 
 
 def across(checks: Checks, settings: bool = True) -> list[Fault]:
-    """Faults that no field shows alone, of a mechanism that may be known in part only."""
+    """Return the faults that involve more than one field; the mechanism may be known only in part.
+    ``settings``: check those of the run too.
+    """
     for check in (
         check_names,
         check_bodies,
@@ -68,7 +70,7 @@ def across(checks: Checks, settings: bool = True) -> list[Fault]:
 
 
 def read(mechanism: Mechanism, reading: Reading) -> Mechanism:
-    """The mechanism with None in place of what is refused."""
+    """Return the mechanism with None for each invalid value."""
     values: dict[str, Any] = {}
     for field in described_fields(type(mechanism)):
         value, path, held = getattr(mechanism, field.name), (key_of(field),), value_of(field)
@@ -80,7 +82,7 @@ def read(mechanism: Mechanism, reading: Reading) -> Mechanism:
 
 
 def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, Any]:
-    """Nouns by name; None stands for what is none."""
+    """Return the objects of a section by name, with None for anything else."""
     if not isinstance(value, dict):
         reading.refuse(path, f"this is {kind_of(value)}", shown(value), "a dict of nouns by name", "give one")
         return {}
@@ -96,7 +98,7 @@ def entries(value: Any, path: Path, base: type, reading: Reading) -> dict[str, A
 
 
 def written(mechanism: Mechanism, path: Path) -> str:
-    """The value at a path, as a file would have it; nothing where the path names a noun."""
+    """Return the value at a path as a model file shows it; "" for a path that names an object or nothing."""
     here: Any = mechanism
     for part in path:
         if isinstance(here, dict):

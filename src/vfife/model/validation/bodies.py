@@ -1,4 +1,4 @@
-"""Checks of bodies: what goes together, sections, the points of a bent link, the members of a frame."""
+"""Checks of bodies: masses, sections, the points of bent links, the members of frames."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .checks import Checks, ends, entries_of, readable
 
 
 def check_bodies(checks: Checks) -> None:
-    """Every body."""
+    """Check every body."""
     check_all(checks)
     for name, body in readable(checks.bodies):
         path: Path = ("body", name)
@@ -43,7 +43,7 @@ def check_bodies(checks: Checks) -> None:
 
 
 def check_masses(checks: Checks, path: Path, body: Any) -> None:
-    """Attached masses sit at pins, and something has a mass, and an inertia or an arm."""
+    """Check that attached masses are at pins, and that the body has a mass and an inertia or an arm."""
     points = (
         {"center", *body.own_points, *entries_of(body, "pins")}
         if isinstance(body, RigidBody)
@@ -74,7 +74,7 @@ def check_masses(checks: Checks, path: Path, body: Any) -> None:
 
 
 def check_link(checks: Checks, name: str, body: Any) -> None:
-    """What the model of a link needs."""
+    """Check that a link has what its model needs."""
     path: Path = ("body", name)
     no_section = body.section is None and not checks.fails((*path, "section"))
     if body.model in ELASTIC and no_section:
@@ -91,7 +91,7 @@ def check_link(checks: Checks, name: str, body: Any) -> None:
 
 
 def driven_end(checks: Checks, name: str) -> str:
-    """The end of a link that a driver turns, or nothing."""
+    """Return the end of a link that a driver turns, or ""."""
     driver = checks.drivers.get(checks.turned.get(name, ""))
     if driver is None or driver.against != "ground":
         return ""
@@ -104,7 +104,7 @@ def driven_end(checks: Checks, name: str) -> str:
 
 
 def check_section(checks: Checks, path: Path, section: Section | None) -> None:
-    """No fibre is as far out as the mean."""
+    """Check that the outermost fibre is not inside the radius of gyration."""
     if section is None or None in (section.area, section.second_moment, section.extreme_fibre):
         return
     reach, fibre = math.sqrt(section.second_moment / section.area), section.extreme_fibre
@@ -115,7 +115,7 @@ def check_section(checks: Checks, path: Path, section: Section | None) -> None:
 
 
 def check_way(checks: Checks, path: Path, body: Any) -> None:
-    """The points of a bent link differ from each other, and each piece has an element."""
+    """Check that the points of a bent link differ and that each piece has an element."""
     if not body.via or body.length is None:
         return
     corners, pieces = body.corners, len(body.via) + 1
@@ -138,12 +138,12 @@ def check_way(checks: Checks, path: Path, body: Any) -> None:
 
 
 def coincide(one: Any, two: Any, size: float) -> bool:
-    """Whether two points are in one place, compared with a size."""
+    """Return whether the distance of two points is negligible compared with ``size``."""
     return hypot(one[0] - two[0], one[1] - two[1]) <= 1e-9 * abs(size)
 
 
 def check_frame(checks: Checks, path: Path, body: Any) -> None:
-    """Members join nodes that exist and differ, hold together, and are not too many."""
+    """Check that members connect different nodes that exist, form one structure, and are not too many."""
     nodes: dict[str, Any] = body.nodes or {}
     for name in body.masses or ():
         if body.nodes is not None and name not in nodes:
@@ -176,7 +176,9 @@ def check_frame(checks: Checks, path: Path, body: Any) -> None:
 def check_member(
     checks: Checks, path: Path, member: Any, frame: Any, size: float, joined: dict[frozenset[str], int]
 ) -> None:
-    """A member joins two nodes in different places, has a section, and is no member's double."""
+    """Check that a member has a length and a section, and is not a duplicate; ``joined`` has the pairs of
+    nodes so far.
+    """
     check_section(checks, (*path, "section"), member.section)
     if (
         member.section is None
@@ -212,7 +214,7 @@ def check_member(
 
 
 def check_all(checks: Checks) -> None:
-    """The elements of all bodies together are not too many."""
+    """Check the number of elements of all bodies."""
     counts = {name: elements_of(body) for name, body in readable(checks.bodies)}
     total = sum(counts.values())
     if total > MOST_IN_ALL and max(counts.values()) <= MOST_ELEMENTS:
@@ -227,7 +229,7 @@ def check_all(checks: Checks) -> None:
 
 
 def elements_of(body: Any) -> int:
-    """Elements of a body that may be known in part only."""
+    """Return the number of elements of a body, which may be known in part."""
     if isinstance(body, Frame):
         members: Any = body.members or ()
         counts: list[int] = [member.elements or 0 for member in members if member is not None]
@@ -236,7 +238,7 @@ def elements_of(body: Any) -> int:
 
 
 def check_total(checks: Checks, path: Path, members: Any) -> None:
-    """The elements of all members together are not too many."""
+    """Check the number of elements of all members of a frame."""
     total = sum(member.elements or 0 for member in members if member is not None)
     if total > MOST_ELEMENTS:
         what = f"{total:,} elements in all members together are too many"
@@ -246,7 +248,7 @@ def check_total(checks: Checks, path: Path, members: Any) -> None:
 
 
 def unreached(members: list[frozenset[str]], nodes: list[str]) -> list[str]:
-    """Nodes that no members lead to from the first."""
+    """Return the nodes that no sequence of members connects with the first."""
     neighbours: dict[str, list[str]] = {node: [] for node in nodes}
     for pair in members:
         one, two = pair

@@ -1,4 +1,4 @@
-"""What the checks know of a mechanism, and how they tell a fault."""
+"""Context of all checks: the mechanism, where it is invalid already, and the faults found."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ if TYPE_CHECKING:
     from ..mechanism import Mechanism
 
 NAME_LIMIT = 64
-MOST_SUGGESTIONS = 40  # looking for names that look alike takes time, and nobody reads so many
+MOST_SUGGESTIONS = 40  # comparing names takes time, and nobody reads more suggestions
 
 
 class Checks:
-    """A mechanism, known in part perhaps, the paths of ``refusals``, where something is wrong, and the
-    ``faults`` found.
+    """A mechanism, possibly known in part, the paths of ``refusals`` (values that are invalid already), and
+    the ``faults`` found.
 
-    ``overrides`` are paths of values that stand beside the file; ``written`` returns the value at a path.
+    ``overrides`` are the paths of values that replace those of the file; ``written`` returns the text of the
+    value at a path.
     """
 
     def __init__(
@@ -49,34 +50,38 @@ class Checks:
                 self.pivots.setdefault(next(iter(held - {"ground"})), []).append(name)
 
     def add(self, path: Path, what: str, remedy: str, limit: str = "") -> None:
-        """One fault more, with the value that stands at the path."""
+        """Add a fault at a path, with the value there."""
         value = self.written(path) if path[-1] != "" else ""
         fault = Fault("", what, value, limit, remedy).at(path, self.overrides)
         if self.faults[-1:] != [fault]:  # two tables over the same places hear of them once
             self.faults.append(fault)
 
     def take(self, path: Path, fault: Fault) -> None:
-        """Adds a fault that a noun at a path finds of itself."""
+        """Add a fault that an object at a path reported about itself."""
         self.add((*path, *fault.path), fault.what, fault.remedy, fault.limit)
 
     def fails(self, path: Path) -> bool:
-        """Whether what stands at a path was refused already, or a part of it."""
+        """Return whether the value at a path, or a part of it, is invalid already."""
         return path in self.refused
 
     def near(self, name: str, among: Iterable[str], advice: str) -> str:
-        """Did-you-mean, or the advice; only the first faults look for names that look alike."""
+        """Return a suggestion of a similar name, else the advice. Only the first faults are compared with all
+        names.
+        """
         self.suggestions += 1
         return suggestion(name, among, advice) if self.suggestions <= MOST_SUGGESTIONS else advice
 
     def points(self, body: str) -> Iterable[str]:
-        """Names of the points of a body or of the ground."""
+        """Return the names of the points of a body or of the ground."""
         if body == "ground":
             return self.mechanism.points
         noun = self.bodies.get(body)
         return () if noun is None else points_of(noun)
 
     def side(self, path: Path, side: Any, ground: str = "") -> None:
-        """A text ``body.pin`` names a pin that exists; ``ground`` says why it must not be the ground's."""
+        """Check that ``body.pin`` exists. ``ground`` is the message for a pin of the ground, if none is
+        allowed.
+        """
         if side is None or self.fails(path):
             return
         body, _, pin = side.partition(".")
@@ -95,7 +100,7 @@ class Checks:
             self.add(path, what, self.near(side, listed, "name one that is there, or add it"))
 
     def body(self, path: Path, name: Any) -> bool:
-        """Whether a text names a body that exists, or the ground."""
+        """Return whether a text names a body or the ground; add a fault if not."""
         if name is None or self.fails(path):
             return False
         among = [*self.bodies, "ground"]
@@ -108,8 +113,8 @@ class Checks:
         return False
 
     def series(self, path: Path, values: tuple[str, Any], over: tuple[str, Any]) -> None:
-        """What a table is over ascends, has two values at least, and each has its value; both with their
-        keys.
+        """Check a table: at least two ascending arguments, and one value for each. Both are pairs of key and
+        numbers.
         """
         (key, values_of_table), (axis, points) = values, over
         if self.fails((*path, key)) or self.fails((*path, axis)):
@@ -140,34 +145,36 @@ class Checks:
 
 
 def readable(nouns: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Names and nouns, without those of which nothing is known."""
+    """Yield names and objects, without those of which nothing is known."""
     return ((name, noun) for name, noun in nouns.items() if noun is not None)
 
 
 def points_of(body: Any) -> Iterator[str]:
-    """Names of the points of a body, known in part perhaps."""
+    """Yield the names of the points of a body, which may be known in part."""
     yield from type(body).own_points
     for key in ("pins", "nodes"):
         yield from entries_of(body, key)
 
 
 def entries_of(body: Any, key: str) -> Any:
-    """Pins or nodes that were given to a body; the body may be known in part."""
+    """Return the pins or nodes of a body, which may be known in part."""
     return vars(body).get(key) or ()
 
 
 def ends(joint: Any) -> tuple[str, str]:
-    """Bearing and journal, empty where they are not known."""
+    """Return bearing and journal, "" where unknown."""
     return joint.bearing or "", joint.journal or ""
 
 
 def held_by(joint: Any) -> set[str]:
-    """The bodies that a joint holds."""
+    """Return the bodies that a joint connects."""
     return {side.partition(".")[0] for side in ends(joint)}
 
 
 def rows_of(joint: Any) -> tuple[Row, ...]:
-    """What a joint without play holds; nothing where its sizes are wrong, which is told elsewhere."""
+    """Return the rows of an ideal joint; none for a joint with clearance or with invalid sizes, which have
+    their own fault.
+    """
     try:
         return () if isinstance(joint, Contact) else tuple(joint.rows())
     except (TypeError, ValueError):
@@ -175,5 +182,5 @@ def rows_of(joint: Any) -> tuple[Row, ...]:
 
 
 def shown_name(name: str) -> str:
-    """A name in quotes, shortened."""
+    """Return a name in quotes, shortened."""
     return repr(name if len(name) <= NAME_LIMIT else name[: NAME_LIMIT - 3] + "...")

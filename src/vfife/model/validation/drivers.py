@@ -1,4 +1,4 @@
-"""Checks of drivers: what they act on, tables that go together, drivers that fight."""
+"""Checks of drivers: their targets and tables, and drivers that contradict each other."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .checks import Checks, held_by, rows_of, shown_name
 
 
 def check_drivers(checks: Checks) -> None:
-    """Every driver, and which of them fight."""
+    """Check every driver, and pairs that contradict each other."""
     for name, driver in checks.drivers.items():
         path: Path = ("driver", name)
         check_target(checks, path, name, driver)
@@ -20,7 +20,7 @@ def check_drivers(checks: Checks) -> None:
 
 
 def check_target(checks: Checks, path: Path, name: str, driver: Any) -> None:
-    """What is driven exists, and can be driven so."""
+    """Check that the target exists and that the driver can act on it."""
     both = [one for one in ("body", "slider", "point") if getattr(driver, one)]
     if len(both) > 1:
         checks.add(
@@ -43,7 +43,7 @@ def check_target(checks: Checks, path: Path, name: str, driver: Any) -> None:
 
 
 def check_body(checks: Checks, path: Path, name: str, driver: Any) -> None:
-    """The body exists, and is not driven against itself."""
+    """Check that the body exists and is not driven relative to itself."""
     body, against = driver.body, driver.against
     if body not in checks.bodies:
         remedy = checks.near(
@@ -63,7 +63,7 @@ def check_body(checks: Checks, path: Path, name: str, driver: Any) -> None:
 
 
 def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
-    """The body is free to turn, about one ideal joint where it turns against the ground."""
+    """Check that the body can turn, and that it turns about one ideal joint if relative to the ground."""
     for name, joint in checks.joints.items():
         rows = rows_of(joint)
         if held_by(joint) == {body, against} and turn_row(rows) is not None:
@@ -85,8 +85,8 @@ def check_angle(checks: Checks, path: Path, body: str, against: str) -> None:
 
 
 def dangling(checks: Checks) -> bool:
-    """Whether a joint names a body that does not exist, or is not known: which bodies it holds is not known
-    then.
+    """Return whether some joint is unknown or names a body that does not exist, so that connections are
+    uncertain.
     """
     among = {"ground", *checks.bodies}
     return len(checks.joints) < len(checks.mechanism.joints) or any(
@@ -95,7 +95,7 @@ def dangling(checks: Checks) -> bool:
 
 
 def check_slider(checks: Checks, path: Path, slider: str) -> None:
-    """The joint exists and is a slider."""
+    """Check that the joint exists and is a slider."""
     sliders = [
         name
         for name, joint in checks.joints.items()
@@ -120,7 +120,7 @@ def check_slider(checks: Checks, path: Path, slider: str) -> None:
 
 
 def check_tables(checks: Checks, path: Path, driver: Any) -> None:
-    """Lists that go together are alike."""
+    """Check the tables of a driver."""
     places = "travels" if driver.along else "angles"
     if driver.lead == "values" and None not in (driver.times, driver.values):
         checks.series(path, (places, driver.values), ("times", driver.times))
@@ -129,7 +129,7 @@ def check_tables(checks: Checks, path: Path, driver: Any) -> None:
 
 
 def check_effort(checks: Checks, path: Path, driver: Any, places: str) -> None:
-    """A torque or a force is a number, or a table over one thing."""
+    """Check that a torque or force is a number, or a table over one argument."""
     effort, axes = driver.lead_key, {"times": driver.times, "speeds": driver.speeds, places: driver.angles}
     over = [key for key, value in axes.items() if value is not None]
     if len(over) > 1:
@@ -146,7 +146,7 @@ def check_effort(checks: Checks, path: Path, driver: Any, places: str) -> None:
 
 
 def check_fights(checks: Checks) -> None:
-    """No two drivers prescribe the same thing."""
+    """Check that no two drivers prescribe the same motion."""
     held: dict[object, str] = {}
     points: dict[str, list[tuple[str, Any]]] = {}
     for name, driver in checks.drivers.items():
@@ -178,5 +178,5 @@ def check_fights(checks: Checks) -> None:
 
 
 def parallel(one: tuple[float, ...], two: tuple[float, ...]) -> bool:
-    """Whether two directions are alike but for their sign."""
+    """Return whether two directions are parallel or antiparallel."""
     return abs(one[0] * two[1] - one[1] * two[0]) <= 1e-9 * hypot(*one) * hypot(*two)

@@ -13,7 +13,7 @@ from .checks import Checks, ends, held_by, readable, rows_of, shown_name
 
 
 def check_joints(checks: Checks) -> None:
-    """All joints, and which of them hold the same thing twice."""
+    """Check every joint, and pairs of joints that constrain the same motion."""
     pairs: dict[frozenset[str], str] = {}
     held: dict[frozenset[str], str] = {}
     for name, joint in checks.joints.items():
@@ -37,7 +37,7 @@ def check_joints(checks: Checks) -> None:
 
 
 def rigid(checks: Checks, body: str) -> bool:
-    """Whether a body does not deform; one that does may well be held twice."""
+    """Return whether a body is rigid; a deformable body may be held by two joints."""
     noun = checks.bodies.get(body)
     return body == "ground" or (
         noun is not None
@@ -47,7 +47,7 @@ def rigid(checks: Checks, body: str) -> bool:
 
 
 def check_joint(checks: Checks, path: Path, joint: Any, pairs: dict[frozenset[str], str]) -> None:
-    """Both sides exist and differ, no pair is joined twice, sizes fit."""
+    """Check that both sides exist and differ, that no pair of pins is joined twice, and that sizes fit."""
     bearing, journal = joint.bearing, joint.journal
     checks.side((*path, "bearing"), bearing)
     checks.side((*path, "journal"), journal)
@@ -68,7 +68,7 @@ def check_joint(checks: Checks, path: Path, joint: Any, pairs: dict[frozenset[st
 
 
 def _carrier(checks: Checks, gear: Any) -> str:
-    """The body on which both wheels turn; the ground where faults elsewhere keep it from being found."""
+    """Return the carrier of a gear; the ground if other faults prevent finding it."""
     try:
         return carrier_of(checks.mechanism, gear)
     except (AttributeError, KeyError, TypeError, ValueError):
@@ -76,7 +76,7 @@ def _carrier(checks: Checks, gear: Any) -> str:
 
 
 def check_gears(checks: Checks) -> None:
-    """A gear couples two different bodies that turn, once, and its ratio is not zero."""
+    """Check that a gear couples two different bodies that turn, once, with a nonzero ratio."""
     pairs: dict[frozenset[str], str] = {}
     for name, gear in readable(checks.mechanism.gears):
         path: Path = ("gear", name)
@@ -120,7 +120,7 @@ def check_gears(checks: Checks) -> None:
 
 
 def check_springs(checks: Checks) -> None:
-    """Every spring."""
+    """Check every spring."""
     for name, spring in readable(checks.mechanism.springs):
         path: Path = ("spring", name)
         for field in described_fields(type(spring)):
@@ -146,7 +146,7 @@ def check_springs(checks: Checks) -> None:
 
 
 def check_strength(checks: Checks, path: Path, spring: Any) -> None:
-    """A spring has a stiffness or a damping; a stop has room between its limits."""
+    """Check that a spring has stiffness or damping, and its limits."""
     strength = [spring.stiffness, spring.damping]
     if None not in strength and not any(any(one) if isinstance(one, tuple) else one for one in strength):
         checks.add(

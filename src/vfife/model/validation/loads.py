@@ -1,4 +1,4 @@
-"""Checks of loads: what they act on, the guide or the crank by which they go, tables that go together."""
+"""Checks of loads: where they act, the guide or crank that they depend on, and their tables."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ REPEATS = ("times", "angles")
 
 
 def check_loads(checks: Checks) -> None:
-    """Every load."""
+    """Check every load."""
     for name, load in readable(checks.mechanism.loads):
         path: Path = ("load", name)
         if load.along:
@@ -39,7 +39,7 @@ def check_loads(checks: Checks) -> None:
 
 
 def check_alone(checks: Checks, path: Path, load: Any) -> None:
-    """What can be wrong with a load by itself."""
+    """Check what does not depend on the rest of the mechanism."""
     if not checks.fails(path):
         for one in load.conflicts():
             checks.take(path, one)
@@ -50,8 +50,8 @@ def check_alone(checks: Checks, path: Path, load: Any) -> None:
 
 
 def check_expression(checks: Checks, path: Path, load: Any) -> None:
-    """It can be read, goes over a range that is given, and can be followed there; nothing else says how large
-    the load is.
+    """Check that an expression can be parsed, has a range, can be approximated there, and alone determines
+    the load.
     """
     value, back = load.keys
     for key in (value, back):
@@ -78,7 +78,7 @@ def check_expression(checks: Checks, path: Path, load: Any) -> None:
 
 
 def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
-    """Whether the range of an expression is given, as two places, in what it depends on."""
+    """Return whether an expression has a valid range of its variable; add a fault if not."""
     axis = VARIABLES.get(variable, "")
     others = [key for key in OVER if getattr(load, key) is not None and key != axis]
     if others:
@@ -107,7 +107,7 @@ def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
 
 
 def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
-    """Polynomials can follow an expression over its range."""
+    """Check that polynomials can approximate an expression over its range."""
     try:
         ends = sampled(getattr(load, key), load.places[0], load.places[1]).ends
     except SamplingError as error:
@@ -121,7 +121,7 @@ def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
 
 
 def check_table(checks: Checks, path: Path, load: Any) -> None:
-    """The table is over one thing; its lists are alike, and its ends where it repeats."""
+    """Check that a table has one argument, lists of equal length and, if periodic, equal ends."""
     axes = [key for key in OVER if getattr(load, key) is not None]
     value, back = load.keys
     if len(axes) > 1:
@@ -153,7 +153,7 @@ def check_table(checks: Checks, path: Path, load: Any) -> None:
 
 
 def check_crank(checks: Checks, path: Path, load: Any) -> None:
-    """The crank is a body, or a driver turns one."""
+    """Check that the crank exists, or that a driver turns a body."""
     turned = [
         name for name, driver in checks.drivers.items() if driver.moves and driver.revolves and turns(driver)
     ]
@@ -169,7 +169,7 @@ def check_crank(checks: Checks, path: Path, load: Any) -> None:
 
 
 def turns(driver: Any) -> bool:
-    """Whether a driver turns a body; what is not known of it may."""
+    """Return whether a driver turns a body; True if it is not fully known."""
     try:
         return turning_speed(driver) > 0.0
     except TypeError:
@@ -177,12 +177,12 @@ def turns(driver: Any) -> bool:
 
 
 def dangling_drivers(checks: Checks) -> bool:
-    """Whether there are drivers of which nothing is known."""
+    """Return whether there are drivers of which nothing is known."""
     return len(checks.drivers) < len(checks.mechanism.drivers)
 
 
 def check_guide(checks: Checks, path: Path, slider: Any) -> None:
-    """The joint exists, and has a straight guide."""
+    """Check that the joint exists and has a straight guide."""
     if slider is None or checks.fails((*path, "slider")):
         return
     guided = [
@@ -214,7 +214,9 @@ def check_guide(checks: Checks, path: Path, slider: Any) -> None:
 
 
 def held_without_play(joint: Any) -> Any:
-    """What a joint holds, or would without play; nothing where sizes are wrong, which is told elsewhere."""
+    """Return the rows of a joint or of its ideal joint; none for invalid sizes, which have their
+    own fault.
+    """
     try:
         return tuple(joint.rows())
     except (TypeError, ValueError, AttributeError):
@@ -222,7 +224,7 @@ def held_without_play(joint: Any) -> Any:
 
 
 def check_straight(checks: Checks, path: Path, load: Any) -> None:
-    """Where the guide moves, its journal turns with it."""
+    """Check that the journal of a moving guide turns with it."""
     joint = checks.joints.get(load.slider)
     if joint is None or not joint.bearing or not joint.journal or joint.sides[0][0] == "ground":
         return
@@ -236,7 +238,7 @@ def check_straight(checks: Checks, path: Path, load: Any) -> None:
 
 
 def check_repeat(checks: Checks, path: Path, load: Any, axis: str, value: str) -> None:
-    """What repeats ends as it begins."""
+    """Check that a periodic table ends with its first value."""
     values = getattr(load, value)
     if load.repeat is not True:
         return

@@ -1,4 +1,6 @@
-"""Numbers hardly meant: sizes out of scale, loose parts, masses that contradict their sections."""
+"""Cautions about improbable numbers: sizes out of scale, unconnected parts, masses that contradict
+sections.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,16 @@ from ..bodies import Frame, Link, PointMass, RigidBody
 if TYPE_CHECKING:
     from ..mechanism import Mechanism
 
-OUT_OF_SCALE = 100.0  # of the median of the others: metres for millimetres are a thousand
-HUGE = 50.0  # m
-GYRATION = 50.0  # radii of gyration to a size, or the other way: 0.29 of a rod
+# A length this many times the median of the others is cautioned about; millimetres taken for metres: 1000.
+OUT_OF_SCALE = 100.0
+HUGE = 50.0  # m, longer than the links of machines
+# Ratio of radius of gyration and size, either way, that is cautioned about; that of a rod is 0.29.
+GYRATION = 50.0
 FULL_TURN = 2.0 * math.pi
 
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
-    """Cautions, likely causes first; nothing where all looks meant."""
+    """Return cautions about a valid mechanism, with the likely cause."""
     return (
         *_lengths(mechanism),
         *_inertias(mechanism),
@@ -31,7 +35,7 @@ def suspects(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def _lengths(mechanism: Mechanism) -> Iterator[str]:
-    """Lengths a hundred times those of the others, or beyond any machine."""
+    """Caution about lengths a hundred times larger or smaller than the others, or larger than any machine."""
     sizes = {
         f"body.{name}.length": body.length
         for name, body in mechanism.bodies.items()
@@ -69,8 +73,8 @@ def _lengths(mechanism: Mechanism) -> Iterator[str]:
 
 
 def _inertias(mechanism: Mechanism) -> Iterator[str]:
-    """Radii of gyration, (I/m)^(1/2), fifty times larger or smaller than the body: kg mm^2 for kg m^2 is a
-    factor of a thousand.
+    """Caution about radii of gyration, (I/m)^(1/2), fifty times larger or smaller than the body: kg mm^2 for
+    kg m^2 is a factor of a thousand.
     """
     for name, body in mechanism.bodies.items():
         if not isinstance(body, Link | RigidBody):
@@ -91,7 +95,7 @@ def _inertias(mechanism: Mechanism) -> Iterator[str]:
 
 
 def _angles(mechanism: Mechanism) -> Iterator[str]:
-    """Angles of more than a turn, which may be degrees."""
+    """Caution about angles of more than a turn, which may be in degrees."""
     values = {f"body.{name}.angle": body.angle for name, body in mechanism.bodies.items()}
     for name, driver in mechanism.drivers.items():
         if not driver.along and (amplitude := getattr(driver, "amplitude", None)) is not None:
@@ -106,7 +110,7 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
 
 
 def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
-    """Pins, or bodies, that joints, springs and gears tie to one another."""
+    """Yield the pairs of pins, or bodies, that joints, springs and gears connect."""
     for joint in mechanism.joints.values():
         yield joint.bearing, joint.journal
     for spring in mechanism.springs.values():
@@ -116,7 +120,7 @@ def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
 
 
 def _loose(mechanism: Mechanism) -> Iterator[str]:
-    """Bodies that hang on nothing, and groups of bodies that nothing ties to the ground."""
+    """Caution about bodies without connection, and groups of bodies without connection to the ground."""
     neighbours: dict[str, set[str]] = {name: set() for name in ("ground", *mechanism.bodies)}
     for one, two in connections(mechanism):
         first, second = one.partition(".")[0], two.partition(".")[0]
@@ -159,9 +163,7 @@ def _reached(neighbours: dict[str, set[str]], start: str) -> set[str]:
 
 
 def _open(mechanism: Mechanism) -> Iterator[str]:
-    """Chains with an end that is joined to nothing, and a point of the ground, or another end, that waits for
-    it.
-    """
+    """Caution about chains with a free end, if a point of the ground or another end is free too."""
     used = {pin for pair in connections(mechanism) for pin in pair}
     used |= {load.place for load in mechanism.loads.values()} | {
         driver.point for driver in mechanism.drivers.values()
@@ -189,7 +191,7 @@ MASS_TOLERANCE = 0.1  # of the section's mass, by which a given one may differ w
 
 
 def contradictions(mechanism: Mechanism) -> tuple[str, ...]:
-    """A sentence on each rod whose mass is given and differs by more than a tenth from density times area
+    """Return a sentence on each link whose given mass differs by more than a tenth from density times area
     times length.
     """
     return tuple(
@@ -202,7 +204,7 @@ def contradictions(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def _weighed(mechanism: Mechanism) -> Iterator[tuple[str, float, float]]:
-    """Name, given mass (kg) and that of the section, of all rods that have both."""
+    """Yield name, given mass (kg) and mass (kg) of the section, for all links that have both."""
     for name, body in mechanism.bodies.items():
         if isinstance(body, Link) and body.mass is not None and body.section is not None:
             yield f"Link {name}", body.mass, body.material.density * body.section.area * body.path_length

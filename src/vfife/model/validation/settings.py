@@ -1,4 +1,4 @@
-"""Checks of settings, names and laws."""
+"""Checks of run settings, names and laws."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def check_settings(checks: Checks) -> None:
-    """What a run is asked for."""
+    """Check length and analysis of the run."""
     settings: Any = checks.mechanism.settings
     if settings is None:
         return
@@ -43,7 +43,7 @@ def check_settings(checks: Checks) -> None:
 
 
 def check_settle(checks: Checks, settings: Any) -> None:
-    """Turns that are to repeat are those of a crank at constant speed."""
+    """Check that ``settle`` has turns to compare: a crank with constant speed."""
     drivers: dict[str, Any] = dict(checks.mechanism.drivers)  # of which some may not have been read
     moving = [driver for driver in drivers.values() if driver is not None and driver.moves]
     if settings.settle is None or checks.fails(("run", "settle")):
@@ -59,7 +59,7 @@ def check_settle(checks: Checks, settings: Any) -> None:
 
 
 def check_static(checks: Checks, settings: Any) -> None:
-    """Load factors take the place of time, so nothing has a duration or a speed."""
+    """Check that a static analysis has load factors, and no duration or speed."""
     for key in ("turns", "duration", "settle"):
         if getattr(settings, key) is not None:
             remedy = "remove it; load_factors = [...] says for which loads equilibrium is sought"
@@ -89,7 +89,7 @@ LAWS: dict[str, type[Law]] = {"contact": ContactLaw, "friction": FrictionLaw}
 
 
 def check_laws(mechanism: Mechanism) -> list[Fault]:
-    """Faults of the laws of all joints with play, of a mechanism that has no other fault."""
+    """Return the faults of the laws of all joints with clearance, for a mechanism that is otherwise valid."""
     faults = []
     for name, joint in mechanism.contacts.items():
         pair = surfaces(mechanism, joint)
@@ -104,7 +104,7 @@ def check_laws(mechanism: Mechanism) -> list[Fault]:
 
 
 def unknown_hardness(name: str, wear: Wear, pair: Pair) -> list[Fault]:
-    """Surfaces that wear by a pair of materials by name, whose hardness is not known."""
+    """Return a fault for each surface whose wear coefficient needs a hardness that its material lacks."""
     faults = []
     for side in ("bearing", "journal"):
         named, material = getattr(wear, side), getattr(pair, side)
@@ -121,7 +121,7 @@ def unknown_hardness(name: str, wear: Wear, pair: Pair) -> list[Fault]:
 
 
 def unsuitable(law: Law, pair: Pair) -> str:
-    """What a law cannot make of these two surfaces, or nothing: its numbers must be real and finite."""
+    """Return why a law cannot be used for two surfaces; "" if its parameters are real and finite."""
     try:
         values = [float(value) for value in law.parameters(pair)]
     except ValueError as error:  # the law's own sentence, if it has one
@@ -141,7 +141,7 @@ SECTIONS = {"body": "bodies", "joint": "joints", "gear": "gears", "spring": "spr
 
 
 def check_names(checks: Checks) -> None:
-    """Bodies there are, and all names."""
+    """Check that there are bodies, and all names."""
     if not checks.bodies:
         checks.add(("body",), "the model has no body", "add a table such as [body.crank]")
     if "ground" in checks.bodies:
@@ -166,7 +166,7 @@ def check_names(checks: Checks) -> None:
 
 
 def check_name(checks: Checks, path: Path) -> None:
-    """A name can be part of a path."""
+    """Check that a name can be part of a path."""
     name = path[-1]
     if not (
         isinstance(name, str)
@@ -180,7 +180,7 @@ def check_name(checks: Checks, path: Path) -> None:
 
 
 def named_paths(checks: Checks) -> Iterator[Path]:
-    """Paths of everything that the user gives a name."""
+    """Yield the paths of everything that the user names."""
     model = checks.mechanism
     yield from (("ground", name) for name in model.points or ())
     for section, field in SECTIONS.items():

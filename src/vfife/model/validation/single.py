@@ -1,4 +1,4 @@
-"""Checks of one noun by itself, when a script adds it: what no other noun has to be known for."""
+"""Checks of one object when a script adds it: everything that does not depend on objects added later."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 def faults_of(
     mechanism: Mechanism, section: str, name: str, noun: Any, refusals: Iterable[Path] = ()
 ) -> list[Fault]:
-    """What is wrong with a noun, known in part perhaps, to join a mechanism under a name; ``refusals``
-    are paths of what was refused.
+    """Return the faults of an object (possibly known in part) that is to be added to a mechanism under a
+    name; ``refusals`` are the paths of its invalid values.
     """
     path: Path = (section, name)
     field = next(field for field in described_fields(type(mechanism)) if key_of(field) == section)
@@ -65,7 +65,9 @@ def faults_of(
 
 
 def references(checks: Checks, path: Path, noun: Any) -> list[str]:
-    """What a noun names; pins of bodies that are there already are looked for, and the form of all names."""
+    """Return the names that an object refers to, and check their form; pins are checked if their
+    body exists.
+    """
     names = []
     for field in described_fields(type(noun)):
         held, text = value_of(field), getattr(noun, field.name)
