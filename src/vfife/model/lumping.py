@@ -78,10 +78,10 @@ def mesh(body: Body) -> Mesh:
     sources = (dict(body.nodes), dict(body.masses)) if isinstance(body, Frame) else ()
     cached = vars(body).get(_MESH)
     if cached is None or cached[0] != sources:
-        made = _frame(body) if isinstance(body, Frame) else _link(body)
-        for values in (made.position, made.mass, made.inertia, made.nodes, made.axial, made.bending):
+        parts = _frame(body) if isinstance(body, Frame) else _link(body)
+        for values in (parts.position, parts.mass, parts.inertia, parts.nodes, parts.axial, parts.bending):
             values.setflags(write=False)
-        cached = vars(body)[_MESH] = sources, made  # past the frozen dataclass, whose equality ignores it
+        cached = vars(body)[_MESH] = sources, parts  # past the frozen dataclass, whose equality ignores it
     result: Mesh = cached[1]
     return result
 
