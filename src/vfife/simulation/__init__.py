@@ -1,1 +1,3 @@
-"""What a script calls: simulate, resume, the result, and a run stepped by the caller."""
+"""Runs of a mechanism as a script calls them: simulate, resume, the result, and a run stepped by
+the caller.
+"""

@@ -1,5 +1,5 @@
-"""Co-simulation: a mechanism that is stepped from outside, by a controller, a hardware loop, or another
-solver of the rest of a machine.
+"""Co-simulation: a mechanism that is stepped by the caller, such as a controller, a hardware loop or the
+solver of another part of the machine.
 """
 
 from __future__ import annotations
@@ -34,32 +34,32 @@ from ..units import number
 from .result import Result
 from .start import StartFrom, assembled_at
 
-LATE = 1e9  # s: nobody gets there
+LATE = 1e9  # s, later than the end of any run
 DEGREE = 7  # coefficients of a piece
 
 
 @dataclass(frozen=True, kw_only=True)
 class Steered(Driver):
-    """A driver of constant speed (rad/s or m/s) whose motion may be changed under way: two pieces of one
-    straight line.
+    """A driver of constant speed (rad/s or m/s) whose speed can be changed during the run. Its motion is one
+    straight line in two pieces; :meth:`Table.go` overwrites them.
     """
 
     speed: float = 0.0
     revolves = True
 
     def motion(self, offset: float = 0.0) -> Polynomials:
-        """The straight line (rad or m), ``offset`` added."""
+        """Return the motion (rad or m), plus ``offset``."""
         return Polynomials((0.0, LATE), ((offset, self.speed), (offset + self.speed * LATE, self.speed)))
 
     @property
     def largest_speed(self) -> float:
-        """The speed that it has at the start (rad/s or m/s)."""
+        """Speed (rad/s or m/s) at the start, unsigned."""
         return abs(self.speed)
 
 
 def steerable(mechanism: Mechanism, names: Collection[str]) -> Mechanism:
-    """The mechanism in which the speed of some drivers, constant so far, may be changed. It moves as before,
-    to rounding.
+    """Return the mechanism with the constant-speed drivers of these names replaced by :class:`Steered` ones.
+    The motion changes by rounding errors only.
     """
     drivers = dict(mechanism.drivers)
     for name in names:
@@ -71,7 +71,7 @@ def steerable(mechanism: Mechanism, names: Collection[str]) -> Mechanism:
 
 
 class Table:
-    """One function in the tables of a run, ``numbers``, from ``start`` on."""
+    """A piecewise polynomial in the tables of a run: ``numbers`` from index ``start``."""
 
     def __init__(self, numbers: Any, start: int) -> None:
         self.numbers, self.start = numbers, start
@@ -81,7 +81,7 @@ class Table:
         self.held = False
 
     def hold(self, value: float) -> None:
-        """The value from now on, whatever the function was."""
+        """Replace the function by a constant."""
         if not self.held:
             for k in self.levels:
                 for j in range(1, DEGREE):
@@ -91,15 +91,18 @@ class Table:
             self.numbers[k] = value
 
     def go(self, time: float, speed: float, within: float) -> None:
-        """From where it is at a time (s), evenly to a speed (1/s) within so long (s), and on with that."""
+        """Replace the motion from ``time`` (s) on: constant acceleration to ``speed`` (1/s) ``within`` a time
+        (s), then constant speed. Position and speed are continuous.
+        """
         numbers, kinks = self.numbers, self.first + 8 * self.pieces
         value, rate, _, passed = polynomial(numbers, self.start, time)
         rising = (value, rate, 0.5 * (speed - rate) / within, 0.0, 0.0, 0.0, 0.0)
         later = (value + 0.5 * (rate + speed) * within, speed, 0.0, 0.0, 0.0, 0.0, 0.0)
-        if (
-            numbers[self.start] < 0.0
-        ):  # what repeated itself does so no more: one piece that never ends, before the others
+        # A negative number of pieces marks a periodic function; a period beyond any run makes it aperiodic.
+        if numbers[self.start] < 0.0:
             self.numbers[self.start + 1] = 2.0 * LATE
+        # Unused pieces begin after any run, and the kink counts continue from those passed, so that the step
+        # detects the beginning and the end of the acceleration as kinks.
         for k in range(self.pieces):
             numbers[self.first + k] = time if k == 0 else time + within if k == 1 else LATE
             for j, c in enumerate(rising if k == 0 else later):
@@ -108,14 +111,14 @@ class Table:
 
     @property
     def moves(self) -> bool:
-        """Whether it has the pieces that a change of speed takes."""
+        """Whether the function has the two pieces that a change of speed needs."""
         return self.pieces >= 2
 
 
 @dataclass(frozen=True)
 class Input:
-    """What may be set: its name, the indices of its functions (of a constant speed none), its unit, what it
-    is, whether it is a speed gone to.
+    """A quantity that can be set: its name, the indices of its functions (none for a constant speed), its
+    unit, description, and whether it is the speed of a driver (``moves``).
     """
 
     name: str
@@ -126,7 +129,7 @@ class Input:
 
 
 def inputs_of(assembly: Assembly) -> Iterator[Input]:
-    """Loads, torques and forces, then motions, of an assembled mechanism, in its order."""
+    """Yield the inputs of an assembled mechanism: loads, then torques and forces, then speeds of drivers."""
     mechanism, topology = assembly.mechanism, assembly.topology
     functions: dict[tuple[str, str], tuple[int, ...]] = {}
     for action, place in zip(
@@ -160,7 +163,7 @@ NOTHING_TO_SET = (
 
 
 def check_steered(arguments: Arguments, mechanism: Mechanism, steered: Collection[str]) -> None:
-    """Note the names of ``steered`` that no driver of the mechanism has."""
+    """Add a fault for each name in ``steered`` that is no driver of the mechanism."""
     for name in steered:
         if name not in mechanism.drivers:
             arguments.fault(
@@ -173,7 +176,7 @@ def check_steered(arguments: Arguments, mechanism: Mechanism, steered: Collectio
 
 
 def refuse_static(mechanism: Mechanism) -> None:
-    """Raise ModelError for a static analysis, which a Simulation cannot step."""
+    """Raise ModelError for a static analysis, which has no steps in time."""
     if mechanism.settings.analysis == "static":
         raise ModelError(
             [Fault("[run] analysis", "a static analysis has no steps in time", remedy="use simulate")],
@@ -182,21 +185,21 @@ def refuse_static(mechanism: Mechanism) -> None:
 
 
 class Simulation:
-    """Steps a mechanism, lets every channel of it be read, and torques, forces, loads and speeds of drivers
-    be set between.
+    """A run that the caller steps: channels can be read and torques, forces, loads and driver speeds set
+    between steps.
 
     >>> sim = Simulation(mechanism)  # doctest: +SKIP
     >>> while sim.advance(sim.time + 1e-3) < 2.0:  # doctest: +SKIP
     ...     sim.set("motor", controller(sim.read("rotor.angular_velocity")))
 
-    While nothing is set it has the bits of :func:`~vfife.simulation.simulate.simulate` with the same step; it
-    is one run, without companions or ideal reference, and its automatic step is not halved.
+    As long as no input is set, the run has the bits of :func:`~vfife.simulation.simulate.simulate` with the
+    same step. It is one run without companions and ideal reference, and an automatic step is not refined.
 
-    A torque, force or load that is set at a time acts from half a step later: a central difference takes the
-    force at t_n for the time from t_n - step/2 to t_n + step/2. It stays until it is set anew, whatever it
-    was over time, and the energy ledger counts what it does. A speed that is set is gone to evenly, within a
-    step unless more is said. Advancing takes some 3 microseconds beside the steps, setting and reading less
-    than one; channels that are derived (a force from its components, energies) take some milliseconds.
+    A torque, force or load acts from half a step after the time at which it is set, because a central
+    difference applies the force at t_n from t_n - step/2 to t_n + step/2. It remains constant until it is set
+    again, and the energy balance includes its work. A speed is reached with constant acceleration, by default
+    within one step. In addition to the steps, a call of :meth:`advance` takes about 3 microseconds, setting
+    and reading less than one; derived channels (resultant forces, energies) take milliseconds.
     """
 
     def __init__(
@@ -209,13 +212,12 @@ class Simulation:
         steered: Collection[str] = (),
         force_step: bool = False,
     ) -> None:
-        """Assembles a mechanism at its start, or at that of a former run
-        (:func:`~vfife.simulation.simulate.simulate` says more of the arguments).
+        """Assemble a mechanism at its start or at that of a former run; arguments as in
+        :func:`~vfife.simulation.simulate.simulate`.
 
-        ``steered``: names of drivers of constant speed whose speed is to be set; bits are those of a run to
-        rounding then.
-
-        Raises ModelError with all faults of the arguments or the mechanism, AssemblyError, StepError.
+        ``steered``: names of constant-speed drivers whose speed can be set; their motion agrees with that of
+        a run to rounding. Raises ModelError with all faults of arguments and mechanism, AssemblyError,
+        StepError.
         """
         arguments = Arguments("Simulation")
         arguments.mechanism(mechanism)
@@ -278,11 +280,11 @@ class Simulation:
         return self._n * self.step
 
     def advance(self, to: float) -> float:
-        """Steps to the step that is nearest to a time (s), and gives the time reached; to a time that was
-        reached already, nothing is done.
+        """Advance to the step nearest to the time ``to`` (s) and return the time reached (s); do nothing if
+        it has been reached already.
 
-        Raises VfifeError where that lies before, and where numbers leave all bounds, after which nothing more
-        can be had of it.
+        Raises VfifeError for an earlier time, and if numbers become non-finite or exceed their bounds; the
+        simulation cannot continue then.
         """
         n = self._n
         try:
@@ -312,14 +314,15 @@ class Simulation:
 
     @property
     def channels(self) -> list[str]:
-        """Names of what can be read: those of ``result.series``."""
+        """Names that :meth:`read` accepts: those of ``result.series``."""
         return list(self._view().series)
 
     def read(self, name: str) -> float:
-        """The value of a channel now: ``C.force`` (N), ``rod.angle`` (rad), ``kinetic_energy`` (J) ...
+        """Return the present value of a channel, such as ``C.force`` (N), ``rod.angle`` (rad) or
+        ``kinetic_energy`` (J).
 
-        Largest values since the last output are those since :meth:`advance` was last called. Raises
-        VfifeError for a name that no channel has.
+        Channels with the largest value since the last output have that since the last call of
+        :meth:`advance`. Raises VfifeError for an unknown name.
         """
         reader = self._readers.get(name)
         if reader is None:
@@ -327,8 +330,8 @@ class Simulation:
         return reader()
 
     def channel(self, name: str) -> Callable[[], float]:
-        """What reads a channel, again and again, without looking for its name: at once what the state has, in
-        milliseconds what is derived.
+        """Return a function that reads a channel, to avoid the lookup of its name in a loop. Raises
+        VfifeError for an unknown name.
         """
         if name not in self._readers:
             series = self._view().series
@@ -346,8 +349,8 @@ class Simulation:
     def _row(
         self, variable: str, entity: str | None, noun: str, index: int | None
     ) -> Callable[[], float] | None:
-        """What reads a channel that is a row of the state, or a velocity, which the state has half a step
-        later; None for others.
+        """Return a reader for a channel that is a row of the state, or an angular velocity; None
+        for others.
         """
         state, layout = self._state, self.assembly.layout
         blocks = dict(RECORDED.get(entity or "", ()))
@@ -369,7 +372,9 @@ class Simulation:
         return None
 
     def _rate(self, particle: int) -> Callable[[], float]:
-        """What reads an angular velocity at t_n; see :func:`~vfife.measures.motion.velocities`."""
+        """Return a reader of an angular velocity at t_n, which the state contains at t_n + step/2; see
+        :func:`~vfife.measures.motion.velocities`.
+        """
         state, record = self._state, self._view().record
         rate, second = (self.assembly.layout.row(f"particle_{name}", particle) for name in ("w", "aw"))
         dt, z = half_damping(record)
@@ -379,6 +384,8 @@ class Simulation:
         return lambda: (state[rate] - half * state[second]) / left
 
     def _derived(self, variable: str, index: int | None) -> Callable[[], float]:
+        """Return a reader for a channel that is computed from a view of the present state."""
+
         def reader() -> float:
             values = self._view().channels[variable].values
             return float(values[-1] if index is None else values[-1, index])
@@ -389,7 +396,9 @@ class Simulation:
         return self._runner.states[self._kept, 0].copy()
 
     def _view(self) -> View:
-        """The state now as a result has it, after that of the start and that of the last reading."""
+        """Return the present state as a result, after the outputs of the start and of the last reading, from
+        which rates of change follow.
+        """
         if self._seen is None or self._seen[0] != self._n:
             now, rows = self._n, self._rows()
             outputs = [
@@ -411,16 +420,15 @@ class Simulation:
 
     @property
     def inputs(self) -> dict[str, str]:
-        """What can be set, by name: what it is, and its unit."""
+        """Inputs that :meth:`set` accepts: description and unit by name."""
         return {name: f"{one.words} ({one.unit})" for name, (one, _) in self._inputs.items()}
 
     def set(self, name: str, value: float | str, within: float | None = None) -> None:
-        """Sets an input from now on: a torque (N m), a force (N), what multiplies a load (1; along a guide
-        its force, N, or pressure, Pa), or the speed of a driver (rad/s, m/s).
+        """Set an input from now on: a torque (N m), a force (N), the factor of a load (1; of a load along a
+        guide its force, N, or pressure, Pa), or the speed of a driver (rad/s, m/s).
 
-        Numbers are in SI units; texts may have a unit. ``within``: time (s) in which a driver goes evenly to
-        its new speed, a step unless given. Raises ModelError for a name that no input has, or a value that is
-        none.
+        ``value`` is a number in SI units or a text with a unit. ``within``: time (s) in which a driver
+        reaches its new speed, by default one step. Raises ModelError for an unknown name or an invalid value.
         """
         entry = self._inputs.get(name)
         if entry is None:
@@ -445,7 +453,7 @@ class Simulation:
             table.hold(value)
 
     def _go(self, one: Input, tables: list[Table], speed: float, within: float | None) -> None:
-        """Has a driver go to a speed."""
+        """Set the speed of a driver."""
         if within is not None and not within > 0.0:
             raise ModelError(
                 [
@@ -456,20 +464,17 @@ class Simulation:
                 "set()",
             )
         if not tables or not all(table.moves for table in tables):
-            what, remedy = (
-                "the motion of this driver is one piece, which cannot be changed under way",
-                "make it a ramp, or a table of three points",
-            )
+            what = "the motion of this driver is one piece, which cannot be changed under way"
+            remedy = "make it a ramp, or a table of three points"
             if self.assembly.mechanism.drivers[one.name].steady_speed is not None:
-                what, remedy = (
-                    "the speed of this driver is constant",
-                    f"name it when the simulation is made: steered=({shown(one.name)},)",
-                )
+                what = "the speed of this driver is constant"
+                remedy = f"name it when the simulation is made: steered=({shown(one.name)},)"
             raise ModelError([Fault(one.name, what, remedy=remedy)], "set()")
         for table in tables:
             table.go(self._n * self.step, speed, self.step if within is None else within)
 
     def _number(self, one: Input, value: Any) -> float:
+        """Return a value in the SI unit of an input."""
         try:
             return number(value if isinstance(value, str | bool) else float(value), one.unit)
         except (TypeError, ValueError):
@@ -480,5 +485,7 @@ class Simulation:
 
 
 def looked_into(numbers: Any) -> Any:
-    """An array by number, three times as fast as NumPy gives and takes one."""
+    """Return a memory view of an array: single numbers are read and written three times as fast as
+    by NumPy.
+    """
     return memoryview(numbers)

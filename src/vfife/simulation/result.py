@@ -1,4 +1,4 @@
-"""The result of a run: its view, what a summary and pictures make of it, and files that keep it."""
+"""The result of a run: its numbers, summary, pictures and files."""
 
 from __future__ import annotations
 
@@ -35,10 +35,9 @@ if TYPE_CHECKING:
 
 
 class Result(View):
-    """What a run gives: see :class:`~vfife.results.view.View` for its numbers; pictures, summary and files
-    are here.
+    """Result of a run: numbers as in :class:`~vfife.results.view.View`, and summary, pictures and files.
 
-    ``record`` holds the rows, ``reference`` is the result of the ideal mechanism or None.
+    ``record`` has the recorded rows; ``reference`` is the result of the ideal mechanism or None.
     """
 
     reference: Result | None
@@ -48,7 +47,7 @@ class Result(View):
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """All that a summary says, as dictionaries, lists, texts and numbers."""
+        """Content of the printed summary as dictionaries, lists, texts and numbers."""
         from ..report.summary import run_summary
 
         return run_summary(self)
@@ -61,20 +60,20 @@ class Result(View):
     # -------------------------------------------------------------------------------------------------- files
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Writes the dataset as NetCDF-4; a file that is there gives way when the new one is whole. Raises
-        OSError where it cannot be written.
+        """Write the dataset as NetCDF-4. An existing file is replaced when the new one is complete. Raises
+        OSError.
         """
         from ..results.export import write_netcdf
 
         write_netcdf(self.data, Path(path))
 
     def export(self, path: str | Path, figure: str | None = None) -> None:
-        """Writes all channels with their units, or a figure, in the format that the file's ending says; what
-        is there gives way when it is whole.
+        """Write all channels with their units, or a figure, in the format of the file's extension. An
+        existing file is replaced when the new one is complete.
 
-        Data: ``.csv``, ``.nc`` (NetCDF), ``.mat`` (MATLAB), ``.parquet`` (with pyarrow). Figures: ``.svg``,
-        ``.pdf``, ``.png``; ``figure`` names one, as :meth:`plot` does, where the file is not called by its
-        name. Raises VfifeError for another ending or figure, OSError.
+        Data: ``.csv``, ``.nc`` (NetCDF), ``.mat`` (MATLAB), ``.parquet`` (needs pyarrow). Figures: ``.svg``,
+        ``.pdf``, ``.png``; ``figure`` is a name as in :meth:`plot`, by default the name of the file. Raises
+        VfifeError for an unknown extension or figure, and OSError.
         """
         from ..results.export import RESULT_FORMATS, export
 
@@ -87,8 +86,8 @@ class Result(View):
         save_one(self, figure, path, RESULT_FORMATS)
 
     def save(self, path: str | Path) -> None:
-        """Writes a run file that :meth:`load` reads; one that is there already gives way when the new one is
-        whole.
+        """Write a run file for :meth:`load`. An existing run file is replaced when the new one is complete.
+        Raises RunFileError if another kind of file has this name, StorageError if the file cannot be written.
         """
         path = Path(path)
         meta = self._meta()
@@ -103,8 +102,8 @@ class Result(View):
             raise StorageError(unwritten(path, f"no run file can be made here ({error.strerror})")) from error
 
     def finish(self, file: RunFile) -> None:
-        """Ends a run file: what it does not have yet of the model, outputs, last state and reference, how the
-        run ended, and its summary.
+        """Complete a run file with whatever it lacks: model, outputs, last state, reference, status and
+        summary.
         """
         record = self.record
         missing = slice(file.outputs_so_far, None)
@@ -126,6 +125,7 @@ class Result(View):
         )
 
     def _meta(self) -> dict[str, Any]:
+        """Return the metadata of a run file."""
         record, left = self.record, self.record.companions
         meta = provenance(record.assembly, record.kept, record.loop)
         return (
@@ -136,9 +136,10 @@ class Result(View):
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
-        """The result that a run file, or the run file in a folder, holds; also that of a run that was killed.
+        """Return the result of a run file, or of the run file in a folder; a killed run has the outputs
+        written.
 
-        Raises RunFileError where there is no such file, or it is damaged or of another kind.
+        Raises RunFileError if there is no such file, or if it is damaged or of another kind.
         """
         with RunFile.open(path) as file:
             result = cls.of(file)
@@ -149,7 +150,7 @@ class Result(View):
 
     @classmethod
     def of(cls, file: RunFile) -> Result:
-        """The result that an open run file holds."""
+        """Return the result of an open run file."""
         where, meta, last = str(file.path), file.meta, file.last_checkpoint()
         alone = file.finished_steps()
         result = cls(
@@ -161,9 +162,8 @@ class Result(View):
         if alone is not None:
             record.source = partial(_read, record, file.path.absolute())
             if meta.get("summary") and meta["versions"] == versions(record.loop):
-                result.__dict__["summary"] = meta[
-                    "summary"
-                ]  # what it was told at its end; to tell it again, every output would be read
+                # The stored summary: computing it again would read every output of a large file.
+                result.__dict__["summary"] = meta["summary"]
         record.estimate = Estimate(**meta["estimate"]) if "estimate" in meta else None
         record.companions = restored_companions(file, record)
         record.reached = int(record.steps[-1]) if last is None else max(last[0], int(record.steps[-1]))
@@ -179,20 +179,20 @@ class Result(View):
     # pictures
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the summary and figures."""
+        """Return summary and figures for a notebook."""
         from ..plots.notebook import result_html
 
         return result_html(self)
 
     def plot(self, *names: str, at: str | None = None) -> dict[str, Figure]:
-        """Figures by name: without ``names`` the usual ones, as the mechanism, journal paths, forces and
+        """Return figures by name; without ``names`` the usual ones: mechanism, journal paths, forces and
         accelerations over the ideal ones.
 
-        ``names``: of "mechanism", "orbits", "guides", "forces", "moments", "accelerations", "strip",
+        ``names``: some of "mechanism", "orbits", "guides", "forces", "moments", "accelerations", "strip",
         "traces", "polar", "phase", "spectrum", "waterfall", "spectrogram", "envelope", "energy", "stress",
-        "deflection"; "all" that the result has something for. ``at``: the mechanism alone, at a moment as
-        "90deg" of the last turn, or "12 ms". Raises VfifeError for another name, a figure that there is
-        nothing for, and what is no moment of the run.
+        "deflection", or "all" for those that the result has data for. ``at``: the mechanism alone at a
+        moment, as "90deg" of the last turn, or "12 ms". Raises VfifeError for an unknown name, a figure
+        without data, and a moment outside the run.
         """
         from ..plots import figure, figures, only_mechanism
 
@@ -202,13 +202,13 @@ class Result(View):
         return figures(self, self.reference, names)
 
     def animate(self, path: str | Path, frames: int = 240, rate: float = 25.0, turns: float = 1.0) -> None:
-        """Writes a film of the mechanism as it moves, its play drawn larger, with the largest joint forces
-        beside it, as ``.gif`` or ``.mp4``.
+        """Write a film of the mechanism, with enlarged clearances and the largest joint forces, as ``.gif``
+        or ``.mp4``.
 
-        Shows the last ``turns`` turns of the crank, without one the whole run, in as many ``frames`` or as
-        there are outputs, ``rate`` of them a second; what is there gives way when the film is whole. MP4
-        takes the extra ``video``. Raises VfifeError for another ending and numbers out of range, StorageError
-        and OSError where it cannot be written.
+        Shows the last ``turns`` turns of the crank (without a crank: the whole run) in at most ``frames``
+        pictures, ``rate`` per second. An existing file is replaced when the film is complete. MP4 needs the
+        extra ``video``. Raises VfifeError for another extension and numbers out of range, StorageError and
+        OSError if the file cannot be written.
         """
         from ..plots.filmfiles import animate
 
@@ -221,8 +221,8 @@ class Result(View):
 
 
 def _read(record: Record, path: Path) -> Rows:
-    """The outputs of a large file, where they are asked for; those that are damaged are left out, and told
-    from then on.
+    """Read the outputs of a large file when they are first needed, without damaged ones, which are
+    reported.
     """
     with RunFile.open(path) as file:
         record.steps, rows = file.outputs()
@@ -237,10 +237,10 @@ def _read(record: Record, path: Path) -> Rows:
 
 
 def load_result(path: str | Path) -> Result:
-    """The result that a run file, or the run file in a folder, holds; also that of a run that was killed.
+    """Return the result of a run file, or of the run file in a folder; a killed run has the outputs written.
 
-    Nothing is assembled and no law's text is run. Raises RunFileError where there is no such file, or it is
-    damaged or of another kind.
+    Nothing is assembled, and no text of a law is executed. Raises RunFileError if there is no such file, or
+    if it is damaged or of another kind.
     """
     return Result.load(path)
 

@@ -1,4 +1,6 @@
-"""Simulates a mechanism: assembles it at its start, runs it beside its ideal reference, gives the result."""
+"""A run from start to result: validation, ideal reference, assembly, steps, refinement of the step,
+run file.
+"""
 
 from __future__ import annotations
 
@@ -56,39 +58,39 @@ Tried: TypeAlias = tuple[tuple[float, float | None], ...]
 
 @dataclass(frozen=True)
 class Prepared:
-    """A mechanism that can be run: examined, its ideal reference known if there is one, assembled."""
+    """A run before its first step: assembly, result of the ideal reference, and what a retry with half the
+    step needs.
+    """
 
     assembly: Assembly
     reference: Result | None
     loop: Loop
-    start: RunStart | StaticStart | RestoredStart  # assembles it with another step
+    start: RunStart | StaticStart | RestoredStart  # assembles the mechanism with another step
     companions: int = 0
-    refined: bool = (
-        False  # whether it is repeated with smaller steps, being smooth, or on other meshes, being static
-    )
-    inputs: Mapping[str, Any] = field(
-        default_factory=dict
-    )  # what it takes to prepare it again, beside the model
-    earlier: Earlier = field(
-        default_factory=dict
-    )  # ranges of the try before, where it is taken up in a later one
+    # Whether the run is repeated for an error estimate: a smooth one with smaller steps, a static one on
+    # other meshes.
+    refined: bool = False
+    # Arguments from which resume() restores this object, together with the model.
+    inputs: Mapping[str, Any] = field(default_factory=dict)
+    # Ranges of the previous try, if the run was interrupted in a later one.
+    earlier: Earlier = field(default_factory=dict)
     searches: bool = True  # whether an automatic step may still be halved
 
     @property
     def static(self) -> bool:
-        """Whether it is brought to equilibrium instead of being stepped."""
+        """Whether the run is a static analysis."""
         return self.assembly.mechanism.settings.analysis == "static"
 
     @property
     def run_meta(self) -> dict[str, Any]:
-        """The meta of its run file."""
+        """Metadata of the run file."""
         return self.meta(self.assembly)
 
     def meta(
         self, assembly: Assembly, model: str | None = None, earlier: Earlier | None = None
     ) -> dict[str, Any]:
-        """The same of a run with another step; ``model`` is the text of the mechanism where it is written
-        already.
+        """Return the metadata of a run file for an ``assembly`` with another step. ``model``: text of the
+        mechanism, if already known; ``earlier``: ranges of the previous try.
         """
         meta = provenance(assembly, recorded_rows(assembly), choose_loop(assembly, self.loop), model)
         arguments = {**self.inputs, "refined": self.refined}
@@ -114,37 +116,33 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
 
     >>> result = simulate(mechanism, turns=10, step="1 us")  # doctest: +SKIP
 
-    What to run: ``turns`` of the crank or ``duration`` (s); ``step`` (s) or "auto", numbers or texts with a
-    unit; ``settle`` (1) ends the run as soon as its turns repeat within that share of their largest values,
-    and after ``turns`` at the latest. ``start``: a former run (or its folder) to go on from, or states of
-    bodies by name (:func:`~vfife.results.restart.start_from`). ``reference``: also run the ideal mechanism to
-    compare with, or its result; there is none without play or a driver, where a joint is none without its
-    play, nor where the ideal mechanism does not get through. ``companions``: how often a run with contact is
-    repeated with other step sizes, 0 to 7, from which ranges of measures estimate their errors; "auto" is
-    three. An automatic step is halved, twice at the most, until run and companions agree within the tolerance
-    of the settings, and where first contacts land deeper than a joint allows. A mechanism whose settings ask
-    for a static analysis is brought to equilibrium (:func:`~vfife.solvers.statics.equilibrium`), which takes
-    neither ``turns``, ``duration`` nor ``step``.
+    What to run: ``turns`` of the crank or ``duration`` (s), and a ``step`` (s) or "auto", as numbers or texts
+    with a unit. With ``settle`` (1) the run ends as soon as two turns agree within that share of their
+    largest values, at the latest after ``turns``. ``start``: a former run (or its folder) to continue from,
+    or states of bodies by name (:func:`~vfife.results.restart.start_from`). ``reference``: also run the ideal
+    mechanism for comparison, or its result; there is none without clearance or driver, if a joint has no
+    ideal counterpart, or if the ideal mechanism locks. ``companions``: number of repetitions of a run with
+    contact with other step sizes, 0 to 7, from which the uncertainty of measures is estimated; "auto" is
+    three. An automatic step is halved, at most twice, while run and companions differ by more than the
+    tolerance of the settings or first contacts are deeper than a joint allows. If the settings request a
+    static analysis, :func:`~vfife.solvers.statics.equilibrium` is computed; it takes neither ``turns``,
+    ``duration`` nor ``step``.
 
-    What to save: ``outputs`` per turn (per run without a crank); a run ``file`` that takes them while they
-    come.
+    What to save: ``outputs`` per turn (per run without a crank); a run ``file`` that takes the outputs during
+    the run.
 
-    What to compute with: ``loop`` "auto", "data-driven", "generated" or "interpreted", which give the same
-    bits; ``force_step`` takes a step beyond the stable one; ``progress`` is called with a
-    :class:`~vfife.solvers.status.Progress`; ``confirm`` runs even what takes more than an hour, or half of
-    the memory or of the disk.
+    What to compute with: ``loop`` "auto", "data-driven", "generated" or "interpreted", all with the same
+    bits; ``force_step`` accepts an unstable step; ``progress`` is called with a
+    :class:`~vfife.solvers.status.Progress`; ``confirm`` allows runs of more than an hour, or of half the
+    memory or disk.
 
-    Raises ModelError with all faults of the arguments, or of the mechanism, AssemblyError for one that cannot
-    be assembled and StepError for too large a step.
+    Raises ModelError with all faults of the arguments or of the mechanism, AssemblyError for a mechanism that
+    cannot be assembled and StepError for an unstable step.
     """
     reading = Arguments("simulate")
     reading.mechanism(mechanism)
-    reference, start, file, progress = (
-        options["reference"],
-        options["start"],
-        options["file"],
-        options["progress"],
-    )
+    reference, start, file = options["reference"], options["start"], options["file"]
+    progress = options["progress"]
     arguments = reading.run(**{name: options.get(name) for name in (*Run.__annotations__, "outputs")})
     reading.kind("reference", reference, (bool, Result), "True, False or a Result")
     reading.kind(
@@ -168,11 +166,12 @@ def forecast(
     refined: bool = False,
     companions: int = 0,
 ) -> None:
-    """Begin the job of a run, which ends here where it takes hours, or half of the memory or of the disk, and
-    nobody confirmed that.
+    """Begin the job of a run; raises if the run takes hours, or half of the memory or disk, without
+    confirmation.
 
-    Outputs that do not fit into memory are kept in a temporary file. ``reference`` runs beside the run;
-    ``refined``: a smooth or static run, which is repeated with smaller steps or other meshes.
+    Outputs that exceed the memory limit go to a temporary file. ``reference``: assembly of the ideal
+    mechanism; ``refined``: the run is repeated with smaller steps or other meshes; ``companions``: their
+    number.
     """
     static = assembly.mechanism.settings.analysis == "static"
     less = "ask for less: " + (
@@ -192,12 +191,11 @@ def prepare(
     start: StartFrom | None = None,
     job: Job | None = None,
 ) -> Prepared:
-    """Everything that comes before the first step, where most of what can be wrong is told: see
-    :func:`simulate`.
+    """Return a run before its first step; arguments and errors as in :func:`simulate`.
 
-    ``reference`` True runs the ideal mechanism, unless :func:`~.start.comparable` says that there is none to
-    compare with, or the outlook that it does not get through. ``job`` compares a forecast with the machine:
-    of the ideal reference before it is run where that takes long, then of the run.
+    ``reference`` True runs the ideal mechanism, if it is :func:`~.start.comparable` and passes its whole
+    range of motion. ``job`` receives forecasts: one of the ideal reference if that takes long, then one of
+    the run.
     """
     if spec.settle is not None:
         mechanism = dataclasses.replace(
@@ -209,7 +207,7 @@ def prepare(
     former = Result.load(start) if isinstance(start, str | Path) else start
     if former is not None:
         mechanism = on_clock(mechanism, former)
-    # what goes on from a former run, or from given states, is not followed beforehand: it counts as through
+    # The outlook follows the ideal mechanism from its own start; with another start it is assumed to pass.
     prospect = outlook(mechanism, spec.turns, spec.duration) if former is None else Outlook()
     ideal = reference if isinstance(reference, Result) else None
     if reference is True and prospect.through:
@@ -234,7 +232,7 @@ def prepare(
 def _prepare_static(
     mechanism: Mechanism, spec: RunArguments, start: StartFrom | None, job: Job | None
 ) -> Prepared:
-    """Prepare a static analysis."""
+    """Return a static analysis before its first iteration."""
     if start is not None:
         fault = Fault(
             "start",
@@ -258,15 +256,13 @@ def _prepare_static(
 
 
 def companions_of(mechanism: Mechanism, companions: int | str | None) -> int | str:
-    """The companions that are wanted, those of the settings unless others are."""
+    """Return the number of companions requested: the argument, else that of the settings."""
     return mechanism.settings.companions if companions is None else companions
 
 
 def repeated(assembly: Assembly, companions: int | str, loop: Loop = "auto") -> bool:
-    """Whether a run without companions is repeated for an estimate of its errors: a smooth one with smaller
-    steps, a static one on other meshes.
-
-    With "auto" companions only a short one is; with 0 none.
+    """Return whether a run without companions is repeated for an error estimate: a smooth run with smaller
+    steps, a static analysis on other meshes. With "auto" companions this holds for short runs only.
     """
     if not companions:
         return False
@@ -283,12 +279,12 @@ def run_prepared(
     file: RunFile | None = None,
     resume: Checkpoint | None = None,
 ) -> Result:
-    """Runs what was prepared. A run file that does not have it yet takes the model and the reference before
-    the first step; one that was taken up (:func:`reopen_run`) goes on from its checkpoint, ``resume``.
+    """Run what :func:`prepare` returned, and return the result.
 
-    An automatic step is found by the run itself: it is halved while run and companions lie further apart than
-    the tolerance of the settings, or first contacts land deeper than a joint allows, and what was tried is
-    kept in the choice of the step.
+    A new ``file`` takes model and reference before the first step; one reopened by :func:`reopen_run`
+    continues from the checkpoint ``resume``. An automatic step is halved, and the run repeated, while run and
+    companions differ by more than the tolerance of the settings or first contacts are deeper than a joint
+    allows; the choice of the step lists all tries.
     """
     assembly, loop = prepared.assembly, prepared.loop
     if file is not None and not file.knows("meta", "kept"):
@@ -303,6 +299,7 @@ def run_prepared(
                 progress,
             )
         )
+    # The judge stops a run whose energy balance opens, which costs less than running it to its end.
     judge = partial(drifting, assembly, recorded_rows(assembly))
     record = run(
         assembly,
@@ -316,6 +313,9 @@ def run_prepared(
     record = looked_at(prepared, record)
     if record.companions is not None:
         record.companions.earlier = prepared.earlier
+    # Each try starts anew with half the step: a coarse run cannot be continued, because errors at its
+    # contacts have changed the motion. The ranges of the try before go into the file first, so that a
+    # killed run compares with the same numbers when it is resumed.
     while prepared.searches and (tried := finer(record)) is not None:
         ideal = None if prepared.reference is None else prepared.reference.measures
         earlier = (
@@ -337,7 +337,7 @@ def run_prepared(
 
 
 def concluded(record: Record, reference: Result | None) -> Result:
-    """The result of a run, in which energy is accounted for, or its status says that it is not."""
+    """Return the result of a record; its status becomes ``ENERGY`` if the energy balance is open."""
     result = Result(record, reference)
     if record.status == Status.COMPLETE and too_open(record, result.ledger):
         record.status = Status.ENERGY
@@ -345,11 +345,10 @@ def concluded(record: Record, reference: Result | None) -> Result:
 
 
 def reopen_run(file: RunFile, until: float | None = None) -> tuple[Prepared, Checkpoint | None]:
-    """What a run file holds, ready to go on, and the checkpoint to go on from; what was written after it is
-    taken away.
+    """Return the run of a file, ready to continue, and its last checkpoint; outputs after it are removed.
 
-    ``until``: the time (s) at which the run is to end, if not where it was to; its step stays what it is
-    then. Raises ResumeError for a run that has nothing left to do, or whose outputs are damaged.
+    ``until``: another end time (s); the step is not changed any more then. Raises ResumeError for a run that
+    is complete or whose outputs are damaged.
     """
     where, meta, former, last = str(file.path), file.meta, Result.of(file), file.latest()
     refuse_finished(former.record, until, where)
@@ -379,8 +378,8 @@ def reopen_run(file: RunFile, until: float | None = None) -> tuple[Prepared, Che
 
 
 def restore_prepared(former: Result, arguments: dict[str, Any], stored: Mapping[str, Any]) -> Prepared:
-    """What a file holds, as :func:`prepare` had it. Of companions rows may be gone that were needed before
-    the checkpoint, and are not after it.
+    """Return what :func:`prepare` returned for the run of a file. ``arguments`` and ``stored`` are its
+    metadata of arguments and companions.
     """
     record, reference = former.record, former.reference
     length = Length(
@@ -402,12 +401,12 @@ def restore_prepared(former: Result, arguments: dict[str, Any], stored: Mapping[
 def resume(
     run: str | Path, *, until: float | str | None = None, progress: Callable[[Progress], None] | None = None
 ) -> Result:
-    """Goes on with a run that was interrupted or killed, from its folder or file, as if nothing had happened:
-    the result has the same bits.
+    """Continue an interrupted or killed run from its folder or file; the result has the bits of an
+    uninterrupted run.
 
-    ``until`` (s, or a text with a unit): a later end, also of a run that is complete. Raises ResumeError
-    where there is nothing to go on with, HeldError where another process writes into the folder, RunFileError
-    and StorageError where the file cannot be read or written.
+    ``until`` (s, or a text with a unit): a later end time, also for a complete run. Raises ResumeError if
+    there is nothing to continue, HeldError if another process writes into the folder, RunFileError and
+    StorageError if the file cannot be read or written.
     """
     arguments = Arguments("resume")
     end = arguments.quantity("until", until, "s")
@@ -422,8 +421,8 @@ def resume(
 
 
 def looked_at(prepared: Prepared, record: Record) -> Record:
-    """The record of a smooth run with an estimate of what its step leaves out, where one is made: Ctrl-C
-    leaves it out.
+    """Return the record of a smooth run with an estimate of its step error if it is to be refined; Ctrl-C
+    skips it.
     """
     if prepared.refined and record.status == Status.COMPLETE and len(record.steps) > 2:
         with suppress(KeyboardInterrupt):
@@ -432,8 +431,8 @@ def looked_at(prepared: Prepared, record: Record) -> Record:
 
 
 def meshed(prepared: Prepared, record: Record, progress: Callable[[Progress], None] | None) -> Record:
-    """The record of a static analysis with an estimate of what its mesh leaves out, where one is made: Ctrl-C
-    leaves it out.
+    """Return the record of a static analysis with an estimate of its mesh error if it is to be refined;
+    Ctrl-C skips it.
     """
     with suppress(KeyboardInterrupt):
         if prepared.refined:
@@ -442,7 +441,7 @@ def meshed(prepared: Prepared, record: Record, progress: Callable[[Progress], No
 
 
 def halved(prepared: Prepared, assembly: Assembly, tried: Tried) -> Assembly:
-    """The same with half the step, which stays an automatic one that knows what was tried before it."""
+    """Return the assembly with half the step, marked as automatic, with the tries so far."""
     again = prepared.start.assemble(0.5 * assembly.choice.step)
     culprit = (
         f"{prepared.assembly.choice.culprit.partition(', halved ')[0]}, halved {len(tried)}"

@@ -1,6 +1,4 @@
-"""Where a run begins: its start solved once, its ideal reference, and its assemblies, which differ in their
-steps.
-"""
+"""Start of a run: start state, ideal reference, and assemblies with any step from one solved start."""
 
 from __future__ import annotations
 
@@ -39,7 +37,7 @@ StartFrom: TypeAlias = Result | str | Path | States
 
 
 class Length(TypedDict, total=False):
-    """How long a run is and how much of it is kept, as assemble takes it."""
+    """Length and outputs of a run, as arguments of ``assemble``."""
 
     turns: float | None
     duration: float | None
@@ -48,7 +46,7 @@ class Length(TypedDict, total=False):
 
 
 def expected_forces(reference: Result | None) -> Mapping[str, float]:
-    """Largest forces of the ideal mechanism, by joint."""
+    """Return the largest forces (N) of the ideal mechanism, by joint."""
     if reference is None:
         return {}
     return {
@@ -59,8 +57,8 @@ def expected_forces(reference: Result | None) -> Mapping[str, float]:
 
 
 def comparable(mechanism: Mechanism) -> bool:
-    """Whether there is an ideal mechanism to compare with turn by turn: play, a driver, and joints that are
-    still joints without their play.
+    """Return whether there is an ideal mechanism for comparison turn by turn: clearance, a driver, and an
+    ideal counterpart of every joint.
     """
     if (
         mechanism.settings.analysis == "static"
@@ -78,10 +76,10 @@ def ideal_of(
     start: Result | States | None = None,
     motion: Motion | None = None,
 ) -> Assembly | None:
-    """The ideal mechanism, where a driver makes it comparable turn by turn: one turn at constant speed, else
-    as long as the run, from its start.
+    """Return the assembled ideal mechanism, or None if it is not :func:`comparable`.
 
-    ``motion``: the start of the mechanism, solved before.
+    With constant driver speeds one turn is enough; otherwise it runs as long as the mechanism, from its
+    ``start``. ``motion``: start of the mechanism, if solved before.
     """
     if not comparable(mechanism):
         return None
@@ -97,8 +95,8 @@ def ideal_of(
 def ideals_of(
     mechanisms: Sequence[Mechanism], turns: float, motions: Sequence[Motion | None]
 ) -> list[Assembly | VfifeError | None]:
-    """The same of each of many mechanisms, from their starts, the fault of one that cannot be assembled in
-    its place.
+    """Return the assembled ideal mechanism of each of many mechanisms, the error of one that cannot be
+    assembled, or None. ``motions``: their starts, if solved before.
     """
     assemblies: dict[int, Assembly | VfifeError | None] = {
         k: None for k, one in enumerate(mechanisms) if not comparable(one)
@@ -107,8 +105,9 @@ def ideals_of(
         k: all(one.steady_speed is not None for one in mechanism.drivers.values() if one.moves)
         for k, mechanism in enumerate(mechanisms)
     }
-    for length, whose in ((1.0, True), (turns, False)):
-        which = [k for k in steady if k not in assemblies and steady[k] == whose]
+    # Two batches, since all mechanisms of a batch have the same length: one turn at constant speed, else all.
+    for length, constant in ((1.0, True), (turns, False)):
+        which = [k for k in steady if k not in assemblies and steady[k] == constant]
         own, ideals = [mechanisms[k] for k in which], [mechanisms[k].ideal() for k in which]
         assembled = assemble_all(
             ideals,
@@ -123,7 +122,7 @@ def ideals_of(
 
 
 def referred(ideal: Assembly | None) -> Result | None:
-    """The result of an ideal mechanism, if there is one. Raises KeyboardInterrupt where it is interrupted."""
+    """Run an ideal mechanism and return its result; None without one. Raises KeyboardInterrupt on Ctrl-C."""
     if ideal is None:
         return None
     record = run(ideal)
@@ -138,13 +137,13 @@ def reference_of(
     duration: float | None = None,
     start: Result | States | None = None,
 ) -> Result | None:
-    """What the ideal mechanism does (:func:`ideal_of`). Raises KeyboardInterrupt where it is interrupted."""
+    """Return the result of the ideal mechanism (:func:`ideal_of`). Raises KeyboardInterrupt on Ctrl-C."""
     return referred(ideal_of(mechanism, turns, duration, start))
 
 
 def first_contact_steps(mechanism: Mechanism, companions: int | str, loop: Loop = "auto") -> int:
-    """Steps in half a period of the stiffest contact with which an automatic step begins: fewer where
-    companions look whether they will do.
+    """Return the steps per half period of the stiffest contact with which an automatic step begins: fewer
+    with companions, which detect a step that is too large.
     """
     looked = mechanism.contacts and companions and (companions != "auto" or loop in ("auto", "generated"))
     return FIRST_CONTACT_STEPS if looked else CONTACT_STEPS
@@ -161,11 +160,11 @@ def assembled_at(
     motion: Motion | None = None,
     **length: Unpack[Length],
 ) -> Assembly:
-    """The assembled mechanism at its own start, or where a former run was at ``time`` (s; its end unless
-    given), or at states given by name.
+    """Return the mechanism assembled at its own start, at ``time`` (s, by default the end) of a former run,
+    or at states by body name.
 
-    ``motion``: its own start, solved before. A run that ended and is cut alike goes on with its whole state,
-    element and contact forces with it.
+    ``motion``: its own start, if solved before. After a former run with the same layout the whole state
+    continues, including element and contact forces.
     """
     if start is None:
         return assemble(
@@ -184,10 +183,10 @@ def assembled_at(
 
 @dataclass(frozen=True)
 class RunStart:
-    """Where a run begins and how long it is: all that an assembly of it needs but the step.
+    """Start and length of a run: everything but the step.
 
-    ``source``: a former run or states to go on from; ``outlook``: the solved start, and what was seen of the
-    motion; ``expected``: largest forces of the ideal mechanism, by joint.
+    ``source``: a former run, or states by body name; ``outlook``: the solved start and notes on the motion;
+    ``expected``: largest forces (N) of the ideal mechanism, by joint.
     """
 
     mechanism: Mechanism
@@ -197,7 +196,7 @@ class RunStart:
     expected: Mapping[str, float] = field(default_factory=dict)
 
     def assemble(self, step: float | str | None, contact_steps: int = CONTACT_STEPS) -> Assembly:
-        """The mechanism with a step (s), "auto", or that of its settings."""
+        """Return the mechanism assembled with a step (s), "auto", or None for that of its settings."""
         assembly = assembled_at(
             self.mechanism,
             step,
@@ -210,11 +209,10 @@ class RunStart:
         return dataclasses.replace(assembly, notes=(*assembly.notes, *self.outlook.notes))
 
     def first(self, step: float | str | None, loop: Loop, companions: int | str) -> Assembly:
-        """The first try: with the step that is asked for, else that of the run it goes on from, else an
-        automatic one.
+        """Return the first try: with the given step, else that of the former run, else an automatic one.
 
-        An automatic step begins coarse where companions look whether it will do, which nobody does for a
-        large frame.
+        With companions an automatic step begins coarse, because they detect a step that is too large; a large
+        frame has no companions.
         """
         begin = first_contact_steps(self.mechanism, companions, loop)
         assembly = self.assemble(step, begin)
@@ -236,21 +234,19 @@ class RunStart:
 
 @dataclass(frozen=True)
 class StaticStart:
-    """Where a static analysis begins: the mechanism without loads. It has no step."""
+    """Start of a static analysis: the mechanism without loads. It has no step."""
 
     mechanism: Mechanism
 
     def assemble(self, step: float | str | None = None) -> Assembly:
-        """The mechanism."""
+        """Return the assembled mechanism."""
         del step
         return assemble(self.mechanism)
 
 
 @dataclass(frozen=True)
 class RestoredStart:
-    """Where a run begins that a file holds: its mechanism, length and largest ideal forces, and the state of
-    its first output.
-    """
+    """Start of the run of a file: its first output, length and largest ideal forces (N)."""
 
     record: Record
     length: Length
@@ -258,7 +254,7 @@ class RestoredStart:
     started: bool  # whether it went on from another run
 
     def assemble(self, step: float | str | None) -> Assembly:
-        """The mechanism with another step (s)."""
+        """Return the mechanism assembled with another step (s)."""
         record, mechanism = self.record, self.record.assembly.mechanism
         if record.static or not self.started:
             return assembled_at(mechanism, step, expected=self.expected, **self.length)
@@ -269,8 +265,7 @@ class RestoredStart:
             expected=self.expected,
             **self.length,
         )
-        state = (
-            record.assembly.state.copy()
-        )  # positions alone do not make it: element and contact forces went on
+        # The whole state is copied, because element and contact forces do not follow from positions.
+        state = record.assembly.state.copy()
         state[assembly.layout["step"]] = assembly.choice.step
         return dataclasses.replace(assembly, state=state, tables=record.assembly.tables)

@@ -1,4 +1,4 @@
-"""The number of steps in a turn of the crank that suits all models of a map or of a wear simulation."""
+"""Number of steps in a turn of the crank, common to all models of a map or a wear simulation."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ COUNTS: OrderedDict[tuple[tuple[str, ...], float | None, bool], int] = OrderedDi
 
 
 def with_steps(model: Mechanism, steps: int) -> Assembly:
-    """Assemble a model with a number of steps in a turn, one of which is an output."""
+    """Assemble a model with a number of steps in a turn and one output."""
     return assemble(model, (turn_of(model) or 0.0) / steps, turns=1, outputs=1, force_step=True)
 
 
 def step_count(models: Sequence[Mechanism], step: float | None, search: bool = False) -> int:
-    """Number of steps in a turn that is large enough for all models.
+    """Return a number of steps in a turn that suits all models.
 
-    ``step`` (s) is the largest step, None the automatic one; with ``search`` that to which a run refines it.
-    Raises ModelError for a step with which one of the models is unstable.
+    ``step`` (s) is the largest step, None the automatic one; with ``search`` the one to which a run refines
+    it. Raises ModelError for a step with which a model is unstable.
     """
     key = tuple(dump(model) for model in models), step, search
     if key not in COUNTS:
@@ -45,6 +45,7 @@ def step_count(models: Sequence[Mechanism], step: float | None, search: bool = F
 
 
 def _steps(model: Mechanism, step: float | None, search: bool) -> int:
+    """Return the number of steps in a turn for one model."""
     if step is not None:
         refuse_unstable(model, step)
     elif search:
@@ -69,7 +70,7 @@ def run_step(model: Mechanism) -> float:
 
 
 def refuse_large_frame(assembly: Assembly, what: str = "is not swept") -> None:
-    """Raises ModelError for a frame that is too large to be stepped in straight-line code."""
+    """Raise ModelError for a frame that is too large for straight-line code."""
     if choose_loop(assembly, "auto") != "generated":
         raise ModelError(
             [Fault("body", f"a frame of so many elements {what}", "", "", "use fewer elements")],
@@ -78,7 +79,7 @@ def refuse_large_frame(assembly: Assembly, what: str = "is not swept") -> None:
 
 
 def refuse_unstable(model: Mechanism, step: float) -> None:
-    """Raises ModelError for a step (s) with which the model is unstable."""
+    """Raise ModelError for a step (s) with which the model is unstable."""
     try:
         assemble(model, step, turns=1.0, outputs=1)
     except StepError as error:
