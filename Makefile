@@ -65,7 +65,7 @@ lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 	@$(VENV)/bin/biome check --error-on-warnings
 
 docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
-	@$(PYTHON) -m sphinx -W --keep-going -q -j auto -b html -d docs/_build/doctrees docs docs/_build/html
+	@$(PYTHON) -m sphinx -W --keep-going -j auto -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 texts: $(VENV)/.runtime  ## run the demo and write its numbers, film and figure into the README and the docs
@@ -93,7 +93,7 @@ mutations: $(VENV)/.test  ## small faults, 100 in kernels and 40 in each of five
 	@$(PYTHON) tests/mutations/mutate.py $(MUTATE)
 
 clean:  ## remove what was built, except .venv and runs/
-	@rm -rf build dist docs/_build docs/_made docs/api docs/examples docs/gallery docs/sg_execution_times.rst \
+	@rm -rf build dist docs/_build docs/_made docs/api docs/examples docs/gallery docs/notebooks docs/sg_execution_times.rst \
 	    .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 	@find src tests examples benchmarks docs -name __pycache__ -type d -prune -exec rm -rf {} + 2>/dev/null || true
 

@@ -31,6 +31,7 @@ extensions = [
     "making",
     "mechanisms",
     "model_reference",
+    "notebooks",
     "public_api",
 ]
 exclude_patterns = ["_build", "_made", "extensions", "examples/**/*.ipynb", "examples/sg_execution_times.rst", "sg_execution_times.rst"]

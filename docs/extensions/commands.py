@@ -23,6 +23,7 @@ from docutils import nodes
 from docutils.parsers.rst import Directive, directives
 from drawn_figures import new_figures
 from matplotlib import rc_context
+from notebooks import representation, run_cell
 
 from vfife.plots.style import STYLE
 
@@ -38,7 +39,7 @@ class Workshop:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         shutil.copytree(ROOT / "examples", folder / "examples", ignore=shutil.ignore_patterns("__pycache__"))
-        self.folder, self.names, self.pictures = folder, {"__name__": "__main__"}, 0
+        self.folder, self.names, self.pictures, self.cells = folder, {"__name__": "__main__"}, 0, 0
 
     @contextlib.contextmanager
     def inside(self) -> Any:
@@ -161,6 +162,33 @@ class Script(Directive):
         return shown
 
 
+class NotebookCell(Directive):
+    """A cell of a notebook, run; what it prints and displays is shown below it."""
+
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        work, code = CURRENT[self.state.document.settings.env.docname], "\n".join(self.content)
+        work.cells += 1
+        with rc_context(STYLE), work.inside() as heard:
+            try:
+                value = run_cell(code, work.names, f"<cell {work.cells} of {work.folder.name}>")
+                shown = "" if value is None else representation(value)
+            except Exception as error:
+                raise self.error("".join(traceback.format_exception(error))) from error
+        parts: list[nodes.Node] = [literal(code, "python")]
+        text = tidy(heard.getvalue())
+        if isinstance(shown, bytes):
+            path = work.folder / f"cell-{work.cells}.png"
+            path.write_bytes(shown)
+            picture = [drawn(path, f"figure of cell {work.cells}")]
+        elif shown.lstrip().startswith("<") and not shown.startswith("<vfife"):
+            picture = [nodes.raw("", f'<div class="displayed">{shown}</div>', format="html")]
+        else:
+            text, picture = tidy(f"{text}\n{shown}"), []
+        return [*parts, *([literal(text, "text", "answer")] if text.strip() else []), *picture]
+
+
 class File(Directive):
     """A file that the reader writes, for commands that follow."""
 
@@ -204,7 +232,7 @@ def drawn(path: Path, alt: str) -> nodes.Node:
 
 def begin_page(app: Any, docname: str, source: list[str]) -> None:
     """An empty folder for a page that runs something."""
-    if re.search(r"^\s*[`:]{3,}\{(commands|script|file)\}", source[0], re.M):
+    if re.search(r"^\s*[`:]{3,}\{(commands|script|file|notebook-cell)\}", source[0], re.M):
         app.env.note_dependency(
             str(Path(app.srcdir) / "_made" / "made-of")
         )  # which is new where the package has changed
@@ -215,6 +243,7 @@ def setup(app: Any) -> dict[str, bool]:
     app.add_directive("commands", Commands)
     app.add_directive("script", Script)
     app.add_directive("file", File)
+    app.add_directive("notebook-cell", NotebookCell)
     app.add_directive("picture", Picture)
     app.connect("source-read", begin_page)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

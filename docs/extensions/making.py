@@ -79,7 +79,9 @@ def make(folder: Path) -> None:
     extra = folder / Path(EXTRA).name
     for one in ("live", "pictures"):
         (extra / one).mkdir(parents=True, exist_ok=True)
-    for name in (name for names in FAMILIES.values() for name in names):
+    every = [name for names in FAMILIES.values() for name in names]
+    for number, name in enumerate(every, 1):
+        print(f"live page {number} of {len(every)}: {name}", flush=True)
         drawing(name, extra)
         if model_of(name)[1]:
             equilibria(name, folder)

@@ -19,7 +19,7 @@ from .catalogue import EVERY, FIGURES, available, usual
 from .curves import acceleration_curves, force_curves, moment_curves
 from .drawing import drawing
 from .motion import orbits
-from .style import PICTURES, STYLE, saved
+from .style import PICTURES, STYLE, Figures, saved
 from .turn import output_at
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..results.view import View
 
 
-def figures(result: View, reference: View | None = None, names: Collection[str] = ()) -> dict[str, Figure]:
+def figures(result: View, reference: View | None = None, names: Collection[str] = ()) -> Figures:
     """Draw figures by name, as :data:`~vfife.plots.catalogue.FIGURES` lists them: the usual ones, "all" that
     the result has, or ``names``.
 
@@ -39,7 +39,7 @@ def figures(result: View, reference: View | None = None, names: Collection[str] 
     """
     chosen_names = chosen(result, names)
     reference = reference if reference is not None else result.reference
-    return {name: figure(result, name, reference) for name in chosen_names}
+    return Figures({name: figure(result, name, reference) for name in chosen_names})
 
 
 def chosen(result: View, names: Collection[str]) -> list[str]:

@@ -16,6 +16,8 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
+from .style import NotebookFigure
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -44,7 +46,7 @@ class Panels:
             down,
             across,
         )
-        self.figure = Figure(figsize=(4.0, 4.0))
+        self.figure = NotebookFigure(figsize=(4.0, 4.0))
         FigureCanvasAgg(self.figure)
         self.axes: list[Axes] = [
             self.figure.add_axes((0.1, 0.1, 0.8, 0.8), label=str(k)) for k in range(len(self.sizes))

@@ -14,7 +14,7 @@ from ..report.check import mechanism_parts
 from ..report.document import Document
 from ..report.html import fragment
 from .catalogue import FIGURES
-from .style import STYLE
+from .style import STYLE, picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -80,15 +80,3 @@ def sharp(figure: Figure, words: str) -> str:
         return picture(figure, words, FINE)
     data = base64.b64encode(lines).decode("ascii")
     return f'<img alt="{escape(words)}" style="max-width: 100%" src="data:image/svg+xml;base64,{data}">'
-
-
-@rc_context(STYLE)
-def picture(figure: Figure, words: str, dpi: float = 96.0) -> str:
-    """A figure as PNG in an element of a page; ``words`` describe it, ``dpi`` are pixels an inch."""
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=dpi)
-    data = base64.b64encode(stream.getvalue()).decode("ascii")
-    return (
-        f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%"'
-        f' src="data:image/png;base64,{data}">'
-    )

@@ -29,6 +29,7 @@ from .style import (
     PICTURES,
     STYLE,
     VERMILION,
+    Figures,
     heading,
     one_legend,
     panels,
@@ -425,7 +426,7 @@ def figures(
     }
     chosen = list(measures) or list(study.measures)
     drawn = {name: draw(study, chosen) for name, draw in draws.items() if not names or name in names}
-    return {name: figure for name, figure in drawn.items() if figure is not None}
+    return Figures({name: figure for name, figure in drawn.items() if figure is not None})
 
 
 def pictures(study: Study) -> dict[str, str]:

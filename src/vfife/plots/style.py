@@ -4,7 +4,10 @@ figures as files.
 
 from __future__ import annotations
 
+import base64
+import io
 from collections.abc import Iterable
+from html import escape
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
@@ -26,6 +29,7 @@ DEEP = "#003B5C"  # peaks, beside BLUE
 SYMBOLS, LOADS = "#5B4B3A", "#5500CC"  # of springs, and of forces, unlike the colours of bodies
 INK, GREY, FAINT = "#222222", "#767676", "#d9d9d9"
 MOST_DOTS = 20_000
+SCREEN = 96.0  # pixels an inch of figures on a screen
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 BODIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
@@ -84,6 +88,35 @@ STYLE: Any = {  # matplotlib types its settings by their names
 }
 
 
+class NotebookFigure(Figure):
+    """A figure that a notebook displays by itself, without ``%matplotlib inline``."""
+
+    def _repr_png_(self) -> bytes:
+        stream = io.BytesIO()
+        with rc_context(STYLE):
+            self.savefig(stream, format="png", dpi=SCREEN)
+        return stream.getvalue()
+
+
+class Figures(dict[str, Figure]):
+    """Figures by name, which a notebook displays below each other."""
+
+    def _repr_html_(self) -> str:
+        return "".join(picture(figure, name) for name, figure in self.items())
+
+
+@rc_context(STYLE)
+def picture(figure: Figure, words: str, dpi: float = SCREEN) -> str:
+    """A figure as PNG in an element of a page; ``words`` describe it, ``dpi`` are pixels an inch."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi)
+    data = base64.b64encode(stream.getvalue()).decode("ascii")
+    return (
+        f'<img alt="{escape(words)}" width="{96.0 * figure.get_figwidth():.0f}" style="max-width: 100%"'
+        f' src="data:image/png;base64,{data}">'
+    )
+
+
 def panels(
     count: int, columns: int, width: float, height: float, *, equal: bool = False, **options: Any
 ) -> tuple[Figure, list[Axes]]:
@@ -92,7 +125,9 @@ def panels(
     """
     columns = min(columns, count)
     rows = -(-count // columns)
-    figure = Figure(figsize=(width * columns, height * rows), layout="compressed" if equal else "constrained")
+    figure = NotebookFigure(
+        figsize=(width * columns, height * rows), layout="compressed" if equal else "constrained"
+    )
     FigureCanvasAgg(figure)
     axes = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
     for ax in axes[count:]:

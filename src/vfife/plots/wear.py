@@ -13,7 +13,19 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..measures.turns import last_turn, of_window
 from ..measures.wear import PLACES, SIDES, depths, is_round, wear_contacts
-from .style import BLUE, FAINT, GREY, INK, STYLE, VERMILION, digits, heading, length_unit, scale_of
+from .style import (
+    BLUE,
+    FAINT,
+    GREY,
+    INK,
+    STYLE,
+    VERMILION,
+    NotebookFigure,
+    digits,
+    heading,
+    length_unit,
+    scale_of,
+)
 
 if TYPE_CHECKING:
     from ..results.view import View
@@ -30,7 +42,7 @@ MOST, SIDE, HEIGHT = 6, 3.6, 4.3  # profiles of a surface that are drawn, inches
 def wear_over_turns(wear: Worn) -> Figure:
     """A row for each joint: enlarged wear around each surface, and clearance and largest force over turns."""
     sides = max(sum(one.joint == joint for one in wear.surfaces) for joint in wear.joints)
-    figure = Figure(
+    figure = NotebookFigure(
         figsize=(SIDE * (sides + 1.25), HEIGHT * len(wear.joints) + 0.4),
         layout=ConstrainedLayoutEngine(wspace=0.1, h_pad=0.12),
     )
@@ -88,7 +100,7 @@ def wear_of_turn(result: View) -> Figure:
     ]
     columns = min(len(shown), 4)
     rows = -(-len(shown) // columns)
-    figure = Figure(figsize=(SIDE * columns + 0.6, HEIGHT * rows), layout="constrained")
+    figure = NotebookFigure(figsize=(SIDE * columns + 0.6, HEIGHT * rows), layout="constrained")
     FigureCanvasAgg(figure)
     for place, (name, side, depth) in enumerate(shown):
         ax = figure.add_subplot(rows, columns, place + 1, projection="polar")
