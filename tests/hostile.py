@@ -190,7 +190,7 @@ def run_files(count: int, seed: int, path: Path, changed: Path) -> int:
                     file.meta,
                     file.last_checkpoint(),
                     file.events,
-                    file.lost,
+                    file.damaged_parts,
                 )
         except RunFileError as error:
             assert str(error).strip()
@@ -233,7 +233,7 @@ def results(count: int, seed: int, path: Path, changed: Path) -> int:
             raise AssertionError(
                 f"{type(error).__name__}: {error}; of the damaged result {k} of seed {seed}"
             ) from error
-        assert result.record.lost or found == measures, (k, seed)
+        assert result.record.damaged_parts or found == measures, (k, seed)
         given += 1
     return given
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 import difflib
 import json
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
-from typing import Any
+from typing import Any, TypeVar
 
 Path = tuple[str | int, ...]
+Class = TypeVar("Class", bound=type)
 MOST_FAULTS = 100  # more faults than this are counted, not told
 MOST_NAMES = 1000  # names looked through for one that looks alike
 
@@ -224,6 +225,26 @@ _KINDS: tuple[tuple[type, str], ...] = (
     (dict, "a table"),
     (type(None), "nothing"),
 )
+
+
+def former_names(**names: str) -> Callable[[Class], Class]:
+    """Return a class decorator: attributes can be read by their former names, with a DeprecationWarning.
+
+    ``names``: the present name by the former one.
+    """
+
+    def attribute(self: object, name: str) -> Any:
+        if name not in names:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        text = f"{type(self).__name__}.{name} is {names[name]} now; the old name goes with the next version"
+        warnings.warn(text, DeprecationWarning, stacklevel=2)
+        return getattr(self, names[name])
+
+    def decorate(owner: Class) -> Class:
+        owner.__getattr__ = attribute  # type: ignore[attr-defined]
+        return owner
+
+    return decorate
 
 
 def __getattr__(name: str) -> type[Fault]:

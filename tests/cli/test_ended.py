@@ -94,9 +94,9 @@ def test_lost_first_blocks_lose_themselves_and_no_more(
     result = vfife.load_result("out")
     kept = np.searchsorted(whole.time, result.time)
     assert (
-        result.record.lost
-        and result.record.lost[0] in told.stdout
-        and result.record.lost[0] in exported.stderr
+        result.record.damaged_parts
+        and result.record.damaged_parts[0] in told.stdout
+        and result.record.damaged_parts[0] in exported.stderr
     )
     assert kept[0] == 0 and 1 <= len(kept) < len(whole.time)
     assert (result.record.rows == whole.record.rows[kept]).all() and (

@@ -92,7 +92,7 @@ def computed(loop: str, width: int) -> tuple[np.ndarray, Layout, np.ndarray]:
     rows = np.concatenate(
         [runner.advance(1, 1), runner.advance(EVERY, INTERPRETED if loop == "interpreted" else OUTPUTS)]
     )
-    return rows, runner.layout, runner.kept
+    return rows, runner.layout, runner.row_numbers
 
 
 def same(ours: np.ndarray, theirs: np.ndarray) -> bool:
@@ -161,7 +161,7 @@ def test_bristles_spring_back_where_nothing_presses():
     m.bodies["journal"] = dataclasses.replace(m.bodies["journal"], inertia=1e-4, velocity=(1.0, 0.0, 30.0))
     record = go(m, 5e-7, duration=2e-3, outputs=4000)
     normal = record.block("contact_normal_force")[:, 0]
-    where = {int(row): k for k, row in enumerate(record.kept)}
+    where = {int(row): k for k, row in enumerate(record.row_numbers)}
     first = record.assembly.layout.row("contact_memory")
     memory = record.rows[:, [where[first + part] for part in range(3)]]
     pressed = normal > 0.0

@@ -69,7 +69,7 @@ def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]
         for name, where in ((block.name, layout[block.name]) for block in BLOCKS)
         for row in where.tolist()
     }
-    return np.concatenate([start, rows]), tuple(names.get(int(row), "wide") for row in runner.kept)
+    return np.concatenate([start, rows]), tuple(names.get(int(row), "wide") for row in runner.row_numbers)
 
 
 def differing(ours: np.ndarray, theirs: np.ndarray, names: tuple[str, ...]) -> set[str]:
@@ -132,7 +132,7 @@ def test_javascript_is_data_driven(model, tmp_path):
         return [str(int(x)) for x in np.ascontiguousarray(values).view(np.uint64)]
 
     given = {
-        "S": text(runner.S), "T": text(runner.functions), "count": every, "outputs": outputs, "kept": runner.kept.tolist(),
+        "S": text(runner.S), "T": text(runner.functions), "count": every, "outputs": outputs, "kept": runner.row_numbers.tolist(),
         "extremes": runner.extremes.tolist(),
     }  # fmt: skip
     path = tmp_path / "run.js"
@@ -226,7 +226,7 @@ def test_extremes_are_those_of_the_steps_since_the_last_output(loop, parts):
     """
     a = assembled(rigid_bars)
     every, some = (lanes([a], loop, parts).advance(count, 1200 // count)[:, :, 0] for count in (1, 40))
-    column = {int(row): k for k, row in enumerate(lanes([a], loop).kept)}
+    column = {int(row): k for k, row in enumerate(lanes([a], loop).row_numbers)}
 
     def of(rows: np.ndarray, name: str) -> np.ndarray:
         return rows[:, [column[row] for row in a.layout[name].tolist()]]

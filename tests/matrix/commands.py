@@ -207,10 +207,10 @@ def rows(run: Path) -> dict[str, Any]:
         ]
 
     found = {"step number": np.asarray(record.steps)}
-    found |= {name: record.rows[:, k] for k, name in enumerate(names(record.kept))}
+    found |= {name: record.rows[:, k] for k, name in enumerate(names(record.row_numbers))}
     left = record.companions
     if left is not None:
-        found |= {f"companions' {name}": left.rows[:, k] for k, name in enumerate(names(left.kept))}
+        found |= {f"companions' {name}": left.rows[:, k] for k, name in enumerate(names(left.row_numbers))}
         found["companions' turns"] = left.turns
     if record.estimate is not None:
         found |= {f"estimate {name}": np.array(error) for name, error in record.estimate.errors.items()}

@@ -35,7 +35,11 @@ def test_ledger_closes_at_second_order() -> None:
 def test_ledger_notices_a_wrong_work() -> None:
     """One per cent of the friction work missing is found."""
     record = go(four_bar(), 2e-6, turns=1.0)
-    where = [k for k, row in enumerate(record.kept) if row in record.assembly.layout["contact_friction_work"]]
+    where = [
+        k
+        for k, row in enumerate(record.row_numbers)
+        if row in record.assembly.layout["contact_friction_work"]
+    ]
     rows = record.rows.copy()
     rows[:, where] *= 0.99
     assert ledger(dataclasses.replace(record, source=rows)).error > 1e-4

@@ -180,7 +180,7 @@ def computed(model, loop: str, width: int) -> tuple[np.ndarray, tuple[str, ...]]
     rows = np.concatenate([runner.advance(1, 1), runner.advance(50, 6 if loop == "interpreted" else 100)])
     layout = assemblies[0].layout
     names = {row: block.name for block in BLOCKS for row in layout[block.name].tolist()}
-    return rows, tuple(names.get(int(row), "wide") for row in runner.kept)
+    return rows, tuple(names.get(int(row), "wide") for row in runner.row_numbers)
 
 
 def differing(ours: np.ndarray, theirs: np.ndarray, names: tuple[str, ...]) -> set[str]:

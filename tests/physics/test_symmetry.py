@@ -222,7 +222,7 @@ def mirror_faults(one, other) -> set[str]:
 
 def recorded(record, block: str) -> bool:
     where = record.assembly.layout[block]
-    return len(where) > 0 and int(where[0]) in set(record.kept.tolist())
+    return len(where) > 0 and int(where[0]) in set(record.row_numbers.tolist())
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -84,7 +84,7 @@ def same(one: Path, other: Path) -> None:
         steps, rows = a.outputs()
         again, others = b.outputs()
         assert np.array_equal(steps, again) and (bits(rows) == bits(others)).all()
-        assert not a.lost and not b.lost
+        assert not a.damaged_parts and not b.damaged_parts
         first, second = a.latest(), b.latest()
         assert first is not None and second is not None and first.step == second.step
         assert (bits(first.values) == bits(second.values)).all()

@@ -122,7 +122,7 @@ def test_damaged_ones_are_left_out_and_told(result: Result, tmp_path: Path) -> N
     with sqlite3.connect(path) as connection:
         connection.execute("UPDATE companions SET outputs = outputs - 1")
     again = Result.load(path)
-    assert again.record.companions is None and again.record.lost == ("the companions",)
+    assert again.record.companions is None and again.record.damaged_parts == ("the companions",)
     assert "the companions could not be read" in again.summary["warnings"][0]
     assert {name: one.value for name, one in again.measures.items()} == {
         name: one.value for name, one in result.measures.items()

@@ -57,10 +57,10 @@ def test_damage_is_told_when_they_are_read(large: tuple[Path, vfife.Result, list
     with sqlite3.connect(path) as connection:
         connection.execute("UPDATE history SET data = zeroblob(50) WHERE chunk = 1")
     again = vfife.load_result(path)
-    assert not again.record.lost and not read
+    assert not again.record.damaged_parts and not read
     rows = again.record.rows
     assert (
-        again.record.lost == ("outputs 7 to 13",)
+        again.record.damaged_parts == ("outputs 7 to 13",)
         and len(rows) == len(again.record.steps) == len(result.record.steps) - 7
     )
     kept = np.searchsorted(result.record.steps, again.record.steps)
@@ -75,7 +75,7 @@ def test_steps_that_are_not_whole_are_looked_at_with_their_outputs(
     with sqlite3.connect(path) as connection:
         connection.execute(f"UPDATE history SET {statement} WHERE chunk = 1")
     again = vfife.load_result(path)
-    assert again.record.lost == ("outputs 7 to 13",) and read == [False]
+    assert again.record.damaged_parts == ("outputs 7 to 13",) and read == [False]
 
 
 def test_info_is_told_without_them_and_checks_them_when_asked(

@@ -258,7 +258,7 @@ def test_a_damaged_block_loses_itself_and_no_more(
     with RunFile.open(path) as file:
         steps, rows = file.outputs()
         assert len(steps) == left and np.array_equal(rows, written(steps) if left else np.zeros((0, 0)))
-        assert file.lost == (lost,)
+        assert file.damaged_parts == (lost,)
         assert file.meta["summary"] == {"energy_error": 1e-7}
 
 
@@ -269,7 +269,7 @@ def test_steps_that_do_not_rise_are_told(tmp_path: Path) -> None:
             steps = np.arange(first, first + 10)
             file.append(steps, written(steps))
     with RunFile.open(tmp_path / "a") as file:
-        assert np.array_equal(file.steps, np.arange(20)) and file.lost == ("outputs 20 to 29",)
+        assert np.array_equal(file.steps, np.arange(20)) and file.damaged_parts == ("outputs 20 to 29",)
 
 
 def test_without_the_copy_of_the_first_output_it_is_missing(tmp_path: Path) -> None:
@@ -278,7 +278,7 @@ def test_without_the_copy_of_the_first_output_it_is_missing(tmp_path: Path) -> N
         connection.execute("DELETE FROM history WHERE chunk = 0")
         connection.execute("UPDATE copies SET data = zeroblob(9) WHERE key = 'first output'")
     with RunFile.open(path) as file:
-        assert np.array_equal(file.steps, np.arange(10, 30)) and file.lost == ("outputs 0 to 9",)
+        assert np.array_equal(file.steps, np.arange(10, 30)) and file.damaged_parts == ("outputs 0 to 9",)
 
 
 @pytest.mark.parametrize("where", ["meta", "arrays", "copies"])
@@ -295,7 +295,9 @@ def test_what_it_says_of_itself_is_there_twice(tmp_path: Path, where: str) -> No
         with sqlite3.connect(path) as connection:
             connection.execute(statement)
         with RunFile.open(path) as file:
-            assert file.meta["step"] == 1e-6 and list(file.meta["start"]) == [1.0] * 4 and not file.lost
+            assert (
+                file.meta["step"] == 1e-6 and list(file.meta["start"]) == [1.0] * 4 and not file.damaged_parts
+            )
         if statement.startswith("DROP"):  # as in a file that was begun before there was such a table
             with RunFile.write(path) as file:
                 file.put({"step": 2e-6})
@@ -331,7 +333,7 @@ def test_other_blocks_are_checked_as_well(tmp_path: Path, table: str) -> None:
         }
         got["arrays"] = lambda: file.meta.get("start")
         assert got[table]() is None
-        assert file.lost
+        assert file.damaged_parts
         assert np.array_equal(file.rows, written(steps))
 
 
@@ -349,7 +351,7 @@ def test_no_flipped_bit_shows_another_number(tmp_path: Path) -> None:
         try:
             with RunFile.open(flipped) as file:
                 (steps, rows), last, meta = file.outputs(), file.last_checkpoint(), file.meta
-                events, lost = file.events, file.lost
+                events, lost = file.events, file.damaged_parts
         except RunFileError:
             seen["refused"] += 1
             continue
@@ -404,7 +406,7 @@ def test_a_damaged_index_leads_to_no_other_row(tmp_path: Path) -> None:
         changed.write_bytes(whole[: place + 5] + bytes(len(name) - 5) + whole[place + len(name) :])
         with RunFile.open(changed) as file:
             assert set(file.meta) == set(meta)
-            assert all("\0" not in one for one in file.lost)
+            assert all("\0" not in one for one in file.damaged_parts)
 
 
 @pytest.mark.parametrize(("table", "said"), [
@@ -424,7 +426,7 @@ def test_a_table_that_is_empty_is_noticed_by_the_counts_of_the_end(
         connection.execute(f"DELETE FROM {table}")
     with RunFile.open(path) as file:
         _ = file.latest(), file.events, file.reference(), file.outputs()
-        assert any(said in one for one in file.lost), file.lost
+        assert any(said in one for one in file.damaged_parts), file.damaged_parts
 
 
 def test_a_row_of_another_key_is_not_taken_for_the_one_that_was_looked_for(tmp_path: Path) -> None:

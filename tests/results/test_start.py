@@ -189,7 +189,7 @@ def test_memory_is_flat_as_a_run_grows(tmp_path: Path) -> None:
         return peak
 
     width = 8 * len(
-        run(assemble(journal_in_bearing(), 1e-6, duration=1e-6, outputs=1), loop="data-driven").kept
+        run(assemble(journal_in_bearing(), 1e-6, duration=1e-6, outputs=1), loop="data-driven").row_numbers
     )
     few, many = largest(20_000), largest(200_000)
     assert 200_000 * width > 4 * many  # what the rows alone would take

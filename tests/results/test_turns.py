@@ -78,8 +78,10 @@ def test_what_is_not_known_is_the_range_of_means() -> None:
     """Of each companion one row a turn is kept, which is what a run of its own would leave."""
     result = settled()
     left, said = result.record.companions, result.motion
-    assert left is not None and said is not None and left.turns.shape == (9, len(left.kept), 3)
-    row = int(np.flatnonzero(left.kept == result.record.assembly.layout["contact_force_squared_max"][1])[0])
+    assert left is not None and said is not None and left.turns.shape == (9, len(left.row_numbers), 3)
+    row = int(
+        np.flatnonzero(left.row_numbers == result.record.assembly.layout["contact_force_squared_max"][1])[0]
+    )
     means = np.sqrt(left.turns[said.first - 1 :, row]).mean(axis=0)
     one = result.measures["C.force.max"]
     ratios = [1.0, *(result.record.assembly.choice.outputs_every / left.counts)]
@@ -127,7 +129,9 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
         and (said.first, said.last) == (7, 12)
     )
     own = np.sqrt(peaks(result, "contact_force_squared_max", 0))[6:]
-    row = int(np.flatnonzero(left.kept == result.record.assembly.layout["contact_force_squared_max"][0])[0])
+    row = int(
+        np.flatnonzero(left.row_numbers == result.record.assembly.layout["contact_force_squared_max"][0])[0]
+    )
     every = np.column_stack([own, np.sqrt(left.turns[6:, row])])
     one = result.measures["pin.force.max"]
     assert one.value == pytest.approx(every.mean(), rel=1e-13)

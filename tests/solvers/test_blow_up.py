@@ -53,7 +53,10 @@ def burst() -> int:
     depths = runner.layout["contact_penetration"]
     for step in range(2 * LOOK):
         runner.advance(1, 1)
-        if not (runner.states[depths] < RADIUS).all() or not np.isfinite(runner.states[runner.kept]).all():
+        if (
+            not (runner.states[depths] < RADIUS).all()
+            or not np.isfinite(runner.states[runner.row_numbers]).all()
+        ):
             return step
     raise AssertionError("it never left")
 

@@ -116,7 +116,7 @@ def test_a_companion_is_a_run_with_its_step(loop: str, step: float) -> None:
         state[assembly.layout["step"]] = size
         own = dataclasses.replace(assembly.choice, step=size, outputs_every=count)
         alone = run(dataclasses.replace(assembly, choice=own, state=state), loop=loop)  # type: ignore[arg-type]
-        columns = [int(np.flatnonzero(alone.kept == row)[0]) for row in left.kept]
+        columns = [int(np.flatnonzero(alone.row_numbers == row)[0]) for row in left.row_numbers]
         assert np.array_equal(left.rows[:, :, k], alone.rows[:, columns])
         own, found = measures(alone), measures(record_of_companion(record, k))
         assert len(found) > 40 and {name: own[name] for name in found} == found
@@ -287,7 +287,7 @@ def test_a_companion_is_measured_as_a_run_is() -> None:
     record = result.record
     assert record.companions is not None
     own = np.flatnonzero(np.isin(record.steps, record.companions.steps))
-    columns = [int(np.flatnonzero(record.kept == row)[0]) for row in record.companions.kept]
+    columns = [int(np.flatnonzero(record.row_numbers == row)[0]) for row in record.companions.row_numbers]
     record.companions.rows[:] = record.rows[np.ix_(own, columns)][:, :, None]
     record.companions.counts[:] = record.assembly.choice.outputs_every
     for name, one in ranged(record).items():
@@ -337,7 +337,7 @@ def test_what_is_kept_does_not_grow_with_the_run() -> None:
 def test_a_companion_that_is_lost_makes_a_run_sensitive() -> None:
     record = run(assemble(four_bar("C"), 1e-5, turns=1.0), companions=3)
     assert record.companions is not None
-    record.companions.lost = (1,)
+    record.companions.divergent = (1,)
     said = trust(record)
     assert said is not None and said.sensitive and said.lost == 1
     assert len(list(companion_records(record))) == 2
@@ -351,16 +351,19 @@ def test_peaks_that_scatter_after_a_parting_count_where_they_may_be_the_largest(
     record = run(assemble(four_bar("C"), 5e-6, turns=1.0), companions=3)
     left, row = record.companions, record.assembly.layout["contact_penetration_max"][0]
     assert left is not None
-    lanes = [record.rows[:, record.kept == row], *(left.rows[:, left.kept == row, k] for k in range(3))]
+    lanes = [
+        record.rows[:, record.row_numbers == row],
+        *(left.rows[:, left.row_numbers == row, k] for k in range(3)),
+    ]
     largest, middle = max(float(one.max()) for one in lanes), len(record.steps) // 2
     before = [one.copy() for one in lanes]
     shares = (height, height - 0.02, height, height - 0.01)
     for share, one, peaks in zip(shares, lanes, before, strict=True):
         one[:] = np.minimum(peaks, 0.4 * largest)
         one[10], one[middle + 10] = largest, share * largest
-    record.rows[:, record.kept == row] = lanes[0]
+    record.rows[:, record.row_numbers == row] = lanes[0]
     for k in range(3):
-        left.rows[:, left.kept == row, k] = lanes[k + 1]
+        left.rows[:, left.row_numbers == row, k] = lanes[k + 1]
     left.parting = Parting(float(record.steps[middle]) * record.assembly.choice.step, "C")
     found = spreads_after_parting(record, over_tries(record))
     assert found.get("C.penetration.max", 0.0) == pytest.approx(0.02 if counts else 0.0, abs=1e-9)

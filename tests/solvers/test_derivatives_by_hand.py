@@ -39,9 +39,9 @@ def test_both_sides_of_a_run_lie_half_of_the_distance_away_and_extremes_are_size
     assembly = assemble(four_bar("C"), 1e-6, turns=1, force_step=True)
     seen = Columns(assembly.layout, recorded_rows(assembly))
     rng = np.random.default_rng(5)
-    rows, slopes = rng.normal(size=(3, len(seen.kept))), rng.normal(size=(3, len(seen.kept)))
+    rows, slopes = rng.normal(size=(3, len(seen.row_numbers))), rng.normal(size=(3, len(seen.row_numbers)))
     up, down = tangents._pair(Neighbours(assembly, assembly, 0.2), np.array([0, 5, 10]), seen, rows, slopes)
-    size = np.isin(seen.kept, assembly.layout.of("extreme"))
+    size = np.isin(seen.row_numbers, assembly.layout.of("extreme"))
     for side, sign in ((up, 1.0), (down, -1.0)):
         wanted = rows + sign * 0.1 * slopes
         assert side.rows[:, ~size] == pytest.approx(wanted[:, ~size], rel=1e-14)

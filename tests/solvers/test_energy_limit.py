@@ -48,12 +48,14 @@ def test_ten_percent_stop_a_run_and_the_limit_is_settable() -> None:
 def test_it_does_not_wait_for_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """Energy that comes from nowhere and stays: a work that the ledger has and nothing has done."""
     record = vfife.simulate(journal_in_bearing(), step=1e-6, duration=1e-2, companions=0, outputs=200).record
-    assert not drifting(record.assembly, record.kept, record.steps, record.rows)
+    assert not drifting(record.assembly, record.row_numbers, record.steps, record.rows)
     rows = record.rows.copy()
-    rows[-30:, places(record.kept, record.assembly.layout["external_work"])] += 0.2 * ledger(record).largest
-    assert drifting(record.assembly, record.kept, record.steps, rows)
+    rows[-30:, places(record.row_numbers, record.assembly.layout["external_work"])] += (
+        0.2 * ledger(record).largest
+    )
+    assert drifting(record.assembly, record.row_numbers, record.steps, rows)
     assert not drifting(
-        record.assembly, record.kept, record.steps[:-25], rows[:-25]
+        record.assembly, record.row_numbers, record.steps[:-25], rows[:-25]
     )  # of the last outputs only some are off
     monkeypatch.setattr(transient, "JUDGE_SECONDS", 0.0)
     looked: list[int] = []

@@ -88,7 +88,7 @@ def test_steady_turns_are_found_where_they_are():
 
 def test_memory_does_not_grow_with_turns():
     short, long = (ensemble([VARIANTS[1]], step=1e-6, turns=n, outputs=OUTPUTS)[0] for n in (2, 6))
-    assert short.last.rows.shape == long.last.rows.shape == (OUTPUTS + 1, len(short.last.kept))
+    assert short.last.rows.shape == long.last.rows.shape == (OUTPUTS + 1, len(short.last.row_numbers))
     assert len(long.turns.rows) == 7
 
 

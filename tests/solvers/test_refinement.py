@@ -188,8 +188,8 @@ def compared(own: list[float], half: list[float], quarter: list[float]) -> Diffe
     record = vfife.simulate(
         with_settings(pendulum(), duration=0.8), step=0.01, outputs=80, companions=0, force_step=True
     ).record
-    differences = Differences(record, record.kept)
-    rows = np.zeros((3, 81, len(record.kept)))
+    differences = Differences(record, record.row_numbers)
+    rows = np.zeros((3, 81, len(record.row_numbers)))
     rows[:, :, differences.columns[1]] = own, half, quarter
     differences.own = rows[0][:, differences.columns]
     for begin in range(0, 80, 8):
@@ -255,7 +255,9 @@ def test_noise_of_second_differences_goes_with_size_over_acceleration():
     layout = SimpleNamespace(rows_of=lambda name: np.array([SAMPLED.index(name)]))
     choice = SimpleNamespace(step=step)
     record = SimpleNamespace(
-        assembly=SimpleNamespace(layout=layout, choice=choice), rows=rows, kept=np.arange(6, dtype=np.uint32)
+        assembly=SimpleNamespace(layout=layout, choice=choice),
+        rows=rows,
+        row_numbers=np.arange(6, dtype=np.uint32),
     )
     _, _, noise = Differences(record, np.arange(6, dtype=np.uint32)).scaled()
     rounding = np.finfo(float).eps * (FINER[-1] / step) ** 2

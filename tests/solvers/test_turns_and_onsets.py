@@ -158,7 +158,7 @@ def test_members_make_their_turns_and_are_looked_at_once_in_each(monkeypatch: py
     rows, growth = Orbits(1000, 5, 2).through(runner)
     assert (
         calls == [(1250, 1), (2000, 1), (1000, 3)]
-        and rows.shape == (3, len(runner.kept), 1)
+        and rows.shape == (3, len(runner.row_numbers), 1)
         and growth.shape == (0, LANES)
     )
     assert runner.done == 1251 + 5000

@@ -150,8 +150,8 @@ def watched(assemblies: Sequence[Assembly], lanes: NDArray[np.bool_]) -> Watched
 
 
 class Bounds:
-    """Finds what lies beyond all bounds among recorded numbers, those of the rows ``kept``; ``columns`` are
-    those that have bounds, if known.
+    """Finds what lies beyond all bounds among recorded numbers, those of the rows ``row_numbers``;
+    ``columns`` are those that have bounds, if known.
     """
 
     def __init__(
@@ -164,7 +164,7 @@ class Bounds:
         self.low, self.high = bounds(assembly)
 
     def unsound(self, rows: Array) -> NDArray[np.bool_]:
-        """Which numbers, shape (outputs, kept)."""
+        """Which numbers, shape (outputs, rows)."""
         bad: NDArray[np.bool_] = ~np.isfinite(rows)
         limited = rows[:, self.columns]
         with np.errstate(invalid="ignore"):

@@ -351,7 +351,7 @@ def from_neighbours(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> I
         if leg.number >= count:
             here = [chain[leg.number] for chain in chains]
             points = [
-                series_values(one, sweep.kept, leg.rows[:, :, k], spec.series, spec.steps)
+                series_values(one, sweep.row_numbers, leg.rows[:, :, k], spec.series, spec.steps)
                 for k, one in enumerate(here)
             ]
             yield SweepRow(

@@ -356,7 +356,7 @@ def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, 
     motion, every = TurnRunner([assembly]), max(1, steps_of_turn(assembly) // PROBE_OUTPUTS)
     motion.runner.advance(1, 1)
     rows = motion.record(every, PROBE_TURNS * PROBE_OUTPUTS)[:, :, 0]
-    values = dict(zip(names, series_values(assembly, motion.kept, rows, names, every).T, strict=True))
+    values = dict(zip(names, series_values(assembly, motion.row_numbers, rows, names, every).T, strict=True))
     ranges = {}
     for kind in kinds:
         size = max((float(np.abs(values[name]).max()) for name in kind), default=0.0)
@@ -370,7 +370,7 @@ def series_values(
     assembly: Assembly, columns: NDArray[np.uint32], rows: Array, series: Sequence[str], steps: int
 ) -> Array:
     """Values of series once a turn of so many steps, shape (turns, series), from rows of the state, shape
-    (turns, kept).
+    (turns, rows).
     """
     values = np.zeros((len(rows), len(series)))
     if len(rows):

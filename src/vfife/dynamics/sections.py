@@ -168,7 +168,7 @@ def poincare_section(
         last = len(rows.done) - 1
         resume = (last, rows.file.state(last)) if rows.file is not None and last >= 0 else None
         for piece in motion.pieces(resume):
-            points = series_values(first, motion.kept, piece.rows, series, steps)
+            points = series_values(first, motion.row_numbers, piece.rows, series, steps)
             rows.write("arrays", f"struck {piece.number}", piece.struck)
             rows.write("legs", piece.number, points, piece.growth, piece.state)
             rows.done[piece.number] = points, piece.growth, piece.struck

@@ -175,7 +175,7 @@ def chain_companions(
         runner.restore(np.stack([one for one, _ in states], axis=1), states[0][1])
         rows, growth = runner.growing(spec.turns, spec.dropped, near)
         for k, one in enumerate(again):
-            points = series_values(one, runner.kept, rows[:, :, k], spec.series, runner.turn)
+            points = series_values(one, runner.row_numbers, rows[:, :, k], spec.series, runner.turn)
             companions.append(Companion(numbers[k], k, ratio, verdict(points, exponent(growth[:, k])).kind))
     return companions
 

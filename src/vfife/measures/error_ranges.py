@@ -78,7 +78,9 @@ def sound_companions(record: Record) -> list[int]:
     """Numbers of the companions of a run whose numbers are finite."""
     companions = record.companions
     return (
-        [] if companions is None else [k for k in range(len(companions.counts)) if k not in companions.lost]
+        []
+        if companions is None
+        else [k for k in range(len(companions.counts)) if k not in companions.divergent]
     )
 
 

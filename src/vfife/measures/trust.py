@@ -89,11 +89,11 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
     return Trust(
         len(companions.counts),
         name,
-        1.0 if companions.lost else spread,
+        1.0 if companions.divergent else spread,
         low,
         high,
         companions.parting,
-        len(companions.lost),
+        len(companions.divergent),
     )
 
 

@@ -72,7 +72,10 @@ def turns(record: Record) -> Turns | None:
     outputs = None if record.static else outputs_of_a_turn(record.assembly)
     if outputs is None or len(record.steps) <= outputs or not _unbroken(record):
         return None
-    comparison, settle = Comparison(record.assembly, record.kept), record.assembly.mechanism.settings.settle
+    comparison, settle = (
+        Comparison(record.assembly, record.row_numbers),
+        record.assembly.mechanism.settings.settle,
+    )
     columns = _Columns(record, comparison, outputs)
     return classify(columns, comparison, SETTLED if settle is None else settle)
 
@@ -193,7 +196,11 @@ def record_of_companion(record: Record, companion: int) -> Record:
     choice, count = record.assembly.choice, int(left.counts[companion])
     if count == choice.outputs_every:
         return dataclasses.replace(
-            record, steps=left.steps, source=left.rows[:, :, companion], kept=left.kept, companions=None
+            record,
+            steps=left.steps,
+            source=left.rows[:, :, companion],
+            row_numbers=left.row_numbers,
+            companions=None,
         )
     size = choice.step * choice.outputs_every / count
     state = record.assembly.state.copy()
@@ -206,7 +213,7 @@ def record_of_companion(record: Record, companion: int) -> Record:
         assembly=assembly,
         steps=steps,
         source=left.rows[:, :, companion],
-        kept=left.kept,
+        row_numbers=left.row_numbers,
         companions=None,
     )
 

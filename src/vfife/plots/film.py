@@ -417,7 +417,7 @@ def interpolated(result: View, at: Array) -> View:
         else record.rows[low]
     )
     steps = record.steps[np.rint(at).astype(int)]
-    return View(Record(record.assembly, steps, rows, record.kept, status=record.status))
+    return View(Record(record.assembly, steps, rows, record.row_numbers, status=record.status))
 
 
 @dataclass(frozen=True)

@@ -79,8 +79,11 @@ def transient_cautions(result: View, verdict: str) -> Iterator[str]:
 def static_cautions(result: View) -> Iterator[str]:
     """Sentences on what makes equilibria doubtful, each with a remedy."""
     record = result.record
-    if record.lost:
-        yield f"The run file is damaged: {', '.join(record.lost)} could not be read; run the model again."
+    if record.damaged_parts:
+        yield (
+            f"The run file is damaged: {', '.join(record.damaged_parts)} could not be read; run the model"
+            " again."
+        )
     if record.message:
         yield record.message
     elif record.status != Status.COMPLETE:
@@ -104,7 +107,7 @@ def static_cautions(result: View) -> Iterator[str]:
 
 def damage(result: View) -> Iterator[str]:
     """A sentence about parts of a run file that cannot be read."""
-    if blocks := result.record.lost:
+    if blocks := result.record.damaged_parts:
         yield (
             f"The run file is damaged: {', '.join(blocks)} could not be read and count nowhere in what is"
             " told here; run the model again."

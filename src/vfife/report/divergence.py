@@ -60,23 +60,23 @@ def first_infinite(record: Record) -> tuple[int, str]:
         return record.burst.step, f"{quantity_name(record.assembly, record.burst.rows)} {event}"
     assembly, last = record.assembly, int(record.steps[-1])
     state = assembly.state.copy()
-    state[record.kept] = record.rows[-1]
+    state[record.row_numbers] = record.rows[-1]
     loop = "generated" if record.loop == "generated" else "data-driven"  # the one that is compiled
     runner = Runner(
         assembly.topology,
         state[:, None],
         assembly.tables[None, :],
         loop,
-        record.kept,
+        record.row_numbers,
         parts=assembly.mechanism.settings.parts,
     )
     runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
     for step in range(last + 1, last + assembly.choice.outputs_every + 1):
         rows = runner.advance(1, 1)[:, :, 0]
-        bad = Bounds(assembly, record.kept).unsound(rows)[0]
+        bad = Bounds(assembly, record.row_numbers).unsound(rows)[0]
         if bad.any():
             event = "became infinite" if not np.isfinite(rows).all() else "left all bounds"
-            return step, f"{quantity_name(assembly, record.kept[bad])} {event}"
+            return step, f"{quantity_name(assembly, record.row_numbers[bad])} {event}"
     return last + assembly.choice.outputs_every, "a number of the state left all bounds"
 
 

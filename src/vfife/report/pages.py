@@ -202,7 +202,7 @@ def study_page(
     the live page by member.
     """
     failed = [(one.number, where(study, one), reason) for one, reason in study.failed[:MOST_ROWS]]
-    source = study.asked.get("source")
+    source = study.request.get("source")
     read = [Paragraph(f"Read from {source}.")] if source else []
     sections = (
         Section(
@@ -219,19 +219,19 @@ def study_page(
         Section("Members", _members(study, (places or {}) if live else {})),
         Section(
             "Inputs",
-            [*read, _model("The model, in SI units, before anything is varied", study.asked["text"])],
+            [*read, _model("The model, in SI units, before anything is varied", study.request["text"])],
         ),
     )
     return page(
         Document(sections, f"{study.model}: {study.name}"),
-        (_study_words(study), study.asked.get("note", "")),
+        (_study_words(study), study.request.get("note", "")),
         SCRIPT,
     )
 
 
 def _study_words(study: Study) -> str:
     """Numbers of cases and of turns."""
-    plan = study.asked["wanted"]
+    plan = study.request["wanted"]
     over = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns, of which means are told"
     turns = f"Each makes {plan['turns']:,} turns{settling_words(study)}; measures are of {over}."
     return f"{len(study.members):,} members: {counts_words(study)}. {turns}"

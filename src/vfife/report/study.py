@@ -51,7 +51,7 @@ def counts_words(study: Study) -> str:
 
 def settling_words(study: Study) -> str:
     """Until when each case runs, beside its number of turns."""
-    settle = study.asked["wanted"]["settle"]
+    settle = study.request["wanted"]["settle"]
     return "" if settle is None else f" at most, until they repeat within {100.0 * settle:g} %"
 
 
@@ -157,7 +157,7 @@ def document(study: Study, members: bool = False) -> Document:
     text = ", ".join(filter(None, (counted(len(study.members), "member"), counts_words(study)))) + (
         f"; {at_work} is at work" if at_work else ""
     )
-    plan = study.asked["wanted"]
+    plan = study.request["wanted"]
     over = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns (means)"
     turns = f"{counted(plan['turns'], 'turn')}{settling_words(study)}; measures are of {over}"
     parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
@@ -198,7 +198,7 @@ def _data(study: Study) -> dict[str, Any]:
         "status": study.status,
         "planned": len(study.members),
         "counts": study.counts,
-        "wanted": study.asked["wanted"],
+        "wanted": study.request["wanted"],
         "parameters": [
             {"name": one.name, "paths": list(one.paths), "unit": one.unit, "kind": one.kind}
             for one in study.parameters

@@ -5,7 +5,6 @@ curves; and its file.
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import RunFileError
+from ..errors import RunFileError, former_names
 from ..files import DataTable, write_text
 from ..numerics.scalar import log
 from ..store.schemas import FIT, Schema
@@ -35,6 +34,7 @@ UNITS = {"time": "s", "angle": "rad", "penetration": "m", "frequency": "Hz", "or
 AT_BOUND = 0.01  # share of the way between the bounds within which a value lies on a bound
 
 
+@former_names(told="determined")
 @dataclass(frozen=True)
 class FitValue:
     """An identified parameter: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``, confidence
@@ -68,12 +68,6 @@ class FitValue:
     def determined(self) -> bool:
         """Whether the data determine it: its confidence is known, and narrow compared with the bounds."""
         return self.known and self.share(self.high) - self.share(self.value) <= DETERMINED_SHARE
-
-    def __getattr__(self, name: str) -> bool:
-        if name == "told":  # its name in version 0.2
-            warnings.warn("FitValue.told is determined now", DeprecationWarning, stacklevel=2)
-            return self.determined
-        raise AttributeError(f"{type(self).__name__!r} has no attribute {name!r}")
 
     @property
     def at_bound(self) -> bool:

@@ -171,7 +171,7 @@ def companion_rows_of(record: Record) -> CompanionOutputs | None:
 
 def keep_reference(file: RunFile, record: Record) -> None:
     """Write the record of the ideal mechanism into the file of the run."""
-    meta = provenance(record.assembly, record.kept, record.loop) | {
+    meta = provenance(record.assembly, record.row_numbers, record.loop) | {
         "status": record.status,
         "wall": record.wall,
     }

@@ -33,10 +33,10 @@ RESET = ("_work", "_power", "_onsets", "_grazing", "_deep", "_deepest", "_fastes
 
 def refuse_finished(record: Record, until: float | None, where: str) -> None:
     """Raise ResumeError for a run that cannot continue, with a remedy."""
-    if any(what.startswith("output") for what in record.lost):
+    if any(what.startswith("output") for what in record.damaged_parts):
         raise ResumeError(
-            f"{where}: this run file is damaged ({', '.join(record.lost)}), and would go on with a gap; run"
-            " the model again"
+            f"{where}: this run file is damaged ({', '.join(record.damaged_parts)}), and would go on with"
+            " a gap; run the model again"
         )
     if record.status in (Status.DIVERGED, Status.NOT_CONVERGED, Status.ENERGY):
         raise ResumeError(
@@ -59,7 +59,9 @@ def refuse_stateless(record: Record, name: str, alike: bool) -> None:
     if record.final is not None:
         return
     last, topology = int(record.steps[-1]), record.assembly.topology
-    if record.reached > last and (missing := [what for what in record.lost if what.startswith("output")]):
+    if record.reached > last and (
+        missing := [what for what in record.damaged_parts if what.startswith("output")]
+    ):
         raise ResumeError(
             f"the run of {name!r} is damaged ({', '.join(missing)}): where it ended is not known; run the"
             " model again"

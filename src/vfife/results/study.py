@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import VfifeError, shown, suggestion
+from ..errors import VfifeError, former_names, shown, suggestion
 from ..files import DataTable
 from ..solvers.status import Status
 from ..store.store import warn_of_damage
@@ -48,6 +48,7 @@ class Varied:
         return self.kind in ("values", "range")
 
 
+@former_names(asked="request", lost="damaged_members")
 class Study(DataTable):
     """What a study came to so far. All of it is built when it is first asked for, and only ``data`` loads
     xarray.
@@ -77,7 +78,7 @@ class Study(DataTable):
             for one in members
             if recorded.get(one.number, {}).get("hash") == one.hash
         }
-        self.lost = 0
+        self.damaged_members = 0
         self.damage: tuple[str, ...] = ()
 
     @classmethod
@@ -92,7 +93,7 @@ class Study(DataTable):
     def of(cls, file: StudyFile) -> Study:
         """The study of an open file."""
         study = cls(file.path, file.meta, file.members(), file.outcomes(), file.repeats())
-        study.lost, study.damage = file.lost, file.damage
+        study.damaged_members, study.damage = file.damaged_members, file.damage
         return study
 
     def __repr__(self) -> str:
@@ -102,7 +103,7 @@ class Study(DataTable):
         )
 
     @property
-    def asked(self) -> dict[str, Any]:
+    def request(self) -> dict[str, Any]:
         """What was asked, as the file keeps it."""
         spec: dict[str, Any] = self.meta[WHAT]
         return spec
@@ -110,22 +111,22 @@ class Study(DataTable):
     @property
     def name(self) -> str:
         """Name of the study."""
-        return str(self.asked.get("name", ""))
+        return str(self.request.get("name", ""))
 
     @property
     def model(self) -> str:
         """Name of the mechanism."""
-        return str(self.asked.get("model", ""))
+        return str(self.request.get("model", ""))
 
     @property
     def measures(self) -> dict[str, str]:
         """What was wanted, with units."""
-        return dict(self.asked["measures"])
+        return dict(self.request["measures"])
 
     @cached_property
     def parameters(self) -> tuple[Varied, ...]:
         """What is varied."""
-        return tuple(Varied(**{**one, "paths": tuple(one["paths"])}) for one in self.asked["parameters"])
+        return tuple(Varied(**{**one, "paths": tuple(one["paths"])}) for one in self.request["parameters"])
 
     @cached_property
     def done(self) -> tuple[StudyCase, ...]:
@@ -310,12 +311,12 @@ class Study(DataTable):
     @property
     def attributes(self) -> dict[str, Any]:
         """Where the data come from."""
-        requested = self.asked["wanted"]
+        requested = self.request["wanted"]
         return {
-            "model": self.model, "study": self.name, "note": self.asked.get("note", ""),
+            "model": self.model, "study": self.name, "note": self.request.get("note", ""),
             "turns": requested["turns"], "last": requested["last"],
             "settle": -1.0 if requested["settle"] is None else requested["settle"],
-            "vfife_version": self.asked["versions"]["vfife"],
+            "vfife_version": self.request["versions"]["vfife"],
         }  # fmt: skip
 
     @property

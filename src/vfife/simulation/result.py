@@ -127,11 +127,11 @@ class Result(View):
     def _meta(self) -> dict[str, Any]:
         """Return the metadata of a run file."""
         record, left = self.record, self.record.companions
-        meta = provenance(record.assembly, record.kept, record.loop)
+        meta = provenance(record.assembly, record.row_numbers, record.loop)
         return (
             meta
             if left is None
-            else meta | companions_meta(record.assembly, left.counts, left.earlier, left.kept)
+            else meta | companions_meta(record.assembly, left.counts, left.earlier, left.row_numbers)
         )
 
     @classmethod
@@ -144,7 +144,7 @@ class Result(View):
         with RunFile.open(path) as file:
             result = cls.of(file)
         warn_of_damage(
-            file.path, "run", result.record.lost, "Run the model again, or take a copy of the file."
+            file.path, "run", result.record.damaged_parts, "Run the model again, or take a copy of the file."
         )
         return result
 
@@ -172,7 +172,7 @@ class Result(View):
         reference = file.reference()
         if reference is not None:
             result.reference = cls(restored(*reference, where=where))
-        record.lost = file.lost
+        record.damaged_parts = file.damaged_parts
         return result
 
     # -------------------------------------------------------------------------------------------------------
@@ -226,12 +226,12 @@ def _read(record: Record, path: Path) -> Rows:
     """
     with RunFile.open(path) as file:
         record.steps, rows = file.outputs()
-        record.lost = file.lost
-    warn_of_damage(path, "run", record.lost, "Run the model again, or take a copy of the file.")
-    if rows.shape[1] != len(record.kept):
+        record.damaged_parts = file.damaged_parts
+    warn_of_damage(path, "run", record.damaged_parts, "Run the model again, or take a copy of the file.")
+    if rows.shape[1] != len(record.row_numbers):
         raise RunFileError(
-            f"{path}: {rows.shape[1]} rows were recorded and {len(record.kept)} are named; run the model"
-            " again"
+            f"{path}: {rows.shape[1]} rows were recorded and {len(record.row_numbers)} are named; run the"
+            " model again"
         )
     return rows
 

@@ -32,7 +32,7 @@ class Stepper(Protocol):
         """Present states, shape (rows, lanes); the next steps start from what is written into it."""
 
     def advance(self, count: int, outputs: int, *, reset: bool = True, record: bool = True) -> Array:
-        """``outputs`` times ``count`` steps of the run; the rows recorded after each, shape (outputs, kept,
+        """``outputs`` times ``count`` steps of the run; the rows recorded after each, shape (outputs, rows,
         lanes).
         """
 
@@ -64,7 +64,7 @@ class SynchronisedLanes:
     """
 
     def __init__(self, assembly: Assembly, counts: Counts, recorded: Integers, room: int) -> None:
-        self.counts, self.kept, self.room, self.done = counts, recorded, room, 0
+        self.counts, self.row_numbers, self.room, self.done = counts, recorded, room, 0
         self.layout, self.tables, self.parts = (
             assembly.layout,
             assembly.tables,
@@ -97,7 +97,11 @@ class SynchronisedLanes:
             return self._intervals(outputs)
         output = (self.done - 1 - inside - count) // int(self.counts[0])
         self._piece(output * self.counts + past, until - past)
-        return np.array(self.states[self.kept][None]) + 0.0 if record else np.zeros((1, 0, len(self.counts)))
+        return (
+            np.array(self.states[self.row_numbers][None]) + 0.0
+            if record
+            else np.zeros((1, 0, len(self.counts)))
+        )
 
     def steps_inside(self, inside: int) -> Counts:
         """Steps of each lane since the last output, when the run has made ``inside`` of its own: in
@@ -110,7 +114,7 @@ class SynchronisedLanes:
         """The first output: the start, as the first step of a run has it."""
         tables = np.repeat(self.tables[None, :], self.lanes, axis=0)
         runner = Runner(
-            self.topology, self._padded(self.states), tables, "generated", self.kept, parts=self.parts
+            self.topology, self._padded(self.states), tables, "generated", self.row_numbers, parts=self.parts
         )
         rows = runner.advance(1, 1)[:, :, : len(self.counts)]
         self.states[:], self.done = runner.states[:, : len(self.counts)], 1
@@ -167,9 +171,9 @@ class SynchronisedLanes:
                 self.topology,
                 self.lanes,
                 "generated",
-                self.kept,
+                self.row_numbers,
                 self.room,
-                self.kept,
+                self.row_numbers,
                 self.limited,
                 tables,
                 parts,

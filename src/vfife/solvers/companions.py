@@ -96,32 +96,33 @@ class Parting:
 
 @dataclass
 class Companions:
-    """Records of companions: ``rows`` of S after ``steps``, shape (outputs, kept, companions), of the last
+    """Records of companions: ``rows`` of S after ``steps``, shape (outputs, rows, companions), of the last
     turn and the output before it.
 
-    ``turns`` has a row for each whole turn, shape (turns, kept, companions), as :class:`TurnRows` makes it,
+    ``turns`` has a row for each whole turn, shape (turns, rows, companions), as :class:`TurnRows` makes it,
     none if a turn is no whole number of outputs. ``counts`` are the steps of each between two outputs;
-    companions of a version that displaced them have the step of the run. ``lost`` are those whose numbers are
-    no longer finite. ``earlier``: ranges, low and high by measure, of an abandoned run with twice the step.
+    companions of a version that displaced them have the step of the run. ``divergent`` are those whose
+    numbers are no longer finite. ``earlier``: ranges, low and high by measure, of an abandoned run with twice
+    the step.
     """
 
     counts: Counts
-    kept: NDArray[np.uint32]
+    row_numbers: NDArray[np.uint32]
     steps: NDArray[np.int64]
     rows: Array
     parting: Parting | None = None
-    lost: tuple[int, ...] = ()
+    divergent: tuple[int, ...] = ()
     earlier: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
 
     @property
     def findings(self) -> dict[str, Any]:
-        """Parting and lost companions, for JSON."""
-        return findings(self.parting, self.lost)
+        """Parting and divergent companions, for JSON."""
+        return findings(self.parting, self.divergent)
 
 
 def findings(parting: Parting | None, diverged: Iterable[int]) -> dict[str, Any]:
-    """Parting and lost companions, for JSON."""
+    """Parting and divergent companions, for JSON."""
     return {"parting": None if parting is None else [parting.time, parting.joint], "lost": sorted(diverged)}
 
 
@@ -212,33 +213,33 @@ class CompanionRecorder:
     recorded: NDArray[np.uint32]
     counts: Counts  # steps between two outputs of the companions, without the run itself
     parting: Parting | None = None
-    lost: set[int] = field(default_factory=set)
+    divergent: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
-        self.kept = companion_rows(self.assembly)
-        self.columns = places(self.recorded, self.kept)
+        self.row_numbers = companion_rows(self.assembly)
+        self.columns = places(self.recorded, self.row_numbers)
         self.watch = PartingWatch(self.assembly, self.recorded)
         self.parts: deque[tuple[NDArray[np.int64], Array]] = deque()
-        self.turn_rows = turn_rows_of(self.assembly, self.kept)
+        self.turn_rows = turn_rows_of(self.assembly, self.row_numbers)
 
     def take(self, steps: NDArray[np.int64], rows: Array) -> CompanionOutputs:
         """Take outputs of all lanes, shape (outputs, recorded, lanes), the run itself first."""
         count = len(self.counts)
         part = rows.take(self.columns, axis=1)[:, :, 1 : count + 1]
         # What is not finite stays so, so that the last output shows it.
-        self.lost |= set(np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist())
+        self.divergent |= set(np.flatnonzero(~np.isfinite(part[-1:]).all(axis=(0, 1))).tolist())
         if self.parting is None:
             self.parting = self.watch.parting(steps, rows[..., : count + 1])
         self.parts.append((steps, part))
         oldest = oldest_needed(self.assembly, int(steps[-1])) if len(steps) else 0
         while len(self.parts) > 1 and len(self.parts[0][0]) and self.parts[0][0][-1] < oldest:
             self.parts.popleft()
-        summary = findings(self.parting, self.lost)
+        summary = findings(self.parting, self.divergent)
         if self.turn_rows is None:
             return CompanionOutputs(part, summary, oldest)
         completed = self.turn_rows.take(part[1:] if len(steps) and steps[0] == 0 else part)
         first = len(self.turn_rows.turns) - completed
-        turns = np.array(self.turn_rows.turns[first:]).reshape(completed, len(self.kept), count)
+        turns = np.array(self.turn_rows.turns[first:]).reshape(completed, len(self.row_numbers), count)
         return CompanionOutputs(
             part,
             summary,
@@ -252,7 +253,7 @@ class CompanionRecorder:
     def checkpoint(self) -> dict[str, Any]:
         """State of this, besides the rows that a file has, for JSON."""
         turn = None if self.turn_rows is None else self.turn_rows.checkpoint
-        return findings(self.parting, self.lost) | {"turn": turn, "watch": self.watch.checkpoint}
+        return findings(self.parting, self.divergent) | {"turn": turn, "watch": self.watch.checkpoint}
 
     def restore(
         self,
@@ -263,8 +264,8 @@ class CompanionRecorder:
         """Go on from a checkpoint, and the rows of a file: of the last turn, with their steps, and of whole
         turns, companions side by side.
         """
-        parting, shape = checkpoint["parting"], (len(self.kept), len(self.counts))
-        self.parting, self.lost = (
+        parting, shape = checkpoint["parting"], (len(self.row_numbers), len(self.counts))
+        self.parting, self.divergent = (
             None if parting is None else Parting(float(parting[0]), str(parting[1])),
             set(checkpoint["lost"]),
         )
@@ -283,7 +284,12 @@ class CompanionRecorder:
         rows = np.concatenate([rows for _, rows in self.parts])
         window = (steps >= oldest_needed(self.assembly, last)) & (steps <= last)
         companions = Companions(
-            self.counts, self.kept, steps[window], rows[window], self.parting, tuple(sorted(self.lost))
+            self.counts,
+            self.row_numbers,
+            steps[window],
+            rows[window],
+            self.parting,
+            tuple(sorted(self.divergent)),
         )
         if self.turn_rows is not None:
             companions.turns = self.turn_rows.array(

@@ -103,7 +103,7 @@ class ImpactSection(NamedTuple):
 
 @dataclass(frozen=True)
 class Piece:
-    """Some turns: ``rows`` recorded once in each that is looked at, shape (turns, kept), the ``growth`` of a
+    """Some turns: ``rows`` recorded once in each that is looked at, shape (turns, rows), the ``growth`` of a
     small difference in it, its logarithm, shape (turns,), what was ``struck`` (:class:`ImpactSection`), and
     the ``state`` to go on from, shape (rows,) or (2 rows,).
     """
@@ -144,7 +144,7 @@ class Sectioning:
         spans = ((0, self.before), (self.before, dropped), (dropped, turns))
         self.cuts = [(k, min(k + TURNS, last)) for first, last in spans for k in range(first, last, TURNS)]
         self.motion, self.difference = TurnRunner([assembly], phase), LyapunovRunner([assembly], [near])
-        self.kept = self.motion.kept
+        self.row_numbers = self.motion.row_numbers
         self.impacts = ImpactSection.of(assembly, contacts) if contacts else None
 
     def pieces(self, resume: tuple[int, Array] | None = None) -> Iterator[Piece]:
@@ -182,7 +182,7 @@ class Sectioning:
 
     def _turns(self, first: int, last: int, state: Array, done: int) -> Turns:
         """Some turns from a state, without rows and growth where they are dropped."""
-        nothing = np.zeros((0, len(self.kept))), np.zeros(0)
+        nothing = np.zeros((0, len(self.row_numbers))), np.zeros(0)
         if last <= self.before:
             self.motion.restore(state, done)
             self.motion.skip(last - first)

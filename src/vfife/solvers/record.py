@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
-from ..errors import StorageError
+from ..errors import StorageError, former_names
 from ..kernels.arrays import Layout
 from ..kernels.blocks import BLOCKS
 from .status import Status
@@ -47,13 +47,13 @@ def room_for_rows(outputs: int, width: int) -> Rows:
 @dataclass(frozen=True)
 class Checkpoint:
     """What a run goes on from, to the bit: S after ``step`` in the order of :func:`lasting_rows`, shape
-    (rows,) or (rows, lanes), and ``more`` that the solver remembers beside it, for JSON. ``chunks`` and
+    (rows,) or (rows, lanes), and ``extra`` that the solver remembers beside it, for JSON. ``chunks`` and
     ``outputs`` are those that a file had then.
     """
 
     step: int
     values: Rows
-    more: Mapping[str, Any] = field(default_factory=dict)
+    extra: Mapping[str, Any] = field(default_factory=dict)
     chunks: int = 0
     outputs: int = 0
 
@@ -83,7 +83,7 @@ class Writer(Protocol):
         """Findings about the companions, their steps and rows, as far as they are still needed."""
 
     def turns(self) -> Rows:
-        """Rows of companions of each whole turn, shape (turns, kept, companions)."""
+        """Rows of companions of each whole turn, shape (turns, rows, companions)."""
 
     def event(self, step: int, text: str) -> None:
         """Notes what happened after a step."""
@@ -115,30 +115,31 @@ class Estimate:
 
 @dataclass
 class Columns:
-    """Where blocks stand among the rows ``kept`` of a layout."""
+    """Where blocks stand among the rows ``row_numbers`` of a layout."""
 
     layout: Layout
-    kept: NDArray[np.uint32]
+    row_numbers: NDArray[np.uint32]
     places: dict[str, NDArray[np.intp]] = field(default_factory=dict)
     complete: dict[str, bool] = field(default_factory=dict)
 
     def of(self, name: str) -> NDArray[np.intp]:
         """Columns of a block."""
         if name not in self.places:
-            self.places[name] = places(self.kept, self.layout[name])
+            self.places[name] = places(self.row_numbers, self.layout[name])
         return self.places[name]
 
     def keeps(self, name: str) -> bool:
         """Whether all of a block is there."""
         if name not in self.complete:
-            self.complete[name] = bool(np.isin(self.layout[name], self.kept).all())
+            self.complete[name] = bool(np.isin(self.layout[name], self.row_numbers).all())
         return self.complete[name]
 
 
+@former_names(kept="row_numbers", lost="damaged_parts")
 @dataclass
 class Record:
-    """What a run leaves: ``rows[k]`` holds the rows ``kept`` of S after step ``steps[k]``; time is steps *
-    step.
+    """What a run leaves: ``rows[k]`` holds the rows ``row_numbers`` of S after step ``steps[k]``; time is
+    steps * step.
 
     A static analysis leaves its equilibria: step k is that under load factor k, counted from 1; 0 is the
     start, without loads.
@@ -148,14 +149,14 @@ class Record:
 
     ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked
     for: a run that writes a file keeps no rows in memory. ``companions`` ran beside it, or None; ``estimate``
-    is that of a smooth run, where it was made. ``lost`` names what was damaged in the file that it was read
-    from; ``reached`` is the last step made, ``burst`` where the run diverged.
+    is that of a smooth run, where it was made. ``damaged_parts`` names what was damaged in the file that it
+    was read from; ``reached`` is the last step made, ``burst`` where the run diverged.
     """
 
     assembly: Assembly
     steps: NDArray[np.int64]
     source: Rows | Callable[[], Rows]
-    kept: NDArray[np.uint32]
+    row_numbers: NDArray[np.uint32]
     wall: float = 0.0
     loop: str = ""
     status: Status = Status.COMPLETE
@@ -163,7 +164,7 @@ class Record:
     message: str = ""
     companions: Companions | None = None
     estimate: Estimate | None = None
-    lost: tuple[str, ...] = ()
+    damaged_parts: tuple[str, ...] = ()
     reached: int = 0
     burst: Burst | None = None
     columns: Columns | None = field(
@@ -174,15 +175,15 @@ class Record:
     def _columns(self) -> Columns:
         if (
             self.columns is None
-            or self.columns.kept is not self.kept
+            or self.columns.row_numbers is not self.row_numbers
             or self.columns.layout is not self.assembly.layout
         ):
-            self.columns = Columns(self.assembly.layout, self.kept)
+            self.columns = Columns(self.assembly.layout, self.row_numbers)
         return self.columns
 
     @property
     def rows(self) -> Rows:
-        """Recorded rows, shape (outputs, kept). Raises RunFileError where a file that has them is gone or
+        """Recorded rows, shape (outputs, rows). Raises RunFileError where a file that has them is gone or
         damaged.
         """
         if not isinstance(self.source, np.ndarray):

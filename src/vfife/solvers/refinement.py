@@ -148,12 +148,15 @@ class Differences:
 
     def __init__(self, record: Record, recorded: NDArray[np.uint32]) -> None:
         sampled = np.concatenate([record.assembly.layout.rows_of(name) for name in SAMPLED]).astype(np.uint32)
-        self.columns, self.own = places(recorded, sampled), record.rows[:, places(record.kept, sampled)]
+        self.columns, self.own = (
+            places(recorded, sampled),
+            record.rows[:, places(record.row_numbers, sampled)],
+        )
         self.squares, self.counts = np.zeros((PARTS, 2, len(sampled))), np.zeros(PARTS)
         self.step = record.assembly.choice.step
 
     def take(self, done: int, half: Array, quarter: Array) -> None:
-        """Outputs after the first ``done``, shape (outputs, kept) each."""
+        """Outputs after the first ``done``, shape (outputs, rows) each."""
         fine, finest, own = (
             half[:, self.columns],
             quarter[:, self.columns],

@@ -76,8 +76,8 @@ def equilibrium(
     began, rows, old, earlier = time.perf_counter(), list[Array](), 0.0, 0.0
     factors = (0.0, *settings.load_factors)
     if resume is not None and file is not None:
-        relaxation.restore(resume.values.reshape(-1), lasting, resume.more["relaxation"])
-        rows, old, earlier = list(file.later()()), factors[resume.step], float(resume.more["wall"])
+        relaxation.restore(resume.values.reshape(-1), lasting, resume.extra["relaxation"])
+        rows, old, earlier = list(file.later()()), factors[resume.step], float(resume.extra["wall"])
     halt = Interrupts()
     relaxation.pace.look = halt.look
     try:

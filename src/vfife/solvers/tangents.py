@@ -135,9 +135,9 @@ def tangents(
     There is a pair for each of ``shares``, first steps (1) by which a run is displaced; that of 0 is the run
     itself. Every neighbourhood has to be
     :func:`comparable`. The difference of a pair over ``distance`` is the derivative of whatever is taken of a
-    record. Records have the rows ``kept``, by default all states and extremes, of all outputs; with ``whole``
-    of the last turn as one output, and of what comes before it as another, which is enough for extremes.
-    Passes go side by side on all cores. Ctrl-C is handled within a quarter of a second.
+    record. Records have the rows ``row_numbers``, by default all states and extremes, of all outputs; with
+    ``whole`` of the last turn as one output, and of what comes before it as another, which is enough for
+    extremes. Passes go side by side on all cores. Ctrl-C is handled within a quarter of a second.
     """
     # The last bits of a derivative depend on its neighbours in the lanes, so there are as many lanes on every
     # machine.
@@ -231,12 +231,12 @@ def _pair(
     one: Neighbours, steps: NDArray[np.int64], columns: Columns, rows: Array, slopes: Array
 ) -> tuple[Record, Record]:
     """The records of both sides of one run."""
-    largest = np.isin(columns.kept, columns.layout.of("extreme"))
+    largest = np.isin(columns.row_numbers, columns.layout.of("extreme"))
     both = rows + 0.5 * one.distance * slopes, rows - 0.5 * one.distance * slopes
     for side in both:
         side[:, largest] = np.maximum(side[:, largest], 0.0)  # a size has no sign
     up, down = (
-        Record(model, steps, side, columns.kept, columns=columns)
+        Record(model, steps, side, columns.row_numbers, columns=columns)
         for model, side in zip((one.up, one.down), both, strict=True)
     )
     return up, down
@@ -316,10 +316,13 @@ class LyapunovRunner:
             )
 
     def turns(self, assemblies: Sequence[Assembly], count: int) -> tuple[Array, Array]:
-        """So many turns: rows after each, shape (turns, kept, lanes), and the logarithm of the growth in
+        """So many turns: rows after each, shape (turns, rows, lanes), and the logarithm of the growth in
         each, shape (turns, lanes).
         """
-        rows, growth = np.zeros((count, len(self.runner.kept), self.lanes)), np.zeros((count, self.lanes))
+        rows, growth = (
+            np.zeros((count, len(self.runner.row_numbers), self.lanes)),
+            np.zeros((count, self.lanes)),
+        )
         other = self.states[self.rows :]
         for turn in range(count):
             rows[turn] = self.pace.advance(self.runner, self.turn, 1)[0]

@@ -99,17 +99,17 @@ class Stepping:
         judge: Judge | None,
     ) -> None:
         self.assembly, self.loop, self.file, self.halt, self.judge = assembly, loop, file, halt, judge
-        self.kept, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
+        self.row_numbers, self.lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
         self.own = companions + 1
-        self.most = max(1, CHUNK_BYTES // (8 * len(self.kept) * self.own))
-        self.bounds = Bounds(assembly, self.kept)
+        self.most = max(1, CHUNK_BYTES // (8 * len(self.row_numbers) * self.own))
+        self.bounds = Bounds(assembly, self.row_numbers)
         counts = step_counts(assembly.choice, companions)
         self.runner = self._stepper(np.array([assembly.choice.outputs_every, *counts]))
         self.before = self.runner.states[:, 0].copy()
-        self.recorder = CompanionRecorder(assembly, self.kept, counts) if companions else None
+        self.recorder = CompanionRecorder(assembly, self.row_numbers, counts) if companions else None
         states = self.runner.states
         self.pace = ChunkSize(first=QUICK if loop == "generated" and states.size <= SHORT else FIRST)
-        self.rows = room_for_rows(assembly.choice.outputs + 1 if file is None else 0, len(self.kept))
+        self.rows = room_for_rows(assembly.choice.outputs + 1 if file is None else 0, len(self.row_numbers))
         self.outputs = 0  # rows that are filled
         self.done, self.earlier, self.begun, self.whole = 0, 0.0, False, True
         self.burst: Burst | None = None
@@ -117,21 +117,21 @@ class Stepping:
         self.first: Rows | None = None
         self.judged, self.open = time.monotonic(), False
         settle = assembly.mechanism.settings.settle
-        self.settling = None if settle is None else Settling(assembly, self.kept, settle)
+        self.settling = None if settle is None else Settling(assembly, self.row_numbers, settle)
 
     def _stepper(self, counts: NDArray[np.int64]) -> Stepper:
         """What steps the run, alone or with companions that make so many steps between two outputs."""
         if len(counts) == 1:
             return self._alone()
         if self.loop == "generated":
-            return SynchronisedLanes(self.assembly, counts, self.kept, self.most)
-        return SeparateLanes(self.assembly, counts, self.kept, self.loop)
+            return SynchronisedLanes(self.assembly, counts, self.row_numbers, self.most)
+        return SeparateLanes(self.assembly, counts, self.row_numbers, self.loop)
 
     def _alone(self) -> Runner:
         """The run by itself."""
         return Runner(
             self.assembly.topology, self.assembly.state[:, None], self.assembly.tables[None, :], self.loop,
-            self.kept,
+            self.row_numbers,
             parts=self.assembly.mechanism.settings.parts, watched=watched([self.assembly], np.ones(1,
             dtype=bool)),
         )  # fmt: skip
@@ -156,11 +156,11 @@ class Stepping:
             )
         self.runner.states[self.lasting] = values
         self.runner.done, self.done, self.kept_at = resume.step + 1, resume.step, resume.step
-        self.earlier = float(resume.more.get("wall", 0.0))
+        self.earlier = float(resume.extra.get("wall", 0.0))
         if self.file is not None and self.judge is not None:
             self.first = self.file.later()()[:1]
         if self.recorder is not None and self.file is not None:
-            self.recorder.restore(resume.more["companions"], self.file.companions(), self.file.turns())
+            self.recorder.restore(resume.extra["companions"], self.file.companions(), self.file.turns())
         if self.settling is not None and self.file is not None:
             self.settling.restore(self.file.later()())
 
@@ -310,10 +310,10 @@ class Stepping:
         runner.advance(count, 1, reset=False, record=False)
         if runner.broken[0] == 0.0:
             return None
-        row = runner.states[self.kept, 0]
+        row = runner.states[self.row_numbers, 0]
         return Burst(
             int(runner.broken[0]) - 1,
-            self.kept[self.bounds.unsound(row[None, :])[0]],
+            self.row_numbers[self.bounds.unsound(row[None, :])[0]],
             bool(np.isfinite(row).all()),
         )
 
@@ -330,7 +330,7 @@ class Stepping:
                 np.arange(self.outputs, dtype=np.int64) * self.assembly.choice.outputs_every,
                 self.rows[: self.outputs],
             )
-        record = Record(self.assembly, steps, source, self.kept, self.wall, self.loop, status, final)
+        record = Record(self.assembly, steps, source, self.row_numbers, self.wall, self.loop, status, final)
         record.reached, record.burst = max(self.done, int(record.steps[-1])), self.burst
         record.companions = (
             self.recorder.companions(int(record.steps[-1])) if self.recorder is not None else None

@@ -34,8 +34,8 @@ class TurnRunner:
     """Motions in lanes, each from the start of its assembly: a step, a turn, the way to the ``phase`` (1) of
     a turn, and from there turn by turn.
 
-    The assemblies have one topology and as many steps in a turn. ``kept`` are the rows that are recorded;
-    ``look`` is called a few times a second.
+    The assemblies have one topology and as many steps in a turn. ``row_numbers`` are the rows that are
+    recorded; ``look`` is called a few times a second.
     """
 
     def __init__(
@@ -52,9 +52,14 @@ class TurnRunner:
             np.stack([one.state for one in assemblies], axis=1),
             np.stack([one.tables for one in assemblies]),
         )
-        self.kept = recorded_rows(first) if recorded is None else recorded
+        self.row_numbers = recorded_rows(first) if recorded is None else recorded
         self.runner = Runner(
-            first.topology, states, functions, "generated", self.kept, parts=first.mechanism.settings.parts
+            first.topology,
+            states,
+            functions,
+            "generated",
+            self.row_numbers,
+            parts=first.mechanism.settings.parts,
         )
 
     @property
@@ -87,16 +92,16 @@ class TurnRunner:
 
     def rows(self, turns: int, outputs: int = 1) -> Array:
         """Make so many turns; the rows after each of so many ``outputs`` in each, shape (turns * outputs,
-        kept, lanes).
+        rows, lanes).
         """
         return self.record(self.turn // outputs, turns * outputs)
 
     def record(self, every: int, count: int) -> Array:
-        """Make ``count`` times ``every`` steps; the rows after each, shape (count, kept, lanes)."""
+        """Make ``count`` times ``every`` steps; the rows after each, shape (count, rows, lanes)."""
         return self.pace.advance(self.runner, every, count)
 
     def growing(self, turns: int, dropped: int, near: Sequence[Neighbours]) -> tuple[Array, Array]:
-        """Make so many turns; of those after the first ``dropped`` the rows, shape (turns, kept, lanes), and
+        """Make so many turns; of those after the first ``dropped`` the rows, shape (turns, rows, lanes), and
         the logarithm of the growth of a small difference, shape (turns, lanes). It begins as that of the
         neighbours ``near``, no sooner than it has to.
         """
@@ -135,7 +140,7 @@ def restepped(state: Array, done: int, assembly: Assembly) -> tuple[Array, int]:
 
 @dataclass(frozen=True)
 class Leg:
-    """What the chains leave at one value: ``rows`` recorded once a turn, shape (turns, kept, chains),
+    """What the chains leave at one value: ``rows`` recorded once a turn, shape (turns, rows, chains),
     ``growth`` of a small difference in each of them, its logarithm, shape (turns, chains), the ``state`` to
     go on from, shape (rows, chains), and what was looked at ``check`` it.
     """
@@ -195,7 +200,7 @@ class Sweep:
         self.difference = LyapunovRunner(
             [chain[0] for chain in chains] * VALUES_AT_ONCE, [*near] * VALUES_AT_ONCE
         )
-        self.kept, self.states = self.motion.kept, self.motion.states
+        self.row_numbers, self.states = self.motion.row_numbers, self.motion.states
 
     @staticmethod
     def complete_legs(count: int) -> int:
@@ -325,7 +330,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Orbit:
-    """A member's ``rows``, recorded once in each turn that is looked at, shape (turns, kept), and the
+    """A member's ``rows``, recorded once in each turn that is looked at, shape (turns, rows), and the
     ``growth`` of a small difference in each, its logarithm, shape (turns,), empty where none was watched; or
     ``why`` there is none.
     """
@@ -412,7 +417,7 @@ class WearRunner(TurnRunner):
 
     def __init__(self, assembly: Assembly, outputs: int, halt: Interrupts) -> None:
         super().__init__([assembly], look=halt.look)
-        self.assembly, self.outputs, self.bounds = assembly, outputs, Bounds(assembly, self.kept)
+        self.assembly, self.outputs, self.bounds = assembly, outputs, Bounds(assembly, self.row_numbers)
         self.harmonics = [assembly.layout.rows_of(f"harmonic_{part}") for part in ("cosine", "sine")]
 
     @property
@@ -447,4 +452,4 @@ class WearRunner(TurnRunner):
             )
             raise VfifeError(f"{self.assembly.mechanism.name}: {text}")
         steps = first + self.turn // self.outputs * np.arange(len(rows), dtype=np.int64)
-        return Record(self.assembly, steps, rows, self.kept)
+        return Record(self.assembly, steps, rows, self.row_numbers)

@@ -36,11 +36,11 @@ META = (("meta", "json"), ("arrays", "data"))  # tables of entries and their col
 
 
 class StoredRecord(NamedTuple):
-    """Rows of companions or of the ideal reference, shape (outputs, kept), steps, shape (outputs,), and their
-    meta, ``told``.
+    """Rows of companions or of the ideal reference, shape (outputs, rows), steps, shape (outputs,), and their
+    meta.
     """
 
-    told: dict[str, Any]
+    meta: dict[str, Any]
     steps: Steps
     rows: Array
 
@@ -56,13 +56,15 @@ class Chunk(NamedTuple):
 
 
 class RunReader(Store):
-    """A run file that is read. ``lost`` names what was found damaged while reading, which is left out."""
+    """A run file that is read. ``damaged_parts`` names what was found damaged while reading, which is left
+    out.
+    """
 
     schema: ClassVar[Schema] = RUN
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
         super().__init__(path, connection)
-        self._lost: dict[str, None] = {}
+        self._damaged_parts: dict[str, None] = {}
 
     def examine(self) -> None:
         """Read the meta, so that a damaged file is reported now. The other rows are checked when they are
@@ -74,12 +76,12 @@ class RunReader(Store):
     # meta
 
     @property
-    def lost(self) -> tuple[str, ...]:
+    def damaged_parts(self) -> tuple[str, ...]:
         """What was found damaged so far and is left out."""
-        return tuple(self._lost)
+        return tuple(self._damaged_parts)
 
     def _report_damage(self, what: str) -> None:
-        self._lost[what] = None
+        self._damaged_parts[what] = None
 
     @property
     def meta(self) -> dict[str, Any]:
@@ -158,11 +160,11 @@ class RunReader(Store):
 
     @property
     def rows(self) -> Array:
-        """Recorded rows, shape (outputs, kept)."""
+        """Recorded rows, shape (outputs, rows)."""
         return self.outputs()[1]
 
     def outputs(self, only_steps: bool = False) -> tuple[Steps, Array]:
-        """Steps of the outputs, shape (outputs,), and rows, shape (outputs, kept); damaged ones are left out
+        """Steps of the outputs, shape (outputs,), and rows, shape (outputs, rows); damaged ones are left out
         and noted.
         """
         chunks, total = self._expected_counts()
@@ -269,7 +271,7 @@ class RunReader(Store):
         return StoredRecord(chunks[-1]["told"], np.concatenate(steps), np.concatenate(parts))
 
     def turns(self) -> Array:
-        """Extremes of the companions in each full turn, shape (turns, kept, companions); no turns if they are
+        """Extremes of the companions in each full turn, shape (turns, rows, companions); no turns if they are
         damaged.
         """
         rows = [row for _, row in self.read("turns")]  # a table that is missing has no rows
@@ -361,6 +363,6 @@ def rows_of(path: Path) -> Array:
     """Recorded rows of a run file. Raises RunFileError where some of them are damaged."""
     with RunReader.open(path) as file:
         rows = file.rows
-        if file.lost:
-            raise RunFileError(file.damaged(", ".join(file.lost)))
+        if file.damaged_parts:
+            raise RunFileError(file.damaged(", ".join(file.damaged_parts)))
         return rows

@@ -108,7 +108,7 @@ class RunFile(RunReader):
         companions: CompanionOutputs | None = None,
         checkpoint: Checkpoint | None = None,
     ) -> None:
-        """Add outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, kept); step 0
+        """Add outputs in one transaction: steps, shape (outputs,), and rows, shape (outputs, rows); step 0
         starts the run again.
 
         ``companions``: rows of companions at the last of these outputs; older ones that are no longer needed
@@ -146,21 +146,21 @@ class RunFile(RunReader):
             for turn, values in enumerate(companions.turns, companions.first):
                 self.insert("turns", turn, turn * companions.steps, values)
 
-    def checkpoint(self, step: int, state: Array, more: Mapping[str, Any] | None = None) -> None:
+    def checkpoint(self, step: int, state: Array, extra: Mapping[str, Any] | None = None) -> None:
         """Write the state after ``step``, from which a run can continue, in the order of the blocks of the
         start.
 
-        ``state``: shape (rows,) or (rows, lanes). ``more``: what the solver needs besides, for JSON.
+        ``state``: shape (rows,) or (rows, lanes). ``extra``: what the solver needs besides, for JSON.
         """
         with self.transaction(self._gather):
-            self._checkpoint(Checkpoint(step, state, more or {}))
+            self._checkpoint(Checkpoint(step, state, extra or {}))
 
     def _checkpoint(self, checkpoint: Checkpoint) -> None:
         self.insert(
             "checkpoints",
             int(checkpoint.step),
             *self._present_counts(),
-            dict(checkpoint.more),
+            dict(checkpoint.extra),
             checkpoint.values,
         )
         old = (

@@ -45,12 +45,12 @@ class StudyFile(Store):
     """A study file. A member is known by the hash of its numbers: what is there already is never computed
     again.
 
-    ``lost`` counts members that were damaged and are left out; a member whose outcome is lost is computed
-    again.
+    ``damaged_members`` counts members that were damaged and are left out; a member whose outcome is lost is
+    computed again.
     """
 
     schema: ClassVar[Schema] = STUDY
-    lost = 0
+    damaged_members = 0
 
     @classmethod
     def begin(cls, path: Any, spec: Mapping[str, Any], members: Sequence[Numbers]) -> StudyFile:
@@ -125,7 +125,7 @@ class StudyFile(Store):
         """
         with self.reported():
             rows = [row for _, row in self.read("members")]
-            self.lost = rows.count(None)
+            self.damaged_members = rows.count(None)
             return [
                 StudyCase(row.values[0], row.values[1], json.loads(row.values[2]))
                 for row in rows

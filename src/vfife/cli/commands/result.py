@@ -61,7 +61,7 @@ def contents(path: Path, check: bool = True) -> dict[str, Any]:
             file.events,
             file.last_checkpoint(),
         )
-        path, reference, damage = file.path, file.has_reference, file.lost
+        path, reference, damage = file.path, file.has_reference, file.damaged_parts
     choice, model = meta.get("choice", {}), tomllib.loads(meta.get("model", ""))
     status = meta.get("status", "unknown")
     return {

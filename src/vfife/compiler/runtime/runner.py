@@ -39,11 +39,11 @@ class Runner:
 
     ``loop``: "data-driven", "generated" (straight-line code, vectors of ``lanes`` numbers), or "interpreted"
     (the data-driven text as plain Python). ``states`` has shape (rows, lanes), ``tables`` (lanes, length).
-    ``advance`` takes ``outputs`` times ``count`` steps and returns the rows ``kept`` after each ``count``,
-    shape (outputs, kept, lanes). A step in which something begins, ends or changes its regime is taken again
-    in ``parts`` (1: as it is). ``shares``, shape (lanes,), puts lanes out of phase: right after the start,
-    one is moved on by so large a part of a step, so that its step n is at (n + share) dt. Its memory is its
-    own: runners may advance in several threads at once.
+    ``advance`` takes ``outputs`` times ``count`` steps and returns the rows ``row_numbers`` after each
+    ``count``, shape (outputs, rows, lanes). A step in which something begins, ends or changes its regime is
+    taken again in ``parts`` (1: as it is). ``shares``, shape (lanes,), puts lanes out of phase: right after
+    the start, one is moved on by so large a part of a step, so that its step n is at (n + share) dt. Its
+    memory is its own: runners may advance in several threads at once.
 
     Where lanes are ``watched``, each is looked at after every 1000 steps, counted from the first (``look``);
     ``broken`` says of one whose numbers had left all bounds then after how many steps that was. It stops no
@@ -68,7 +68,7 @@ class Runner:
         directions: int = 0,
     ) -> None:
         self.topology, self.loop = topology, loop
-        self.kept = np.ascontiguousarray(recorded, dtype=np.uint32)
+        self.row_numbers = np.ascontiguousarray(recorded, dtype=np.uint32)
         self.layout = layout_of(topology)
         self.lanes = states.shape[1]
         rows = self.layout.rows
@@ -79,7 +79,14 @@ class Runner:
         size = rows * (directions + 1) * self.lanes
         limited, limits = (NONE, aligned(0)) if watched is None else self._limits(watched)
         self.memory = memory_of(
-            size, self.lanes, self.functions, parts, self.kept, self.extremes, limited=limited, limits=limits
+            size,
+            self.lanes,
+            self.functions,
+            parts,
+            self.row_numbers,
+            self.extremes,
+            limited=limited,
+            limits=limits,
         )
         self.S, self.shares, self.broken = self.memory.S, self.memory.shares, self.memory.broken
         self.shares[:] = 0.0 if shares is None else shares
@@ -106,7 +113,7 @@ class Runner:
         first of them only, and the last alone has to ``record``. Zeros that are recorded have no sign: terms
         that a topology makes zero drop out of a straight line, and signs with them.
         """
-        out = np.zeros((outputs, len(self.kept) if record else 0, self.lanes))
+        out = np.zeros((outputs, len(self.row_numbers) if record else 0, self.lanes))
         self.take(self.done, count, out, reset, self.look)
         self.done += count * outputs
         out += 0.0

@@ -79,7 +79,7 @@ def study_page(study: Study) -> StudyPage:
     if turn is None or not steps:
         raise VfifeError("its members do not turn a crank evenly")
     slides: list[Slide] = list(by_parameters(study, done)) or [over_members(study, chosen(study, done))]
-    with standing_in(study.asked["own_laws"]):
+    with standing_in(study.request["own_laws"]):
         patches = slider_patches(base, slides, turn / math.ceil(steps))
     return StudyPage(written(patches), places(study, patches), patches.notes)
 
@@ -101,8 +101,8 @@ def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]
 
 def mechanism(study: Study, member: StudyCase) -> Mechanism:
     """A member as a mechanism; laws of the user's own are those that the file tells of."""
-    with standing_in(study.asked["own_laws"]):
-        return loads(study.asked["text"], list(member.numbers.items()))
+    with standing_in(study.request["own_laws"]):
+        return loads(study.request["text"], list(member.numbers.items()))
 
 
 def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:

@@ -443,7 +443,7 @@ def single(cases: Cases, numbers: Numbers) -> Outcome:
         return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
     parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if turns else [record]
     values = cases.measures.over(parts, None if result.reference is None else result.reference.measures)
-    settling = None if spec.settle is None else Settling(record.assembly, record.kept, spec.settle)
+    settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
     if settling is not None:
         settling.restore(record.rows)
     settled = turns if settling is not None and settling.settled else None

@@ -191,7 +191,7 @@ class PeakLane(Lane):
     """
 
     def __init__(self, number: int, assembly: Assembly, columns: Columns, limited: NDArray[np.intp]) -> None:
-        super().__init__(number, assembly, columns.kept, limited=limited)
+        super().__init__(number, assembly, columns.row_numbers, limited=limited)
         self.columns, self.every = columns, self.every * self.per
 
     @property

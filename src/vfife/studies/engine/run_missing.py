@@ -299,7 +299,7 @@ def extended_plan(
     or a ``count`` of samples in all. Raises ModelError with all faults, VfifeError.
     """
     study = Study.open(path)
-    plan, raw = plan_of(study), copy.deepcopy(study.asked["raw"])
+    plan, raw = plan_of(study), copy.deepcopy(study.request["raw"])
     parameters = {one.name: one for one in plan.parameters}
     for name, further in values.items():
         listed = (
@@ -330,19 +330,19 @@ def add_values(raw: dict[str, Any], one: StudyParameter, further: list[Any], pat
 
 def plan_of(study: Study) -> Plan:
     """Return the plan of a study. Raises VfifeError where a user law of its model is not loaded."""
-    raw = copy.deepcopy(study.asked["raw"])
+    raw = copy.deepcopy(study.request["raw"])
     return StudyTables(raw, str(study.path), base=base_of(study), name=study.name).plan()
 
 
 def base_of(study: Study) -> Mechanism:
     """Return the model of a study. Raises VfifeError where a user law of it is not loaded."""
     registries = {"contact": ContactLaw.registry, "friction": FrictionLaw.registry}
-    unknown = [law for law in study.asked["own_laws"] if law["name"] not in registries[law["kind"]]]
+    unknown = [law for law in study.request["own_laws"] if law["name"] not in registries[law["kind"]]]
     if unknown:
         names = ", ".join(law["name"] for law in unknown)
         remedy = suggestion(names, [], f"give the file that defines it: --laws {unknown[0]['file']}")
         what = f"{study.path}: its model uses the law {shown(names)} of your own"
         raise VfifeError(f"{what}, which is not known here; {remedy}")
-    base = loads(study.asked["text"])
-    base.source = study.asked["source"]
+    base = loads(study.request["text"])
+    base.source = study.request["source"]
     return base

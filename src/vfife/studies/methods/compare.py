@@ -156,7 +156,7 @@ class Parts:
             return None
         with suppress(RunFileError):
             result = Result.load(path)
-            if not result.record.lost and result.record.status == Status.COMPLETE:
+            if not result.record.damaged_parts and result.record.status == Status.COMPLETE:
                 result.reference = one.reference
                 return result
         return None

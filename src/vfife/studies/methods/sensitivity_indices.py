@@ -159,7 +159,7 @@ def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> li
 
 def sensitivities(study: Study, measures: Sequence[str] = ()) -> list[Sensitivity]:
     """Return the sensitivities of some measures, or all. Raises VfifeError as :func:`indices` does."""
-    method = study.asked["raw"].get("method", "grid")
+    method = study.request["raw"].get("method", "grid")
     if method not in DESIGNS or any(one.gridded for one in study.parameters):
         raise VfifeError(
             f"{study.path or 'this study'}: indices need a design for them; give every parameter a range or a"

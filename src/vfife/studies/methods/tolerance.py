@@ -89,7 +89,7 @@ def tolerance(
 def bounds_of(study: Study, limit: Mapping[str, Any] | None = None) -> tuple[Bound, ...]:
     """Read limits, or those of the study where there are none. Raises ModelError."""
     by = StudyReading()
-    bounds = read_bounds(dict(limit) if limit else study.asked["raw"].get("limit", {}), study.measures, by)
+    bounds = read_bounds(dict(limit) if limit else study.request["raw"].get("limit", {}), study.measures, by)
     by.check(str(study.path or "this study"))
     return bounds
 
@@ -152,7 +152,7 @@ def machines(study: Study) -> tuple[list[Mapping[str, Any]], int]:
 
 def check_sample(study: Study) -> None:
     """Raise VfifeError where cases were chosen, not drawn: then they do not show how frequent a value is."""
-    method = study.asked["raw"].get("method", "grid")
+    method = study.request["raw"].get("method", "grid")
     chosen = [one.name for one in study.parameters if one.gridded]
     if method not in ("random", "latin", "sobol") or chosen:
         what = f"{', '.join(chosen)} has values" if chosen else f'method = "{method}"'
