@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,7 @@ from ..model.validation.plausibility import contradictions
 from .assembled import Assembly
 from .checks import redundant, refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck, shared
 from .entities import Numbering, Parts, parts_of, turning
-from .fill import Filler
+from .fill import Draft, Filler, touch_values
 from .prestress import is_prestressed, prestress
 from .stability import turning_errors
 from .timestep import StepModel, StepRequest, choose_step, coarse, missed
@@ -106,34 +105,22 @@ def assemble_all(
     groups: dict[Topology, list[int]] = {}
     for k, draft in drafts.items():
         groups.setdefault(draft.topology, []).append(k)
+    request = StepRequest(step, **run)
     for topology, which in groups.items():
-        layout, states = layout_of(topology), np.array([drafts[k].state for k in which])
+        layout = layout_of(topology)
+        filler = Filler([drafts[k] for k in which], layout)
+        states = filler.states
         turning = turning_errors(layout, states, topology) if topology.joint_bearing else [None] * len(which)
-        for k, excess, error in zip(which, redundant(layout, states, topology), turning, strict=True):
-            own = dataclasses.replace(topology, redundant=True) if excess else topology
-            result[k] = attempt(
-                finished, drafts[k], own, layout, expected[k], error, StepRequest(step, **run)
-            )
+        for case, excess in enumerate(redundant(layout, states, topology)):
+            own, k = dataclasses.replace(topology, redundant=True) if excess else topology, which[case]
+            result[k] = attempt(finished, filler, case, own, expected[k], turning[case], request)
     return [result[k] for k in range(len(mechanisms))]
-
-
-@dataclass(frozen=True)
-class Draft:
-    """A mechanism numbered, and its arrays filled, but for what follows from them."""
-
-    mechanism: Mechanism
-    motion: Motion
-    numbering: Numbering
-    parts: Parts
-    tables: Array
-    topology: Topology
-    state: Array
 
 
 def draft_of(
     mechanism: Mechanism, loop_of: Mechanism | None, start_state: StartState | None, motion: Motion | None
 ) -> Draft:
-    """Numbers a mechanism and fills its arrays. Raises VfifeError."""
+    """Numbers a mechanism. Raises VfifeError."""
     refuse_static(mechanism)
     refuse_idle(mechanism)
     numbering = Numbering(mechanism)
@@ -156,26 +143,24 @@ def draft_of(
     parts = parts_of(mechanism, numbering, motion)
     starts, tables = tables_of(numbering.functions)
     topology = topology_of(mechanism, numbering, parts, laws, starts)
+    contacts = [touch_values(one.joint, one.touching, pairs[one.joint.name]) for one in parts.touches]
     stressed = prestress(mechanism, seats) if is_prestressed(mechanism) and start_state is None else None
-    filler = fill_state(
-        Filler(mechanism, numbering, layout_of(topology), motion, stressed, restart=start_state is not None),
-        parts,
-        tables,
-    )
-    filler.seat(parts.touches, seats)
-    return Draft(mechanism, motion, numbering, parts, tables, topology, filler.state)
+    lengths = {} if start_state is None else motion.datum.spring
+    return Draft(mechanism, motion, numbering, parts, contacts, tables, topology, seats, lengths, stressed)
 
 
 def finished(
-    draft: Draft,
+    filler: Filler,
+    case: int,
     topology: Topology,
-    layout: Layout,
     expected: Mapping[str, float],
     turning: float | None,
     request: StepRequest,
 ) -> Assembly:
-    """The assembly, with its step. Raises StepError."""
-    mechanism, numbering, parts, state = draft.mechanism, draft.numbering, draft.parts, draft.state
+    """The assembly of a case, with its step. Raises StepError, and VfifeError for contacts that start deep."""
+    draft, layout, state = filler.drafts[case], filler.layout, filler.states[case].copy()
+    mechanism, numbering, parts = draft.mechanism, draft.numbering, draft.parts
+    refuse_deep(parts.touches, filler.depths[case])
     owners = [name for name, body in numbering.bodies.items() for _ in body.elements]
     ideals = [joint.name for joint in parts.ideals]
     free = draft.motion.mobility.after_drives
@@ -197,21 +182,6 @@ def finished(
         tuple(t.joint.name for t in parts.touches), tuple(t.touching.path for t in parts.touches),
         draft.motion.mobility, notes, shared(layout, state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
-
-
-def fill_state(filler: Filler, parts: Parts, tables: NDArray[np.float64]) -> Filler:
-    """All that nouns and motion decide, of one mechanism or of many side by side. VfifeError for contacts
-    that start deep.
-    """
-    filler.bodies()
-    filler.ideals(parts.ideals, tables)
-    filler.touches(parts.touches)
-    filler.profiles(parts.touches)
-    filler.paths(parts.paths)
-    refuse_deep(filler, parts.touches)
-    filler.springs(parts.springs)
-    filler.drivers_and_loads(parts.loads)
-    return filler
 
 
 def topology_of(

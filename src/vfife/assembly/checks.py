@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +22,13 @@ from ..model.bodies import Link, PointMass
 from ..model.mechanism import Mechanism
 from ..model.rows import Coincide, Turn
 from ..numerics import dense
-from ..numerics.elementwise import cos, sin, sincos
+from ..numerics.elementwise import cos, sin
 from ..numerics.products import norm, product
 from .stability import constraint_rows, inverse_masses, joined_particles
 
 if TYPE_CHECKING:
     from ..kinematics.initial import Motion
     from .entities import Touch
-    from .fill import Filler
 
 Array = NDArray[np.float64]
 
@@ -109,11 +108,11 @@ def refuse_infinite(motion: Motion) -> None:
             )
 
 
-def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
-    """VfifeError, all at once, for contacts that start so deep that a body stands in another."""
+def refuse_deep(touches: Sequence[Touch], depths: Sequence[float]) -> None:
+    """VfifeError, all at once, for contacts that start so deep (m) that a body stands in another."""
     faults = []
-    for touch in touches:
-        depth, (limit, surface) = start_depth(filler, touch), touch.joint.deepest_start
+    for touch, depth in zip(touches, depths, strict=True):
+        limit, surface = touch.joint.deepest_start
         if depth > limit:
             bearing, journal = touch.joint.bearing, touch.joint.journal
             faults.append(
@@ -123,15 +122,6 @@ def refuse_deep(filler: Filler, touches: Sequence[Touch]) -> None:
             )
     if faults:
         raise VfifeError("; ".join(dict.fromkeys(faults)))
-
-
-def start_depth(filler: Filler, touch: Touch) -> Any:
-    """Penetration (m) at the start, negative where the surfaces are apart."""
-    (bx, by), (kx, ky) = filler.pin_place(touch.bearing), filler.pin_place(touch.journal)
-    ex, ey = kx - bx, ky - by
-    angle = filler.angle(touch.bearing)
-    s, c = sincos(angle)
-    return touch.touching.depth(c * ex + s * ey, c * ey - s * ex)
 
 
 def refuse_stuck(motion: Motion) -> None:

@@ -1,9 +1,15 @@
-"""Parameters and start values of an assembled mechanism, written into S."""
+"""Parameters and start values of assembled mechanisms, written into their states.
+
+Mechanisms of one topology are written side by side: what is a number of one mechanism is a column [cases]
+here, and one mechanism is a batch of one. Operations are elementwise, so no case sees another one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,101 +17,135 @@ from numpy.typing import NDArray
 from ..kernels.arrays import Layout
 from ..kernels.constraint import relative_turn
 from ..kernels.polynomial import polynomial
-from ..kernels.topology import ALONG, FREE, LINEAR
+from ..kernels.topology import ALONG, FREE, LINEAR, Topology
 from ..kinematics.drives import kinematic_drivers
 from ..kinematics.forces import spring_fields
 from ..kinematics.initial import Motion, Seat
 from ..laws import Pair
-from ..model.geometry.path import Path
 from ..model.joints import Contact
 from ..model.mechanism import Mechanism
 from ..model.rows import Touching
-from ..model.springs import AnySpring
-from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
 from .assembled import BodyMap
-from .entities import Numbering, Place
+from .entities import Numbering, Parts
 from .prestress import PrestressedState
 
-if TYPE_CHECKING:
-    from .entities import Ideal, Load, Touch
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A mechanism numbered, with the motion of its start: all that its state is filled from.
+
+    ``contacts``: values of the blocks TOUCHED of each contact; ``lengths``: free lengths of springs (m, rad)
+    where the start is not the model's own; ``stressed``: a start without ringing, if it has one.
+    """
+
+    mechanism: Mechanism
+    motion: Motion
+    numbering: Numbering
+    parts: Parts
+    contacts: Sequence[Sequence[Sequence[float]]]
+    tables: Array
+    topology: Topology
+    seats: Mapping[str, Seat]
+    lengths: Mapping[str, float]
+    stressed: PrestressedState | None
+
+    def at(self, body: str) -> tuple[Array, Array]:
+        """Position and velocity (3,) of a body's centre of mass."""
+        if self.stressed is not None:
+            return self.stressed.position[body][0], self.stressed.velocity[body][0]
+        return self.motion.of(body)[:2]
 
 
 class Filler:
-    """Writes parameters and start values into S."""
+    """Writes parameters and start values of mechanisms of one topology into ``states`` [cases, rows]."""
 
-    def __init__(
-        self,
-        mechanism: Mechanism,
-        numbering: Numbering,
-        layout: Layout,
-        motion: Motion,
-        stressed: PrestressedState | None,
-        *,
-        restart: bool = False,
-    ) -> None:
-        self.lengths = motion.datum.spring if restart else {}
-        self.mechanism, self.numbering, self.layout, self.motion, self.stressed = (
-            mechanism,
-            numbering,
-            layout,
-            motion,
-            stressed,
+    def __init__(self, drafts: Sequence[Draft], layout: Layout) -> None:
+        self.drafts, self.layout, self.first = drafts, layout, drafts[0]
+        self.states = np.zeros((len(drafts), layout.rows))
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._bodies()
+            self._ideals()
+            self._contacts()
+            self._springs()
+            self._drivers_and_loads()
+
+    def put(self, name: str, values: Any, index: Any = slice(None), case: Any = slice(None)) -> None:
+        """Set a block, or some entries of it: [cases, entries], or those of one case."""
+        self.states[case, self.layout[name][index]] = values
+
+    def columns(self, values: Callable[[Draft], Any]) -> Array:
+        """Numbers of each mechanism [cases, ...]."""
+        return np.array([values(draft) for draft in self.drafts], dtype=float)
+
+    def angle(self, particle: int) -> Array:
+        """The angle of a particle at the start (rad) [cases]."""
+        return self.states[:, self.layout.row("particle_theta", particle)]
+
+    def pins(self, particles: Sequence[int], points: Array) -> tuple[Array, Array]:
+        """Where points of particles [cases, particles, 2] are at the start (m) [cases, particles]."""
+        px, py, angle = (
+            self.states[:, self.layout[f"particle_{axis}"][list(particles)]] for axis in ("x", "y", "theta")
         )
-        self.state = np.zeros(layout.rows)
-        self.free = frozenset(numbering.free)
+        s, c = sincos(angle)
+        x, y = points[..., 0], points[..., 1]
+        return px + c * x - s * y, py + s * x + c * y
 
-    def put(self, name: str, value: Any, index: int | slice | None = None) -> None:
-        """Sets a block, or some entries of it."""
-        rows = self.layout[name]
-        self.state[rows if index is None else rows[index]] = value
-
-    def bodies(self) -> None:
+    def _bodies(self) -> None:
         """Masses, loads, positions and velocities of particles; stiffness and reference of elements."""
-        for name, where in self.numbering.bodies.items():
-            if where.elements:
-                self._elastic(name, where)
-            else:
-                self._rigid(where)
+        bodies = self.first.numbering.bodies
+        rigid = [name for name, where in bodies.items() if not where.elements]
+        if rigid:
+            own = self.columns(lambda draft: [_lump(draft.numbering.bodies[name]) for name in rigid])
+            mass, inertia, x, y = np.moveaxis(own, -1, 0)
+            moves = np.moveaxis(
+                self.columns(lambda draft: [draft.at(name) for name in rigid]), (2, 3), (0, 1)
+            )
+            place, speed = point_motion(moves[0], moves[1], x, y)
+            self._particles([bodies[name].particles[0] for name in rigid], mass, inertia, place, speed)
+        for case, draft in enumerate(self.drafts if len(rigid) < len(bodies) else ()):
+            for name in draft.numbering.meshes:
+                self._elastic(case, draft, name)
 
-    def _particle(self, p: int, mass: float, inertia: float, motion: tuple[Any, Any]) -> None:
-        position, velocity = motion
-        for axis, value in zip(("x", "y", "theta"), coordinates(position), strict=True):
-            self.put(f"particle_{axis}", value, p)
-        self.put("particle_load_x", mass * self.mechanism.gravity[0], p)
-        self.put("particle_load_y", mass * self.mechanism.gravity[1], p)
-        if p not in self.free:
-            self.put("particle_w", coordinates(velocity)[2], p)
-            return
-        for axis, value in zip("uvw", coordinates(velocity), strict=True):
-            self.put(f"particle_{axis}", value, p)
-        self.put("particle_inverse_mass", 1.0 / mass, p)
-        self.put("particle_inverse_inertia", 1.0 / inertia if inertia > 0.0 else 0.0, p)
+    def _particles(
+        self,
+        particles: list[int],
+        mass: Array,
+        inertia: Array,
+        place: Sequence[Array],
+        speed: Sequence[Array],
+    ) -> None:
+        """Particles that stand for rigid bodies, their numbers [cases, particles]."""
+        free = np.isin(particles, self.first.numbering.free)
+        gravity = self.columns(lambda draft: draft.mechanism.gravity)
+        turns = inertia > 0.0
+        values = {
+            "x": place[0], "y": place[1], "theta": place[2],
+            "load_x": mass * gravity[:, :1], "load_y": mass * gravity[:, 1:],
+            "u": np.where(free, speed[0], 0.0), "v": np.where(free, speed[1], 0.0), "w": speed[2],
+            "inverse_mass": np.where(free, 1.0 / mass, 0.0),
+            "inverse_inertia": np.where(free & turns, 1.0 / np.where(turns, inertia, 1.0), 0.0),
+        }  # fmt: skip
+        for name, columns in values.items():
+            self.put(f"particle_{name}", columns, particles)
 
-    def _rigid(self, where: BodyMap) -> None:
-        position, velocity, _ = self.motion.of(where.name)
-        if self.stressed is not None:
-            position, velocity = self.stressed.position[where.name][0], self.stressed.velocity[where.name][0]
-        beyond = (where.reference[k] - where.center[k] for k in (0, 1))
-        at, moving = point_motion(coordinates(position), coordinates(velocity), *beyond)
-        self._particle(where.particles[0], where.mass, where.inertia, (at, moving))
-
-    def _elastic(self, name: str, where: BodyMap) -> None:
-        mesh = self.numbering.meshes[name]
-        there, moving = self._moved(name, where)
-        particles = slice(where.particles[0], where.particles[-1] + 1)
+    def _elastic(self, case: int, draft: Draft, name: str) -> None:
+        where, mesh = draft.numbering.bodies[name], draft.numbering.meshes[name]
+        there, moving = _moved(draft, name)
         free = np.ones(len(where.particles), dtype=bool)
         if where.driven is not None:
-            free[self.numbering.held(name) - where.particles[0]] = False
-        for axis, block in enumerate(("x", "y", "theta")):
-            self.put(f"particle_{block}", there[:, axis], particles)
-        for axis, block in enumerate("uvw"):
-            self.put(f"particle_{block}", np.where(free | (block == "w"), moving[:, axis], 0.0), particles)
+            free[draft.numbering.held(name) - where.particles[0]] = False
         inertia = np.where(mesh.inertia > 0.0, mesh.inertia, np.inf)
-        self.put("particle_inverse_mass", np.where(free, 1.0 / mesh.mass, 0.0), particles)
-        self.put("particle_inverse_inertia", np.where(free, 1.0 / inertia, 0.0), particles)
-        for axis, block in enumerate("xy"):
-            self.put(f"particle_load_{block}", mesh.mass * self.mechanism.gravity[axis], particles)
+        gravity = draft.mechanism.gravity
+        lumps = {
+            "x": there[:, 0], "y": there[:, 1], "theta": there[:, 2],
+            "u": np.where(free, moving[:, 0], 0.0), "v": np.where(free, moving[:, 1], 0.0), "w": moving[:, 2],
+            "inverse_mass": np.where(free, 1.0 / mesh.mass, 0.0),
+            "inverse_inertia": np.where(free, 1.0 / inertia, 0.0),
+            "load_x": mesh.mass * gravity[0], "load_y": mesh.mass * gravity[1],
+        }  # fmt: skip
         chord = there[mesh.nodes[:, 1], :2] - there[mesh.nodes[:, 0], :2]
         length = hypot(chord[:, 0], chord[:, 1])
         values = {
@@ -115,178 +155,200 @@ class Filler:
             "reference_theta_1": there[mesh.nodes[:, 0], 2], "reference_theta_2": there[mesh.nodes[:, 1], 2],
             "frame_axial_stiffness": mesh.axial, "frame_bending_stiffness": mesh.bending,
         }  # fmt: skip
-        if self.stressed is not None and name in self.stressed.shapes:
-            shape = self.stressed.shapes[name]
-            for kind in ("frame", "reference") if self.mechanism.settings.path_unit > 1 else ("frame",):
+        if draft.stressed is not None and name in draft.stressed.shapes:
+            shape = draft.stressed.shapes[name]
+            for kind in ("frame", "reference") if draft.mechanism.settings.path_unit > 1 else ("frame",):
                 values |= {
                     f"{kind}_axial_force": shape.axial,
                     f"{kind}_moment_1": shape.moment_1,
                     f"{kind}_moment_2": shape.moment_2,
                 }
-        elements = slice(where.elements[0], where.elements[-1] + 1)
+        particles, elements = (slice(own[0], own[-1] + 1) for own in (where.particles, where.elements))
+        for block, value in lumps.items():
+            self.put(f"particle_{block}", value, particles, case)
         for block, value in values.items():
-            self.put(block, value, elements)
+            self.put(block, value, elements, case)
 
-    def _moved(self, name: str, where: BodyMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Positions and velocities (n, 3) of an elastic body's particles: bent as its forces want, or moved
-        as a rigid body.
-        """
-        position, velocity, _ = self.motion.of(name)
-        if self.stressed is not None:
-            if name in self.stressed.shapes:
-                return self.stressed.position[name], self.stressed.velocity[name]
-            position, velocity = self.stressed.position[name][0], self.stressed.velocity[name][0]
-        x, y = (self.numbering.meshes[name].position - np.array(where.center)).T
-        there, moving = point_motion(coordinates(position), coordinates(velocity), x, y)
-        ones = np.ones(len(x))
-        return np.column_stack([value * ones for value in there]), np.column_stack(
-            [value * ones for value in moving]
-        )
+    def _ends(
+        self, kind: str, ends: Callable[[Parts], Any], sides: tuple[str, str] = ("bearing", "journal")
+    ) -> Array:
+        """Puts the two places of each entity; their points (m) [cases, entities, 2 sides, 2]."""
+        points = self.columns(lambda draft: [[place[1] for place in pair] for pair in ends(draft.parts)])
+        points = points.reshape(len(self.drafts), -1, 2, 2)
+        for k, side in enumerate(sides):
+            for axis, name in enumerate("xy"):
+                self.put(f"{kind}_{side}_{name}", points[:, :, k, axis])
+        return points
 
-    def _pins(
-        self, kind: str, index: int, ends: Sequence[Place], sides: tuple[str, str] = ("bearing", "journal")
-    ) -> None:
-        for side, (_, at) in zip(sides, ends, strict=True):
-            for axis, value in zip("xy", at, strict=True):
-                self.put(f"{kind}_{side}_{axis}", value, index)
-
-    def ideals(self, ideals: Sequence[Ideal], tables: NDArray[np.float64]) -> None:
+    def _ideals(self) -> None:
         """Pins, guides and ratios of ideal joints; what their bodies keep between them is what they have at
         the start.
         """
-        for index, joint in enumerate(ideals):
-            self._pins("joint", index, (joint.bearing, joint.journal))
-            for axis, value in zip("xy", joint.direction, strict=True):
-                self.put(f"joint_direction_{axis}", value, index)
-            self.put("joint_ratio", joint.ratio, index)
-            self.put("joint_offset", self._offset(joint, tables), index)
-        arms = [hypot(*end[1]) for joint in ideals for end in (joint.bearing, joint.journal) if end[0] > 0]
-        self.put("size", max(arms) or 1.0 if arms else 1.0, 0)
+        self.put("size", 1.0)
+        ideals = self.first.parts.ideals
+        if not ideals:
+            return
+        points = self._ends("joint", lambda parts: [(joint.bearing, joint.journal) for joint in parts.ideals])
+        held = self.columns(lambda draft: [(*joint.direction, joint.ratio) for joint in draft.parts.ideals])
+        for k, block in enumerate(("direction_x", "direction_y", "ratio")):
+            self.put(f"joint_{block}", held[..., k])
+        for index in range(len(ideals)):
+            self.put("joint_offset", self._offset(index, points[:, index], held[:, index]), index)
+        moving = np.array([[end[0] > 0 for end in (joint.bearing, joint.journal)] for joint in ideals])
+        largest = np.where(moving, hypot(points[..., 0], points[..., 1]), 0.0).max(axis=(1, 2))
+        self.put("size", np.where(largest > 0.0, largest, 1.0), 0)
 
-    def _offset(self, joint: Ideal, tables: NDArray[np.float64]) -> Any:
+    def _offset(self, index: int, points: Array, held: Array) -> Any:
+        """What an ideal joint keeps [cases]; ``points`` [cases, 2 sides, 2], ``held`` direction and ratio."""
+        joint = self.first.parts.ideals[index]
         if joint.turn == FREE and joint.place != ALONG:
-            return joint.length
-        angles = [self.angle(end) for end in (joint.bearing, joint.journal)]
-        begin = 0.0 if joint.function < 0 else self._function(joint.function, tables)
+            return self.columns(lambda draft: draft.parts.ideals[index].length)
+        begin = 0.0 if joint.function < 0 else self.columns(lambda draft: _at_start(draft, joint.function))
+        bearing, journal = joint.bearing[0], joint.journal[0]
         if joint.place != ALONG:
-            carrier = self.angle((joint.carrier, (0.0, 0.0)))
-            return relative_turn(angles[0], angles[1], joint.ratio, carrier) - begin
-        s, c = sincos(angles[0])
-        dx, dy = (
-            c * joint.direction[0] - s * joint.direction[1],
-            s * joint.direction[0] + c * joint.direction[1],
+            angles = self.angle(bearing), self.angle(journal), self.angle(joint.carrier)
+            return relative_turn(angles[0], angles[1], held[:, 2], angles[2]) - begin
+        s, c = sincos(self.angle(bearing))
+        dx, dy = c * held[:, 0] - s * held[:, 1], s * held[:, 0] + c * held[:, 1]
+        x, y = self.pins((bearing, journal), points)
+        return dx * (x[:, 1] - x[:, 0]) + dy * (y[:, 1] - y[:, 0]) - begin
+
+    def _contacts(self) -> None:
+        """Pins, sizes and laws of contacts; contact under way where journals start where the ideal reaction
+        presses them.
+        """
+        self.contacts = self._ends(
+            "contact", lambda parts: [(touch.bearing, touch.journal) for touch in parts.touches]
         )
-        (bx, by), (kx, ky) = self.pin_place(joint.bearing), self.pin_place(joint.journal)
-        return dx * (kx - bx) + dy * (ky - by) - begin
+        for index, touch in enumerate(self.first.parts.touches):
+            own = zip(*(draft.contacts[index] for draft in self.drafts), strict=True)
+            for block, values in zip(TOUCHED, own, strict=True):
+                row = self.layout.row(block, index)
+                self.states[:, row : row + len(values[0])] = values
+            for case, draft in enumerate(self.drafts):
+                if touch.name in draft.seats:
+                    seat, floor = draft.seats[touch.name], draft.parts.touches[index].joint.impact_speed_floor
+                    self.put("contact_slowness", 1.0 / floor, index, case)
+                    self.put("contact_normal_force", seat.force, index, case)
+                    self.put("contact_penetration", seat.depth, index, case)
+        topology = self.first.topology
+        if topology.contact_knots or topology.path_pieces or topology.wears:
+            for case, draft in enumerate(self.drafts):
+                self._records(self.states[case], draft.parts)
 
-    def _function(self, index: int, tables: NDArray[np.float64]) -> float:
-        start = 1 + sum(len(function.table()) for function in self.numbering.functions[:index])
-        return float(polynomial(tables, start, 0.0)[0])
+    def _records(self, state: Array, parts: Parts) -> None:
+        """Laws that are tables, pieces of the paths of joints and contacts, and depths of worn surfaces, of
+        bearing and journal of one contact after the other.
+        """
+        records = {
+            "knot": [piece for touch in parts.touches for piece in touch.joint.contact.knots()],
+            "piece": [numbers for path in parts.paths for numbers in path.numbers()],
+        }
+        for record, pieces in records.items():
+            for index, numbers in enumerate(pieces):
+                start = self.layout.record(record, index)
+                state[start : start + len(numbers)] = numbers
+        wears = [touch.joint.wear for touch in parts.touches if touch.joint.wear is not None]
+        depths = [own for wear in wears for own in (wear.bearing_profile, wear.journal_profile) if own]
+        harmonics = [number for mean, *others in depths for number in (mean, 0.0, *others)]
+        state[self.layout.rows_of("harmonic_cosine")] = harmonics[::2]
+        state[self.layout.rows_of("harmonic_sine")] = harmonics[1::2]
 
-    def angle(self, place: Place) -> Any:
-        """The angle of a particle at the start (rad)."""
-        return float(self.state[self.layout.row("particle_theta", place[0])])
-
-    def pin_place(self, place: Place) -> tuple[float, float]:
-        """Where a place of a particle is at the start (m)."""
-        p, (x, y) = place
-        px, py = (float(self.state[self.layout.row(f"particle_{axis}", p)]) for axis in ("x", "y"))
-        angle = self.angle(place)
-        s, c = sincos(angle)
-        return px + c * x - s * y, py + s * x + c * y
-
-    def touches(self, touches: Sequence[Touch]) -> None:
-        """Pins, sizes and laws of contacts."""
-        for index, touch in enumerate(touches):
-            self._pins("contact", index, (touch.bearing, touch.journal))
-            for row, values in touch_rows(self.mechanism, self.layout, touch, index):
-                self.state[row : row + len(values)] = values
-        for index, piece in enumerate(piece for touch in touches for piece in touch.joint.contact.knots()):
-            start = self.layout.record("knot", index)
-            self.state[start : start + len(piece)] = piece
-
-    def profiles(self, touches: Sequence[Touch]) -> None:
-        """Depths of worn surfaces, of bearing and journal of one contact after the other."""
-        wears = [touch.joint.wear for touch in touches if touch.joint.wear is not None]
-        depths = [
-            profile for wear in wears for profile in (wear.bearing_profile, wear.journal_profile) if profile
+    @cached_property
+    def depths(self) -> list[list[float]]:
+        """Penetration (m) of each contact of each case at the start, negative where surfaces are apart."""
+        touches = self.first.parts.touches
+        if not touches:
+            return [[]] * len(self.drafts)
+        ends = [[touch.bearing[0] for touch in touches], [touch.journal[0] for touch in touches]]
+        places = np.array([self.pins(own, self.contacts[:, :, k]) for k, own in enumerate(ends)])
+        s, c = sincos(self.states[:, self.layout["particle_theta"][ends[0]]])
+        x, y = places[1] - places[0]
+        seen = np.stack([c * x + s * y, c * y - s * x], axis=-1).tolist()
+        return [
+            [float(touch.touching.depth(*at)) for touch, at in zip(draft.parts.touches, own, strict=True)]
+            for draft, own in zip(self.drafts, seen, strict=True)
         ]
-        numbers = [number for mean, *harmonics in depths for number in (mean, 0.0, *harmonics)]
-        self.state[self.layout.rows_of("harmonic_cosine")] = numbers[::2]
-        self.state[self.layout.rows_of("harmonic_sine")] = numbers[1::2]
 
-    def paths(self, paths: Sequence[Path]) -> None:
-        """Pieces of the paths of joints and contacts, one path after the other."""
-        for index, numbers in enumerate(numbers for path in paths for numbers in path.numbers()):
-            start = self.layout.record("piece", index)
-            self.state[start : start + len(numbers)] = numbers
-
-    def springs(self, springs: Sequence[tuple[AnySpring, int, Place, Place]]) -> None:
+    def _springs(self) -> None:
         """Stiffness, damping and free lengths; those that are not given are what the start has, and the
         model's own where another one was given.
         """
-        for index, (spring, kind, first, second) in enumerate(springs):
-            self._pins("spring", index, (first, second), ("first", "second"))
-            start = (
-                self.lengths[spring.name]
-                if spring.name in self.lengths
-                else self._free_length(kind, first, second)
-            )
-            for name, values in spring_fields(spring, start).items():
-                row = self.layout.row(f"spring_{name}", index)
-                self.state[row : row + len(values)] = values
+        springs = self.first.parts.springs
+        points = self._ends("spring", lambda parts: [one[2:4] for one in parts.springs], ("first", "second"))
+        for index, (_, kind, first, second) in enumerate(springs):
+            starts = self._distance(kind, (first[0], second[0]), points[:, index])
+            for case, draft in enumerate(self.drafts):
+                spring = draft.parts.springs[index][0]
+                start = draft.lengths.get(spring.name, float(starts[case]))
+                for name, values in spring_fields(spring, start).items():
+                    row = self.layout.row(f"spring_{name}", index)
+                    self.states[case, row : row + len(values)] = values
 
-    def _free_length(self, kind: int, first: Place, second: Place) -> Any:
-        """Distance (m) or angle (rad) between two places at the start."""
+    def _distance(self, kind: int, particles: tuple[int, int], points: Array) -> Array:
+        """Distance (m) or angle (rad) between two places at the start [cases]."""
         if kind == LINEAR:
-            (ax, ay), (bx, by) = self.pin_place(first), self.pin_place(second)
-            return hypot(bx - ax, by - ay)
-        return self.angle(second) - self.angle(first)
+            x, y = self.pins(particles, points)
+            return np.asarray(hypot(x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]))
+        return np.asarray(self.angle(particles[1]) - self.angle(particles[0]))
 
-    def seat(self, touches: Sequence[Touch], seats: Mapping[str, Seat]) -> None:
-        """Contact under way in joints whose journals start where the ideal reaction presses them."""
-        for index, touch in enumerate(touches):
-            if touch.name in seats:
-                self.put("contact_slowness", 1.0 / touch.joint.impact_speed_floor, index)
-                self.put("contact_normal_force", seats[touch.name].force, index)
-                self.put("contact_penetration", seats[touch.name].depth, index)
-
-    def drivers_and_loads(self, loads: Sequence[Load]) -> None:
+    def _drivers_and_loads(self) -> None:
         """Parameters of drivers and of loads."""
-        for index, name in enumerate(self.numbering.driven):
-            where, driver = self.numbering.bodies[name], kinematic_drivers(self.mechanism)[name]
-            rx, ry = where.center[0] - where.reference[0], where.center[1] - where.reference[1]
-            mass, inertia = where.mass, where.inertia + where.mass * (rx * rx + ry * ry)
-            if where.elements:
-                held = self.numbering.held(name) - where.particles[0]
-                mesh = self.numbering.meshes[name]
-                mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
-            self.put(
-                "driven_angle", self.motion.datum.angle.get(name, self.mechanism.bodies[name].angle), index
+        for index, name in enumerate(self.first.numbering.driven):
+            driven = np.array([_driven(draft, name) for draft in self.drafts])
+            for k, block in enumerate(DRIVEN):
+                self.put(f"driven_{block}", driven[:, k], index)
+        if self.first.parts.loads:
+            loads = self.columns(
+                lambda draft: [(*one.place[1], *one.force, one.moment) for one in draft.parts.loads]
             )
-            self.put("driven_speed", driver.steady_speed or 0.0, index)
-            self.put("driven_inertia", inertia, index)
-            self.put("driven_moment_x", mass * rx, index)
-            self.put("driven_moment_y", mass * ry, index)
-            self.put("driven_weight_x", self.mechanism.gravity[0], index)
-            self.put("driven_weight_y", self.mechanism.gravity[1], index)
-        for index, load in enumerate(loads):
-            entries = (*load.place[1], *load.force, load.moment)
-            for block, value in zip(
-                ("load_x", "load_y", "load_fx", "load_fy", "load_m"), entries, strict=True
-            ):
-                self.put(block, value, index)
-        for function, numbers in self.numbering.travels.items():
-            first = self.layout.row("function_first_x", function)
-            self.state[first : first + len(numbers)] = numbers
+            for k, block in enumerate(("load_x", "load_y", "load_fx", "load_fy", "load_m")):
+                self.put(block, loads[..., k])
+        for function, numbers in self.first.numbering.travels.items():
+            row = self.layout.row("function_first_x", function)
+            self.states[:, row : row + len(numbers)] = [
+                draft.numbering.travels[function] for draft in self.drafts
+            ]
 
 
-def touch_rows(
-    mechanism: Mechanism, layout: Layout, touch: Touch, index: int
-) -> list[tuple[int, tuple[float, ...]]]:
-    """First row and values of a contact's numbers decided by its noun: sizes, arms of friction, laws."""
-    values = touch_values(touch.joint, touch.touching, surfaces(mechanism, touch.joint))
-    return [(layout.row(block, index), own) for block, own in zip(TOUCHED, values, strict=True)]
+def _lump(where: BodyMap) -> tuple[float, ...]:
+    """Mass (kg), inertia (kg m^2), and the particle's place (m) seen from the centre of mass."""
+    (x, y), (cx, cy) = where.reference, where.center
+    return where.mass, where.inertia, x - cx, y - cy
+
+
+def _moved(draft: Draft, name: str) -> tuple[Array, Array]:
+    """Positions and velocities (n, 3) of an elastic body's particles: bent as its forces want, or moved as a
+    rigid body.
+    """
+    if draft.stressed is not None and name in draft.stressed.shapes:
+        return draft.stressed.position[name], draft.stressed.velocity[name]
+    position, velocity = draft.at(name)
+    x, y = (draft.numbering.meshes[name].position - np.array(draft.numbering.bodies[name].center)).T
+    there, moving = point_motion(position, velocity, x, y)
+    ones = np.ones(len(x))
+    return np.column_stack([one * ones for one in there]), np.column_stack([one * ones for one in moving])
+
+
+def _at_start(draft: Draft, function: int) -> float:
+    """The value of a function of time at the start."""
+    return float(polynomial(draft.tables, draft.topology.function_start[function], 0.0)[0])
+
+
+DRIVEN = ("angle", "speed", "inertia", "moment_x", "moment_y", "weight_x", "weight_y")
+
+
+def _driven(draft: Draft, name: str) -> tuple[float, ...]:
+    """The values of the blocks DRIVEN of a driven body."""
+    numbering, mechanism = draft.numbering, draft.mechanism
+    where, driver = numbering.bodies[name], kinematic_drivers(mechanism)[name]
+    rx, ry = where.center[0] - where.reference[0], where.center[1] - where.reference[1]
+    mass, inertia = where.mass, where.inertia + where.mass * (rx * rx + ry * ry)
+    if where.elements:
+        held, mesh = numbering.held(name) - where.particles[0], numbering.meshes[name]
+        mass, inertia, rx, ry = float(mesh.mass[held]), float(mesh.inertia[held]), 0.0, 0.0
+    angle = draft.motion.datum.angle.get(name, mechanism.bodies[name].angle)
+    return angle, driver.steady_speed or 0.0, inertia, mass * rx, mass * ry, *mechanism.gravity
 
 
 TOUCHED = (
@@ -304,11 +366,6 @@ def touch_values(joint: Contact, touching: Touching, pair: Pair) -> tuple[tuple[
         (joint.impact_speed_floor,), (joint.landing,),
         joint.contact.parameters(pair)[: len(joint.contact.slots)], joint.friction.parameters(pair),
     )  # fmt: skip
-
-
-def coordinates(values: Any) -> tuple[Any, ...]:
-    """x, y and angle of a motion."""
-    return tuple(values)
 
 
 def point_motion(position: Any, velocity: Any, x: Any, y: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

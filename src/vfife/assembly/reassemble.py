@@ -22,7 +22,7 @@ from ..model.surfaces import surfaces
 from ..numerics.scalar import distance, sincos
 from .assembled import Assembly, StepChoice
 from .entities import Touch, touches_of
-from .fill import TOUCHED, touch_rows, touch_values
+from .fill import TOUCHED, touch_values
 from .timestep import StepModel, StepRequest, choose_step, coarse
 
 NOWHERE = (0, (0.0, 0.0))
@@ -65,7 +65,10 @@ def reassembled(assembly: Assembly, joints: Mapping[str, Contact]) -> Assembly:
                 f"joint {name!r} has laws or sides of another kind than the assembled one; assemble the"
                 " mechanism anew"
             )
-        for row, values in touch_rows(mechanism, assembly.layout, contact_of(name, joint), index):
+        touch = contact_of(name, joint)
+        blocks = touch_values(joint, touch.touching, surfaces(mechanism, joint))
+        for block, values in zip(TOUCHED, blocks, strict=True):
+            row = assembly.layout.row(block, index)
             state[row : row + len(values)] = values
     fitted = dataclasses.replace(mechanism, joints={**mechanism.joints, **joints})
     return dataclasses.replace(assembly, mechanism=fitted, state=state)
