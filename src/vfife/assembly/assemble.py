@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
-from ..kernels.arrays import Layout, layout_of
+from ..kernels.arrays import layout_of
 from ..kernels.topology import Topology
 from ..kinematics.drives import standing
 from ..kinematics.initial import Motion, StartState, attempt, ideal_motion, seated
@@ -157,7 +157,7 @@ def finished(
     turning: float | None,
     request: StepRequest,
 ) -> Assembly:
-    """The assembly of a case, with its step. Raises StepError, and VfifeError for contacts that start deep."""
+    """The assembly of a case, with its step. Raises StepError, VfifeError for contacts that start deep."""
     draft, layout, state = filler.drafts[case], filler.layout, filler.states[case].copy()
     mechanism, numbering, parts = draft.mechanism, draft.numbering, draft.parts
     refuse_deep(parts.touches, filler.depths[case])
