@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -40,9 +41,16 @@ def forms(base: type[Law], used: Iterable[Law]) -> tuple[type[Law], ...]:
     Laws that differ in their parameters only are of one form. The order does not depend on that of the
     joints.
     """
-    common = {law.form() for law in base.registry.values() if law.common}
-    in_use = {type(law).form() for law in used} - common
-    return tuple(sorted(common, key=_spelled)) + tuple(sorted(in_use, key=_spelled))
+    common = tuple(law for law in base.registry.values() if law.common)
+    return _forms(common, frozenset(map(type, used)))
+
+
+@lru_cache(maxsize=64)
+def _forms(common: tuple[type[Law], ...], used: frozenset[type[Law]]) -> tuple[type[Law], ...]:
+    """Forms of the common laws and of those in use, each in the order of their names."""
+    first = {law.form() for law in common}
+    second = {law.form() for law in used} - first
+    return tuple(sorted(first, key=_spelled)) + tuple(sorted(second, key=_spelled))
 
 
 def _spelled(form: type[Law]) -> str:
@@ -169,7 +177,7 @@ def finished(
         request,
     )
     if parts.ideals:
-        topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, layout, state))
+        topology = topology.corrected(coarse(mechanism, choice, layout, state))
     state[layout.row("step")], state[layout.row("damping")] = choice.step, mechanism.settings.damping
     strange = tuple(sentence for load in mechanism.loads.values() for sentence in load.cautions())
     notes = (

@@ -264,10 +264,10 @@ class Filler:
         places = np.array([self.pins(own, self.contacts[:, :, k]) for k, own in enumerate(ends)])
         s, c = sincos(self.states[:, self.layout["particle_theta"][ends[0]]])
         x, y = places[1] - places[0]
-        seen = np.stack([c * x + s * y, c * y - s * x], axis=-1).tolist()
+        local = np.stack([c * x + s * y, c * y - s * x], axis=-1).tolist()
         return [
             [float(touch.touching.depth(*at)) for touch, at in zip(draft.parts.touches, own, strict=True)]
-            for draft, own in zip(self.drafts, seen, strict=True)
+            for draft, own in zip(self.drafts, local, strict=True)
         ]
 
     def _springs(self) -> None:

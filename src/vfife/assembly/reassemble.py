@@ -180,7 +180,7 @@ class Reassembler:
         )
         choice = choose_step(model, self.request)
         if old.ideals:
-            topology = dataclasses.replace(topology, coarse=coarse(mechanism, choice, old.layout, state))
+            topology = topology.corrected(coarse(mechanism, choice, old.layout, state))
         if len(self.choices) < MOST_CHOICES:
             self.choices[key] = choice, topology
         return choice, topology

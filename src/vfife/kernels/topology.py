@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 # What an ideal joint holds: a place (its rows: 0, 2, 1, 1, 1, 1) and the turn of one body with the other (0,
 # 1, 1); then kinds of contacts, springs and arguments of functions. A revolute pins a place, a slider lets it
@@ -116,6 +116,10 @@ class Topology:
         counts = self.contact_knots or (0,) * len(self.contact_bearing)
         return [(sum(counts[:k]), count) for k, count in enumerate(counts)]
 
+    def corrected(self, coarse: int) -> Topology:
+        """The topology with so many corrections more of ideal joints; one object for all that are equal."""
+        return self if coarse == self.coarse else _corrected(self, coarse)
+
     @cached_property
     def bound(self) -> tuple[int, ...]:
         """Those that joints, springs, loads, drivers, functions touch, or that turn an arm; the ground."""
@@ -155,3 +159,8 @@ class Topology:
             "harmonic": sum(map(sum, self.profiles)),
             "system": 1,
         }
+
+
+@lru_cache(maxsize=64)
+def _corrected(topology: Topology, coarse: int) -> Topology:
+    return replace(topology, coarse=coarse)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -18,13 +17,17 @@ def surfaces(mechanism: Mechanism, joint: Contact) -> Pair:
     """Return the pair of surfaces of a joint: sizes, materials and the effective mass (kg) of its bodies; the
     ground counts as infinitely heavy.
     """
-    materials = [
-        mechanism.bodies[side[0]].material if side[0] != "ground" else Material() for side in joint.sides
-    ]
     inverse = sum(
         1.0 / rigid_properties(mechanism.bodies[side[0]])[0] for side in joint.sides if side[0] != "ground"
     )
-    return joint.pair(*materials).between(1.0 / inverse if inverse else None)
+    return _weightless(mechanism, joint).between(1.0 / inverse if inverse else None)
+
+
+def _weightless(mechanism: Mechanism, joint: Contact) -> Pair:
+    """Return the pair of surfaces of a joint without the mass of its bodies."""
+    return joint.pair(
+        *(mechanism.bodies[body].material if body != "ground" else Material() for body, _ in joint.sides)
+    )
 
 
 def cautions(
@@ -71,7 +74,7 @@ def _alike(mechanism: Mechanism) -> dict[tuple[Law, Pair], list[str]]:
     """Group the joints with clearance by law and surfaces."""
     alike: dict[tuple[Law, Pair], list[str]] = {}
     for name, joint in mechanism.contacts.items():
-        pair = dataclasses.replace(surfaces(mechanism, joint), effective_mass=None)
+        pair = _weightless(mechanism, joint)
         laws: tuple[Law, ...] = (joint.contact, joint.friction)
         for law in laws:
             alike.setdefault((law, pair), []).append(name)

@@ -225,9 +225,7 @@ class StepSize:
         choice, state = assembly.choice, assembly.state.copy()
         step = choice.step * (choice.steps / self.steps)
         same = assembly.topology is self.base or assembly.topology == self.base
-        topology = (
-            self.topology if same else dataclasses.replace(assembly.topology, coarse=self.topology.coarse)
-        )
+        topology = self.topology if same else assembly.topology.corrected(self.topology.coarse)
         state[assembly.layout.row("step")] = step
         variant = copy(
             assembly
@@ -276,9 +274,7 @@ def _step_size(assembly: Assembly, multiple: float) -> StepSize:
         corrections = coarse(
             assembly.mechanism, dataclasses.replace(choice, step=step), assembly.layout, assembly.state
         )
-        topology = (
-            topology if corrections == topology.coarse else dataclasses.replace(topology, coarse=corrections)
-        )
+        topology = topology.corrected(corrections)
     return StepSize(every, outputs, assembly.topology, topology)
 
 
