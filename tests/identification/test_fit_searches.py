@@ -10,10 +10,10 @@ import pytest
 
 from vfife.identification.batched_queries import Evaluations, Query
 from vfife.identification.curves import Trace
-from vfife.identification.fitting import Descents
+from vfife.identification.descents import Descents
 from vfife.identification.measurements import Curve, Measured
 from vfife.identification.parameters import FitParameter
-from vfife.identification.residuals import Misfit
+from vfife.identification.residuals import FitRecord, Misfit
 from vfife.identification.step_uncertainty import Search, concluded, sensitivity_of
 from vfife.identification.timing import Offset, Timing
 
@@ -40,14 +40,17 @@ class Closed:
             more=turns,
         )
 
-    def each(self, every):
+    def each(self, cases):
+        return [one.trace(numbers) for one, numbers in cases]
+
+    def trace(self, numbers):
         turn = None if self.timing.turns is None else 0.2
         t = (
             PLACES
             if turn is None
             else np.linspace(0.0, turn * (10.0 + self.more), self.timing.outputs * (10 + int(self.more)) + 1)
         )
-        return [Trace(t, self.form(t, numbers, self.timing.step)[:, None], turn) for numbers in every]
+        return Trace(t, self.form(t, numbers, self.timing.step)[:, None], turn)
 
 
 def fitted(curves, names, truth, *, noise=NOISE, offset=None, starts=1, screened=8, known=0.0):
@@ -55,7 +58,8 @@ def fitted(curves, names, truth, *, noise=NOISE, offset=None, starts=1, screened
     sought = [FitParameter(name, (name,), "m", 0.0, 1.0) for name in names]
     values = curves.form(PLACES + known, truth, 0.0)
     seen = Measured("time", PLACES, (Curve("x", "x", values + noise * values.std()),))
-    looked = Evaluations(curves, sought, Misfit(seen, offset or Offset(0.0, 0.0), 0.0))
+    misfit = Misfit(seen, offset or Offset(0.0, 0.0), 0.0)
+    looked = Evaluations([FitRecord(curves, sought, misfit)], sought)
     ended = Search()
     Descents(looked, ended, "differences").run(screened, starts, 3)
     slopes = looked.slopes(Query(tuple(looked.best[1]), None, False), looked.best[2])
@@ -132,7 +136,7 @@ def test_what_does_not_repeat_is_called_not_known_where_nobody_knows_the_turn(la
     timing = Timing("time", lambda turn: 10.0, 0.0, 100, 10, 1e-3)
     free = Offset(0.0, 0.2, True) if late else Offset(0.0, 0.0)
     looked, _, found = fitted(Closed(turning, timing), ("a",), {"a": 0.4}, offset=free)
-    assert found["a"].known is known and looked.misfit.unknown_turn is bool(late)
+    assert found["a"].known is known and looked.records[0].misfit.unknown_turn is bool(late)
     assert any("from the next turn on" in note for note in found.notes) is not known
 
 
@@ -141,8 +145,8 @@ def test_limits_take_in_what_fits_as_well():
     model says.
     """
     looked, _, found = fitted(Closed(wild), ("a",), {"a": 0.4}, screened=30)
-    misfit, (_, shares, best) = looked.misfit, looked.best
+    _, shares, best = looked.best
     slopes = looked.slopes(Query(tuple(shares), None, False), best)
-    cost = sensitivity_of(looked.curves, looked.parameters, misfit, shares, best.fitted, slopes.jacobian).cost
+    cost = sensitivity_of(looked.records, shares, best, slopes.jacobian).cost
     alike = [at[0] for one, at in looked.points if one <= cost]
     assert found["a"].low <= min(alike) < max(alike) <= found["a"].high and max(alike) - min(alike) > 0.3

@@ -49,7 +49,7 @@ def test_derivatives_of_steps_are_those_of_runs(tmp_path):
         base, path, near, columns=None, weights=None, offset=None, skip=3.0, compare="curve", width=None, step="1.4 us", screened=4, starts=1,
         confidence=0.95, derivatives="auto", seed=0,
     )  # fmt: skip
-    looked = Evaluations(task.curves(), task.parameters, task.misfit)
+    looked = Evaluations(task.evaluated, task.parameters)
     shares = tuple(one.share(value) for one, value in zip(task.parameters, TRUTH.values(), strict=True))
     (seen,) = looked([Query(shares)])
     carried, differences = (looked.slopes(Query(shares, None, way), seen).jacobian for way in (True, False))

@@ -4,5 +4,6 @@ can be trusted.
 
 from ..results.fit import load_fit
 from .fitting import fit
+from .records import Record
 
-__all__ = ["fit", "load_fit"]
+__all__ = ["Record", "fit", "load_fit"]

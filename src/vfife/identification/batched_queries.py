@@ -22,9 +22,8 @@ from ..errors import VfifeError
 from ..job.amounts import span
 from ..results.fit import Evaluation, FitFile
 from ..solvers.status import Progress
-from .curves import Curves
 from .parameters import FitParameter
-from .residuals import Fitted, Misfit, RunRequest, Slopes, derivative_runs, traces_of
+from .residuals import FitRecord, Fitted, RunRequest, Slopes, derivative_runs, traces_of
 
 Array = NDArray[np.float64]
 Question = TypeVar("Question")
@@ -107,23 +106,31 @@ class BatchedQueries(Generic[Question, Answer]):
                 self.changed.notify_all()
 
 
+Offsets = tuple[float, ...]
+
+
 @dataclass(frozen=True)
 class Query:
-    """A point that is wanted: ``shares`` of the ways between the bounds, and an offset ``near`` by that is
-    known.
+    """A point that is wanted: ``shares`` of the ways between the bounds, and offsets ``near`` by that are
+    known, one a record.
 
     ``tangents``: derivatives carried along the run (True), as differences of runs (False), or none.
     """
 
     shares: tuple[float, ...]
-    near: float | None = None
+    near: Offsets | None = None
     tangents: bool | None = None
+
+    def of(self, record: FitRecord, number: int) -> Query:
+        """What of it concerns one record."""
+        shares = tuple(self.shares[k] for k in record.places())
+        return Query(shares, None if self.near is None else (self.near[number],), self.tangents)
 
 
 @dataclass(frozen=True)
 class Point:
-    """Curves compared with the samples, None without a motion, for a ``reason``; how far successive turns
-    differ; derivatives.
+    """Curves of a record compared with the samples, None without a motion, for a ``reason``; how far
+    successive turns differ; derivatives.
     """
 
     fitted: Fitted | None
@@ -132,118 +139,185 @@ class Point:
     slopes: Slopes | None = None
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """The points of all records at the same parameters, and all their derivatives."""
+
+    points: tuple[Point, ...]
+    slopes: Slopes | None = None
+
+    @property
+    def fitted(self) -> list[Fitted]:
+        """The curves of every record; empty where one of them has no motion."""
+        fitted = [one.fitted for one in self.points if one.fitted is not None]
+        return fitted if len(fitted) == len(self.points) else []
+
+    @property
+    def reason(self) -> str:
+        """Why there is no motion."""
+        return next((one.reason for one in self.points if one.fitted is None), "")
+
+    @property
+    def residuals(self) -> Array:
+        """Residuals of all records, one after the other."""
+        return np.concatenate([one.residuals for one in self.fitted])
+
+    @property
+    def cost(self) -> float:
+        """Half the sum of squares."""
+        return sum(one.cost for one in self.fitted)
+
+    @property
+    def offsets(self) -> Offsets:
+        """Offset of each record."""
+        return tuple(one.offset for one in self.fitted)
+
+    @property
+    def unsettled(self) -> float:
+        """How far successive turns differ, at most."""
+        return max(one.unsettled for one in self.points)
+
+
 @dataclass
 class Evaluations:
     """Computes points, keeps them in a file, and remembers the best of all and what every other one cost."""
 
-    curves: Curves
+    records: Sequence[FitRecord]
     parameters: Sequence[FitParameter]
-    misfit: Misfit
     file: FitFile | None = None
     progress: Callable[[Progress], None] | None = None
     expected: int = 1
     points: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
-    best: tuple[float, Array, Point] | None = None
+    best: tuple[float, Array, Outcome] | None = None
     reasons: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.began, self.runs = time.monotonic(), 0
 
-    def __call__(self, queries: Sequence[Query]) -> list[Point]:
+    def __call__(self, queries: Sequence[Query]) -> list[Outcome]:
         """Answer all queries at once; points that are not in the file are computed together, and written in
         one transaction.
         """
-        stored = [self.stored(one) for one in queries]
-        requests = [list(missing(query, one)) for query, one in zip(queries, stored, strict=True)]
+        points = iter(self.answers([part for one in queries for part in self.parts(one)]))
+        outcomes = [self.joined(tuple(next(points) for _ in self.records)) for _ in queries]
+        for query, one in zip(queries, outcomes, strict=True):
+            self.count(query, one)
+        self.report()
+        return outcomes
+
+    def parts(self, query: Query) -> list[tuple[FitRecord, Query]]:
+        """What of a query concerns each record."""
+        return [(record, query.of(record, k)) for k, record in enumerate(self.records)]
+
+    def answers(self, parts: Sequence[tuple[FitRecord, Query]]) -> list[Point]:
+        """Points of records; those that are not in the file are computed together."""
+        stored = [self.stored(record, one) for record, one in parts]
+        requests = [list(missing(*part, one)) for part, one in zip(parts, stored, strict=True)]
         every = [request for some in requests for request in some]
-        traces = iter(traces_of(self.curves, self.parameters, every) if every else ())
+        traces = iter(traces_of(every) if every else ())
         rows: list[Evaluation] = []
         points = []
-        for query, point, some in zip(queries, stored, requests, strict=True):
+        for (record, query), point, some in zip(parts, stored, requests, strict=True):
             one = (
-                self.computed(query, point, [next(traces) for _ in some], rows)
+                self.computed(record, query, point, [next(traces) for _ in some], rows)
                 if some or point is None
                 else point
             )
             points.append(one)
         if self.file is not None and rows:
             self.file.add_points(rows)
-        for query, one in zip(queries, points, strict=True):
-            self.count(query, one)
-        self.report()
         return points
 
-    def stored(self, query: Query) -> Point | None:
+    def joined(self, points: tuple[Point, ...]) -> Outcome:
+        """The outcome of all records, with derivatives where every one has them."""
+        slopes = [one.slopes for one in points if one.slopes is not None]
+        return Outcome(points, self.all_slopes(slopes) if len(slopes) == len(points) else None)
+
+    def all_slopes(self, slopes: Sequence[Slopes]) -> Slopes:
+        """Derivatives of all residuals by all parameters, and of the offsets, (records, parameters)."""
+        count, row = len(self.parameters), 0
+        jacobian = np.zeros((sum(len(one.jacobian) for one in slopes), count))
+        offsets = np.zeros((len(slopes), count))
+        for k, (record, one) in enumerate(zip(self.records, slopes, strict=True)):
+            jacobian[row : row + len(one.jacobian), record.places()] = one.jacobian
+            offsets[k, record.places()] = one.offsets
+            row += len(one.jacobian)
+        return Slopes(jacobian, offsets)
+
+    def stored(self, record: FitRecord, query: Query) -> Point | None:
         """A point in the file; without derivatives where these are not there."""
-        row = None if self.file is None else self.file.point(key("curves", query.shares, query.near))
+        row = None if self.file is None else self.file.point(key(f"curves{record.key}", query))
         if row is None:
             return None
         fields, values = row
         if values is None:
             return Point(None, fields["reason"])
-        residuals = self.misfit.residuals(values)
+        residuals = record.misfit.residuals(values)
         fitted = Fitted(fields["offset"], np.array(fields["gains"]), values, residuals, fields["along"])
-        slopes = (
-            None
-            if query.tangents is None
-            else self.stored_slopes(query.shares, fitted.offset, query.tangents)
-        )
+        slopes = None if query.tangents is None else self.stored_slopes(record, query, fitted.offset)
         return Point(fitted, "", fields["unsettled"], slopes)
 
-    def stored_slopes(self, shares: tuple[float, ...], offset: float, tangents: bool) -> Slopes | None:
+    def stored_slopes(self, record: FitRecord, query: Query, offset: float) -> Slopes | None:
         """Derivatives at a point in the file."""
-        row = None if self.file is None else self.file.point(key("slopes", shares, offset, tangents))
+        row = None if self.file is None else self.file.point(slopes_key(record, query, offset))
         return None if row is None else Slopes(np.asarray(row[1]), np.array(row[0]["offsets"]))
 
-    def computed(self, query: Query, point: Point | None, traces: list[Any], rows: list[Evaluation]) -> Point:
+    def computed(
+        self, record: FitRecord, query: Query, point: Point | None, traces: list[Any], rows: list[Evaluation]
+    ) -> Point:
         """A point from the runs that were missing; what is new is added to ``rows``."""
+        misfit = record.misfit
         if point is None:
             trace = traces.pop(0)
             if isinstance(trace, str):
                 point = Point(None, trace)
             else:
-                point = Point(self.misfit(trace, query.near), "", self.misfit.unsettled(trace))
-            rows.append((key("curves", query.shares, query.near), *row_of(point)))
+                near = None if query.near is None else query.near[0]
+                point = Point(misfit(trace, near), "", misfit.unsettled(trace))
+            rows.append((key(f"curves{record.key}", query), *row_of(point)))
         if query.tangents is None or point.fitted is None:
             return point
-        if query.tangents and isinstance(
-            traces[0], VfifeError
-        ):  # there are no tangents here: differences are taken instead
-            traces = traces_of(self.curves, self.parameters, derivative_runs(query.shares, False))
-            slopes = Slopes.of(traces, self.misfit, query.shares, point.fitted.offset, False)
-        else:
-            slopes = Slopes.of(traces, self.misfit, query.shares, point.fitted.offset, query.tangents)
-        rows.append(slopes_row(query.shares, point.fitted.offset, query.tangents, slopes))
+        by_tangents, offset = query.tangents, point.fitted.offset
+        if by_tangents and isinstance(traces[0], VfifeError):  # there are no tangents here: differences
+            traces, by_tangents = traces_of(derivative_runs(record, query.shares, False)), False
+        slopes = Slopes.of(traces, misfit, query.shares, offset, by_tangents)
+        rows.append(slopes_row(record, query, offset, slopes))
         return replace(point, slopes=slopes)
 
-    def slopes(self, query: Query, point: Point) -> Slopes:
+    def slopes(self, query: Query, outcome: Outcome) -> Slopes:
         """Derivatives at a known point. Raises VfifeError where steps carry none along."""
-        shares, offset, tangents = (
-            query.shares,
-            0.0 if point.fitted is None else point.fitted.offset,
-            bool(query.tangents),
-        )
-        if (stored := self.stored_slopes(shares, offset, tangents)) is not None:
-            return stored
-        traces = traces_of(self.curves, self.parameters, derivative_runs(shares, tangents))
-        if isinstance(traces[0], VfifeError):
-            raise traces[0]
-        slopes = Slopes.of(traces, self.misfit, shares, offset, tangents)
-        if self.file is not None:
-            self.file.add_points([slopes_row(shares, offset, tangents, slopes)])
-        return slopes
+        by_tangents, slopes, requests = bool(query.tangents), list[Slopes | None](), list[RunRequest]()
+        parts = self.parts(replace(query, tangents=by_tangents))
+        offsets = [0.0 if one.fitted is None else one.fitted.offset for one in outcome.points]
+        for (record, part), offset in zip(parts, offsets, strict=True):
+            slopes.append(self.stored_slopes(record, part, offset))
+            requests += [] if slopes[-1] is not None else derivative_runs(record, part.shares, by_tangents)
+        traces, rows = iter(traces_of(requests) if requests else ()), list[Evaluation]()
+        for k, ((record, part), offset) in enumerate(zip(parts, offsets, strict=True)):
+            if slopes[k] is not None:
+                continue
+            own = [next(traces) for _ in derivative_runs(record, part.shares, by_tangents)]
+            if isinstance(own[0], VfifeError):
+                raise own[0]
+            answer = slopes[k] = Slopes.of(own, record.misfit, part.shares, offset, by_tangents)
+            rows.append(slopes_row(record, part, offset, answer))
+        if self.file is not None and rows:
+            self.file.add_points(rows)
+        return self.all_slopes([one for one in slopes if one is not None])
 
-    def count(self, query: Query, point: Point) -> None:
+    def count(self, query: Query, outcome: Outcome) -> None:
         """Count the runs of a point, and remember the best."""
-        self.runs += 1 + (0 if query.tangents is None else len(derivative_runs(query.shares, query.tangents)))
-        if point.fitted is None:
-            self.reasons.append(point.reason)
+        for record, part in self.parts(query):
+            derivatives = [] if part.tangents is None else derivative_runs(record, part.shares, part.tangents)
+            self.runs += 1 + len(derivatives)
+        if not outcome.fitted:
+            self.reasons.append(outcome.reason)
             return
-        cost = point.fitted.cost
+        cost = outcome.cost
         if math.isfinite(cost):
             self.points.append((cost, query.shares))
             if self.best is None or cost < self.best[0]:
-                self.best = (cost, np.array(query.shares), point)
+                self.best = (cost, np.array(query.shares), outcome)
 
     def report(self) -> None:
         """Show progress: runs, residual of the best point, time left."""
@@ -258,17 +332,27 @@ class Evaluations:
             self.progress(Progress(done, self.expected, seconds, f"{self.runs} runs{best}{left}"))
 
     @property
+    def residuals(self) -> int:
+        """Residuals of all records."""
+        return sum(one.misfit.count for one in self.records)
+
+    @property
+    def penalty(self) -> Array:
+        """Residuals where a record has no curves."""
+        return np.concatenate([one.misfit.penalty for one in self.records])
+
+    @property
     def share(self) -> float:
         """Root mean square of the residuals of the best point."""
-        return math.inf if self.best is None else math.sqrt(2.0 * self.best[0] / self.misfit.count)
+        return math.inf if self.best is None else math.sqrt(2.0 * self.best[0] / self.residuals)
 
 
-def missing(query: Query, point: Point | None) -> Iterator[RunRequest]:
+def missing(record: FitRecord, query: Query, point: Point | None) -> Iterator[RunRequest]:
     """Runs that an answer lacks."""
     if point is None:
-        yield RunRequest(query.shares)
+        yield RunRequest(record, query.shares)
     if query.tangents is not None and (point is None or (point.fitted is not None and point.slopes is None)):
-        yield from derivative_runs(query.shares, query.tangents)
+        yield from derivative_runs(record, query.shares, query.tangents)
 
 
 def row_of(point: Point) -> tuple[dict[str, Any], Array | None]:
@@ -284,12 +368,18 @@ def row_of(point: Point) -> tuple[dict[str, Any], Array | None]:
     }, one.values
 
 
-def slopes_row(shares: tuple[float, ...], offset: float, tangents: bool, slopes: Slopes) -> Evaluation:
+def slopes_row(record: FitRecord, query: Query, offset: float, slopes: Slopes) -> Evaluation:
     """Row of derivatives in a fit file."""
-    return key("slopes", shares, offset, tangents), {"offsets": slopes.offsets.tolist()}, slopes.jacobian
+    return slopes_key(record, query, offset), {"offsets": slopes.offsets.tolist()}, slopes.jacobian
 
 
-def key(what: str, shares: Sequence[float], near: float | None, tangents: bool | None = None) -> str:
+def slopes_key(record: FitRecord, query: Query, offset: float) -> str:
+    """Key of derivatives in a fit file, taken at an offset."""
+    return key(f"slopes{record.key}", replace(query, near=(offset,)), query.tangents)
+
+
+def key(what: str, query: Query, tangents: bool | None = None) -> str:
     """Key of a row in a fit file."""
-    text = f"{what}|{[float(one) for one in shares]!r}|{None if near is None else float(near)!r}|{tangents!r}"
+    near = None if query.near is None else float(query.near[0])
+    text = f"{what}|{[float(one) for one in query.shares]!r}|{near!r}|{tangents!r}"
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()

@@ -8,17 +8,18 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import groupby
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.assemble import assemble
+from ..assembly.assemble import assemble, assemble_all
 from ..assembly.assembled import Assembly
 from ..assembly.reassemble import Reassembler
 from ..assembly.timestep import StepRequest
 from ..errors import VfifeError
-from ..kinematics.initial import attempt
+from ..kinematics.initial import Motion, attempt, ideal_motions
 from ..measures.motion import point_motion, times
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
@@ -27,8 +28,9 @@ from ..results.series import SeriesColumn, columns
 from ..results.view import View, standing
 from ..solvers.record import Record
 from ..solvers.streaming import Lane, stepped
-from ..studies.engine.cases import CaseModel, Cases, NoLane, Numbers
+from ..studies.engine.cases import BATCH, CaseModel, Cases, NoLane, Numbers, sound
 from ..studies.spec.plan import CaseSpec
+from .starts import split, with_starts
 from .timing import Timing
 
 Array = NDArray[np.float64]
@@ -127,21 +129,42 @@ class FitCases(Cases):
         self.timing = timing
 
     def make_all(self, numbers: Sequence[Numbers]) -> list[CaseModel | VfifeError | None]:
-        """Models of cases one after the other."""
-        return [attempt(self.model_of, one) for one in numbers]
+        """Models of cases; those whose runs are cut alike are assembled at once."""
+        parts = [split(one) for one in numbers]
+        bases = [attempt(self.mechanism, own) for own, _ in parts]
+        mechanisms = with_starts(bases, [start for _, start in parts])
+        result: list[CaseModel | VfifeError | None] = [
+            one if isinstance(one, VfifeError) else None for one in mechanisms
+        ]
+        groups: dict[tuple[float, tuple[tuple[str, Any], ...]], list[int]] = {}
+        for k, mechanism in enumerate(mechanisms):
+            if isinstance(mechanism, Mechanism):
+                step, run = self.cut(mechanism)
+                groups.setdefault((step, tuple(run.items())), []).append(k)
+        for (step, items), which in groups.items():
+            run = dict(items)
+            assemblies = self.assemblies([mechanisms[k] for k in which], step, run)
+            for k, one in zip(which, assemblies, strict=True):
+                result[k] = one if isinstance(one, VfifeError) else model_of(one, step, run)
+        return result
 
-    def model_of(self, numbers: Numbers) -> CaseModel:
-        """A mechanism with other numbers, assembled. Raises VfifeError."""
-        mechanism, timing = self.mechanism(numbers), self.timing
-        turn = turn_of(mechanism)
+    def cut(self, mechanism: Mechanism) -> tuple[float, dict[str, Any]]:
+        """The step (s) of a run, and how long it is and how finely it is recorded."""
+        timing, turn = self.timing, turn_of(mechanism)
         run: dict[str, Any] = {"outputs": timing.outputs, "force_step": True}
         if timing.turns is not None and turn is not None:
-            step = turn / (timing.outputs * timing.every)
-            run["turns"] = math.ceil(timing.turns(turn) - 1e-9)
-        else:
-            step, run["duration"] = timing.step, timing.duration
-        assembly = assemble(mechanism, step, **run)
-        return CaseModel(Reassembler(assembly, StepRequest(step, **run)), None, None, lambda *_: assembly)  # type: ignore[arg-type]
+            return turn / (timing.outputs * timing.every), {
+                **run, "turns": math.ceil(timing.turns(turn) - 1e-9)
+            }  # fmt: skip
+        return timing.step, {**run, "duration": timing.duration}
+
+    def assemblies(
+        self, mechanisms: Sequence[Any], step: float, run: Mapping[str, Any]
+    ) -> list[Assembly | VfifeError]:
+        """Assemblies of mechanisms whose runs are cut alike; a fault stands in the place of one."""
+        motions = [one if isinstance(one, Motion) else None for one in ideal_motions(mechanisms)]
+        expected: list[Mapping[str, float]] = [{}] * len(mechanisms)
+        return assemble_all(mechanisms, step, expected=expected, motions=motions, **run)
 
     def assembled(self, numbers: Numbers) -> Assembly:
         """The assembly of a case. Raises VfifeError."""
@@ -150,7 +173,14 @@ class FitCases(Cases):
             CaseModel, self.model({path: value for path, value in numbers.items() if path not in clearance})
         )
         assembly = self.reassembled(model, clearance) if clearance else model.assembly
-        return assembly if assembly is not None else self.model_of(numbers).assembly
+        if assembly is None:
+            assembly = cast(CaseModel, sound(self.make_all([numbers])[0])).assembly
+        return assembly
+
+
+def model_of(assembly: Assembly, step: float, run: Mapping[str, Any]) -> CaseModel:
+    """What cases that differ in clearances alone are made of."""
+    return CaseModel(Reassembler(assembly, StepRequest(step, **run)), None, None, lambda *_: assembly)  # type: ignore[arg-type]
 
 
 class Curves:
@@ -170,22 +200,18 @@ class Curves:
         timing = replace(timing, turns=longer, every=every, step=timing.step * timing.every / every)
         return Curves(self.cases.base, self.channels.names, timing, self.workers)
 
-    def each(self, cases: Sequence[Numbers]) -> list[Trace | str]:
-        """The trace of each case, or the reason why it has none."""
-        traces: list[Trace | str] = [""] * len(cases)
-        for one in stepped(self._lanes(cases), len(cases), workers=self.workers):
+    def each(self, cases: Sequence[tuple[Curves, Numbers]]) -> list[Trace | str]:
+        """The trace of each case, of these curves or of others, or the reason why it has none; all are
+        stepped side by side.
+        """
+        result: list[Trace | str] = [""] * len(cases)
+        for one in stepped(_lanes(cases), len(cases), workers=self.workers):
             if isinstance(one, NoLane):
-                traces[one.number] = one.reason or ""
+                result[one.number] = one.reason or ""
             else:
-                traces[one.number] = "numbers left all bounds" if one.doubtful else self.trace(one.record)
-        return traces
-
-    def _lanes(self, cases: Sequence[Numbers]) -> Iterator[Lane | NoLane]:
-        for k, numbers in enumerate(cases):
-            try:
-                yield Lane(k, self.cases.assembled(numbers))
-            except VfifeError as error:
-                yield NoLane(k, " ".join(str(error).split()))
+                curves = cases[one.number][0]
+                result[one.number] = "numbers left all bounds" if one.doubtful else curves.trace(one.record)
+        return result
 
     def trace(self, record: Record) -> Trace:
         """The channels of a record."""
@@ -194,3 +220,17 @@ class Curves:
             angle = record.block("particle_theta")[:, record.assembly.topology.driven[0]]
             places = angle if angle[-1] >= angle[0] else -angle
         return Trace(places, self.channels.read(record), record.assembly.choice.turn)
+
+
+def _lanes(cases: Sequence[tuple[Curves, Numbers]]) -> Iterator[Lane | NoLane]:
+    """Lanes of cases; models of those that follow one another and have the same curves are made at once."""
+    for first in range(0, len(cases), BATCH):
+        batch = cases[first : first + BATCH]
+        for _, own in groupby(batch, key=lambda one: id(one[0])):
+            pairs = list(own)
+            pairs[0][0].cases.prepare([numbers for _, numbers in pairs])
+        for k, (curves, numbers) in enumerate(batch, start=first):
+            try:
+                yield Lane(k, curves.cases.assembled(numbers))
+            except VfifeError as error:
+                yield NoLane(k, " ".join(str(error).split()))

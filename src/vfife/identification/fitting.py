@@ -1,18 +1,13 @@
-"""Identification of parameters from measured curves: points that are run first, searches from the best of
-them, and the fit file.
-"""
+"""Identification of parameters from measured curves of one record or of several, and the fit file."""
 
 from __future__ import annotations
 
-import hashlib
-import math
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, TypedDict, Unpack, get_args
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, TypedDict, Unpack, get_args
 
 from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError, VfifeError
@@ -26,195 +21,17 @@ from ..solvers.arguments import Arguments
 from ..solvers.status import Progress
 from ..store.lock import Lock
 from ..studies.spec.sampling import sobol
-from .batched_queries import BatchedQueries, Evaluations, Point, Query
+from .batched_queries import Evaluations, Query
 from .curves import Curves, units_of
-from .measurements import Measured, columns_of, measured
-from .parameters import FitParameter, numbers_at, parameters_of
-from .residuals import Fitted, How, Misfit, Slopes, columns_agree
-from .step_uncertainty import RANK_TOLERANCE, Search, autocorrelation, concluded
-from .timing import Timing, envelope_width, offset_of, refuse_few_samples, timing_of
-
-Array = NDArray[np.float64]
-Ask = Callable[[list[Query]], list[Point]]
-Derivatives = Literal["auto", "tangents", "differences"]
-DISTANCE = 0.05  # of starts from each other, as a share of the diagonal of the bounds
-CLOSE = 1e-6  # relative change of cost and of the parameters at which a search ends
-PATIENCE, HOPELESS_COST = (
-    8,
-    30.0,
-)  # a search is left after so many evaluations if its cost is so many times the best
-MOST_EVALUATIONS = 40  # of one local search
-MOST_RESTARTS = 3
-# A residual above this share of the deviation, whose values are correlated with the next more than this, is
-# more than noise.
-NEGLIGIBLE, CORRELATED = 0.01, 0.2
-# times: parameters known so much better than the rest stay where they are when more points are looked for
-SHARPER = 5.0
-BATCH = 16  # first points at once, so that progress is seen, and lanes are full
-
-
-class Hopeless(Exception):
-    """A search leads nowhere compared with another."""
-
-
-@dataclass
-class Descents:
-    """Local searches under way.
-
-    What one of them knows of the others is the best point when its answer came, which is the same whichever
-    is quicker.
-    """
-
-    evaluations: Evaluations
-    search: Search
-    derivatives: Derivatives
-
-    def run(self, screened: int, starts: int, seed: int) -> None:
-        """Screen points and descend from the best; again from other points while the best residual is more
-        than noise.
-        """
-        parameters = self.evaluations.parameters
-        places = sobol(screened, len(parameters), seed)
-        if all(one.initial is not None for one in parameters):
-            own = [one.share(one.initial) for one in parameters if one.initial is not None]
-            places = np.concatenate([[own], places[: max(screened - 1, 0)]])
-        chosen = self.distant(self.screen(places), starts, [])
-        self.choose_derivatives(*chosen[0])
-        self.descend(chosen)
-        for restart in range(1, MOST_RESTARTS + 1):
-            if not self.unexplained or self.evaluations.best is None:
-                return
-            best = self.evaluations.best[1]
-            points = self.screen(self.further(max(screened // 2, starts), seed + restart))
-            self.descend(self.distant(points, starts, [best]))
-
-    @property
-    def unexplained(self) -> bool:
-        """Whether the best residual is more than noise: its values are correlated, as they are where a search
-        ended in a wrong place.
-        """
-        misfit, best = self.evaluations.misfit, self.evaluations.best
-        if (
-            best is None
-            or best[2].fitted is None
-            or misfit.how != "curve"
-            or self.evaluations.share < NEGLIGIBLE
-        ):
-            return False
-        parts = misfit.columns(best[2].fitted.residuals).T
-        return autocorrelation(list(parts)) > CORRELATED + 2.0 / math.sqrt(parts.shape[1])
-
-    def further(self, count: int, seed: int) -> Array:
-        """More points. Parameters known much better than the rest, as the speed of a drive, stay as they are
-        at the best point.
-
-        With another speed all curves are out of step, and equally wrong.
-        """
-        _, shares, best = self.evaluations.best or (0.0, np.zeros(0), Point(None))
-        slopes = self.evaluations.slopes(Query(tuple(shares), None, self.search.tangents), best)
-        _, sizes, rows = np.linalg.svd(slopes.jacobian, full_matrices=False)
-        spread = np.ones(len(shares))
-        if sizes[0] > 0.0:
-            spread = np.sqrt(((rows.T / np.maximum(sizes, RANK_TOLERANCE * sizes[0])) ** 2).sum(axis=1))
-        vague = np.flatnonzero(spread >= spread.max() / SHARPER)
-        places = np.tile(shares, (count, 1))
-        places[:, vague] = sobol(count, len(vague), seed)
-        return places
-
-    def screen(self, places: Array) -> list[tuple[Array, Fitted]]:
-        """Points with their curves, the best first. Raises VfifeError where none has a motion."""
-        screened: list[tuple[Array, Fitted]] = []
-        for first in range(0, len(places), BATCH):
-            batch = places[first : first + BATCH]
-            points = self.evaluations([Query(tuple(one)) for one in batch])
-            screened += [
-                (at, one.fitted) for at, one in zip(batch, points, strict=True) if one.fitted is not None
-            ]
-        if not screened:
-            reason = self.evaluations.reasons[0]
-            raise VfifeError(f"none of {len(places)} members has a motion: {reason}; correct the bounds")
-        return sorted(screened, key=lambda one: one[1].cost)
-
-    def distant(
-        self, points: list[tuple[Array, Fitted]], count: int, former: list[Array]
-    ) -> list[tuple[Array, Fitted]]:
-        """The best points that are far enough from each other and from those that are ``known``."""
-        chosen: list[tuple[Array, Fitted]] = []
-        for at, one in points:
-            others = [*former, *(other for other, _ in chosen)]
-            if len(chosen) < count and all(
-                np.linalg.norm(at - other) > DISTANCE * math.sqrt(len(at)) for other in others
-            ):
-                chosen.append((at, one))
-        return chosen
-
-    def choose_derivatives(self, shares: Array, one: Fitted) -> None:
-        """Take tangents where differences of runs agree with them.
-
-        Where they do not, a contact ends or a neighbour is far away, and the tangent of one run leads
-        nowhere.
-        """
-        if self.derivatives == "differences":
-            return
-        at, point = tuple(shares), Point(one)
-        try:
-            tangents = self.evaluations.slopes(Query(at, one.offset, True), point)
-        except VfifeError as error:
-            if self.derivatives == "tangents":
-                raise
-            self.search.notes.append(f"no derivatives were carried along: {' '.join(str(error).split())}")
-            return
-        differences = self.evaluations.slopes
-        self.search.tangents = self.derivatives == "tangents" or columns_agree(
-            tangents, differences(Query(at, one.offset, False), point)
-        )
-
-    def descend(self, chosen: list[tuple[Array, Fitted]]) -> None:
-        """Search from several points side by side."""
-        BatchedQueries(self.evaluations).run([lambda ask, at=at: self.descent(ask, *at) for at in chosen])  # type: ignore[misc]
-
-    def descent(self, ask: Ask, start: Array, first: Fitted) -> None:
-        """One search from a start. A point and what its derivatives need are computed at once: lanes have
-        room for both.
-        """
-        from scipy.optimize import least_squares
-
-        near, count, misfit = first.offset, 0, self.evaluations.misfit
-        cache: dict[bytes, tuple[Array, Slopes | None]] = {}
-
-        def at(shares: Array) -> tuple[Array, Slopes | None]:
-            nonlocal near, count
-            if (key := shares.tobytes()) not in cache:
-                (point,) = ask([Query(tuple(shares), near, self.search.tangents)])
-                if point.fitted is None:
-                    cache[key] = misfit.penalty, None
-                else:
-                    near, count = point.fitted.offset, count + 1
-                    cache[key] = point.fitted.residuals, point.slopes
-                    best = self.evaluations.best
-                    if count > PATIENCE and best is not None and point.fitted.cost > HOPELESS_COST * best[0]:
-                        raise Hopeless
-            return cache[key]
-
-        def jacobian(shares: Array) -> Array:
-            slopes = at(shares)[1]
-            return slopes.jacobian if slopes is not None else np.zeros((misfit.count, len(shares)))
-
-        inside, limits = (
-            np.clip(start, 1e-6, 1.0 - 1e-6),
-            {"ftol": CLOSE, "xtol": CLOSE, "gtol": 1e-12, "max_nfev": MOST_EVALUATIONS},
-        )
-        try:
-            minimum: Any = least_squares(
-                lambda shares: at(shares)[0], inside, jacobian, (0.0, 1.0), "trf", **limits
-            )
-        except Hopeless:
-            return
-        values = (float(one.value(x)) for one, x in zip(self.evaluations.parameters, minimum.x, strict=True))
-        self.search.ends.append((float(minimum.cost), tuple(values)))
-
+from .descents import MOST_RESTARTS, Derivatives, Descents
+from .parameters import FitParameter
+from .records import Data, RecordReader, RecordTask, Start
+from .residuals import FitRecord, How
+from .step_uncertainty import Search, concluded
+from .timing import refuse_few_samples
 
 MOST_SKIPPED = 100_000  # turns
+MOST_SEARCHES = 1000  # that are begun again
 EVALUATIONS = 8  # of a search from one start, as a rule: for forecast and progress alone
 RESTARTS = 2  # runs of a fit over those of its first searches: one to four, as searches begin again
 PILOT_RUNS = 8  # points that are run for a forecast
@@ -239,7 +56,11 @@ class FitOptions(TypedDict, total=False):
     compare: How
     width: str | float | None
     step: float | str | None
+    start: Start
+    own: Mapping[str, Any] | Sequence[str] | None
+    every: int
     screened: int
+    restarts: int
     starts: int
     confidence: float
     derivatives: Derivatives
@@ -258,7 +79,11 @@ class FitSettings:
     compare: How = "curve"
     width: Any = None
     step: Any = None
+    start: Start = "model"
+    own: Any = None
+    every: int = 1
     screened: int = 64
+    restarts: int = MOST_RESTARTS
     starts: int = 4
     confidence: float = 0.95
     derivatives: Derivatives = "auto"
@@ -267,9 +92,14 @@ class FitSettings:
 
     def check(self, arguments: Arguments) -> None:
         """Raises ModelError with all faults."""
-        for name in ("screened", "starts", "workers"):
+        for name in ("screened", "starts", "every", "workers"):
             arguments.count(name, getattr(self, name), optional=name == "workers")
-        for name, words in (("compare", get_args(How)), ("derivatives", get_args(Derivatives))):
+        if not 0 <= self.restarts <= MOST_SEARCHES:
+            limit = f"0 to {MOST_SEARCHES}"
+            arguments.fault("restarts", "out of range", self.restarts, limit, "give fewer")
+        for name, words in (
+            ("compare", get_args(How)), ("derivatives", get_args(Derivatives)), ("start", get_args(Start)),
+        ):  # fmt: skip
             if (word := getattr(self, name)) not in words:
                 limit = " or ".join(f'"{one}"' for one in words)
                 arguments.fault(name, "this is none of the words", word, limit, "name one of them")
@@ -284,17 +114,23 @@ class FitSettings:
 
 
 def fit(
-    mechanism: Mechanism, data: str | Path | Measured, parameters: Mapping[Any, Any] | Sequence[str], *,
+    mechanism: Mechanism, data: Data | Sequence[Data], parameters: Mapping[Any, Any] | Sequence[str], *,
     file: str | Path | None = None,
     progress: Callable[[Progress], None] | None = None, confirm: bool = False, **options: Unpack[FitOptions],
 ) -> Fit:  # fmt: skip
-    """Identify parameters of a mechanism from measured curves: a CSV file with time or crank_angle and
+    """Identify parameters of a mechanism from measured curves: CSV files with time or crank_angle and
     channels of a result as columns.
 
+    ``data``: a file, or a list of files or :class:`Record` that have the parameters in common.
+
     ``parameters``: a mapping ``{"joint.C.clearance": ("0.1 mm", "1 mm")}``, several paths in one key having
-    one value; or texts, ``"joint.C.clearance=0.1..1 mm"``. ``columns`` says which column is which channel,
+    one value, the opposite one after a ``-``; or texts, ``"joint.C.clearance=0.1..1 mm"``. ``own``: the same
+    of numbers of which each record has a value of its own. ``start``: "model", or "data" to look for the
+    angle and speed of each body whose angle was measured (``start.BODY.angle``,
+    ``start.BODY.angular_velocity``) near the first samples. ``columns`` says which column is which channel,
     ``{"acc": "C.force"}``, and which is only proportional to one, ``{"mic": "~rod.angular_acceleration"}``;
     ``weights`` of columns, 1 unless given: residuals are over each curve's standard deviation.
+    ``every``: of each record, every so many samples count.
 
     ``offset``: where the first sample lies; "free": anywhere in a turn, after ``skip`` turns (3); a number or
     two bounds (s or rad) add to the places of the file. None: free over time where a crank turns, else 0.
@@ -302,10 +138,10 @@ def fit(
     a fiftieth of the data if not given) or "spectrum", where motions do not repeat. ``step`` (s): one for
     all, the finest that the model's automatic choice takes at the bounds if not given.
 
-    ``screened`` points (64) are run first, the best ``starts`` (4) of them are searched from.
-    ``derivatives``: carried along the run ("tangents"), by "differences" of runs in lanes, or the former
-    where both agree ("auto"). ``seed`` of the points. ``confidence`` (0.95) of the limits. ``workers``:
-    threads, one a core unless given.
+    ``screened`` points (64) are run first, the best ``starts`` (4) of them are searched from; where more than
+    noise is left, searches begin again, ``restarts`` times (3) at most. ``derivatives``: carried along the
+    run ("tangents"), by "differences" of runs in lanes, or the former where both agree ("auto"). ``seed`` of
+    the points. ``confidence`` (0.95) of the limits. ``workers``: threads, one a core unless given.
 
     A ``file`` keeps every point as it is computed, and the same call continues it, to the same bits.
     ``confirm``: fit even where it takes more than an hour, half of the memory or of the disk. With Ctrl-C the
@@ -325,7 +161,7 @@ def fit(
 
 def planned(
     mechanism: Mechanism,
-    data: str | Path | Measured,
+    data: Data | Sequence[Data],
     parameters: Mapping[Any, Any] | Sequence[str],
     **options: Unpack[FitOptions],
 ) -> FitTask:
@@ -338,79 +174,68 @@ def planned(
             [Fault("run.analysis", "a static analysis has no curves over time", "static", "dynamic")],
             mechanism.name,
         )
-    if not isinstance(data, Measured):
-        data = measured(data, units_of(mechanism), columns_of(settings.columns), settings.weights)
-    text = dump(mechanism)
-    unknowns = parameters_of(parameters, mechanism)
-    offset = offset_of(settings.offset, data, mechanism)
-    refuse_few_samples(data, unknowns)
-    timing = timing_of(mechanism, text, data, unknowns, offset, settings.skip, settings.step)
-    misfit = Misfit(data, offset, settings.skip, settings.compare, envelope_width(settings.width, data))
-    return FitTask(mechanism, text, data, unknowns, misfit, timing, settings)
+    reader = RecordReader(mechanism, settings)
+    records, unknowns = reader.read(data, parameters)
+    refuse_few_samples([one.data for one in records], unknowns)
+    return FitTask(mechanism, dump(mechanism), unknowns, records, settings)
 
 
 @dataclass(frozen=True)
 class FitTask:
-    """A fit that is understood: what is identified, from what, and how."""
+    """A fit that is understood: what is identified, from what records, and how."""
 
     mechanism: Mechanism
     text: str
-    data: Measured
     parameters: list[FitParameter]
-    misfit: Misfit
-    timing: Timing
+    records: list[RecordTask]
     settings: FitSettings
 
     @property
     def question(self) -> dict[str, Any]:
         """What decides how well every point fits: fits with the same question have points in common."""
-        data, offset, timing = self.data, self.misfit.offset, self.timing
-        numbers = hashlib.sha256(data.places.tobytes())
-        for one in data.curves:
-            numbers.update(
-                repr((one.channel, one.head, one.proportional, one.weight)).encode() + one.values.tobytes()
-            )
-        return {
-            "model": self.text, "data": data.name, "numbers": numbers.hexdigest(), "over": data.over,
-            "parameters": [[one.name, list(one.paths), one.low, one.high] for one in self.parameters],
-            "offset": [offset.low, offset.high, offset.free], "skip": self.misfit.skip,
-            "compare": self.misfit.how, "window": self.misfit.window,
-            "step": timing.step, "outputs": timing.outputs, "every": timing.every,
-            "duration": timing.duration,
-        }  # fmt: skip
+        common = [[one.name, list(one.paths), one.low, one.high] for one in self.parameters if not one.record]
+        questions = [one.question for one in self.records]
+        question = {"model": self.text, "parameters": common}
+        if len(questions) > 1 or any(one.record for one in self.parameters):
+            return {**question, "records": questions}
+        return {**question, **questions[0]}
 
     @property
     def search(self) -> dict[str, Any]:
         """Settings of the search: what else decides the answer."""
-        return {name: getattr(self.settings, name) for name in SEARCH}
+        restarts = self.settings.restarts
+        others = {} if restarts == MOST_RESTARTS else {"restarts": restarts}  # version 0.2 had none
+        return {**{name: getattr(self.settings, name) for name in SEARCH}, **others}
 
     @property
     def runs(self) -> int:
         """Expected number of runs, with derivatives by differences, between searches that end at once and
         those that begin again.
         """
-        one_search = EVALUATIONS * (2 * len(self.parameters) + 1)
-        return RESTARTS * (self.settings.screened + self.settings.starts * one_search)
+        derivatives = sum(2 * len(one.parameters) + 1 for one in self.records)
+        return RESTARTS * (
+            self.settings.screened * len(self.records) + self.settings.starts * EVALUATIONS * derivatives
+        )
 
     def forecast(self, file: str | Path | None, replace: bool = False) -> Forecast:
         """Forecast of the runs that the file does not have; some are run for it where there are many. Raises
         VfifeError as assembling does.
         """
-        one = self.curves().cases.assembled(numbers_at(self.parameters, np.full(len(self.parameters), 0.5)))
+        record = max(self.evaluated, key=lambda one: one.curves.timing.duration)
+        one = record.curves.cases.assembled(record.numbers([0.5] * len(record.parameters)))
         lanes, stored = (
             stream_lanes(len(one.topology.contact_bearing)),
             0 if file is None or replace else self.stored_runs(Path(file)),
         )
-        left, values = max(self.runs - stored, 0), self.misfit.count
-        at_once = self.settings.starts * (2 * len(self.parameters) + 1)
+        left, values = max(self.runs - stored, 0), record.misfit.count
+        at_once = self.settings.starts * sum(2 * len(one.parameters) + 1 for one in self.records)
         table = stream(one, at_once, lanes)
         seconds = table.seconds(left) + COMPARISON * values * left
         if WORTH < seconds < LONG and left > PILOT_RUNS:
-            evaluations = Evaluations(self.curves(), self.parameters, self.misfit)
-            queries = [
-                Query(tuple(place))
-                for place in sobol(2 * PILOT_RUNS, len(self.parameters), self.settings.seed)
-            ]
+            pilot = dataclasses.replace(record, which=())
+            evaluations = Evaluations([pilot], pilot.parameters)
+            places = sobol(2 * PILOT_RUNS, len(pilot.parameters), self.settings.seed)
+            queries = [Query(tuple(place)) for place in places]
             evaluations(queries[:PILOT_RUNS])  # compiles
             each = timed(lambda: evaluations(queries[PILOT_RUNS:])) / PILOT_RUNS
             seconds = Stream(max(each - table.stepping, 0.0), min(each, table.stepping), at_once).seconds(
@@ -435,11 +260,18 @@ class FitTask:
         except VfifeError:  # reported when the fit is continued
             return 0
 
-    def curves(self) -> Curves:
-        """What computes curves of cases."""
-        return Curves(
-            self.mechanism, [one.channel for one in self.data.curves], self.timing, self.settings.workers
-        )
+    @cached_property
+    def evaluated(self) -> list[FitRecord]:
+        """The records, each with what computes its curves."""
+        several, workers = len(self.records) > 1, self.settings.workers
+        return [
+            FitRecord(
+                Curves(one.mechanism, [curve.channel for curve in one.data.curves], one.timing, workers),
+                [self.parameters[at] for at in one.which], one.misfit, one.which,
+                one.name if several else "", f" {k}" if several else "",
+            )
+            for k, one in enumerate(self.records)
+        ]  # fmt: skip
 
     def run(
         self,
@@ -472,11 +304,11 @@ class FitTask:
     def result(self, file: FitFile | None, progress: Callable[[Progress], None] | None) -> Fit:
         """Search, with the points of a file; Ctrl-C ends it with the best point so far."""
         settings = self.settings
-        evaluations = Evaluations(self.curves(), self.parameters, self.misfit, file, progress, self.runs)
+        evaluations = Evaluations(self.evaluated, self.parameters, file, progress, self.runs)
         search, slopes = Search(), None
         try:
             Descents(evaluations, search, settings.derivatives).run(
-                settings.screened, settings.starts, settings.seed
+                settings.screened, settings.starts, settings.seed, settings.restarts
             )
             if evaluations.best is not None:
                 best = evaluations.best

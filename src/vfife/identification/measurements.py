@@ -8,7 +8,7 @@ import csv
 import math
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -56,6 +56,11 @@ class Measured:
     places: Array
     curves: tuple[Curve, ...]
     name: str = "data"
+
+    def every(self, count: int) -> Measured:
+        """The same with every so many samples."""
+        curves = tuple(replace(one, values=one.values[::count]) for one in self.curves)
+        return replace(self, places=self.places[::count], curves=curves) if count > 1 else self
 
     @property
     def unit(self) -> str:

@@ -6,28 +6,41 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Fault, ModelError, shown, suggestion
+from ..errors import Fault, shown, suggestion
 from ..model.mechanism import Mechanism
 from ..modelfile.parameter import NO_NUMBER, Parameter, numbers
+from ..schema import Measure
 from ..studies.methods.optimise import Interval
 from ..units import ends_of
+from .starts import PREFIX, start_paths, unit_of_start
 
 Array = NDArray[np.float64]
 Numbers = dict[str, float]
 LOGARITHMIC_RATIO = 10.0  # of the bounds, from which the logarithm of a parameter is identified
 
 
+class Number(NamedTuple):
+    """A number that may be looked for: its path, its unit, and what reads and limits its values."""
+
+    path: str
+    unit: str
+    quantity: Measure
+
+
 @dataclass(frozen=True)
 class FitParameter(Interval):
     """A parameter: its name, the paths of all numbers that have its value, unit and bounds (SI), and the
     value in the model, if there is one.
+
+    ``signs``: -1 for a number that has the opposite value, 1 for the others; all 1 where it is empty.
+    ``record``: the record whose own it is; empty where all records have it in common.
     """
 
     name: str
@@ -36,6 +49,8 @@ class FitParameter(Interval):
     low: float
     high: float
     initial: float | None = None
+    signs: tuple[float, ...] = ()
+    record: str = ""
 
     @property
     def logarithmic(self) -> bool:
@@ -46,104 +61,121 @@ class FitParameter(Interval):
 def numbers_at(parameters: Sequence[FitParameter], shares: Array) -> Numbers:
     """Values by path at ``shares`` of the ways between the bounds, shape (parameters,)."""
     return {
-        path: one.value(float(share))
+        path: sign * one.value(float(share))
         for one, share in zip(parameters, shares, strict=True)
-        for path in one.paths
+        for path, sign in zip(one.paths, one.signs or (1.0,) * len(one.paths), strict=True)
     }
 
 
-def parameters_of(texts: Mapping[Any, Any] | Sequence[str], mechanism: Mechanism) -> list[FitParameter]:
-    """Parameters from texts or from a mapping of paths to two bounds.
+@dataclass
+class Parameters:
+    """Reads the parameters of a fit, common ones and those of records; faults are collected."""
 
-    Texts are as ``"joint.C.clearance=0.1..1 mm"``, with commas between several paths and ``*`` for any
-    characters. Raises ModelError with all faults.
-    """
-    faults: list[Fault] = []
-    values, parameters, owners = numbers(mechanism), list[FitParameter](), dict[str, str]()
-    items = texts.items() if isinstance(texts, Mapping) else [text.partition("=")[::2] for text in texts]
-    for key, value in items:
-        name = ",".join(key) if isinstance(key, tuple | list) else str(key).strip()
-        bounds = ends_of(value) or value if isinstance(value, str) else value
-        if not (isinstance(bounds, tuple | list) and len(bounds) == 2):
-            remedy = 'write PATH=LEAST..MOST, as in "joint.C.clearance=0.1..1 mm"'
-            faults.append(Fault(name or "parameters", "two bounds are needed", shown(bounds), "", remedy))
-            continue
-        one = parameter_of(name, (bounds[0], bounds[1]), mechanism, values, faults)
-        for path in one.paths if one is not None else ():
-            if path in owners:
-                faults.append(
-                    Fault(
-                        name, f"{path} is looked for by {owners[path]} already", remedy="remove one of them"
-                    )
+    mechanism: Mechanism
+    faults: list[Fault]
+
+    def __post_init__(self) -> None:
+        self.values = numbers(self.mechanism)
+        self.owners: dict[tuple[str, str], str] = {}  # of paths, by record; "" where all have them in common
+
+    def read(self, texts: Mapping[Any, Any] | Sequence[str], record: str = "") -> list[FitParameter]:
+        """Parameters from texts or from a mapping of paths to two bounds; with ``record`` they are its own.
+
+        Texts are as ``"joint.C.clearance=0.1..1 mm"``, with commas between several paths, ``*`` for any
+        characters and ``-`` before a number that has the opposite value.
+        """
+        parameters = []
+        items = texts.items() if isinstance(texts, Mapping) else [text.partition("=")[::2] for text in texts]
+        for key, value in items:
+            name = ",".join(key) if isinstance(key, tuple | list) else str(key).strip()
+            bounds = ends_of(value) or value if isinstance(value, str) else value
+            if not (isinstance(bounds, tuple | list) and len(bounds) == 2):
+                remedy = 'write PATH=LEAST..MOST, as in "joint.C.clearance=0.1..1 mm"'
+                self.faults.append(
+                    Fault(name or "parameters", "two bounds are needed", shown(bounds), "", remedy)
                 )
-            owners[path] = name
-        parameters += [one] if one is not None else []
-    if not faults and not parameters:
-        remedy = 'say what, as in -p "joint.C.clearance=0.1..1 mm"'
-        faults.append(Fault("parameters", "nothing is looked for", remedy=remedy))
-    if faults:
-        raise ModelError(faults, "fit")
-    return parameters
+            elif (one := self.parameter(name, (bounds[0], bounds[1]))) is not None:
+                self.own(one, record)
+                parameters.append(replace(one, record=record))
+        return parameters
+
+    def own(self, parameter: FitParameter, record: str) -> None:
+        """Note which paths a parameter changes. A path that another one changes is a fault."""
+        for path in parameter.paths:
+            owner = self.owners.get((path, record)) or self.owners.get((path, ""))
+            if owner is not None:
+                what = f"{path} is looked for by {owner} already"
+                self.faults.append(Fault(parameter.name, what, remedy="remove one of them"))
+            self.owners[path, record] = parameter.name
+
+    def matches(self, name: str) -> list[tuple[float, Number]]:
+        """The numbers that a name is of, each with its sign."""
+        matches: list[tuple[float, Number]] = []
+        for text in (part.strip() for part in name.split(",")):
+            sign, text = (-1.0, text[1:].strip()) if text.startswith("-") else (1.0, text)
+            pattern = "*" in text or "?" in text
+            paths = [path for path in self.values if fnmatchcase(path, text)] if pattern else [text]
+            if not paths:
+                remedy = suggestion(text, self.values, "* stands for any characters")
+                self.faults.append(Fault(name, "fits no number of this model", remedy=remedy))
+            numbers = (self.number(name, path) for path in paths)
+            matches += [(sign, one) for one in numbers if one is not None]
+        return matches
+
+    def number(self, name: str, path: str) -> Number | None:
+        """A number of the model or of a start; None of what is none, which is noted."""
+        if (unit := unit_of_start(self.mechanism, path)) is not None:
+            return Number(path, unit, Measure(unit))
+        try:
+            parameter = Parameter(self.mechanism, path)
+        except Fault as fault:
+            starts = start_paths(self.mechanism) if path.startswith(PREFIX) else ()
+            remedy = suggestion(path, starts, fault.remedy) if starts else fault.remedy
+            value = fault.value or shown(path)
+            self.faults.append(Fault(name, fault.what, value, fault.limit, remedy))
+            return None
+        if parameter.quantity is None:
+            remedy = suggestion(path, self.values, NO_NUMBER)
+            what = "no number is there that can be looked for"
+            self.faults.append(Fault(name, what, shown(path), "", remedy))
+            return None
+        return Number(parameter.path, parameter.unit, parameter.quantity)
+
+    def parameter(self, name: str, bounds: tuple[Any, Any]) -> FitParameter | None:
+        """One parameter; None if there is a fault, which is noted."""
+        before, signed = len(self.faults), self.matches(name)
+        matches = [one for _, one in signed]
+        if len({one.unit for one in matches}) > 1:
+            units = ", ".join(f"{one.path} in {one.unit}" for one in matches)
+            what, remedy = "numbers of different units cannot be one", "look for each by itself"
+            self.faults.append(Fault(name, what, units, remedy=remedy))
+        if len(self.faults) > before:
+            return None
+        ends = [bound_of(name, value, matches[0], self.faults) for value in bounds]
+        if None in ends:
+            return None
+        low, high = (float(value) for value in ends if value is not None)
+        if not low < high:
+            text = f"{shown(bounds[0])} .. {shown(bounds[1])}"
+            what, remedy = "the bounds do not ascend", "exchange or correct them"
+            self.faults.append(Fault(name, what, text, "", remedy))
+            return None
+        signs = tuple(sign for sign, _ in signed)
+        values = {sign * self.values[one.path] for sign, one in signed if one.path in self.values}
+        initial = values.pop() if len(values) == 1 else None
+        inside = initial is not None and low <= initial <= high
+        return FitParameter(
+            name, tuple(one.path for one in matches), matches[0].unit, low, high, initial if inside else None,
+            signs if min(signs) < 0.0 else (),
+        )  # fmt: skip
 
 
-def parameter_of(
-    name: str,
-    bounds: tuple[Any, Any],
-    mechanism: Mechanism,
-    model_values: Mapping[str, float],
-    faults: list[Fault],
-) -> FitParameter | None:
-    """One parameter; None if there is a fault, which is added to ``faults``."""
-    before, matches = len(faults), list[Parameter]()
-    for text in (part.strip() for part in name.split(",")):
-        paths = (
-            [path for path in model_values if fnmatchcase(path, text)]
-            if "*" in text or "?" in text
-            else [text]
-        )
-        if not paths:
-            remedy = suggestion(text, model_values, "* stands for any characters")
-            faults.append(Fault(name, "fits no number of this model", remedy=remedy))
-        for path in paths:
-            try:
-                number = Parameter(mechanism, path)
-            except Fault as fault:
-                faults.append(fault.at(name, value=shown(path)))
-                continue
-            if number.quantity is None:
-                remedy = suggestion(path, model_values, NO_NUMBER)
-                faults.append(
-                    Fault(name, "no number is there that can be looked for", shown(path), "", remedy)
-                )
-                continue
-            matches.append(number)
-    if len({one.unit for one in matches}) > 1:
-        units = ", ".join(f"{one.path} in {one.unit}" for one in matches)
-        faults.append(
-            Fault(name, "numbers of different units cannot be one", units, remedy="look for each by itself")
-        )
-    ends = [bound_of(name, value, matches[0], faults) for value in bounds] if len(faults) == before else []
-    if not ends or None in ends:
-        return None
-    low, high = (float(value) for value in ends if value is not None)
-    if not low < high:
-        text = f"{shown(bounds[0])} .. {shown(bounds[1])}"
-        faults.append(Fault(name, "the bounds do not ascend", text, "", "exchange or correct them"))
-        return None
-    values = {model_values[one.path] for one in matches if one.path in model_values}
-    initial = values.pop() if len(values) == 1 else None
-    inside = initial is not None and low <= initial <= high
-    return FitParameter(
-        name, tuple(one.path for one in matches), matches[0].unit, low, high, initial if inside else None
-    )
-
-
-def bound_of(name: str, value: Any, number: Parameter, faults: list[Fault]) -> float | None:
+def bound_of(name: str, value: Any, number: Number, faults: list[Fault]) -> float | None:
     """A bound in SI units, within the limits of its number."""
     with suppress(ValueError):
         value = float(value) if isinstance(value, str) else value
     try:
-        bound: float = number.quantity.take(value, True)  # type: ignore[union-attr]
+        bound: float = number.quantity.take(value, True)
         return bound
     except Fault as fault:
         faults.append(Fault(name, f"its bound: {fault.what}", fault.value, fault.limit, fault.remedy))

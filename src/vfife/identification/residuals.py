@@ -21,7 +21,7 @@ from ..errors import VfifeError
 from ..solvers.tangents import Neighbours, comparable, tangents
 from .curves import Curves, Trace
 from .measurements import Measured
-from .parameters import FitParameter, numbers_at
+from .parameters import FitParameter, Numbers, numbers_at
 from .timing import Offset
 
 Array = NDArray[np.float64]
@@ -283,36 +283,56 @@ SAME_DIRECTION, SAME_LENGTH, NEGLIGIBLE = 0.98, 0.2, 1e-6
 
 
 @dataclass(frozen=True)
-class RunRequest:
-    """A run at ``shares`` of the ways between the bounds; with ``tangents`` the traces to both sides of each
-    parameter instead.
+class FitRecord:
+    """A measured record as a fit compares it: what computes its curves, the parameters that act on it, its
+    misfit.
+
+    ``which``: places of its parameters among all of the fit. ``key`` tells its rows in a fit file from those
+    of other records.
     """
 
+    curves: Curves
+    parameters: Sequence[FitParameter]
+    misfit: Misfit
+    which: tuple[int, ...] = ()
+    name: str = ""
+    key: str = ""
+
+    def places(self) -> list[int]:
+        """Places of its parameters among all of the fit: in their order unless told otherwise."""
+        return list(self.which) or list(range(len(self.parameters)))
+
+    def numbers(self, shares: Sequence[float]) -> Numbers:
+        """Values of its parameters by path."""
+        return numbers_at(self.parameters, np.array(shares))
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """A run of a record at ``shares`` of the ways between the bounds of its parameters; with ``tangents`` the
+    traces to both sides of each parameter instead.
+    """
+
+    record: FitRecord
     shares: tuple[float, ...]
     tangents: bool = False
 
 
-def traces_of(
-    curves: Curves, parameters: Sequence[FitParameter], requests: Sequence[RunRequest]
-) -> list[Any]:
+def traces_of(requests: Sequence[RunRequest]) -> list[Any]:
     """Traces of runs, side by side in lanes; for tangents a list of pairs, or the VfifeError that says why
     there are none.
     """
-    plain = [numbers_at(parameters, np.array(one.shares)) for one in requests if not one.tangents]
-    traces = iter(curves.each(plain) if plain else ())
-    return [
-        tangent_traces(curves, parameters, np.array(one.shares)) if one.tangents else next(traces)
-        for one in requests
-    ]
+    plain = [(one.record.curves, one.record.numbers(one.shares)) for one in requests if not one.tangents]
+    answers = iter(plain[0][0].each(plain) if plain else ())
+    return [tangent_traces(one.record, one.shares) if one.tangents else next(answers) for one in requests]
 
 
-def tangent_traces(
-    curves: Curves, parameters: Sequence[FitParameter], shares: Array
-) -> list[tuple[Trace, Trace]] | VfifeError:
+def tangent_traces(record: FitRecord, shares: tuple[float, ...]) -> list[tuple[Trace, Trace]] | VfifeError:
     """Traces ``SIDE`` to both sides of each parameter, extrapolated along the tangents of one run."""
+    curves, parameters = record.curves, record.parameters
     try:
-        here = curves.cases.assembled(numbers_at(parameters, shares))
-        near = [neighbours(curves, parameters, shares, k) for k in range(len(parameters))]
+        here = curves.cases.assembled(record.numbers(shares))
+        near = [neighbours(record, shares, k) for k in range(len(parameters))]
         for one, pair in zip(parameters, near, strict=True):
             if not comparable(here, pair):
                 raise VfifeError(f"{one.name} changes how many steps or pieces there are")
@@ -322,13 +342,12 @@ def tangent_traces(
     return [extrapolated(curves, pairs[0], one.distance) for pairs, one in zip(records, near, strict=True)]
 
 
-def neighbours(curves: Curves, parameters: Sequence[FitParameter], shares: Array, k: int) -> Neighbours:
+def neighbours(record: FitRecord, shares: tuple[float, ...], k: int) -> Neighbours:
     """Assemblies with parameter k a little larger and a little smaller."""
     ends, assemblies = np.clip([shares[k] + NEAR, shares[k] - NEAR], 0.0, 1.0), list[Assembly]()
     for end in ends:
-        changed = shares.copy()
-        changed[k] = end
-        assemblies.append(curves.cases.assembled(numbers_at(parameters, changed)))
+        changed = (*shares[:k], float(end), *shares[k + 1 :])
+        assemblies.append(record.curves.cases.assembled(record.numbers(changed)))
     return Neighbours(assemblies[0], assemblies[1], float(ends[0] - ends[1]))
 
 
@@ -383,12 +402,12 @@ class Slopes:
         return Slopes(np.stack(columns, axis=1), np.array(offsets))
 
 
-def derivative_runs(shares: tuple[float, ...], by_tangents: bool) -> list[RunRequest]:
+def derivative_runs(record: FitRecord, shares: tuple[float, ...], by_tangents: bool) -> list[RunRequest]:
     """Runs for the derivatives at a point."""
     if by_tangents:
-        return [RunRequest(shares, True)]
+        return [RunRequest(record, shares, True)]
     return [
-        RunRequest((*shares[:k], end, *shares[k + 1 :]))
+        RunRequest(record, (*shares[:k], end, *shares[k + 1 :]))
         for k, share in enumerate(shares)
         for end in side_shares(share)
     ]

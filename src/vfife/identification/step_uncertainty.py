@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError
-from ..results.fit import Fit, FitCurve, FitValue
-from .batched_queries import Evaluations
-from .curves import Curves, Trace
-from .parameters import FitParameter, numbers_at
-from .residuals import Fitted, Misfit, Slopes
+from ..results.fit import Fit, FitCurve, FitRecordValues, FitValue
+from .batched_queries import Evaluations, Outcome
+from .curves import Trace
+from .parameters import FitParameter
+from .residuals import FitRecord, Fitted, Misfit, Slopes
 
 Array = NDArray[np.float64]
 Limits = list[tuple[float, float]]
@@ -60,7 +60,7 @@ class Confidence:
 def confidence_of(
     residuals: Sequence[Array], parameters: Sequence[FitParameter], shares: Array, jacobian: Array | None,
     unknowns: int, level: float,
-    inflation: float = 1.0,
+    inflation: float = 1.0, rows: Sequence[int] = (),
 ) -> Confidence:  # fmt: skip
     """Confidence in parameters at ``shares`` of the ways between their bounds.
 
@@ -68,6 +68,10 @@ def confidence_of(
     freedom, times (1 + r)/(1 - r) where successive ones have a correlation r; limits are those of Student's
     t. ``residuals`` are those of each curve, J is by shares; so many ``unknowns`` were fitted; ``inflation``
     is a factor of s^2. Without J all is unknown (NaN).
+
+    Where ``rows`` gives the number of residuals of each of several records, the errors are also those by
+    which the records disagree (:func:`disagreement`), and the larger ones count: a model that is a little
+    wrong is wrong in another way in each record.
     """
     count = len(parameters)
     if jacobian is None:
@@ -79,36 +83,76 @@ def confidence_of(
     freedom = max(sum(map(len, residuals)) - unknowns, 1)
     r = autocorrelation(residuals)
     variance = sum(float(one @ one) for one in residuals) / freedom * inflation * (1.0 + r) / (1.0 - r)
-    _, sizes, rows = np.linalg.svd(jacobian, full_matrices=False)
+    _, sizes, directions = np.linalg.svd(jacobian, full_matrices=False)
     sizes = np.maximum(
         sizes, RANK_TOLERANCE * max(float(sizes.max(initial=0.0)), 1e-100)
     )  # so that its square is a number
-    covariance = variance * (rows.T / sizes**2) @ rows
+    inverse = (directions.T / sizes**2) @ directions
+    covariance = variance * inverse
     spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     correlation = covariance / np.maximum(np.outer(spread, spread), 1e-300)
-    quantile = float(t.ppf(0.5 + 0.5 * level, freedom))
-    errors = np.array([one.slope(float(x)) * s for one, x, s in zip(parameters, shares, spread, strict=True)])
+    reach = float(t.ppf(0.5 + 0.5 * level, freedom)) * spread
+    if len(rows) > 1:
+        between = disagreement(np.concatenate(residuals), jacobian, inverse, rows)
+        spread = np.maximum(spread, between)
+        reach = np.maximum(reach, float(t.ppf(0.5 + 0.5 * level, len(rows) - 1)) * between)
+    slopes = np.array([one.slope(float(x)) for one, x in zip(parameters, shares, strict=True)])
+    errors, reach = slopes * spread, slopes * reach
     values = [one.value(float(x)) for one, x in zip(parameters, shares, strict=True)]
-    limits = [
-        (value - quantile * float(e), value + quantile * float(e))
-        for value, e in zip(values, errors, strict=True)
+    limits = [(value - float(half), value + float(half)) for value, half in zip(values, reach, strict=True)]
+    least = [
+        (math.sqrt(variance) / float(size), row)
+        for size, row in zip(sizes[::-1], directions[::-1], strict=True)
     ]
-    directions = [
-        (math.sqrt(variance) / float(size), row) for size, row in zip(sizes[::-1], rows[::-1], strict=True)
-    ]
-    return Confidence(errors, limits, correlation, directions, variance, r, covariance)
+    return Confidence(errors, limits, correlation, least, variance, r, covariance)
 
 
-def offset_error(slopes: Slopes | None, confidence: Confidence, misfit: Misfit, along: float) -> float:
-    """Standard error of the offset: its own, from how the curves change ``along`` it, and that by which it
-    follows the parameters.
+def disagreement(residuals: Array, jacobian: Array, inverse: Array, rows: Sequence[int]) -> Array:
+    """Standard errors by which records disagree, in shares of the bounds, whatever correlates the residuals
+    of one record: those of Liang and Zeger, Biometrika 73 (1986) 13-22, with K/(K - 1) for K records.
+
+    ``inverse`` is (J^T J)^-1, and ``rows`` the number of residuals of each record.
+    """
+    ends = np.cumsum(rows)
+    pulls = [
+        jacobian[end - count : end].T @ residuals[end - count : end]
+        for end, count in zip(ends, rows, strict=True)
+    ]
+    moves = np.array(pulls) @ inverse
+    return np.asarray(np.sqrt((moves**2).sum(axis=0) * len(rows) / (len(rows) - 1)))
+
+
+def without_own(jacobian: Array, parameters: Sequence[FitParameter]) -> Array:
+    """Columns of the parameters that records have in common, without what numbers of one record can do as
+    well: least squares of these columns are those of all (Golub and Pereyra, 1973).
+    """
+    own = np.array([bool(one.record) for one in parameters])
+    if not own.any():
+        return jacobian
+    basis, _ = np.linalg.qr(jacobian[:, own])
+    common = jacobian[:, ~own]
+    return np.asarray(common - basis @ (basis.T @ common))
+
+
+def curves_of(records: Sequence[FitRecord], outcome: Outcome) -> list[Array]:
+    """Residuals of each curve of each record."""
+    return [
+        part
+        for record, one in zip(records, outcome.fitted, strict=True)
+        for part in record.misfit.columns(one.residuals).T
+    ]
+
+
+def offset_error(offsets: Array | None, confidence: Confidence, misfit: Misfit, along: float) -> float:
+    """Standard error of a record's offset: its own, from how the curves change ``along`` it, and that by
+    which it follows the parameters. ``offsets``: its derivatives by them.
     """
     if misfit.offset.fixed:
         return 0.0
-    if slopes is None:
+    if offsets is None:
         return math.nan
     own = confidence.variance / along if along > 0.0 else math.inf
-    return math.sqrt(own + max(float(slopes.offsets @ confidence.covariance @ slopes.offsets), 0.0))
+    return math.sqrt(own + max(float(offsets @ confidence.covariance @ offsets), 0.0))
 
 
 def autocorrelation(residuals: Sequence[Array]) -> float:
@@ -156,50 +200,49 @@ class Sensitivity:
 
 
 def sensitivity_of(
-    curves: Curves,
-    parameters: Sequence[FitParameter],
-    misfit: Misfit,
-    shares: Array,
-    best: Fitted,
-    jacobian: Array,
+    records: Sequence[FitRecord], shares: Array, best: Outcome, jacobian: Array
 ) -> Sensitivity:
-    """How far the curves at ``shares`` change with steps and turns."""
+    """How far the curves of all records at ``shares`` change with steps and turns. ``jacobian`` is by the
+    parameters that they have in common.
+    """
     changes, costs = {"steps": 0.0, "turns": 0.0}, [best.cost]
-    shift: Array = np.zeros(len(shares))
-    for cause, trace in changed_traces(curves, parameters, misfit, shares):
-        one = misfit(trace, best.offset)
-        costs.append(one.cost)
-        change = one.residuals - best.residuals
-        changes[cause] = max(changes[cause], float(np.sqrt((change**2).mean())))
-        if cause == "steps":  # the last of these traces has half the step
+    shift: Array = np.zeros(jacobian.shape[1])
+    turns = any(one.misfit.unknown_turn for one in records)
+    for cause in ("turns", "steps", "half steps") if turns else ("steps", "half steps"):
+        changed = changed_fits(records, shares, best, cause)
+        change = np.concatenate(
+            [one.residuals - was.residuals for one, was in zip(changed, best.fitted, strict=True)]
+        )
+        costs.append(sum(one.cost for one in changed))
+        kind = cause.removeprefix("half ")
+        changes[kind] = max(changes[kind], float(np.sqrt((change**2).mean())))
+        if cause == "half steps":
             shift = np.asarray(
                 ERROR_OVER_CHANGE * np.linalg.lstsq(jacobian, change, RANK_TOLERANCE)[0], np.float64
             )
-    residual = math.sqrt(2.0 * best.cost / misfit.count)
+    residual = math.sqrt(2.0 * best.cost / sum(one.misfit.count for one in records))
     return Sensitivity(changes["steps"], changes["turns"], residual, best.cost, max(costs), shift)
 
 
-def changed_traces(
-    curves: Curves, parameters: Sequence[FitParameter], misfit: Misfit, shares: Array
-) -> Iterator[tuple[str, Trace]]:
-    """Traces from the next turn on, if the turn in which the data began is unknown, of slightly finer steps,
-    and of half the step.
+def changed_fits(records: Sequence[FitRecord], shares: Array, best: Outcome, cause: str) -> list[Fitted]:
+    """Curves of all records from the next turn on, of slightly finer steps, or of half the step; those of the
+    best point where a record has no others.
     """
-    numbers, turns, every = (
-        numbers_at(parameters, shares),
-        1 if misfit.unknown_turn else 0,
-        curves.timing.every,
-    )
-    for finer in (0, 1, every) if turns else (1, every):
-        changed = curves.changed(finer, turns)
-        (trace,) = changed.each([numbers])
-        if isinstance(trace, str):
+    cases = []
+    for record in records:
+        finer = {"turns": 0, "steps": 1, "half steps": record.curves.timing.every}[cause]
+        changed = record.curves.changed(finer, 1 if record.misfit.unknown_turn else 0)
+        cases.append((changed, record.numbers([shares[k] for k in record.places()])))
+    result, traces = [], cases[0][0].each(cases)
+    for record, (changed, _), trace, one in zip(records, cases, traces, best.fitted, strict=True):
+        if isinstance(trace, str) or (cause == "turns" and not record.misfit.unknown_turn):
+            result.append(one)
             continue
-        if finer:
-            yield "steps", trace
-        else:
+        if cause == "turns":
             first = changed.timing.outputs
-            yield "turns", Trace(trace.places[first:], trace.values[first:], trace.turn)
+            trace = Trace(trace.places[first:], trace.values[first:], trace.turn)
+        result.append(record.misfit(trace, one.offset))
+    return result
 
 
 def widened(
@@ -241,42 +284,87 @@ def concluded(
     level: float,
 ) -> Fit:
     """The fit at the best point; without ``slopes`` it was interrupted, and its errors are unknown."""
-    if evaluations.best is None or evaluations.best[2].fitted is None:  # screening raises before
+    if evaluations.best is None or not evaluations.best[2].fitted:  # screening raises before
         raise VfifeError("no member has a motion")
-    _, shares, point = evaluations.best
-    best, misfit, parameters = evaluations.best[2].fitted, evaluations.misfit, evaluations.parameters
-    sensitivity = (
-        None
-        if slopes is None
-        else sensitivity_of(evaluations.curves, parameters, misfit, shares, best, slopes.jacobian)
-    )
-    nuisance = 2 * int(misfit.proportional.sum()) + (0 if misfit.offset.fixed else 1)
-    parts, jacobian = list(misfit.columns(best.residuals).T), None if slopes is None else slopes.jacobian
+    _, shares, outcome = evaluations.best
+    records, parameters = evaluations.records, evaluations.parameters
+    common = [k for k, one in enumerate(parameters) if not one.record]
+    jacobian = None if slopes is None else without_own(slopes.jacobian, parameters)
+    sensitivity = None if jacobian is None else sensitivity_of(records, shares, outcome, jacobian)
     inflation = 1.0 if sensitivity is None else sensitivity.inflation
+    parts, unknowns = curves_of(records, outcome), len(parameters) + nuisances(records)
+    rows = [one.misfit.count for one in records]
     confidence = confidence_of(
-        parts, parameters, shares, jacobian, len(parameters) + nuisance, level, inflation
+        parts, [parameters[k] for k in common], shares[common], jacobian, unknowns, level, inflation, rows
     )
     errors, limits = confidence.errors, confidence.limits
     if sensitivity is not None:
-        errors, limits = widened(confidence, sensitivity, parameters, shares, evaluations.points)
-    values = [
+        points = [(cost, tuple(at[k] for k in common)) for cost, at in evaluations.points]
+        errors, limits = widened(
+            confidence, sensitivity, [parameters[k] for k in common], shares[common], points
+        )
+    trusted = sensitivity is None or sensitivity.trusted
+    values = fit_values([parameters[k] for k in common], shares[common], errors, limits, trusted)
+    every = confidence if len(common) == len(parameters) else confidence_of(
+        parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
+    )  # fmt: skip
+    own = list(record_values(evaluations, outcome, every, slopes, trusted))
+    curves = [
+        curve
+        for record, one in zip(records, outcome.fitted, strict=True)
+        for curve in best_curves(record, one, units)
+    ]
+    misfit, first = records[0].misfit, own[0]
+    notes = [*search.notes, *cautions(evaluations, outcome.unsettled, sensitivity), *evaluations.reasons[:3]]
+    by = "derivatives of the steps" if search.tangents else "differences of runs"
+    data = misfit.measured.name if len(records) == 1 else f"{len(records)} records"
+    return Fit(
+        name, data, "interrupted" if slopes is None else "complete", values,
+        confidence.correlation, confidence.directions,
+        first.offset, first.offset_error, misfit.measured.over,
+        curves, sorted(search.ends), evaluations.runs, len(evaluations.reasons),
+        by, confidence.autocorrelation,
+        level, time.monotonic() - evaluations.began, misfit.how, notes,
+        own if len(own) > 1 or first.values else [],
+    )  # fmt: skip
+
+
+def nuisances(records: Sequence[FitRecord]) -> int:
+    """Numbers that are found anew for all parameters: offsets, factors and levels."""
+    return sum(
+        2 * int(one.misfit.proportional.sum()) + (0 if one.misfit.offset.fixed else 1) for one in records
+    )
+
+
+def fit_values(
+    parameters: Sequence[FitParameter], shares: Array, errors: Array, limits: Limits, trusted: bool
+) -> list[FitValue]:
+    """Identified parameters."""
+    return [
         FitValue(
             one.name, one.paths, one.unit, one.value(float(x)), float(e), float(low), float(high),
-            (one.low, one.high), one.initial,
-            one.logarithmic, sensitivity is None or sensitivity.trusted,
+            (one.low, one.high), one.initial, one.logarithmic, trusted, one.signs,
         )
         for one, x, e, (low, high) in zip(parameters, shares, errors, limits, strict=True)
     ]  # fmt: skip
-    notes = [*search.notes, *cautions(evaluations, point.unsettled, sensitivity), *evaluations.reasons[:3]]
-    by = "derivatives of the steps" if search.tangents else "differences of runs"
-    return Fit(
-        name, misfit.measured.name, "interrupted" if slopes is None else "complete", values,
-        confidence.correlation, confidence.directions,
-        best_offset(misfit, best), offset_error(slopes, confidence, misfit, best.along), misfit.measured.over,
-        best_curves(misfit, best, units), sorted(search.ends), evaluations.runs, len(evaluations.reasons),
-        by, confidence.autocorrelation,
-        level, time.monotonic() - evaluations.began, misfit.how, notes,
-    )  # fmt: skip
+
+
+def record_values(
+    evaluations: Evaluations, outcome: Outcome, confidence: Confidence, slopes: Slopes | None, trusted: bool
+) -> Iterator[FitRecordValues]:
+    """What each record has of its own: its offset, its residual and its numbers."""
+    _, shares, _ = evaluations.best or (0.0, np.zeros(0), outcome)
+    for k, (record, one) in enumerate(zip(evaluations.records, outcome.fitted, strict=True)):
+        own = [at for at in record.places() if evaluations.parameters[at].record]
+        values = fit_values(
+            [evaluations.parameters[at] for at in own], shares[own], confidence.errors[own],
+            [confidence.limits[at] for at in own], trusted,
+        )  # fmt: skip
+        offsets = None if slopes is None else slopes.offsets[k]
+        error = offset_error(offsets, confidence, record.misfit, one.along)
+        share = math.sqrt(2.0 * one.cost / record.misfit.count)
+        name = record.name or record.misfit.measured.name
+        yield FitRecordValues(name, best_offset(record.misfit, one), error, share, values)
 
 
 def cautions(evaluations: Evaluations, unsettled: float, sensitivity: Sensitivity | None) -> Iterator[str]:
@@ -327,8 +415,9 @@ def best_offset(misfit: Misfit, best: Fitted) -> float:
     return best.offset % span if misfit.offset.free else best.offset
 
 
-def best_curves(misfit: Misfit, best: Fitted, units: Mapping[str, str]) -> list[FitCurve]:
-    """Measured curves, and those of the best point."""
+def best_curves(record: FitRecord, best: Fitted, units: Mapping[str, str]) -> list[FitCurve]:
+    """Measured curves of a record, and those of the best point."""
+    misfit = record.misfit
     curves, (over, places) = [], misfit.places()
     for k, curve in enumerate(misfit.measured.curves):
         factor, level = (float(value) for value in best.gains[:, k])
@@ -344,6 +433,7 @@ def best_curves(misfit: Misfit, best: Fitted, units: Mapping[str, str]) -> list[
                 best.values[:, k],
                 factor,
                 level,
+                record.name,
             )
         )
     return curves

@@ -20,6 +20,7 @@ from ..modelfile import loads
 from ..units import number
 from .measurements import Measured, Over
 from .parameters import FitParameter, Numbers, numbers_at
+from .starts import PREFIX
 
 Array = NDArray[np.float64]
 FREE = "free"
@@ -62,16 +63,16 @@ class Timing:
     step: float
 
 
-def refuse_few_samples(data: Measured, parameters: Sequence[FitParameter]) -> None:
+def refuse_few_samples(records: Sequence[Measured], parameters: Sequence[FitParameter]) -> None:
     """Raises ModelError for fewer than three values for each unknown number."""
-    count = len(data.places) * len(data.curves)
-    unknown = len(parameters) + 1 + 2 * sum(one.proportional for one in data.curves)
+    count = sum(len(data.places) * len(data.curves) for data in records)
+    unknown = len(parameters) + sum(1 + 2 * sum(one.proportional for one in data.curves) for data in records)
     if count < 3 * unknown:
         what, remedy = (
             f"{count} values are too few for {unknown} unknown numbers",
             "measure more, or look for fewer numbers",
         )
-        raise ModelError([Fault("data", what, "", f"{3 * unknown} or more", remedy)], data.name)
+        raise ModelError([Fault("data", what, "", f"{3 * unknown} or more", remedy)], records[0].name)
 
 
 def offset_of(value: Any, data: Measured, mechanism: Mechanism) -> Offset:
@@ -132,32 +133,37 @@ def positive(name: str, value: Any, unit: str, largest: float, limit: str) -> fl
     return quantity
 
 
-def timing_of(
-    mechanism: Mechanism,
-    text: str,
-    data: Measured,
-    parameters: Sequence[FitParameter],
-    offset: Offset,
-    skip: float,
-    step: Any,
-) -> Timing:
-    """Timing of runs with the samples of ``data``, after ``skip`` turns where the offset is free.
+def models_of(mechanism: Mechanism, text: str, parameters: Sequence[FitParameter]) -> list[Mechanism]:
+    """The model, and those of its kind in the middle and at the bounds of each parameter that can be
+    assembled; of a start all are alike.
+    """
+    numbers = [one for one in parameters if not one.paths[0].startswith(PREFIX)]
+    probes = (probe(text, numbers_at(numbers, shares)) for shares in middle_and_ends(len(numbers)))
+    return [mechanism, *(one for one in probes if one is not None)]
 
-    Without a ``step`` (s) it is the finest automatic one in the middle and at the bounds of each parameter.
+
+def step_of(step: Any, models: Sequence[Mechanism]) -> float:
+    """The step (s) of all runs: as given, or the finest automatic one of the models. Raises ModelError."""
+    if step in (None, "auto"):
+        return float(min(assemble(one).choice.step for one in models))
+    return positive("step", step, "s", math.inf, "above 0 s")
+
+
+def timing_of(
+    models: Sequence[Mechanism], data: Measured, offset: Offset, skip: float, step: float
+) -> Timing:
+    """Timing of runs with the samples of ``data`` at a ``step`` (s), after ``skip`` turns where the offset is
+    free; ``models`` are the mechanism and others of its kind.
+
     Raises ModelError for data over the angle of a crank where no crank turns.
     """
+    mechanism = models[0]
     turn = turn_of(mechanism)
     if data.over == "angle" and (turn is None or not assemble(mechanism).topology.driven):
         fault = Fault(
             "data", "it goes by the angle of a crank, and no driver turns one", remedy="give times instead"
         )
         raise ModelError([fault], data.name)
-    probes = (probe(text, numbers_at(parameters, shares)) for shares in middle_and_ends(len(parameters)))
-    models = [mechanism, *(one for one in probes if one is not None)]
-    if step in (None, "auto"):
-        step = min(assemble(one).choice.step for one in models)
-    else:
-        step = positive("step", step, "s", math.inf, "above 0 s")
     end = data.places[-1] + max(offset.high, 0.0)
     if turn is None:
         outputs = int(np.clip(OUTPUTS_A_SAMPLE * math.ceil(end / data.spacing), FEWEST_OUTPUTS, MOST_OUTPUTS))

@@ -40,6 +40,7 @@ class FitValue:
     """An identified parameter: its ``paths``, ``value`` in ``unit`` (SI), standard ``error``, confidence
     ``low`` to ``high``, bounds.
 
+    ``signs``: -1 for a path whose number has the opposite value; empty where all have the value.
     ``former``: its value in the model, None where that was not one number within the bounds. ``known``: False
     if curves at the best point depend on the steps, or are of one turn that does not repeat; ``low`` and
     ``high`` are then only the ends of all points that fit as well.
@@ -56,6 +57,13 @@ class FitValue:
     former: float | None = None
     logarithmic: bool = False
     known: bool = True
+    signs: tuple[float, ...] = ()
+
+    @property
+    def numbers(self) -> list[tuple[str, float]]:
+        """Paths and the values of their numbers; one whose sign is -1 has the opposite value."""
+        signs = self.signs or (1.0,) * len(self.paths)
+        return [(path, sign * self.value) for path, sign in zip(self.paths, signs, strict=True)]
 
     def share(self, value: float) -> float:
         """Place of a value between the bounds, 0 to 1, by its logarithm if it was searched so."""
@@ -91,7 +99,7 @@ class FitCurve:
     both in ``unit``.
 
     ``over`` names the abscissa: "time", "angle", "penetration", "frequency", "order". ``factor`` and
-    ``level`` of a channel that is only proportional to the measurement.
+    ``level`` of a channel that is only proportional to the measurement. ``record``: name of one of several.
     """
 
     channel: str
@@ -103,6 +111,7 @@ class FitCurve:
     model: Array
     factor: float = 1.0
     level: float = 0.0
+    record: str = ""
 
     @property
     def share(self) -> float:
@@ -110,6 +119,29 @@ class FitCurve:
         spread = float(self.measured.std())
         left = self.model - self.measured
         return float(np.sqrt((left * left).mean())) / spread if spread > 0.0 else float("inf")
+
+
+@dataclass(frozen=True)
+class FitRecordValues:
+    """What one record of several has of its own: its ``offset`` (s or rad), the ``residual`` over the
+    deviation of its curves (1), and ``values`` of its start and other numbers.
+    """
+
+    name: str
+    offset: float
+    offset_error: float
+    residual: float
+    values: list[FitValue]
+
+    @property
+    def set(self) -> list[tuple[str, float]]:
+        """Paths and values of its own numbers."""
+        return [pair for one in self.values for pair in one.numbers]
+
+    def json(self) -> dict[str, Any]:
+        """Return it as JSON has it."""
+        values = [one.json() for one in self.values]
+        return {**vars(self), "values": values}
 
 
 @dataclass
@@ -120,7 +152,8 @@ class Fit(DataTable):
     ``directions`` are combinations of parameters in units of their ranges, the least determined first, with
     the standard deviation of each. ``starts``: cost and values of each local search. ``derivatives`` names
     how they were computed. ``autocorrelation`` of the residuals from one sample to the next widens the
-    errors. ``status``: "complete", or "interrupted" with the best point so far, without errors.
+    errors. ``status``: "complete", or "interrupted" with the best point so far, without errors. ``records``:
+    what each of several has of its own; offset and its error are those of the first.
     """
 
     mechanism: str
@@ -142,6 +175,7 @@ class Fit(DataTable):
     seconds: float
     compared: str = "curve"
     notes: list[str] = field(default_factory=list)
+    records: list[FitRecordValues] = field(default_factory=list)
 
     def __repr__(self) -> str:
         values = ", ".join(
@@ -165,7 +199,7 @@ class Fit(DataTable):
     @property
     def set(self) -> list[tuple[str, float]]:
         """Paths and values, as ``load_model(path, set=...)`` takes them."""
-        return [(path, one.value) for one in self.values for path in one.paths]
+        return [pair for one in self.values for pair in one.numbers]
 
     @property
     def share(self) -> float:
@@ -240,6 +274,7 @@ class Fit(DataTable):
             "starts": [{"cost": cost, "values": list(values)} for cost, values in self.starts],
             "evaluations": self.evaluations, "failed": self.failed, "seconds": self.seconds,
             "notes": self.notes,
+            **({"records": [one.json() for one in self.records]} if self.records else {}),
         }  # fmt: skip
 
     def to_dataframe(self) -> pandas.DataFrame:
@@ -251,11 +286,30 @@ class Fit(DataTable):
         return pandas.DataFrame([value.json() for value in self.values]).set_index("name")
 
     def table(self) -> Iterator[Sequence[Any]]:
-        """Yield the curves: place (of a spectrum frequency or order), measured and model's values of each."""
-        columns = [TableColumn(f"{one.over} [{UNITS[one.over]}]", one.places) for one in self.curves[:1]]
-        for curve in self.curves:
-            for source, values in (("measured", curve.measured), ("model", curve.model)):
-                columns.append(TableColumn(f"{curve.channel} {source} [{curve.unit}]", values))
+        """Yield the curves: place (of a spectrum frequency or order), measured and model's values of each;
+        those of several records one after the other, with the record's name.
+        """
+        records = list(dict.fromkeys(one.record for one in self.curves))
+        channels = list(dict.fromkeys((one.channel, one.unit) for one in self.curves))
+        own = [[one for one in self.curves if one.record == name] for name in records]
+        lengths = [len(one[0].places) for one in own]
+        columns = []
+        if len(records) > 1:
+            names = np.repeat(np.array(records, dtype=object), lengths)
+            columns.append(TableColumn("record", names))
+        places = np.concatenate([one[0].places for one in own])
+        columns.append(TableColumn(f"{self.curves[0].over} [{UNITS[self.curves[0].over]}]", places))
+        for channel in channels:
+            for source in ("measured", "model"):
+                values = [
+                    next(
+                        (getattr(one, source) for one in curves if (one.channel, one.unit) == channel),
+                        np.full(length, np.nan),
+                    )
+                    for curves, length in zip(own, lengths, strict=True)
+                ]
+                head = f"{channel[0]} {source} [{channel[1]}]"
+                columns.append(TableColumn(head, np.concatenate(values)))
         return table_rows(columns)
 
     def write_json(self, path: str | Path) -> None:
@@ -294,7 +348,9 @@ class FitFile(Store):
 
     def conclude(self, fit: Fit, method: Mapping[str, Any]) -> None:
         """Write a fit and its method; they replace those of before."""
-        numbers = np.stack([getattr(curve, column) for curve in fit.curves for column in CURVES], axis=1)
+        columns = [getattr(curve, column) for curve in fit.curves for column in CURVES]
+        alike = len({len(one) for one in columns}) == 1
+        numbers = np.stack(columns, axis=1) if alike else np.concatenate(columns)
         self.write_row("found", "fit", {"how": method, "fit": to_json(fit)}, numbers)
 
     def fit(self, method: Mapping[str, Any] | None = None) -> Fit | None:
@@ -311,32 +367,50 @@ def to_json(fit: Fit) -> dict[str, Any]:
         {name: value for name, value in vars(curve).items() if name not in CURVES} for curve in fit.curves
     ]
     directions = [[size, direction.tolist()] for size, direction in fit.directions]
-    values = [vars(value) for value in fit.values]
+    records = [{**vars(one), "values": [vars(value) for value in one.values]} for one in fit.records]
     return {
         **vars(fit),
-        "values": values,
+        "values": [vars(value) for value in fit.values],
         "correlation": fit.correlation.tolist(),
         "directions": directions,
         "curves": curves,
+        "records": records,
+        "samples": [len(one.places) for one in fit.curves],
     }
 
 
 def from_json(data: Mapping[str, Any], numbers: Array) -> Fit:
-    """A fit from its parts; ``numbers`` has the columns of ``CURVES`` for each curve."""
-    columns = iter(numbers.T)
+    """A fit from its parts; ``numbers`` has the columns of ``CURVES`` for each curve, side by side where all
+    are of one length, as in files of version 0.2, else one after the other.
+    """
+    fields = dict(data)
+    samples = fields.pop("samples", None)
+    if numbers.ndim == 1:
+        ends = np.cumsum(np.repeat(samples, len(CURVES)))[:-1]
+        columns = iter(np.split(numbers, ends))
+    else:
+        columns = iter(numbers.T)
     parts: dict[str, Any] = {
-        "values": [
-            FitValue(**{**value, "paths": tuple(value["paths"]), "bounds": tuple(value["bounds"])})
-            for value in data["values"]
-        ],
+        "values": values_of(data["values"]),
         "curves": [
-            FitCurve(**curve, **{column: next(columns) for column in CURVES}) for curve in data["curves"]
+            FitCurve(**{**curve, **{column: next(columns) for column in CURVES}}) for curve in data["curves"]
         ],
         "correlation": np.array(data["correlation"]),
         "directions": [(size, np.array(direction)) for size, direction in data["directions"]],
         "starts": [(cost, tuple(place)) for cost, place in data["starts"]],
+        "records": [
+            FitRecordValues(**{**one, "values": values_of(one["values"])}) for one in data.get("records", ())
+        ],
     }
-    return Fit(**{**data, **parts})
+    return Fit(**{**fields, **parts})
+
+
+def values_of(data: Sequence[Mapping[str, Any]]) -> list[FitValue]:
+    """Identified parameters from JSON."""
+    return [
+        FitValue(**{**one, **{name: tuple(one.get(name, ())) for name in ("paths", "bounds", "signs")}})
+        for one in data
+    ]
 
 
 def load_fit(path: str | Path) -> Fit:

@@ -1,0 +1,211 @@
+"""Local searches of a fit: points that are run first, and descents from the best of them, side by side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import VfifeError
+from ..studies.spec.sampling import sobol
+from .batched_queries import BatchedQueries, Evaluations, Outcome, Query
+from .residuals import Slopes, columns_agree
+from .step_uncertainty import RANK_TOLERANCE, Search, autocorrelation, curves_of, without_own
+
+Array = NDArray[np.float64]
+Ask = Callable[[list[Query]], list[Outcome]]
+Derivatives = Literal["auto", "tangents", "differences"]
+DISTANCE = 0.05  # of starts from each other, as a share of the diagonal of the bounds
+CLOSE = 1e-6  # relative change of cost and of the parameters at which a search ends
+# A search is left after so many evaluations if its cost is so many times the best.
+PATIENCE, HOPELESS_COST = 8, 30.0
+MOST_EVALUATIONS = 40  # of one local search
+MOST_RESTARTS = 3
+# A residual above this share of the deviation, whose values are correlated with the next more than this, is
+# more than noise.
+NEGLIGIBLE, CORRELATED = 0.01, 0.2
+# times: parameters known so much better than the rest stay where they are when more points are looked for
+SHARPER = 5.0
+BATCH = 16  # first points at once, so that progress is seen, and lanes are full
+MIDDLE = 0.5  # between its bounds a number of one record begins
+
+
+class Hopeless(Exception):
+    """A search leads nowhere compared with another."""
+
+
+@dataclass
+class Descents:
+    """Local searches under way.
+
+    What one of them knows of the others is the best point when its answer came, which is the same whichever
+    is quicker.
+    """
+
+    evaluations: Evaluations
+    search: Search
+    derivatives: Derivatives
+
+    @property
+    def common(self) -> list[int]:
+        """Places of the parameters that all records have in common."""
+        return [k for k, one in enumerate(self.evaluations.parameters) if not one.record]
+
+    def run(self, screened: int, starts: int, seed: int, restarts: int = MOST_RESTARTS) -> None:
+        """Screen points and descend from the best; again from other points while the best residual is more
+        than noise.
+        """
+        parameters = self.evaluations.parameters
+        common = self.common
+        places = self.places(sobol(screened, len(common), seed) if common else np.zeros((1, 0)))
+        if all(parameters[k].initial is not None for k in common):
+            own = [one.share(one.initial) if one.initial is not None else MIDDLE for one in parameters]
+            places = np.concatenate([[own], places[: max(screened - 1, 0)]])
+        chosen = self.distant(self.screen(places), starts, [])
+        self.choose_derivatives(*chosen[0])
+        self.descend(chosen)
+        for restart in range(1, restarts + 1):
+            if not self.unexplained or self.evaluations.best is None:
+                return
+            best = self.evaluations.best[1]
+            points = self.screen(self.further(max(screened // 2, starts), seed + restart))
+            self.descend(self.distant(points, starts, [best]))
+
+    def places(self, common: Array) -> Array:
+        """Points with such shares of the common parameters, shape (points, parameters); those of one record
+        are where the model has them, or in the middle of their bounds.
+        """
+        own = [
+            MIDDLE if one.initial is None else one.share(one.initial) for one in self.evaluations.parameters
+        ]
+        places = np.tile(np.array(own), (len(common), 1))
+        places[:, self.common] = common
+        return places
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether the best residual is more than noise: its values are correlated, as they are where a search
+        ended in a wrong place.
+        """
+        records, best = self.evaluations.records, self.evaluations.best
+        if (
+            best is None
+            or not best[2].fitted
+            or records[0].misfit.how != "curve"
+            or self.evaluations.share < NEGLIGIBLE
+        ):
+            return False
+        parts = curves_of(records, best[2])
+        return autocorrelation(parts) > CORRELATED + 2.0 / math.sqrt(min(map(len, parts)))
+
+    def further(self, count: int, seed: int) -> Array:
+        """More points. Parameters known much better than the rest, as the speed of a drive, stay as they are
+        at the best point, and so do those of one record.
+
+        With another speed all curves are out of step, and equally wrong.
+        """
+        _, shares, best = self.evaluations.best or (0.0, np.zeros(0), Outcome(()))
+        slopes = self.evaluations.slopes(Query(tuple(shares), None, self.search.tangents), best)
+        jacobian = without_own(slopes.jacobian, self.evaluations.parameters)
+        _, sizes, rows = np.linalg.svd(jacobian, full_matrices=False)
+        spread = np.ones(len(self.common))
+        if sizes[0] > 0.0:
+            spread = np.sqrt(((rows.T / np.maximum(sizes, RANK_TOLERANCE * sizes[0])) ** 2).sum(axis=1))
+        vague = np.array(self.common)[spread >= spread.max() / SHARPER]
+        places = np.tile(shares, (count, 1))
+        places[:, vague] = sobol(count, len(vague), seed)
+        return places
+
+    def screen(self, places: Array) -> list[tuple[Array, Outcome]]:
+        """Points with their curves, the best first. Raises VfifeError where none has a motion."""
+        screened: list[tuple[Array, Outcome]] = []
+        for first in range(0, len(places), BATCH):
+            batch = places[first : first + BATCH]
+            points = self.evaluations([Query(tuple(one)) for one in batch])
+            screened += [(at, one) for at, one in zip(batch, points, strict=True) if one.fitted]
+        if not screened:
+            reason = self.evaluations.reasons[0]
+            raise VfifeError(f"none of {len(places)} members has a motion: {reason}; correct the bounds")
+        return sorted(screened, key=lambda one: one[1].cost)
+
+    def distant(
+        self, points: list[tuple[Array, Outcome]], count: int, former: list[Array]
+    ) -> list[tuple[Array, Outcome]]:
+        """The best points that are far enough from each other and from those that are ``known``."""
+        chosen: list[tuple[Array, Outcome]] = []
+        common = self.common
+        for at, one in points:
+            others = [*former, *(other for other, _ in chosen)]
+            if len(chosen) < count and all(
+                np.linalg.norm((at - other)[common]) > DISTANCE * math.sqrt(len(common)) for other in others
+            ):
+                chosen.append((at, one))
+        return chosen
+
+    def choose_derivatives(self, shares: Array, one: Outcome) -> None:
+        """Take tangents where differences of runs agree with them.
+
+        Where they do not, a contact ends or a neighbour is far away, and the tangent of one run leads
+        nowhere.
+        """
+        if self.derivatives == "differences":
+            return
+        at, offsets, slopes = tuple(shares), one.offsets, self.evaluations.slopes
+        try:
+            tangents = slopes(Query(at, offsets, True), one)
+        except VfifeError as error:
+            if self.derivatives == "tangents":
+                raise
+            self.search.notes.append(f"no derivatives were carried along: {' '.join(str(error).split())}")
+            return
+        self.search.tangents = self.derivatives == "tangents" or columns_agree(
+            tangents, slopes(Query(at, offsets, False), one)
+        )
+
+    def descend(self, chosen: list[tuple[Array, Outcome]]) -> None:
+        """Search from several points side by side."""
+        BatchedQueries(self.evaluations).run([lambda ask, at=at: self.descent(ask, *at) for at in chosen])  # type: ignore[misc]
+
+    def descent(self, ask: Ask, start: Array, first: Outcome) -> None:
+        """One search from a start. A point and what its derivatives need are computed at once: lanes have
+        room for both.
+        """
+        from scipy.optimize import least_squares
+
+        near, count, evaluations = first.offsets, 0, self.evaluations
+        cache: dict[bytes, tuple[Array, Slopes | None]] = {}
+
+        def at(shares: Array) -> tuple[Array, Slopes | None]:
+            nonlocal near, count
+            if (key := shares.tobytes()) not in cache:
+                (point,) = ask([Query(tuple(shares), near, self.search.tangents)])
+                if not point.fitted:
+                    cache[key] = evaluations.penalty, None
+                else:
+                    near, count = point.offsets, count + 1
+                    cache[key] = point.residuals, point.slopes
+                    best = evaluations.best
+                    if count > PATIENCE and best is not None and point.cost > HOPELESS_COST * best[0]:
+                        raise Hopeless
+            return cache[key]
+
+        def jacobian(shares: Array) -> Array:
+            slopes = at(shares)[1]
+            return slopes.jacobian if slopes is not None else np.zeros((evaluations.residuals, len(shares)))
+
+        inside, limits = (
+            np.clip(start, 1e-6, 1.0 - 1e-6),
+            {"ftol": CLOSE, "xtol": CLOSE, "gtol": 1e-12, "max_nfev": MOST_EVALUATIONS},
+        )
+        try:
+            minimum: Any = least_squares(
+                lambda shares: at(shares)[0], inside, jacobian, (0.0, 1.0), "trf", **limits
+            )
+        except Hopeless:
+            return
+        values = (float(one.value(x)) for one, x in zip(self.evaluations.parameters, minimum.x, strict=True))
+        self.search.ends.append((float(minimum.cost), tuple(values)))
