@@ -1,5 +1,5 @@
-"""Pages in which a mechanism runs: one file with its step as JavaScript, its numbers, and what draws them; no
-server, no network.
+"""Pages that run a mechanism in a browser: one file with the step as JavaScript, its numbers and the scripts
+that draw; no server and no network.
 """
 
 from __future__ import annotations

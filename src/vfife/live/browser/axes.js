@@ -1,6 +1,6 @@
 // Axes of a chart: ticks at round numbers, lines, bands, and a cursor.
 
-// A round number near a value: 1, 2 or 5 times a power of ten.
+// Nearest of 1, 2 and 5 times a power of ten.
 function nice(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   const share = value / power;
@@ -10,7 +10,7 @@ function nice(value) {
 const ANGLES = [15, 30, 45, 60, 90, 120, 180, 360];
 
 class Axes {
-  // `x` and `y` are { low, high, label }, with `log` for decades and `angle` for degrees; `legend` says what lines mean: [text, colour, dash, width].
+  // `x` and `y` are { low, high, label }, with `log` for decades and `angle` for degrees; `legend` entries are [text, colour, dash, width].
   constructor(pen, width, height, x, y, legend = []) {
     Object.assign(this, { pen, x: { ...x }, y: { ...y } });
     if (!y.log && !y.exact) {
@@ -99,7 +99,7 @@ class Axes {
     pen.restore();
   }
 
-  // A line through (x, y); a value that is no number breaks it.
+  // Line through (x, y); NaN interrupts it.
   line(across, up, { colour, width = 1.6, dash = [], alpha = 1 }) {
     const [xs, ys] = this.x.angle ? overTurn(across, up) : [across, up];
     this.inside(() => {
@@ -165,7 +165,7 @@ class Axes {
     this.inside(() => disc(this.pen, [this.across(x), this.up(y)], 4, colour, ink.card));
   }
 
-  // Above the plot, in as many rows as it takes.
+  // Draw the legend above the plot, in as many rows as needed.
   legend(entries) {
     const { pen, box } = this;
     let [x, y] = [box.left, 10];
@@ -192,7 +192,7 @@ class Axes {
 const RAISED = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 const powerOfTen = (power) => (power === 0 ? "1" : power === 1 ? "10" : `10${[...String(power)].map((one) => RAISED[one]).join("")}`);
 
-// Factor and unit in which the largest of some numbers reads well.
+// Factor and unit with a prefix that suits the largest of some numbers.
 function scaleOf(largest, unit) {
   if (unit === "m") return largest < 1e-4 ? [1e6, "µm"] : largest < 1 ? [1e3, "mm"] : [1, "m"];
   if (unit === "s") return largest < 1e-3 ? [1e6, "µs"] : largest < 1 ? [1e3, "ms"] : [1, "s"];

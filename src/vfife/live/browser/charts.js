@@ -1,6 +1,6 @@
-// Charts over the turns shown: forces against the ideal mechanism, phase portrait, spectrum, energies.
+// Charts of the turns shown: forces with the ideal mechanism, phase portrait, spectrum, energies.
 
-// First output of each turn shown, and how many outputs it has; without a crank all of the run so far.
+// First output and number of outputs of each complete turn in the buffer; without a crank of the run so far.
 function turnsOf(running) {
   const { store } = running;
   if (!perTurn) return store.end > 1 ? [{ first: 0, count: store.end - 1 }] : [];
@@ -9,7 +9,7 @@ function turnsOf(running) {
     .map(({ first }) => ({ first, count: perTurn }));
 }
 
-// The turn that the head is in where it is there whole, else the last one that is.
+// The turn at the moment in view, or the one before it, if complete in the buffer; else the last complete turn.
 function turnAt(running, head) {
   const { store } = running;
   if (!perTurn) return turnsOf(running)[0];
@@ -18,7 +18,7 @@ function turnAt(running, head) {
   return whole === undefined ? turnsOf(running).at(-1) : { first: whole, count: perTurn };
 }
 
-// Where outputs of a turn lie on the axis: rotation of the crank (degrees), shown from 0 to 360, or seconds.
+// Horizontal axis and the map from outputs to it: crank angle (degrees), load factor or time.
 function axisOf(running) {
   if (perTurn) {
     const of = (k) => running.reader.rotation(k / perTurn);
@@ -32,7 +32,7 @@ function axisOf(running) {
 
 const largestOf = (lists) => lists.reduce((most, list) => list.reduce((one, value) => (value > one ? value : one), most), 0);
 
-// What was found for a turn before: whole turns do not change, and a chart is drawn a few times a second.
+// Cache of series by turn: charts are redrawn several times a second, and complete turns do not change.
 const known = new Map();
 
 function remembered(key, make) {
@@ -46,13 +46,13 @@ function remembered(key, make) {
 let numbered = 0;
 const names = new WeakMap();
 
-// A key for a turn of a run; of one that is not whole another for each output.
+// Cache key of a turn. It contains the number of outputs, so that a turn in progress is computed again when it has grown.
 function keyOf(store, { first, count }, ...more) {
   if (!names.has(store)) names.set(store, ++numbered);
   return [names.get(store), first, count, ...more].join(" ");
 }
 
-// Largest forces in each interval of a turn, as an array.
+// Largest force in each interval between outputs of a turn.
 function forcesOf(reader, store, turn, name) {
   return remembered(keyOf(store, turn, "force", name), () => foundForces(reader, store, turn, name));
 }
@@ -100,7 +100,7 @@ function drawForces(pen, width, height, running, head, other) {
   axes.cursor(x.of(head));
 }
 
-// The ideal turn's forces of the joint that is chosen; it turns as the mechanism does, in steps of its own.
+// Forces of the selected joint in the ideal turn, over the crank angle, since its steps differ from those of the mechanism.
 function idealForces({ idealReader, idealStore }) {
   if (!idealStore || idealStore.end <= ideal.perTurn || !(selected.joint in ideal.joints || selected.joint.startsWith(TORQUE))) return null;
   const ys = forcesOf(idealReader, idealStore, { first: 0, count: ideal.perTurn }, selected.joint);
@@ -157,7 +157,7 @@ function drawPhase(pen, width, height, running, head, other) {
   const range = (key, factor) => {
     const values = lists.flatMap((one) => one[key]).filter(Number.isFinite);
     const [low, high] = [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))];
-    const least = 1e-9 * (unit === "rad" ? 1 : scene.size) * (key === "ys" ? 1 / running.reader.interval : 1); // below it there is but round-off
+    const least = 1e-9 * (unit === "rad" ? 1 : scene.size) * (key === "ys" ? 1 / running.reader.interval : 1); // smaller ranges are rounding errors
     const room = Math.max(0.02 * (high - low), high - low < least ? least : 0);
     return { low: factor * (low - room), high: factor * (high + room) };
   };
@@ -180,7 +180,8 @@ function drawPhase(pen, width, height, running, head, other) {
 
 // ------------------------------------------------------------------------------------------------------------- spectrum
 
-// Amplitudes of a series at whole numbers of waves in it; a Hann window where it does not repeat itself.
+// Amplitudes at whole numbers of waves in a series, with a Hann window for a series that is not periodic. A direct sum:
+// its length is any number of outputs per turn, and one turn at a time is fast enough.
 function amplitudes(values, window) {
   const count = values.length;
   const most = Math.min(Math.floor(count / 2), 1400);
@@ -190,7 +191,7 @@ function amplitudes(values, window) {
     let [re, im] = [0, 0];
     for (let k = 0, at = 0; k < count; k++) {
       re += weighed[k] * cosines[at];
-      im += weighed[k] * cosines[(at + 3 * (count >> 2)) % count]; // the sine, where a quarter of the count is whole
+      im += weighed[k] * cosines[(at + 3 * (count >> 2)) % count]; // the sine; count is a multiple of 4, see seriesOf
       at += order;
       if (at >= count) at -= count;
     }
@@ -203,9 +204,9 @@ function seriesOf({ reader, store }, { first, count }) {
   return Float64Array.from({ length: four }, (_, k) => reader.size(store.data, store.offset(first + 1 + k), selected.joint));
 }
 
-const spectra = new Map(); // what was found for a run, until it goes on
+const spectra = new Map(); // last spectrum of each run, with the turns that it was computed from
 
-// Orders of the crank, or frequencies, and amplitudes there: the root of the mean square over the turns shown.
+// Orders of the crank (or frequencies, Hz) and amplitudes: root mean square over the last four turns.
 function spectrumOf(running) {
   const turns = turnsOf(running).slice(-4);
   if (!turns.length || (!perTurn && turns[0].count < 16)) return null;
@@ -219,7 +220,7 @@ function spectrumOf(running) {
   return spectra.get(running);
 }
 
-// Where a spectrum ends that is worth showing.
+// Upper end of the axis of a spectrum: 10 % beyond the last amplitude above `floor`.
 function reached({ xs, ys }, floor) {
   const last = ys.reduce((most, value, k) => (value > floor ? k : most), 12);
   return xs[Math.min(Math.ceil(1.1 * last), xs.length - 1)];
@@ -273,7 +274,7 @@ function drawEnergy(pen, width, height, running, head) {
   const xs = found.map(({ k }) => x.of(k));
   const before = found[0].terms;
   const lines = LEDGER.map(([name, terms], k) => {
-    const since = k > 1 ? summed(before, terms) : 0; // works count from the begin of the turn
+    const since = k > 1 ? summed(before, terms) : 0; // works are counted from the beginning of the turn
     return [name, found.map((one) => summed(one.terms, terms) - since)];
   });
   const all = lines.flatMap(([, values]) => values);

@@ -1,4 +1,4 @@
-// What can be taken away: the model of this setting, the outputs that are kept as CSV, pictures as PNG and SVG.
+// Downloads: the model at this setting, the stored outputs as CSV, pictures as PNG and SVG.
 
 function hand(name, content, type) {
   const link = document.createElement("a");
@@ -11,7 +11,7 @@ function hand(name, content, type) {
 const fileName = (ending) => `${given.name.replace(/[^\p{L}\p{N}]+/gu, "_").replace(/^_+|_+$/g, "") || "mechanism"}${ending}`;
 const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
-// Outputs that are kept, one a line, in SI units.
+// Stored outputs as CSV, one per line, in SI units.
 function csvOf(running) {
   const { reader, store } = running;
   const joints = Object.keys(own.joints);
@@ -39,7 +39,7 @@ function csvOf(running) {
   return `${lines.join("\n")}\n`;
 }
 
-// A picture as SVG, drawn by what draws it on the canvas.
+// Picture as SVG, drawn by the function that draws it on the canvas.
 function svgOf(canvas, draw) {
   const { width, height } = canvas.getBoundingClientRect();
   const pen = new SvgPen(Math.round(width), Math.round(height));

@@ -94,17 +94,17 @@ for (const card of cards) {
   $("cards").insertBefore(figure, $("peaks"));
 }
 
-// Charts are drawn one a frame, so that the mechanism never waits for them.
+// Charts are redrawn one per frame, so that they do not delay the picture of the mechanism.
 let stale = [];
 let staleAt = 0;
-let spentOnCharts = 0; // ms
+let spentOnCharts = 0; // ms of the last round
 
 function dirty(now = false) {
   if (now) staleAt = 0;
 }
 
 function drawStale(time) {
-  // Not more often than takes a sixth of the time, however slow the machine is.
+  // A round begins so seldom that charts take at most a sixth of the time, on any machine.
   if (
     !stale.length &&
     time - staleAt > Math.max(clock.playing ? 220 : 120, 6 * spentOnCharts) &&
@@ -141,19 +141,19 @@ function frame(time) {
   clock.last = time;
   const { store, reader } = running;
   const newest = store.end - 1;
-  const behind = newest < clock.wanted && running.sound; // the moment that is looked at is still to come
+  const behind = newest < clock.wanted && running.sound; // the moment in view has not been computed yet
   if (clock.playing && !clock.dragged && !behind) {
     clock.head += (passed * clock.speed) / reader.interval;
     if (!perTurn && clock.head > wholeRun) clock.head = 0;
   }
-  if (clock.head > newest && newest > 0 && clock.playing && !behind) clock.head = newest; // as fast as it can be stepped
+  if (clock.head > newest && newest > 0 && clock.playing && !behind) clock.head = newest; // plays as fast as the worker computes
   if (clock.head < store.begin && !behind) clock.head = store.begin;
   const until = perTurn ? Math.ceil(clock.head + AHEAD * perTurn) : wholeRun + 1;
   running.ask(until);
   other?.ask(until);
   scene.look(running, 60);
   if (!clock.sized && scene.seen > 0.5 * wholeTurns) begun();
-  // For a moment the last picture stays; where it takes longer, one sees how far the steps have come.
+  // For half a second the last picture stays; after that, the picture shows the progress of the worker.
   const made = behind && time - clock.begun < 500 ? null : canvasFor($("scene"));
   if (made && store.end) scene.draw(made.pen, made.width, made.height, running, Math.min(clock.head, newest), other?.store.end ? other : null);
   drawStale(time);
@@ -193,21 +193,21 @@ function play(on = !clock.playing) {
   dirty(true);
 }
 
-// To an output: one before or after, or a tenth of a turn.
+// Pause and move by some outputs.
 function step(by) {
   play(false);
   clock.wanted = 0;
   clock.head = Math.max(running.store.begin, Math.min(Math.round(clock.head) + by, Math.max(running.store.end - 1, 0)));
 }
 
-// From real time to the thousandth, and so that a turn lasts some seconds where nothing else is asked for.
+// Set the speed of play to 10 ** exponent times real time.
 function setSpeed(exponent) {
   clock.speed = 10 ** exponent;
   $("speed").value = exponent;
   $("speed-text").textContent = exponent === 0 ? "real time" : `${Number((1 / clock.speed).toPrecision(2))}× slower`;
 }
 
-// Once it is known how far the mechanism moves: play as large as is well seen, and a phase portrait of what moves at all.
+// When the extent of the motion is known: set the enlargement of clearances, and select a quantity that changes.
 function begun() {
   if (factors) {
     const { body, quantity } = longestWay(running);
@@ -294,7 +294,7 @@ $("scene").onclick = (event) => {
   else if (found) scene.traces.splice(found.trace, 1);
 };
 
-// Pinching, or the wheel with ctrl, looks closer at what is under the pointer; then it can be dragged. A double click shows all again.
+// Pinching, or the wheel with Ctrl, zooms about the pointer; a zoomed picture can be dragged; a double click shows all again.
 $("scene").addEventListener(
   "wheel",
   (event) => {
@@ -329,7 +329,7 @@ const KEYS = {
   "?": () => $("keys").showModal(),
 };
 
-// Keys that what has the focus takes for itself.
+// Whether the focused element handles the key itself.
 function taken({ target, key }) {
   if (target.tagName === "SELECT") return true;
   if (target.tagName === "INPUT") return target.type === "checkbox" ? key === " " : /^(Arrow|Home|End|Page)/.test(key);
@@ -368,12 +368,12 @@ $("magnify-row").hidden = !given.contacts.some((contact) => contact.kind === "be
 clock.wanted = clock.head;
 running.begin(sliders.setting, firstUntil);
 {
-  const span = (perTurn ?? wholeRun) * running.reader.interval; // a turn in four seconds, a run in ten, and never faster than real
+  const span = (perTurn ?? wholeRun) * running.reader.interval; // s; a turn lasts about 4 s, a run 10 s, at most real time
   setSpeed(Math.max(-3, Math.min(0, Math.round(4 * Math.log10(span / (perTurn ? 4 : 10))) / 4)));
 }
 requestAnimationFrame(frame);
 
-// A page around this one may ask for a setting, as the report of a study does for a member: positions by the names of sliders.
+// A page that embeds this one may set the sliders, as the report of a study does for a case: positions by slider name.
 window.addEventListener("message", ({ data }) => {
   const asked = data?.positions;
   if (!asked || typeof asked !== "object") return;
@@ -382,5 +382,5 @@ window.addEventListener("message", ({ data }) => {
   sliders.take(new Setting(positions));
 });
 
-// For whoever looks into the page with the browser's own tools; nothing in it uses this.
+// For view.js, shell.js and the browser's developer tools.
 window.live = { running, scene, clock, sliders, selected, frames };

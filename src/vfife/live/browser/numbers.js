@@ -1,16 +1,16 @@
-// What rows of the state say: motion, forces and energies of one output, by the same formulas as Python's analysis.
+// Motion, forces and energies of an output, computed from its rows by the formulas of vfife.measures.
 
-// A map from names, whatever these are: "constructor" is a name like others.
+// Map from names chosen by the user; without a prototype, so that "constructor" is a name like any other.
 const blank = () => Object.create(null);
 
-const TORQUE = "torque of "; // before the name of a driven body, where a chart shows that in place of a joint's force
+const TORQUE = "torque of "; // prefix of a driven body's name, where a chart shows its torque instead of a joint force
 
-const PATH_LASTS = 8; // s of looking at all equilibria of a static analysis
+const PATH_LASTS = 8; // s in which all equilibria of a static analysis are played
 
-// The angle of the crank as all outputs of vfife show it (degrees, 0 to 360); see within_turn in Python.
+// Crank angle in degrees, 0 to 360, with the tolerance of within_turn in Python.
 const withinTurn = (degrees) => Math.max(((((degrees + 1e-6) % 360) + 360) % 360) - 1e-6, 0);
 
-// A curve over the angle of the crank: it is interrupted where a turn ends, and reaches both ends of the axis there.
+// Split a curve over the crank angle at the end of a turn, with interpolated points at both ends of the axis.
 function overTurn(rotation, values) {
   const [xs, ys] = [[], []];
   rotation.forEach((degrees, k) => {
@@ -29,7 +29,7 @@ function overTurn(rotation, values) {
 }
 
 class Reader {
-  // `sim` is how a mechanism is stepped, `state` its numbers at the start, `setting` where plays and energies are.
+  // `sim`: indices of rows (payload.stepped), `state`: start state, `setting`: clearances and contact energies.
   constructor(sim, state, setting) {
     this.sim = sim;
     this.rows = sim.rows;
@@ -50,7 +50,7 @@ class Reader {
     this.first = null; // the rows of output 0
   }
 
-  // Columns of a block, one for each entity.
+  // Columns of a block of the state, one per entity.
   of(name) {
     if (!(name in this.found)) this.found[name] = Int32Array.from(this.rows[name] ?? [], (row) => this.columns[row]);
     return this.found[name];
@@ -62,14 +62,14 @@ class Reader {
 
   // ------------------------------------------------------------------------------------------------------------ motion
 
-  // Where a particle is, between two outputs: x, y, angle. `at` and `next` are offsets into `data`.
+  // Position of a particle between two outputs: x, y, angle. `at` and `next` are offsets into `data`.
   particle(data, at, next, share, p) {
     const [x, y, angle] = [this.of("particle_x")[p], this.of("particle_y")[p], this.of("particle_theta")[p]];
     const between = (c) => data[at + c] + share * (data[next + c] - data[at + c]);
     return [between(x), between(y), between(angle)];
   }
 
-  // Velocity of a particle at t_n: u, v, w. The rows hold it half a step later.
+  // Velocity of a particle at t_n: u, v, w. The rows contain it at t_n + step/2; half a step of the acceleration is subtracted.
   velocity(data, at, p) {
     return ["u", "v", "w"].map((name, axis) => {
       const half = data[at + this.of(`particle_${name}`)[p]];
@@ -78,7 +78,7 @@ class Reader {
     });
   }
 
-  // Place and velocity of a point of a particle: x, y, vx, vy.
+  // Position and velocity of a point that moves with a particle: x, y, vx, vy.
   point(data, at, [p, px, py]) {
     const [x, y, angle] = this.particle(data, at, at, 0, p);
     const [u, v, w] = this.velocity(data, at, p);
@@ -87,13 +87,13 @@ class Reader {
     return [x + rx, y + ry, u - w * ry, v + w * rx];
   }
 
-  // Rotation of the crank (degrees) after some turns: it goes on from turn to turn.
+  // Rotation of the crank (degrees) after some turns, not reduced to one turn.
   rotation(turns) {
     const p = this.sim.driven[0];
     return (180 / Math.PI) * this.parameter("particle_theta", p) + (this.parameter("particle_w", p) < 0 ? -360 : 360) * turns;
   }
 
-  // Angle of a body and its rate; of an elastic link those of its chord.
+  // Angle and angular velocity of a body; of an elastic link those of its chord.
   turn(data, at, body) {
     if (!body.chord) {
       const p = body.particles[0];
@@ -108,7 +108,7 @@ class Reader {
 
   // ------------------------------------------------------------------------------------------------------------ forces
 
-  // Where the journal's centre is, seen from the bearing's pin: global axes (m).
+  // Journal's centre relative to the bearing's pin, in global axes (m).
   eccentricity(data, at, k) {
     const contact = given.contacts[k];
     const seen = (side) => {
@@ -130,7 +130,7 @@ class Reader {
     }
     const sum = [0, 0];
     for (const k of places) {
-      const n = [data[at + this.of("nx")[k]], data[at + this.of("ny")[k]]]; // against it the normal force acts on the journal
+      const n = [data[at + this.of("nx")[k]], data[at + this.of("ny")[k]]]; // the normal force acts on the journal against it
       const [press, rub] = [data[at + this.of("contact_normal_force")[k]], data[at + this.of("contact_friction_force")[k]]];
       sum[0] += -rub * n[1] - press * n[0];
       sum[1] += rub * n[0] - press * n[1];
@@ -138,13 +138,13 @@ class Reader {
     return sum;
   }
 
-  // What is chosen for a chart at an output: size of a joint's force (N), or a driver's torque (N m).
+  // Quantity of a chart: magnitude of a joint's force (N), or torque of a driver (N m).
   size(data, at, name) {
     if (name.startsWith(TORQUE)) return data[at + this.of("driven_torque")[this.sim.torques[name.slice(TORQUE.length)]]];
     return Math.hypot(...this.force(data, at, name));
   }
 
-  // Largest force of a joint since the output before (N), of the steps in between. Or largest torque.
+  // Largest joint force (N) or torque (N m) over the steps since the previous output.
   forceMax(data, at, name) {
     if (given.factors) return Math.abs(this.size(data, at, name)); // there are no steps between equilibria
     if (name.startsWith(TORQUE)) return data[at + this.of("driven_torque_max")[this.sim.torques[name.slice(TORQUE.length)]]];
@@ -206,7 +206,7 @@ class Reader {
     }, 0);
   }
 
-  // Elastic energy of the contacts, a power of the depth between the depths at which it is known.
+  // Elastic energy of the contacts (J), by a power law between the depths at which Python computed it.
   stored(data, at) {
     const { depths } = given;
     return this.of("contact_penetration").reduce((total, column, k) => {
@@ -219,7 +219,7 @@ class Reader {
     }, 0);
   }
 
-  // Work of constant loads and of the weight since output 0.
+  // Work (J) of constant loads and gravity since output 0.
   constant(data, at) {
     const { first } = this;
     if (!first) return 0;

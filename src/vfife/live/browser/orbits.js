@@ -1,6 +1,6 @@
-// Journals in their clearance circles, coloured by the force that the joint carries; blocks in their guides, their play magnified.
+// Journals in their clearance circles, coloured by joint force; blocks in their guides with enlarged clearance.
 
-// Joints with contacts, each with the places of its contacts; a block in a guide has four.
+// Joints with contacts, each with the indices of its contacts; a block in a guide has four.
 const loose = [];
 given.contacts.forEach(({ joint, kind }, place) => {
   const known = loose.find((one) => one.joint === joint);
@@ -34,7 +34,7 @@ function orbit(pen, middle, radius, { joint, places: [k] }, running, head, other
   const points = path(running, head, k);
   const ghosts = other?.store.end ? path(other, head, k) : [];
   const furthest = [...points, ...ghosts].reduce((most, [x, y]) => Math.max(most, Math.hypot(x, y)), 0);
-  const scale = radius / Math.max(reader.plays[k], other?.reader.plays[k] ?? 0, furthest); // depths may be as large as the play itself
+  const scale = radius / Math.max(reader.plays[k], other?.reader.plays[k] ?? 0, furthest); // penetrations may be as large as the clearance
   disc(pen, middle, scale * reader.plays[k], ink.grey, ink.card, 1.2);
   pen.strokeStyle = ink.faint;
   pen.lineWidth = 0.8;
@@ -50,7 +50,7 @@ function orbit(pen, middle, radius, { joint, places: [k] }, running, head, other
     pen.setLineDash([]);
   }
   const largest = Math.max(...running.turns.shown.map((turn) => turn.force[joint] ?? 0), 1e-300);
-  // Lines of one colour are drawn together: a canvas is slow at many short ones.
+  // Segments are drawn by colour, in few paths, because a canvas is slow with many short paths.
   const shades = 6;
   for (let shade = 0; shade < shades; shade++) {
     pen.beginPath();
@@ -81,7 +81,7 @@ function turnBefore(store, head) {
   return [Math.max(store.begin, last - (perTurn ?? wholeRun)), last];
 }
 
-// Places of a journal in its bearing over the last turn, with the force at each.
+// Positions of a journal in its bearing over the last turn, with the contact force at each.
 function path({ reader, store }, head, k) {
   const [first, last] = turnBefore(store, head);
   const stride = Math.max(1, Math.ceil((last - first) / 720));
@@ -95,14 +95,14 @@ function path({ reader, store }, head, k) {
   return found;
 }
 
-// A block between the walls of its guide: the gap at each corner, shown so that the play fills the panel.
+// A block between the walls of its guide, with the gap at each corner enlarged to fill the panel.
 function block(pen, middle, radius, { places }, running, head) {
   const { reader } = running;
   const pose = Pose.at(running, head);
   const play = reader.plays[places[0]];
-  const depth = places.map((k) => pose.data[pose.from + reader.of("contact_penetration")[k]]); // rear and front, left wall and right
+  const depth = places.map((k) => pose.data[pose.from + reader.of("contact_penetration")[k]]); // rear and front at the left wall, then at the right wall
   const [wide, wall, tall] = [0.95 * radius, 0.8 * radius, 0.3 * radius];
-  const reach = wall - tall; // of the play on each side, as drawn
+  const reach = wall - tall; // clearance on each side, as drawn
   const gaps = depth.map((value) => (Math.max(-value, 0) / play) * reach);
   const strip = [
     [-1, 1],
@@ -141,7 +141,7 @@ function block(pen, middle, radius, { places }, running, head) {
   });
 }
 
-// Whatever else may touch: its gap or depth over the last turn.
+// Gap or penetration of any other contact over the last turn.
 function gap(pen, middle, radius, { places: [k] }, running, head) {
   const { reader, store } = running;
   const [first, last] = turnBefore(store, head);

@@ -1,6 +1,6 @@
-// Equilibria of a static analysis: load factors in the place of time, and how far the mechanism gives way under them.
+// Load path of a static analysis: load factors instead of time, and the displacements under them.
 
-const { factors } = given; // undefined for what moves
+const { factors } = given; // undefined for a dynamic run
 
 // The load factor between two equilibria.
 function factorAt(head) {
@@ -11,13 +11,13 @@ function factorAt(head) {
 
 const rising = factors?.every((factor, k) => k === 0 || factor > factors[k - 1]);
 
-// Load factors along an axis; where they turn back, the number of the equilibrium.
+// Axis of load factors if they increase, else of the numbers of equilibria.
 function axisOfPath() {
   if (!rising) return { low: 0, high: wholeRun, label: "equilibrium", of: (k) => k };
   return { low: factors[0], high: factors.at(-1), label: "load factor", of: factorAt };
 }
 
-// The body and the axis of the longest way from the start.
+// Body and axis with the largest displacement.
 function longestWay({ reader, store }) {
   const found = { way: -1, body: selected.body, quantity: "x" };
   for (const body of given.bodies) {
@@ -30,7 +30,7 @@ function longestWay({ reader, store }) {
   return found;
 }
 
-// Where the chosen body is, or how it is turned.
+// Coordinate or angle of the selected body.
 function wayOf({ reader, store }, at) {
   const body = given.bodies.find((one) => one.name === selected.body);
   if (selected.quantity === "angle") return reader.turn(store.data, at, body)[0];
@@ -49,7 +49,7 @@ function drawPath(pen, width, height, running, head) {
   const [unit, name] = QUANTITIES[selected.quantity];
   const [factor, shown] = unit === "rad" ? [180 / Math.PI, "°"] : scaleOf(largestOf([moved.map(Math.abs)]), unit);
   const [low, high] = [Math.min(...moved), Math.max(...moved)].map((value) => factor * value);
-  const room = Math.max(0.04 * (high - low), factor * 1e-9 * (unit === "rad" ? 1 : scene.size)); // below it there is but round-off
+  const room = Math.max(0.04 * (high - low), factor * 1e-9 * (unit === "rad" ? 1 : scene.size)); // smaller ranges are rounding errors
   const loads = { low: Math.min(...factors), high: Math.max(...factors), label: "load factor" };
   const axes = new Axes(pen, width, height, { low: low - room, high: high + room, label: `change of ${name} (${shown})` }, loads);
   const scaled = moved.map((value) => factor * value);

@@ -1,4 +1,4 @@
-// What is drawn in many places: lines, discs, marks of joints, hatched surfaces, arrows.
+// Primitives: lines, discs, symbols of joints, hatched surfaces, arrows.
 
 function trail(pen, points, closed = false) {
   pen.beginPath();
@@ -37,7 +37,7 @@ function mark(pen, shape, at, colour) {
   disc(pen, at, radius, colour, shape === "dot" ? colour : ink.paper, shape === "pin" ? 2.2 : 1.6);
 }
 
-// A surface and the strip of its material, hatched: two ends of the surface, then the same two at depth.
+// Draw a surface with hatched material; points: its two ends, then the same two at the depth of the hatching.
 function hatched(pen, [a, b, , d]) {
   pen.strokeStyle = ink.ink;
   pen.lineWidth = 1.4;

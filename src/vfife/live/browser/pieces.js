@@ -1,4 +1,5 @@
-// What the page was given, and settings of its sliders: patches laid on the numbers that Python assembled.
+// Data of the page, and settings of its sliders. A setting is the vector of numbers that Python assembled for the model's own
+// values, overwritten by the patch of each group of sliders; see live/page/patches.py for why patches combine.
 
 const given = JSON.parse(document.getElementById("given").textContent);
 
@@ -11,7 +12,7 @@ function unpacked(text) {
 const base = unpacked(given.vector);
 const groups = given.groups.map((group) => ({ ...group, values: unpacked(group.values) }));
 
-// Where each part of the vector begins.
+// Index of the first number of each part of the vector.
 const partAt = {};
 {
   let at = 0;
@@ -21,7 +22,7 @@ const partAt = {};
   }
 }
 
-// Positions of all sliders, and the numbers that they give.
+// Positions of all sliders, and the vector of numbers for them.
 class Setting {
   constructor(positions = given.slides.map((slide) => slide.here)) {
     this.positions = positions;
@@ -34,13 +35,13 @@ class Setting {
     }
   }
 
-  // The combination of a group that this setting is.
+  // Index of this setting among the combinations of a group; the last slider varies fastest.
   place(group) {
     if (group.singly) return this.alone(group);
     return group.sliders.reduce((at, s) => at * given.slides[s].values.length + this.positions[s], 0);
   }
 
-  // Of sliders of which one moves at a time: the model's own setting, then the other positions of each in turn.
+  // The same for a group in which one slider moves at a time: the model's setting is first, then the other positions of each.
   alone({ sliders }) {
     let at = 1;
     for (const s of sliders) {
@@ -51,7 +52,7 @@ class Setting {
     return 0;
   }
 
-  // This setting with a slider moved; others that cannot stand beside it go back.
+  // This setting with one slider moved; sliders that cannot be combined with it return to the model's value.
   with(slider, position) {
     const others = groups.filter((group) => group.singly && group.sliders.includes(slider)).flatMap((group) => group.sliders);
     return new Setting(this.positions.map((old, s) => (s === slider ? position : others.includes(s) ? given.slides[s].here : old)));
@@ -65,7 +66,7 @@ class Setting {
     return given.slides.filter((slide, s) => this.positions[s] !== slide.here);
   }
 
-  // What is moved, in words; the model's own setting where nothing is.
+  // Description of the sliders that differ from the model.
   get words() {
     const words = given.slides.map((slide, s) =>
       this.positions[s] === slide.here ? "" : `${friendly(slide.name)} ${shownValue(slide, this.positions[s])}`,
@@ -73,7 +74,7 @@ class Setting {
     return words.filter(Boolean).join(", ") || "as in the model";
   }
 
-  // The model file of this setting. Where lines of two sliders are one line, what is set stands above the model as the options that set it.
+  // Model file of this setting. If two sliders change the same line, the values are given as --set options in a comment instead.
   get model() {
     const lines = given.model.split("\n").slice(0, -1);
     const moved = given.slides.flatMap((slide, s) =>
@@ -85,7 +86,7 @@ class Setting {
   }
 }
 
-// A quantity in the unit in which it reads well.
+// Number with a unit whose prefix suits its size.
 function quantity(value, unit, digits = 3) {
   const size = Math.abs(value);
   const text = (factor, name) => `${Number((value * factor).toPrecision(digits))}${name ? ` ${name}` : ""}`;
@@ -101,7 +102,7 @@ function quantity(value, unit, digits = 3) {
   return text(1, unit);
 }
 
-// The value of a slider as it is shown; a speed of turning also in turns a minute.
+// Text for a position of a slider; angular velocities are also given in rpm.
 function shownValue(slide, position) {
   if (slide.labels.length) return slide.labels[position];
   const value = slide.values[position];

@@ -1,4 +1,4 @@
-// A moment of a run: places of pins and angles of bodies, between two outputs.
+// Positions of pins and angles of bodies at a moment, interpolated between two outputs.
 class Pose {
   constructor(reader, data, from, to = from, share = 0) {
     Object.assign(this, { reader, data, from, to, share });

@@ -1,8 +1,11 @@
-// A mechanism that runs in a worker with one setting, and what came of it so far.
+// A run of the mechanism with one setting of the sliders, in a worker, and its outputs so far.
+//
+// Messages to the worker: "given" (how to step, once), "begin" (numbers of a setting, with a new id), "until" (more outputs).
+// Messages from it contain the id of their run; those of a former setting that are still on their way are ignored.
 
 const workerPlace = URL.createObjectURL(new Blob([given.worker], { type: "text/javascript" }));
 const { own, ideal, perTurn, outputs: wholeRun } = given;
-const AHEAD = 1.25; // turns that the worker is ahead of what is drawn
+const AHEAD = 1.25; // turns by which the worker is ahead of the picture
 const turning = given.bodies.filter((body) => body.turns && body.driven === null);
 
 class Running {
@@ -53,7 +56,7 @@ class Running {
     }
   }
 
-  // The ideal turn's largest force of a joint, or angular acceleration of a body; null where there is none to compare with.
+  // Largest force of a joint, or angular acceleration of a body, in the ideal turn; null if negligible or unknown.
   ideally(kind, name) {
     const found = this.idealTurns?.done[0]?.[kind];
     if (!found) return null;

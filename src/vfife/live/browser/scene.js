@@ -1,4 +1,4 @@
-// The mechanism: bodies, joints with their play, springs, loads, forces and traces, at any moment between two outputs.
+// Picture of the mechanism at a moment: bodies, joints with their clearance, springs, loads, forces and traces.
 
 const FIRST_PIN = 0;
 const BETWEEN = 2;
@@ -30,7 +30,7 @@ class Scene {
     this.high = [Math.max(this.high[0], x), Math.max(this.high[1], y)];
   }
 
-  // Takes up how far bodies and journals in guides go, some outputs at a time.
+  // Extend the drawing by the positions of every fifth output, at most `most` of them a frame, so that the picture does not stall.
   look(running, most) {
     const { store, reader } = running;
     this.seen = Math.max(this.seen, store.begin);
@@ -55,7 +55,7 @@ class Scene {
     }
   }
 
-  // From metres to points of the canvas.
+  // Return the map from metres to pixels.
   view(width, height) {
     const span = [0, 1].map((axis) => Math.max(this.high[axis] - this.low[axis], 1e-9));
     const whole = Math.max(...span);
@@ -64,12 +64,12 @@ class Scene {
     const scale = this.zoom * Math.min(width / room[0], height / room[1]);
     const middle = [0, 1].map((axis) => 0.5 * (this.low[axis] + this.high[axis]) + this.shift[axis]);
     this.scale = scale;
-    this.size = whole / this.zoom; // signs keep their size on the screen
+    this.size = whole / this.zoom; // symbols keep their size on the screen
     middle[1] -= 0.15 * margin; // room for the ruler
     return (p) => [width / 2 + scale * (p[0] - middle[0]), height / 2 - scale * (p[1] - middle[1])];
   }
 
-  // Larger or smaller by a factor about a point of the canvas, from its middle.
+  // Zoom by a factor about a point of the canvas, in pixels from its centre; 0 resets the zoom.
   zoomed(factor, x = 0, y = 0) {
     const before = this.zoom;
     this.zoom = Math.min(Math.max(before * factor, 1), 2000);
@@ -78,7 +78,7 @@ class Scene {
     this.scale *= this.zoom / before;
   }
 
-  // Moves what is looked at by so many points of the canvas.
+  // Move the view by pixels.
   moved(dx, dy) {
     this.shift = [this.shift[0] - dx / this.scale, this.shift[1] + dy / this.scale];
   }
@@ -145,7 +145,7 @@ class Scene {
     }
   }
 
-  // The other setting: its bodies as dashed lines.
+  // Draw the bodies of the setting kept for comparison as dashed lines.
   ghost(pen, to, pose) {
     pen.strokeStyle = ink.other;
     pen.lineWidth = 1.6;
@@ -180,7 +180,7 @@ class Scene {
     });
   }
 
-  // Where a pin was at an output, found once for each.
+  // Return a function of the output that gives the position of a pin, cached until the ring buffer overwrites the output.
   way({ reader, store }, pin) {
     if (!this.trails.has(pin) || this.trails.get(pin).store !== store) {
       const places = new Float64Array(2 * store.capacity);
@@ -199,7 +199,7 @@ class Scene {
 
   // -------------------------------------------------------------------------------------------------- signs of joints
 
-  // Signs that lie behind bodies: the ground, rails, wheels with a spoke that shows how they turn; and those in front of them.
+  // Draw the symbols behind bodies: ground, rails, and wheels with a spoke that shows their rotation.
   under(pen, to, pose) {
     this.strokes(pen, to, pose, (stroke) => stroke.is === "surface" || stroke.is === "curve");
     for (const sign of given.springs) {
@@ -214,6 +214,7 @@ class Scene {
     }
   }
 
+  // Draw the symbols in front of bodies.
   over(pen, to, pose) {
     this.strokes(pen, to, pose, (stroke) => stroke.is === "block" || stroke.is === "mark");
   }
@@ -232,7 +233,7 @@ class Scene {
     });
   }
 
-  // Where a point of a stroke is: see live/page/strokes.py.
+  // Return the map from a point of a stroke to its position; coefficients as in live/page/strokes.py.
   carried(sign, pose, way) {
     const [first, second] = [pose.place(sign.bearing), pose.place(sign.journal)];
     const angles = [0, pose.angle(sign.turner ?? sign.bearing[0]), pose.angle(sign.journal[0])];
@@ -277,12 +278,12 @@ class Scene {
 
   // ------------------------------------------------------------------------------------------------------ play, forces
 
-  // By how much play is drawn larger: less the closer it is looked at, until it is seen as it is.
+  // Enlargement of clearances: it decreases with the zoom, down to true scale.
   get drawnLarger() {
     return Math.max(this.magnify / this.zoom, 1);
   }
 
-  // Clearance circles magnified, with the journal's centre in each, coloured by the force that the joint carries.
+  // Draw enlarged clearance circles with the journal's centre, coloured by the joint force.
   play(pen, to, pose, ghost) {
     given.contacts.forEach((contact, k) => {
       if (contact.kind !== "bearing") return;
@@ -324,7 +325,8 @@ class Scene {
     }
   }
 
-  // What arrows are measured by: the ideal mechanism's largest force, or that of the turns shown.
+  // Set the force at which an arrow has its standard length: the largest of the turns shown, at most 1.5 times the ideal one, so
+  // that impacts do not shrink all other arrows.
   measureForces(running) {
     const most = (turns) => Math.max(0, ...turns.flatMap((turn) => Object.values(turn.force)));
     const largest = most(running.turns.shown);
@@ -379,7 +381,7 @@ class Scene {
       const pins = body.outline.pieces.flat();
       const ends = [pins[0], pins[Math.max(1, Math.floor(pins.length / 2))] ?? pins[0]].map((pin) => to(pose.place(pin)));
       const [dx, dy] = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
-      const away = (0.5 * this.thick + 10) / (Math.hypot(dx, dy) || 1); // beside the bar, on its upper side
+      const away = (0.5 * this.thick + 10) / (Math.hypot(dx, dy) || 1); // beside the bar, above it
       const side = dx < 0 ? -1 : 1;
       const [x, y] = [0.5 * (ends[0][0] + ends[1][0]) + side * away * dy, 0.5 * (ends[0][1] + ends[1][1]) - side * away * dx];
       write(
@@ -391,7 +393,7 @@ class Scene {
     }
   }
 
-  // A length that reads well, at the lower left.
+  // Draw scales of length and force at the lower left.
   ruler(pen, width, height) {
     const length = nice((0.22 * width) / this.scale);
     const [x, y] = [14, height - 12];
@@ -411,7 +413,7 @@ class Scene {
     pen.textBaseline = "alphabetic";
     pen.fillText(quantity(length, "m"), x + 4, y - 6);
     if (!this.show.forces || !this.largest) return;
-    const unit = 0.16 * this.size * this.scale * this.arrows; // what the reference is drawn as
+    const unit = 0.16 * this.size * this.scale * this.arrows; // length of the arrow of the reference force, in pixels
     const force = nice((80 / unit) * this.reference);
     const from = [x + length * this.scale + 24, y - 2];
     const long = (force / this.reference) * unit;
@@ -420,7 +422,7 @@ class Scene {
     pen.fillText(quantity(force, "N"), from[0], from[1] - 7);
   }
 
-  // What lies under the pointer: a joint, a point that is traced, or a place on a body.
+  // Return what is under the pointer: a joint, a traced point, or a point of a body.
   pick(x, y) {
     if (!this.last) return null;
     const { to, pose } = this.last;

@@ -1,6 +1,6 @@
-// Sliders: each has the positions that Python assembled; moving one starts the mechanism anew with the numbers of the new setting.
+// Sliders over the positions that Python assembled. Moving one restarts the mechanism with the numbers of the new setting.
 
-// What a path is called: the last of its words, of whom.
+// Label of a path: "joint.C.contact.restitution" becomes "contact restitution, joint C".
 function friendly(name) {
   const [section, noun, ...words] = name.split(".");
   return words.length ? `${words.join(" ")}, ${section} ${noun}` : name;

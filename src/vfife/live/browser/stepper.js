@@ -1,8 +1,8 @@
-// The worker: steps the mechanism, and its ideal reference for one turn, and sends the rows of its outputs as it goes.
-// What comes before is `steps`: for each of the two a function advance, which kernels/advance.py describes.
+// Worker: steps the mechanism, and its ideal reference for one turn, and sends the rows of outputs as they are computed.
+// The text before this file defines `steps`: one function advance for each of the two, as described in kernels/advance.py.
 
 const LOOK = 1000; // steps between two checks that numbers are finite
-const SLICE = 14; // ms of stepping between two looks at what was asked meanwhile
+const SLICE = 14; // ms of stepping between two returns to the event loop, which delivers new requests; one frame at 60 Hz
 
 // One simulation: a state, its tables, and the step it has reached.
 class Stepper {
@@ -18,11 +18,11 @@ class Stepper {
     const memory = [state, ...scratch, tables, [], numbers, shares, kept, extremes, [], [], broken]; // Memory of kernels/advance.py
     this.advance = (...last) => advance(memory, ...last);
     this.next = 0; // step
-    this.outputs = 0; // that are made
+    this.outputs = 0; // number computed
     this.sound = true;
   }
 
-  // Rows of so many more outputs, fewer where time is up or numbers leave all bounds.
+  // Compute rows of at most `count` outputs; fewer if the time `until` (ms) is reached or a number becomes non-finite.
   take(count, until) {
     const { kept, every } = this.given;
     const rows = new Float64Array(count * kept.length);
@@ -33,7 +33,7 @@ class Stepper {
       this.advance(1, LOOK - (this.next % LOOK), this.next, steps, 1, rows.subarray(at));
       this.next += steps;
       for (let k = at; k < at + kept.length; k++) {
-        rows[k] += 0; // zeros that are recorded have no sign
+        rows[k] += 0; // recorded zeros are positive, as in Python: -0 + 0 is +0
         if (!Number.isFinite(rows[k])) this.sound = false;
       }
       if (!this.sound) break;
@@ -50,7 +50,7 @@ let given = null; // { own, ideal } as the page has them
 let run = null; // { id, steppers, until }
 let waiting = false;
 
-// Numbers of a run, in the order of the page's vector.
+// Start a run with the numbers of a setting, which follow each other in the order of given.parts.
 function begin(message) {
   const { parts } = given;
   const at = {};
@@ -64,12 +64,13 @@ function begin(message) {
   run = { id: message.id, steppers, until: [message.until, given.ideal ? given.ideal.perTurn + 1 : 0] };
 }
 
-// Whether the mechanism has its first turn, after which its reference is next.
+// Whether the first turn of the mechanism is complete; its ideal reference is computed next.
 function perTurnIsThere() {
   return Boolean(given.ideal) && run.steppers[0].outputs > given.ideal.perTurn;
 }
 
-// A slice of whatever is asked for; the reference comes after the first turn of the mechanism.
+// Compute one slice of the requested outputs. The mechanism comes first, since it is what the user sees; after its first turn
+// the reference does, because comparisons need it.
 function slice() {
   waiting = false;
   if (!run) return;

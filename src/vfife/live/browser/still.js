@@ -1,4 +1,4 @@
-// The worker of a page of equilibria: nothing is stepped, all of them are sent at once.
+// Worker of a page of equilibria: sends all of them at once, without stepping.
 
 let given = null;
 

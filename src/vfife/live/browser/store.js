@@ -1,14 +1,14 @@
-// Outputs that are kept: the last so many, and the largest values of each turn.
+// Ring buffer of the last outputs, and the largest values of each turn.
 
 const MOST_BYTES = 64e6;
-const TURNS = 6; // that are kept, and over which spreads are told
+const TURNS = 6; // turns in the buffer, over which ranges are shown
 
 class Store {
   constructor(width, wanted) {
     this.width = width;
     this.capacity = Math.max(16, Math.min(wanted, Math.floor(MOST_BYTES / (8 * width))));
     this.data = new Float64Array(width * this.capacity);
-    this.end = 0; // outputs that came
+    this.end = 0; // number of outputs received; output n is at index n % capacity
   }
 
   get begin() {
@@ -26,13 +26,13 @@ class Store {
   }
 }
 
-// Largest values turn by turn; without a crank the whole run counts as one.
+// Largest values by turn; without a crank the whole run is one turn.
 class Turns {
   constructor(reader, perTurn, bodies) {
     Object.assign(this, { reader, perTurn, bodies });
-    this.done = []; // of whole turns: { first, force: {joint: N}, alpha: {body: rad/s²}, depth: [m], began: [1] }
-    this.open = null;
-    this.before = null; // onsets at the end of the turn before
+    this.done = []; // complete turns: { first, force: {joint: N}, alpha: {body: rad/s²}, depth: [m], began: [1] }
+    this.open = null; // the turn in progress
+    this.before = null; // onsets of contacts at the end of the previous turn
   }
 
   take(data, at, output) {
@@ -65,13 +65,13 @@ class Turns {
     }
   }
 
-  // Whole turns, but for the one of the start where there are others; without any what there is so far.
+  // Complete turns without the first one, which contains the start, if there are others; else the turn in progress.
   get shown() {
     const settled = this.done.filter((turn) => turn.first > 0);
     return settled.length > 1 ? settled : this.done.length ? this.done : this.open ? [this.open] : [];
   }
 
-  // Which turns these are.
+  // Numbers of the turns shown, as text.
   get words() {
     const [one, two] = [this.shown[0], this.shown.at(-1)].map((turn) => Math.floor((turn?.first ?? 0) / this.perTurn) + 1);
     return one === two ? `turn ${one}` : `turns ${one}–${two}`;

@@ -1,4 +1,4 @@
-// What draws on a canvas draws SVG with this pen: the few calls of a canvas that the page uses.
+// Subset of the canvas API that writes SVG, so that the same functions draw on the screen and export pictures.
 
 class SvgPen {
   constructor(width, height) {

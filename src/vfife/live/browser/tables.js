@@ -1,4 +1,4 @@
-// Peaks and what play costs, as numbers: of the last turn, with their range over the turns shown.
+// Table of peaks in the last turn, with their range over the turns shown and the increase over the ideal mechanism.
 
 const rangeText = (values, unit) => {
   const [low, high] = [Math.min(...values), Math.max(...values)];
@@ -7,7 +7,7 @@ const rangeText = (values, unit) => {
 
 const percent = (value) => (Number.isFinite(value) ? `${value > 0 ? "+" : value < 0 ? "−" : ""}${Number(Math.abs(value).toPrecision(3))} %` : "–");
 
-// Rows of the table: what, of which noun, its unit, its values turn by turn, and its ideal value.
+// Rows of the table: quantity, name, unit, values by turn, and the value of the ideal mechanism.
 function peaks(running) {
   const turns = running.turns.shown;
   const found = [];
@@ -28,7 +28,7 @@ function peaks(running) {
   const fastest = Math.max(...turns.flatMap((turn) => Object.values(turn.alpha)), 0);
   for (const body of turning) {
     const values = turns.map((turn) => turn.alpha[body.name]);
-    if (Math.max(...values) <= 1e-9 * fastest) continue; // round-off of what does not turn
+    if (Math.max(...values) <= 1e-9 * fastest) continue; // rounding errors of a body that does not turn
     found.push({ what: "angular acceleration", name: body.name, unit: "rad/s²", values, ideal: running.ideally("alpha", body.name) });
   }
   given.contacts.forEach((contact, k) => {
@@ -74,7 +74,7 @@ function writePeaks(table, running, other) {
   table.tBodies[0].replaceChildren(...body);
 }
 
-// The ledger of the moment: what is stored, lost and supplied since the start, and what is left over.
+// Energy balance at a moment: energy stored, lost and supplied since the start, and the remainder, which is numerical error.
 function ledgerText(running, head) {
   const pose = Pose.at(running, head);
   if (!pose || !running.reader.first) return "";

@@ -1,4 +1,4 @@
-// Colours of the theme, as the style sheet has them. Lines differ in their dashes too, and forces in their width.
+// Colours of the theme, from the style sheet. Lines also differ by dashes and forces by width, for readers who do not see colours.
 
 const ink = {};
 const DASHES = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 2], [12, 4]];
@@ -14,7 +14,7 @@ function readTheme() {
 
 const rgb = (text) => [1, 3, 5].map((at) => Number.parseInt(text.slice(at, at + 2), 16));
 
-// From little to much, ever darker on light paper and ever lighter on dark.
+// Colour of a share from 0 to 1: darker with the share on a light background, lighter on a dark one.
 function heat(share) {
   const at = Math.min(Math.max(share, 0), 1) * (ink.heat.length - 1);
   const low = Math.min(Math.floor(at), ink.heat.length - 2);
@@ -27,7 +27,7 @@ function setTheme(theme) {
   readTheme();
 }
 
-// A canvas as large as its box, on screens of any density; null while it is hidden.
+// Clear a canvas, adapt its resolution to its box and the screen, and return its pen; null while it is hidden.
 function canvasFor(element) {
   const { width, height } = element.getBoundingClientRect();
   if (width < 2 || height < 2) return null;

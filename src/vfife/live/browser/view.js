@@ -1,4 +1,5 @@
-// State of the view, which the next page of the same mechanism takes over: the page that serves both hands it on.
+// State of the view. shell.js passes it to the next page of the same mechanism, so that an edit keeps moment, speed, zoom of
+// the clearance, selections and sliders.
 
 function viewState() {
   return {

@@ -1,1 +1,1 @@
-"""The page that runs a mechanism: its numbers, sliders, strokes and scripts."""
+"""The page that runs a mechanism: its data, sliders, strokes and scripts."""

@@ -1,6 +1,4 @@
-"""The page: its skeleton, style and scripts put together with what it is given, in one file that asks for
-nothing else.
-"""
+"""The page of a mechanism: skeleton, style, scripts and data in one HTML file that loads nothing else."""
 
 from __future__ import annotations
 
@@ -34,8 +32,8 @@ HEIGHT = 720  # pixels of a cell
 
 
 class Live:
-    """A page in which a mechanism runs: shown by a notebook as the last line of a cell, kept by :meth:`save`.
-    ``page`` is its text.
+    """A page that runs a mechanism: displayed by a notebook, written by :meth:`save`. ``page`` is its HTML
+    text.
     """
 
     def __init__(self, page: str, name: str) -> None:
@@ -48,25 +46,23 @@ class Live:
         )
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the page in a frame that has no access to the notebook."""
+        """Return the page for a notebook, in a frame that cannot access the notebook."""
         words = f"{self.name}, running"
         look = f"width: 100%; height: {HEIGHT}px; border: 1px solid #8884; border-radius: 6px"
         inside = f'sandbox="allow-scripts allow-downloads" srcdoc="{escape(self.page)}"'
         return f'<iframe title="{escape(words)}" style="{look}" {inside}></iframe>'
 
     def save(self, path: str | Path) -> None:
-        """Write the page; what is there gives way when it is whole. Raises OSError where it cannot be
-        written.
-        """
+        """Write the page. An existing file is replaced when the new one is complete. Raises OSError."""
         write_text(Path(path), self.page)
 
 
 def live(mechanism: Mechanism, slide: Iterable[str] | None = None, step: float | None = None) -> Live:
-    """The mechanism running. ``slide``: ranges as in "joint.C.clearance=0.01..0.5mm", None for the usual
-    sliders; ``step`` (s) is that of a run.
+    """Return a page that runs a mechanism.
 
-    Raises VfifeError for what cannot run in a page, ModelError and AssemblyError for what cannot run at all,
-    ValueError for a slide that is none.
+    ``slide``: ranges of sliders, as in "joint.C.clearance=0.01..0.5mm"; None for the default sliders.
+    ``step`` (s): that of a run; None for the automatic one. Raises VfifeError if the mechanism cannot run in
+    a page, ModelError and AssemblyError if it cannot run at all, ValueError for an invalid slider.
     """
     still = mechanism.settings.analysis == "static" and not slide
     slides = (
@@ -82,8 +78,8 @@ def live(mechanism: Mechanism, slide: Iterable[str] | None = None, step: float |
 
 
 def live_result(result: Result, slide: Iterable[str] | None = ()) -> Live:
-    """The mechanism of a result, running with its step; of a static analysis its equilibria. Raises as
-    :func:`live` does.
+    """Return a page that runs the mechanism of a result with its step; of a static analysis, one with its
+    equilibria. Raises as :func:`live`.
     """
     assembly = result.record.assembly
     if result.record.static and not slide:
@@ -92,14 +88,13 @@ def live_result(result: Result, slide: Iterable[str] | None = ()) -> Live:
 
 
 def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | None = None) -> str:
-    """A page in which a mechanism runs, as one HTML text without any reference to elsewhere.
+    """Return a page that runs a mechanism, as HTML text without external references.
 
-    The step that it runs is the traced one as JavaScript, with the bits of
-    :func:`~vfife.simulation.simulate.simulate` without companions. ``slides`` become sliders
-    (:func:`~vfife.live.page.sliders.default_slides` for the usual ones); ``step`` (s) is that of a run, or
-    None for the automatic one. A static analysis is carried out, and the page holds its equilibria. Raises
-    VfifeError for a mechanism that cannot run in a page, ModelError and AssemblyError for one that cannot run
-    at all.
+    The page runs the traced step as JavaScript, with the bits of :func:`~vfife.simulation.simulate.simulate`
+    without companions. ``slides`` become sliders (see :func:`~vfife.live.page.sliders.default_slides`);
+    ``step`` (s) is that of a run, None the automatic one. For a static analysis the equilibria are computed
+    here. Raises VfifeError if the mechanism cannot run in a page, ModelError and AssemblyError if it cannot
+    run at all.
     """
     if mechanism.settings.analysis == "static" and not (slides := list(slides)):
         return still(simulate(mechanism, reference=False))
@@ -107,16 +102,16 @@ def live_page(mechanism: Mechanism, slides: Iterable[Slide] = (), step: float | 
 
 
 def result_page(result: Result) -> str:
-    """The page of a result: its mechanism running with its step, without sliders; of a static analysis its
-    equilibria. Raises VfifeError.
+    """Return the page of a result without sliders: its mechanism with its step, or the equilibria of a static
+    analysis. Raises VfifeError.
     """
     assembly = result.record.assembly
     return still(result) if result.record.static else live_page(assembly.mechanism, step=assembly.choice.step)
 
 
 def still(result: Result) -> str:
-    """The page of the equilibria of a static analysis. Raises VfifeError where there are none but the
-    start.
+    """Return the page of the equilibria of a static analysis. Raises VfifeError if only the start was
+    computed.
     """
     return page_text(
         static_payload(result) | {"worker": '"use strict";\n' + (BROWSER / "still.js").read_text("utf-8")}
@@ -124,12 +119,12 @@ def still(result: Result) -> str:
 
 
 def written(patches: SliderPatches) -> str:
-    """The page of a mechanism with its sliders."""
+    """Return the page of a mechanism with sliders."""
     return page_text(payload(patches.base) | patches.json() | {"worker": worker(patches.base)})
 
 
 def page_text(data: Json) -> str:
-    """The page with its data, as one text."""
+    """Return the page with its data."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     safe = text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
     parts = {
@@ -144,12 +139,14 @@ def page_text(data: Json) -> str:
 
 @lru_cache(maxsize=16)
 def step_of(topology: Topology) -> str:
-    """The text of a step, kept for the next model that differs in numbers alone."""
+    """Return the JavaScript text of a step; cached, because models that differ in numbers only share it."""
     return javascript.module(topology, left(Layout(topology)))
 
 
 def worker(model: PageModel) -> str:
-    """What the worker runs: the step of the mechanism, that of its ideal reference, and what drives them."""
+    """Return the script of the worker: the step of the mechanism, that of its ideal reference, and their
+    driver.
+    """
     texts = [step_of(one.topology) for one in (model.own, model.ideal) if one is not None]
     steps = ",\n".join(f"(() => {{\n{text}\nreturn advance;\n}})()" for text in texts)
     return f'"use strict";\nconst steps = [{steps}];\n' + "\n".join(

@@ -1,6 +1,4 @@
-"""A mechanism and its ideal reference as a page steps them: assembled with one step, all their numbers in one
-vector.
-"""
+"""A mechanism and its ideal reference for a page: assembled with one step, all numbers in one vector."""
 
 from __future__ import annotations
 
@@ -24,22 +22,22 @@ from ...solvers.transient import LONGEST_STRAIGHT_LINE, choose_loop
 from ...store.schemas import RUN_FILE, is_run_file
 
 Array = NDArray[np.float64]
-# M: the energy of a contact is told at these, and is a power of the depth between two of them
+# Depths (m) at which the page knows the energy of a contact; between two of them it interpolates a power law.
 DEPTHS = np.geomspace(1e-9, 1e-2, 29)
-NO_ENERGY = -300.0  # logarithm of what counts as none
+NO_ENERGY = -300.0  # common logarithm that stands for zero energy
 
 
 @dataclass(frozen=True)
 class PageModel:
-    """A mechanism and, where it is comparable turn by turn, its ideal reference, both assembled."""
+    """An assembled mechanism and its assembled ideal reference, or None without a comparable one."""
 
     own: Assembly
     ideal: Assembly | None
 
     @cached_property
     def parts(self) -> dict[str, Array]:
-        """What the vector is made of, in this order: states and tables of both, and what only a drawing or
-        the ledger asks for.
+        """Parts of the vector in order: states and tables of both, and numbers used only by drawings and the
+        energy balance.
         """
         parts = {"state": started(self.own), "tables": self.own.tables}
         if self.ideal is not None:
@@ -52,11 +50,11 @@ class PageModel:
 
     @cached_property
     def vector(self) -> Array:
-        """All numbers that a slider may change."""
+        """All numbers that a slider may change, shape (n,)."""
         return np.concatenate(list(self.parts.values()))
 
     def same_kind(self, other: PageModel) -> bool:
-        """Whether the other runs by the same text, and differs in numbers alone."""
+        """Return whether another model has the same step functions and differs in numbers only."""
         if (self.ideal is None) != (other.ideal is None) or len(self.vector) != len(other.vector):
             return False
         pairs = [(self.own, other.own)] + ([(self.ideal, other.ideal)] if self.ideal and other.ideal else [])
@@ -69,20 +67,22 @@ class PageModel:
 
 
 def started(assembly: Assembly) -> Array:
-    """The state before the first step, as a runner has it."""
+    """Return the state before the first step, shape (rows,), as a runner initialises it."""
     state = assembly.state.copy()
     state[assembly.layout["c"]] = 1.0
     return state
 
 
 def plays(assembly: Assembly) -> Array:
-    """The clearance of each contact (m), 0 where its joint has none, shape (contacts,)."""
+    """Return the clearance (m) of each contact, 0 for a joint without one, shape (contacts,)."""
     joints = assembly.mechanism.contacts
     return np.array([float(getattr(joints[name], "clearance", 0.0)) for name in assembly.contact_joints])
 
 
 def energies(assembly: Assembly) -> Array:
-    """Common logarithm of the elastic energy (J) of each contact at DEPTHS, shape (contacts * depths,)."""
+    """Return the common logarithm of the elastic energy (J) of each contact at DEPTHS, shape (contacts *
+    depths,).
+    """
     logarithms = np.zeros((len(assembly.contacts), len(DEPTHS)))
     for index, name in enumerate(assembly.contact_joints):
         energy = elastic_energy(
@@ -93,7 +93,7 @@ def energies(assembly: Assembly) -> Array:
 
 
 def model_of(path: Path, settings: list[tuple[str, str]]) -> tuple[Mechanism, float | None]:
-    """The mechanism of a model file, or of a run with the step (s) that it was run with. Raises ModelError or
+    """Return the mechanism of a model file and None, or that of a run and its step (s). Raises ModelError or
     RunFileError.
     """
     if not (path.is_dir() or is_run_file(path)):
@@ -109,7 +109,7 @@ def model_of(path: Path, settings: list[tuple[str, str]]) -> tuple[Mechanism, fl
 
 
 def refuse_unfit(mechanism: Mechanism) -> None:
-    """Raises VfifeError for a mechanism that has nothing to run in a page."""
+    """Raise VfifeError for a mechanism with nothing to run in a page."""
     if mechanism.settings.analysis == "static":
         raise VfifeError("a static analysis has no motion to run in a page; see vfife run and vfife plot")
 
@@ -122,9 +122,10 @@ def page_model(
     force: bool = False,
     references: list[Assembly] | None = None,
 ) -> PageModel:
-    """Both, with steps (s) or the automatic ones. Raises ModelError and AssemblyError for what cannot be run.
+    """Return the assembled mechanism and reference, with the given steps (s) or automatic ones.
 
-    ``known`` are ideal references that were assembled before, and takes another one: play changes none.
+    ``references`` are ideal references assembled before; a matching one is reused, since clearances do not
+    change it, and a new one is added. Raises ModelError and AssemblyError for a mechanism that cannot be run.
     """
     refuse_unfit(mechanism)
     own = assemble(mechanism, step, force_step=force)
@@ -145,7 +146,7 @@ def page_model(
 
 
 def why_not(assembly: Assembly) -> str:
-    """Why a step is not written out, with the numbers."""
+    """Return why a step is too large for straight-line code, with the numbers."""
     if assembly.topology.path_unit != 1:
         return f"its path units have {assembly.topology.path_unit} steps; leave path_unit at 1"
     lines, count = about(assembly.topology), len(assembly.topology.frame_nodes)
@@ -157,8 +158,8 @@ def why_not(assembly: Assembly) -> str:
 
 
 def turned(assembly: Assembly, turn: float | None) -> float:
-    """The step (s) with which another mechanism, whose crank takes ``turn`` (s), has as many steps in a turn;
-    the same one without a crank.
+    """Return the step (s) that divides a turn of another mechanism, of period ``turn`` (s), into the same
+    number of steps; without a crank the same step.
     """
     choice = assembly.choice
     return choice.step if turn is None or choice.turn is None else turn / round(choice.turn / choice.step)

@@ -1,4 +1,4 @@
-"""Data of a page as JSON: names, places of numbers, outlines of bodies, strokes, equilibria of static
+"""Data of a page as JSON: names, indices of numbers, outlines of bodies, strokes, equilibria of static
 analyses.
 """
 
@@ -32,7 +32,7 @@ Pin = list[float]  # particle, x and y (m) in its frame
 
 
 def pin_of(assembly: Assembly, end: str) -> Pin:
-    """Where ``body.pin`` or ``ground.point`` is found."""
+    """Return the particle and offset of ``body.pin`` or ``ground.point``."""
     body, _, pin = end.partition(".")
     if body == "ground":
         return [0, *assembly.mechanism.points[pin]]
@@ -43,7 +43,7 @@ def pin_of(assembly: Assembly, end: str) -> Pin:
 
 
 def centre_of(assembly: Assembly, body: str) -> Pin:
-    """The centre of mass of a rigid body; of others their middle node."""
+    """Return the centre of mass of a rigid body, or the middle node of a deformable one."""
     where = assembly.bodies[body]
     if where.elements:
         return [where.particles[len(where.particles) // 2], 0.0, 0.0]
@@ -51,13 +51,15 @@ def centre_of(assembly: Assembly, body: str) -> Pin:
 
 
 def axis_of(assembly: Assembly, first: str, second: str) -> Pin:
-    """Where two bodies turn against each other: at a pin, else at the centre of mass of the second."""
+    """Return the axis of relative rotation of two bodies: a common pin, else the centre of mass of the
+    second.
+    """
     end = axis_between(assembly.mechanism, first, second)
     return centre_of(assembly, second) if end is None else pin_of(assembly, end)
 
 
 def ends_of(assembly: Assembly, spring: AnySpring) -> tuple[Pin, Pin]:
-    """The pins of a spring, or twice the axis about which its bodies turn."""
+    """Return the pins of a spring; of one about an axis, that axis twice."""
     if spring.between_pins:
         return pin_of(assembly, spring.first), pin_of(assembly, spring.second)
     axis = axis_of(assembly, spring.first, spring.second)
@@ -65,7 +67,7 @@ def ends_of(assembly: Assembly, spring: AnySpring) -> tuple[Pin, Pin]:
 
 
 def axes_of(assembly: Assembly, gear: Gear) -> tuple[Pin, Pin]:
-    """Where the two wheels of a gear turn."""
+    """Return the axes of the two wheels of a gear."""
 
     def same(one: Pin, two: Pin) -> bool:
         return bool(np.allclose(place(assembly, one), place(assembly, two)))
@@ -74,7 +76,7 @@ def axes_of(assembly: Assembly, gear: Gear) -> tuple[Pin, Pin]:
 
 
 def place(assembly: Assembly, pin: Pin) -> tuple[float, float]:
-    """Where a pin is at the start (m)."""
+    """Return the start position of a pin (m)."""
     particle, x, y = int(pin[0]), pin[1], pin[2]
     px, py, angle = (
         float(assembly.state[assembly.layout.row(f"particle_{axis}", particle)])
@@ -85,8 +87,8 @@ def place(assembly: Assembly, pin: Pin) -> tuple[float, float]:
 
 
 def outline(assembly: Assembly, body: BodyMap) -> dict[str, Any]:
-    """The line of a body as pins, one list for each piece that hangs together; whether it is a plate, and has
-    nodes to show.
+    """Return the outline of a body as connected lists of pins, and whether it is a plate and shows
+    its nodes.
     """
     if body.model == "frame":
         pairs = [assembly.topology.frame_nodes[e][:2] for e in body.elements]
@@ -120,12 +122,12 @@ LEFT = ("nx", "ny")
 
 
 def packed(values: NDArray[Any]) -> str:
-    """Numbers as their little-endian bits, in base64."""
+    """Return numbers as base64 of their little-endian bits."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode("ascii")
 
 
 def payload(model: PageModel) -> Json:
-    """All that a page knows of a mechanism, but the text of its step and its sliders."""
+    """Return all data of a page except the text of the step and the sliders."""
     own = model.own
     names = [name for name, body in own.bodies.items() if body.driven == 0]
     return {
@@ -143,19 +145,19 @@ def payload(model: PageModel) -> Json:
 
 
 def left(layout: Layout) -> list[int]:
-    """Scratch rows that the step of a page leaves, behind those that a run records."""
+    """Return the scratch rows that the page reads in addition to the recorded ones."""
     return [int(row) for name in LEFT for row in layout[name]]
 
 
 def per_turn(assembly: Assembly) -> int | None:
-    """Outputs of a turn; None without a crank."""
+    """Return the outputs per turn, None without a crank."""
     turn, choice = assembly.choice.turn, assembly.choice
     return None if turn is None else round(turn / choice.step / choice.outputs_every)
 
 
 def stepped(assembly: Assembly) -> Json:
-    """What it takes to step an assembly and to find its numbers: rows by block, those that are kept, those
-    that begin anew.
+    """Return what the worker needs to step an assembly and to find its numbers: rows by block, rows kept,
+    rows of extremes.
     """
     layout, topology = assembly.layout, assembly.topology
     names = [block.name for block in BLOCKS if block.role in ROLES or block.name in (*ALSO, *LEFT)]
@@ -183,7 +185,7 @@ def _record(assembly: Assembly) -> Record:
 
 
 def bodies(assembly: Assembly) -> list[Json]:
-    """Bodies: how they are drawn, and where their motion is found."""
+    """Return the bodies: how they are drawn, and the particles that move them."""
     return [_body(assembly, body) for body in assembly.bodies.values()]
 
 
@@ -205,7 +207,7 @@ def _body(assembly: Assembly, body: BodyMap) -> Json:
 
 
 def joints(assembly: Assembly) -> list[Json]:
-    """Joints with their pins and strokes."""
+    """Return the joints with their pins and strokes."""
     size, entries = extent(assembly), []
     for name, joint in assembly.mechanism.joints.items():
         pins = pin_of(assembly, joint.bearing), pin_of(assembly, joint.journal)
@@ -228,7 +230,7 @@ def joints(assembly: Assembly) -> list[Json]:
 
 
 def contacts(assembly: Assembly) -> list[Json]:
-    """Contacts: their joint, kind and bodies."""
+    """Return joint, kind and bodies of each contact."""
     topology = assembly.topology
     pairs = zip(topology.contact_kind, topology.contact_bearing, topology.contact_journal, strict=True)
     return [
@@ -240,7 +242,7 @@ def contacts(assembly: Assembly) -> list[Json]:
 
 
 def springs(assembly: Assembly) -> list[Json]:
-    """Springs and gears: their pins and strokes."""
+    """Return springs and gears with their pins and strokes."""
     size, entries = extent(assembly), []
     pairs: list[tuple[Any, tuple[Pin, Pin], tuple[str, str]]] = [
         (spring, ends_of(assembly, spring), ("ground" if spring.between_pins else spring.first, "ground"))
@@ -277,8 +279,8 @@ def springs(assembly: Assembly) -> list[Json]:
 
 
 def loads(assembly: Assembly) -> list[Json]:
-    """Forces and moments that are given: where they act on a body that can move, and which particle turns
-    their direction (the ground: none).
+    """Return constant forces and moments: where they act on a body that can move, and the particle that turns
+    their direction (None for the ground).
     """
     entries = []
     for load in assembly.mechanism.loads.values():
@@ -293,7 +295,7 @@ def loads(assembly: Assembly) -> list[Json]:
 
 
 def points(assembly: Assembly) -> list[list[float]]:
-    """Points of the ground (m)."""
+    """Return the points of the ground (m)."""
     return [[float(x), float(y)] for x, y in assembly.mechanism.points.values()]
 
 
@@ -302,7 +304,7 @@ def _angle(assembly: Assembly, pin: Pin) -> float:
 
 
 def extent(assembly: Assembly) -> float:
-    """About the size of a drawing (m): the largest side of what the mechanism spans at its start."""
+    """Return the approximate size of a drawing (m): the largest extent of the mechanism at its start."""
     at = [
         place(assembly, pin)
         for body in assembly.bodies.values()
@@ -318,10 +320,8 @@ def extent(assembly: Assembly) -> float:
 
 
 def static_payload(result: Result) -> Json:
-    """What the page of a static result is given: all rows of its equilibria, with the directions in which
-    contacts press.
-
-    Raises VfifeError where there is none but the start.
+    """Return the data of a page of equilibria: all rows, and the directions of contact forces. Raises
+    VfifeError if only the start was computed.
     """
     record = result.record
     if len(record.steps) < 2:

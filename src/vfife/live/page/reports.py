@@ -1,6 +1,4 @@
-"""Reports of runs and studies with the mechanism running in them; a member of a study is a position of
-sliders.
-"""
+"""Reports of runs and studies with a running mechanism; a case of a study is a position of the sliders."""
 
 from __future__ import annotations
 
@@ -36,8 +34,8 @@ Places = dict[int, dict[str, int]]
 
 @dataclass(frozen=True)
 class Members(Slide):
-    """A slider whose positions are members: ``values`` are places in ``picked``, and each sets all the
-    numbers of its member.
+    """A slider over cases: each position sets all numbers of one case; ``values`` are indices into
+    ``picked``.
     """
 
     picked: tuple[Mapping[str, Any], ...] = ()
@@ -45,16 +43,16 @@ class Members(Slide):
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The values of its parameters."""
+        """The parameter values of each case."""
         return tuple(self.words[int(value)] for value in self.values)
 
     def changes(self, position: int) -> list[tuple[str, Any]]:
-        """The numbers of the member."""
+        """Return the numbers of the case at a position."""
         return list(self.picked[int(self.values[position])].items())
 
 
 class StudyPage(NamedTuple):
-    """A page in which members of a study run: ``places`` are positions of its sliders by member."""
+    """A page that runs cases of a study: ``places`` are the slider positions by case."""
 
     text: str
     places: Places
@@ -62,11 +60,10 @@ class StudyPage(NamedTuple):
 
 
 def study_page(study: Study) -> StudyPage:
-    """The page of a study.
+    """Return the page of a study.
 
-    All run with as many steps a turn as the finest of them had, so that what a page shows of a coarser one
-    may differ from the study's numbers as far as these depend on the step. Raises VfifeError where no member
-    can run in a page.
+    All cases run with the number of steps per turn of the finest one, so a coarser case may differ from the
+    study by its step error. Raises VfifeError if no case can run in a page.
     """
     done = [one for one in study.done if study.outcomes[one.number]["status"] == Status.COMPLETE]
     if not done:
@@ -85,7 +82,7 @@ def study_page(study: Study) -> StudyPage:
 
 
 def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]:
-    """The report of a study, and sentences about what is not in it."""
+    """Return the report of a study, and sentences on what it lacks."""
     drawn = pictures(study)
     page = pages.study_page(study, drawn)
     if not live:
@@ -100,13 +97,15 @@ def study_report(study: Study, live: bool = True) -> tuple[str, tuple[str, ...]]
 
 
 def mechanism(study: Study, member: StudyCase) -> Mechanism:
-    """A member as a mechanism; laws of the user's own are those that the file tells of."""
+    """Return the mechanism of a case; user laws are those recorded in the file."""
     with standing_in(study.request["own_laws"]):
         return loads(study.request["text"], list(member.numbers.items()))
 
 
 def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:
-    """A slider for each parameter, where members fill a grid of numbers that is not too large; else none."""
+    """Return a slider for each parameter if the cases form a grid of numbers that is not too large, else
+    none.
+    """
     axes = study.axes
     numbers = all(
         one.name in axes and not any(isinstance(value, str) for value in axes[one.name])
@@ -130,8 +129,8 @@ def by_parameters(study: Study, done: list[StudyCase]) -> list[Slide]:
 
 
 def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
-    """Members of a slider: the first one, those with the least and the largest of each measure, the others
-    evenly.
+    """Return the cases for a slider: the first, those with the extremes of each measure, and others evenly
+    spaced.
     """
     if len(done) <= MOST_MEMBERS:
         return done
@@ -147,7 +146,7 @@ def chosen(study: Study, done: list[StudyCase]) -> list[StudyCase]:
 
 
 def over_members(study: Study, picked: list[StudyCase]) -> Slide:
-    """One slider over members."""
+    """Return one slider over cases."""
     words = tuple(f"{one.number}: {where(study, one)}" for one in picked)
     return Members(
         MEMBER,
@@ -162,7 +161,7 @@ def over_members(study: Study, picked: list[StudyCase]) -> Slide:
 
 
 def places(study: Study, patches: SliderPatches) -> Places:
-    """Positions of the page's sliders by members, of those that it can run."""
+    """Return the slider positions of the cases that the page can run."""
     places: Places = {}
     slides = {one.name: one for one in patches.slides}
     if isinstance(slides.get(MEMBER), Members):
@@ -185,9 +184,7 @@ def places(study: Study, patches: SliderPatches) -> Places:
 
 
 def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:
-    """The report of a result as one page, and sentences why the mechanism does not run in it where it
-    was to.
-    """
+    """Return the report of a result as HTML, and sentences on why the mechanism does not run in it."""
     mechanism, notes, page = result.record.assembly.mechanism, [], None
     if running:
         try:
@@ -205,5 +202,5 @@ def run_report(result: Result, running: bool = True) -> tuple[str, list[str]]:
 
 
 def report(result: Result, path: str | Path, running: bool = True) -> None:
-    """Write the report; what is there gives way when it is whole."""
+    """Write the report of a result. An existing file is replaced when the new one is complete."""
     write_text(Path(path), run_report(result, running)[0])

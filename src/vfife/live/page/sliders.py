@@ -1,4 +1,4 @@
-"""Sliders: parameters of a model, and the values that each may take in a page."""
+"""Sliders of a page: parameters of a model and the values that each may take."""
 
 from __future__ import annotations
 
@@ -25,9 +25,7 @@ RESTITUTION = (0.4, 0.95)
 @dataclass(frozen=True)
 class Slide:
     """A slider: its name, the ``paths`` that it sets, their unit, its values, and ``here``, the position of
-    the model's own value.
-
-    A ``complete`` one keeps all its values where it moves by itself.
+    the model's own value. A ``complete`` slider keeps all its values if it belongs to no group.
     """
 
     name: str
@@ -39,16 +37,16 @@ class Slide:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """A text for each position; without any the page shows the values."""
+        """Texts for the positions; empty to show the values."""
         return ()
 
     def changes(self, position: int) -> list[tuple[str, Any]]:
-        """Paths and values of a position."""
+        """Return paths and values of a position."""
         return [(path, self.values[position]) for path in self.paths]
 
 
 def default_slides(mechanism: Mechanism) -> list[Slide]:
-    """A slider for every clearance, one for the speed of each driver, one for all friction and one for all
+    """Return a slider for each clearance, one for each driver speed, one for all friction and one for all
     restitution.
     """
     slides = [
@@ -79,7 +77,9 @@ def default_slides(mechanism: Mechanism) -> list[Slide]:
 
 
 def share_slide(path: str, mechanism: Mechanism, low: float, high: float) -> Slide | None:
-    """A slider over shares of the model's value; None where it has no such number, or zero."""
+    """Return a slider from ``low`` to ``high`` times the model's value; None if it has no such number, or
+    zero.
+    """
     try:
         value, unit = number_at(mechanism, path)
     except ValueError:
@@ -89,8 +89,8 @@ def share_slide(path: str, mechanism: Mechanism, low: float, high: float) -> Sli
 
 
 def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--slide") -> list[Slide]:
-    """Read sliders as PATH=LOW..HIGH with a unit, such as ``joint.C.clearance=0.01..0.5mm``. Raises
-    ValueError, which names the ``option``.
+    """Return the sliders of texts PATH=LOW..HIGH with a unit, such as ``joint.C.clearance=0.01..0.5mm``.
+    Raises ValueError, with the name of the ``option``.
     """
     slides = []
     for text in texts:
@@ -113,8 +113,8 @@ def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
 
 
 def spaced(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, here: float) -> Slide:
-    """Positions from low to high, evenly or by ratios where the range is wide, and the model's own value
-    among them.
+    """Return a slider with positions from low to high, evenly or geometrically spaced, including the model's
+    value.
     """
     wide = low > 0.0 and high / low >= WIDE
     shares = [k / (POSITIONS - 1) for k in range(POSITIONS)]
@@ -126,7 +126,7 @@ def spaced(name: str, paths: tuple[str, ...], unit: str, low: float, high: float
 
 
 def number_at(mechanism: Mechanism, path: str) -> tuple[float, str]:
-    """The number at a path such as ``joint.C.contact.restitution``, and its unit. Raises ValueError where
+    """Return the number at a path such as ``joint.C.contact.restitution``, and its unit. Raises ValueError if
     there is none.
     """
     parameter = Parameter(mechanism, path)

@@ -39,7 +39,7 @@ class Inputs:
     travel: tuple[float, float] = (0.0, 0.0)
 
     def changed(self) -> dict[str, Inputs]:
-        """The inputs with one of them changed, by its name."""
+        """Return the inputs with one of them changed, by its name."""
         changes: dict[str, dict[str, Any]] = {
             "first": {"first": (self.first[0] + STEP, self.first[1])},
             "second": {"second": (self.second[0] + STEP, self.second[1])},
@@ -58,10 +58,9 @@ Strokes: TypeAlias = Callable[[Inputs], list[Stroke]]
 def joint_strokes(
     joint: Any, inputs: Inputs, start: tuple[float, float], ground: tuple[bool, bool]
 ) -> tuple[list[dict[str, Any]], float]:
-    """The strokes of a joint as data, and the direction of its guide (rad, in the bearing's frame), along
-    which travel counts.
+    """Return the strokes of a joint as data, and the direction of its guide (rad, in the bearing's frame).
 
-    ``start`` are the angles of its bodies at the start (rad), ``ground`` says which of them is the ground.
+    ``start`` are the start angles of its bodies (rad); ``ground`` tells which of them is the ground.
     """
     directions = [0.0]
     entries = _attached(lambda one: strokes_of(joint, one, start, ground, directions), inputs)
@@ -94,7 +93,7 @@ def pair_strokes(item: Any, inputs: Inputs) -> list[dict[str, Any]]:
 
 
 def _attached(strokes_of: Strokes, inputs: Inputs) -> list[dict[str, Any]]:
-    """Every stroke with its look and its points, each as [carrier, frame, x, y, x and y by size, by least
+    """Return every stroke with its look and points, each as [carrier, frame, x, y, x and y by size, by least
     travel, by largest travel].
     """
     strokes = strokes_of(inputs)
@@ -114,8 +113,8 @@ def _attached(strokes_of: Strokes, inputs: Inputs) -> list[dict[str, Any]]:
 
 
 def points_of(stroke: Stroke) -> Array:
-    """Points of a stroke, shape (points, 2): of a surface the strip of its material, of a block its
-    corners.
+    """Return the points of a stroke, shape (points, 2): of a surface, the outline of its hatching; of a
+    block, its corners.
     """
     if isinstance(stroke, Curve):
         return np.asarray(stroke.points, dtype=float).reshape(-1, 2)
@@ -136,7 +135,7 @@ def points_of(stroke: Stroke) -> Array:
 
 
 def look_of(stroke: Stroke) -> dict[str, Any]:
-    """Kind, colour and line of a stroke."""
+    """Return kind, colour and line style of a stroke."""
     if isinstance(stroke, Curve):
         return {
             "is": "curve",
@@ -152,7 +151,7 @@ def look_of(stroke: Stroke) -> dict[str, Any]:
 
 
 def _coefficients(inputs: Inputs, point: Array, changed: dict[str, Array]) -> list[float]:
-    """Carrier, frame and coefficients of a point, from its positions with changed inputs."""
+    """Return carrier, frame and coefficients of a point, from its positions with changed inputs."""
     first, second = np.array(inputs.first), np.array(inputs.second)
 
     def by(name: str, step: float = STEP) -> Array:

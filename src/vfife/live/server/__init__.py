@@ -1,3 +1,1 @@
-"""The page with Python behind it: models chosen, edited, saved, run and followed from browsers on this
-machine.
-"""
+"""The page served with an editor: browsers on this machine choose, edit, save, run and watch models."""

@@ -1,8 +1,6 @@
-"""Addresses of a session, what they answer, and the guard before them: browsers on this machine that know the
-secret, and pages of our own.
+"""HTTP routes of a session, and the guard that accepts only browsers of this machine that know the secret.
 
-The secret is a part of every address. A cookie would go to whatever else listens on another port of this
-machine, too.
+The secret is a part of every address. A cookie would also be sent to servers on other ports of this machine.
 """
 
 from __future__ import annotations
@@ -35,19 +33,19 @@ from .pages import drawing
 from .session import MOST_BROWSERS, Mailbox, Session
 
 HERE = "127.0.0.1"
-PATIENCE = 20.0  # s until it has begun
-LEFT = 0.8  # s that it has to end
+PATIENCE = 20.0  # s, limit for the server to start
+LEFT = 0.8  # s, limit for the server to stop
 BROWSER = Path(__file__).resolve().parents[1] / "browser" / "served"
 SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
 KINDS = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
 FILES = ("shell.html", "shell.js", "form.js", "shell.css")
-BEAT = 10.0  # s between two signs of life to a browser
+BEAT = 10.0  # s between two comments on an idle event stream
 FAULT = "<!doctype html><meta charset=utf-8><body data-said=1><pre style='white-space: pre-wrap'>{}</pre>"
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:;"
     " frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-# of a page in which a mechanism runs, which says itself what it may ask for: nothing
+# Policy of a page that runs a mechanism; the page itself declares that it may load nothing.
 WITHIN = "frame-ancestors 'self'"
 HEADERS = {
     "referrer-policy": "no-referrer",
@@ -61,7 +59,7 @@ Answer = Callable[[Request], Awaitable[Response]]
 
 
 def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
-    """The application, behind its guard."""
+    """Return the application with its guard. ``hosts`` are the accepted values of the Host header."""
 
     @asynccontextmanager
     async def alive(_: Starlette) -> AsyncIterator[None]:
@@ -122,21 +120,21 @@ def app(session: Session, secret: str, hosts: tuple[str, ...]) -> Guard:
 
 
 def file(name: str) -> Response:
-    """One of the files that the page is made of."""
+    """Return one of the static files of the page."""
     if name not in FILES:
         return Response(status_code=404)
     return Response((BROWSER / name).read_bytes(), media_type=KINDS[Path(name).suffix])
 
 
 def name_in(body: Json) -> str | None:
-    """The name under which a model is to be saved, None for the one it has. Raises TypeError for anything but
-    a text.
+    """Return the name under which a model is to be saved, None for its present one. Raises TypeError for
+    anything but a text.
     """
     return None if body.get("name") is None else text_in(body, "name")
 
 
 def changes(body: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
-    """Paths of values and what each becomes, as they were sent. Raises ValueError for what are none."""
+    """Return the paths and new values that a browser sent. Raises ValueError for an invalid form."""
     pairs = []
     for one in body["changes"]:
         path, value = one["path"], one["value"]
@@ -152,8 +150,8 @@ def changes(body: Json) -> list[tuple[tuple[str | int, ...], str | None]]:
 
 
 async def done(request: Request, act: Callable[[Request, Json], Any]) -> Response:
-    """The answer to what was asked, or the faults of it: 404 for what there is not, 409 for what has changed,
-    422 for what cannot be.
+    """Return the answer of an action, or its faults with status 404 (no such model), 409 (changed meanwhile)
+    or 422 (invalid).
     """
     try:
         content = json.loads(await body(request)) if request.method == "POST" else {}
@@ -182,7 +180,7 @@ async def done(request: Request, act: Callable[[Request, Json], Any]) -> Respons
 
 
 async def body(request: Request) -> bytes:
-    """What was sent. Raises ValueError where it is more than any model."""
+    """Return the body of a request. Raises ValueError if it is larger than any model."""
     received = b""
     async for part in request.stream():
         received += part
@@ -192,7 +190,7 @@ async def body(request: Request) -> bytes:
 
 
 async def page(request: Request, session: Session) -> Response:
-    """The page in which a model runs, or a sentence why it does not."""
+    """Return the page that runs a model, or a page with the reason why it cannot run."""
     headers = {"content-security-policy": WITHIN}
     try:
         document = session.shelf[request.path_params["which"]]
@@ -204,15 +202,15 @@ async def page(request: Request, session: Session) -> Response:
         return HTMLResponse(FAULT.format("This model is not open here; choose one."), 404, headers)
     except (VfifeError, ValueError, ArithmeticError) as error:
         return HTMLResponse(FAULT.format(escape(str(error))), 422, headers)
-    except Exception as error:  # a fault of ours is told, too: the browser waits for a page
+    except Exception as error:  # also for a programming error the browser must get a page, not wait for one
         return HTMLResponse(
             FAULT.format(escape(f"This cannot be shown: {type(error).__name__}: {error}")), 500, headers
         )
 
 
 async def drawn(request: Request, session: Session) -> Response:
-    """A drawing of the gallery: one at a time, after pages that somebody waits for, and none that nobody
-    waits for any more.
+    """Return a drawing of the gallery: one at a time, after pages in progress, and none if the browser has
+    left.
     """
     async with session.drawing:
         while session.pages.building.locked():
@@ -228,16 +226,14 @@ async def drawn(request: Request, session: Session) -> Response:
 
 
 def listening(session: Session) -> Response:
-    """The events of a session, as they happen; refused where so many browsers listen that it must be a
-    mistake.
-    """
+    """Return the event stream of a session; 503 if so many browsers listen that it must be a mistake."""
     if len(session.listeners) >= MOST_BROWSERS:
         return Response("vfife live: too many browsers listen; close some\n", 503, {"retry-after": "10"})
     return StreamingResponse(events(session), media_type="text/event-stream")
 
 
 async def events(session: Session) -> AsyncIterator[str]:
-    """What happens, as it happens, with a sign of life now and then."""
+    """Yield events as they occur, and a comment every ``BEAT`` seconds that keeps the connection open."""
     mailbox = Mailbox()
     if len(session.listeners) >= MOST_BROWSERS:
         return
@@ -258,8 +254,8 @@ async def events(session: Session) -> AsyncIterator[str]:
 
 
 class Guard:
-    """Refuses, with 403, whoever calls by another name (a name of a foreign page that leads here), comes from
-    a foreign page, or has no secret.
+    """Refuse, with status 403, requests with a foreign host name (DNS rebinding), from a foreign page, or
+    without the secret.
     """
 
     def __init__(self, app: ASGIApp, secret: str, hosts: Iterable[str]) -> None:
@@ -267,7 +263,7 @@ class Guard:
         self.origins = frozenset(f"http://{host}" for host in self.hosts)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request, or refuses it."""
+        """Answer or refuse a request."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -285,22 +281,27 @@ class Guard:
                 ]
             await send(message)
 
+        # The secret becomes part of the root path, so that routes and relative links do not contain it.
         _, secret, rest = scope["path"].split("/", 2)
         root = f"/{secret}"
         await self.app({**scope, "path": f"{root}/{rest}", "root_path": root}, receive, marked)
 
     def refusal(self, scope: Scope) -> str | None:
-        """Why a request is refused; None for one that is answered."""
+        """Return why a request is refused, None if it is accepted."""
         headers = Headers(scope=scope)
+        # The Host header is checked first: a foreign name that resolves to this machine (DNS rebinding) would
+        # make the requests of a foreign page same-origin.
         if headers.get("host", "") not in self.hosts:
             return "this name is not that of this machine"
         origin = headers.get("origin")
         if origin is not None and origin not in self.origins:
             return "a page from elsewhere asks"
-        # A link, as in a terminal that is a page itself
+        # Following a link is accepted, because terminals in a browser show the address as one. A link only
+        # loads the page for the user; the foreign page that contains it cannot read the answer.
         followed = scope["method"] == "GET" and headers.get("sec-fetch-dest") == "document"
         if headers.get("sec-fetch-site", "none") not in ("same-origin", "none") and not followed:
             return "a page from elsewhere asks"
+        # Forms of foreign pages can send other content types without a preflight request.
         if (
             scope["method"] not in ("GET", "HEAD")
             and headers.get("content-type", "").partition(";")[0] != "application/json"
@@ -326,14 +327,14 @@ class Serving:
     thread: threading.Thread
 
     def wait(self) -> None:
-        """Until a signal interrupts it."""
+        """Wait until a signal interrupts."""
         while self.thread.is_alive():
             self.thread.join(0.2)
 
 
 def bound(port: int) -> socket.socket:
-    """A socket on a port of this machine alone, 0 for one that is free. Raises ValueError where it is
-    taken.
+    """Return a socket on a port of the loopback interface, 0 for a free one. Raises ValueError if the port is
+    in use.
     """
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -351,10 +352,10 @@ def bound(port: int) -> socket.socket:
 
 @contextmanager
 def served(session: Session, port: int = 0) -> Iterator[Serving]:
-    """A session while it is served, by a thread of its own; at the end connections are cut. Raises ValueError
-    for a port that is taken.
+    """Serve a session in a thread of its own; at the end connections are closed. Raises ValueError if the
+    port is in use.
     """
-    # Connections that are cut at the end are no news
+    # Connections that are closed at the end would be logged as errors.
     logging.getLogger("uvicorn").addHandler(logging.NullHandler())
     logging.getLogger("uvicorn").propagate = False
     listening = bound(port)

@@ -1,6 +1,5 @@
-"""Models that are open in a session, their files, and the shelf of models that can be opened.
-
-A shelf reaches the gallery and the model files of one folder; nothing else on the machine is read or written.
+"""Open models of a session, their files, and the models that can be opened: the gallery and the model files
+of one folder. Nothing else on the machine is read or written.
 """
 
 from __future__ import annotations
@@ -25,20 +24,20 @@ from ...modelfile.write import value as toml_text
 from ..page.page_model import model_of
 
 LARGEST = 2_000_000  # bytes of a model file
-MOST_UNDO = 200  # texts that can be had back
-MOST_FILES = 200  # files of a folder that are looked at
+MOST_UNDO = 200  # texts that undo() can restore
+MOST_FILES = 200  # files of a folder that are listed
 NAME = re.compile(r"\w[\w .()+-]*\.toml")
-# A model file has one of these tables
+# A TOML file with one of these tables is taken for a model file.
 PARTS = frozenset(["body", "joint", "driver", "spring", "gear", "load", "ground"])
 Json = dict[str, Any]
 
 
 class Conflict(ValueError):
-    """What is asked does not fit what has happened meanwhile."""
+    """A request that does not match the present state of a model or file."""
 
 
 class Draft(VfifeError):
-    """Changes that do not give a sound model yet: its faults, and what the text would be."""
+    """Changes that do not give a valid model yet: its faults, and the text it would have."""
 
     def __init__(self, error: ModelError, text: str) -> None:
         super().__init__(str(error))
@@ -46,8 +45,8 @@ class Draft(VfifeError):
 
 
 class Look(NamedTuple):
-    """What a look at a file saw: its name, the stamp that was known before and the one of ``now``, and its
-    text, None where it is gone.
+    """Observation of a file: its path, the stamp known ``before`` and that of ``now`` (time of change and
+    size), and its text, None if it is missing.
     """
 
     path: Path
@@ -58,11 +57,10 @@ class Look(NamedTuple):
 
 @dataclass
 class Document:
-    """A model: ``text`` and the ``mechanism`` that it says, of ``version``; ``path`` is its file or None,
-    ``disk`` what that was last seen to hold.
+    """An open model: ``text``, its ``mechanism`` and a ``version`` that every change increments.
 
-    ``step`` (s) is that of the run that it came from. ``faults`` are those of the file as it is now, where it
-    is not sound.
+    ``path`` is its file or None, ``disk`` the last known content of that file. ``step`` (s) is that of the
+    run from which the model was opened. ``faults`` are those of the file, if its present content is invalid.
     """
 
     id: str
@@ -81,7 +79,7 @@ class Document:
         self.opened = self.text
 
     def read(self, text: str) -> Mechanism:
-        """What a text says. Raises ModelError with every fault."""
+        """Return the mechanism of a text. Raises ModelError with all faults."""
         if len(text.encode("utf-8", "replace")) > LARGEST:
             raise ModelError(
                 [
@@ -99,12 +97,12 @@ class Document:
 
     @property
     def saved(self) -> bool:
-        """Whether the file holds the text."""
+        """Whether the file contains the text."""
         return self.disk == self.text
 
     def take(self, text: str, version: int | None = None) -> None:
-        """Take a sound text in place of the former one. Raises ModelError for another, Conflict where it was
-        not made from the last one.
+        """Replace the text by a valid one. Raises ModelError for an invalid text, Conflict if it was not
+        derived from the present ``version``.
         """
         if version is not None and version != self.version:
             raise Conflict(
@@ -118,10 +116,10 @@ class Document:
         self._now(text)
 
     def set(self, changes: Sequence[tuple[KeyPath, str | None]], version: int | None = None) -> None:
-        """Change values where they stand, all of them or none.
+        """Change values in the text, all or none.
 
-        Raises Draft where that gives no sound model, ModelError where a value cannot be changed alone,
-        Conflict as :meth:`take` does.
+        ``changes`` are paths with new values, None to remove. Raises Draft if the result is no valid model,
+        ModelError if a value cannot be changed by itself, Conflict as :meth:`take`.
         """
         text = self.text
         for path, value in changes:
@@ -132,7 +130,7 @@ class Document:
             raise Draft(error, text) from None
 
     def undo(self) -> None:
-        """Go back to the text before."""
+        """Restore the previous text."""
         if self.before:
             text = self.before.pop()
             self.mechanism = self.read(text)
@@ -143,14 +141,14 @@ class Document:
 
     @property
     def its_step(self) -> float | None:
-        """The step (s) of the run that it came from, as long as its text is what that ran."""
+        """Step (s) of the run from which the model was opened, while its text is unchanged."""
         return self.step if self.text == self.opened else None
 
     # --------------------------------------------------------------------------------------------------- file
 
     def look(self) -> Look | None:
-        """Read the file where it has another time of change or size than before; None where it has not, or
-        there is no file.
+        """Read the file if its time of change or size differs from the last ones; None if not, or without
+        file.
         """
         path, stamp = self.path, self.stamp
         if path is None:
@@ -167,10 +165,10 @@ class Document:
             return Look(path, stamp, (0, 0), None)
 
     def follow(self, look: Look | None) -> str | None:
-        """Take what a look at the file has seen: "model" where the text was taken, "faults" where it is not
-        sound, "gone", or None.
+        """Apply an observation of the file; return "model" if its text was taken, "faults" if it is invalid,
+        "gone", or None.
 
-        A look counts for nothing where the file was saved or looked at meanwhile.
+        An observation is ignored if the file was saved or observed again in the meantime.
         """
         if look is None or (look.path, look.before) != (self.path, self.stamp):
             return None
@@ -178,6 +176,7 @@ class Document:
         if look.text is None:
             self.disk = None if missing else self.disk
             return "gone" if missing else None
+        # A time of change may differ with equal content: touch, or an editor that saves twice.
         disk = look.text
         if disk == self.disk:
             return None
@@ -191,11 +190,10 @@ class Document:
         return "model"
 
     def save(self, path: Path | None = None) -> None:
-        """Write the text into its file, or a new one, which it is of from then on.
+        """Write the text into its file or a new one, which becomes its file.
 
-        The text has been read as a sound model before; what was there gives way when the new file is whole.
-        Raises Conflict where a file has changed since it was read, or there is one already, and OSError where
-        it cannot be written.
+        An existing file is replaced when the new one is complete. Raises Conflict if the file was changed
+        since it was read, or if a new one exists already, and OSError if it cannot be written.
         """
         target = path or self.path
         if target is None:
@@ -207,6 +205,8 @@ class Document:
                 f"{target.name} is no regular file any more (a pipe, a device or a folder); choose another"
                 " name"
             )
+        # The file is checked immediately before it is written. A change by another program becomes the
+        # present text, and the user's text the step before it for Undo, so that neither is lost.
         before = self.version
         if target == self.path and (self.follow(self.look()) == "faults" or self.version != before):
             raise Conflict(
@@ -221,7 +221,7 @@ class Document:
     # -------------------------------------------------------------------------------------------------- words
 
     def json(self) -> Json:
-        """As a browser takes it."""
+        """Return the document as browsers receive it."""
         return {
             "id": self.id, "name": self.name, "title": self.mechanism.name, "text": self.text,
             "version": self.version, "saved": self.saved,
@@ -232,7 +232,7 @@ class Document:
 
 
 def text_in(body: Json, key: str) -> str:
-    """A text that was sent. Raises TypeError for anything else."""
+    """Return a text of a request. Raises TypeError for any other type."""
     value = body[key]
     if not isinstance(value, str):
         raise TypeError(f"{key} is to be a text, and was sent as {type(value).__name__}")
@@ -240,7 +240,7 @@ def text_in(body: Json, key: str) -> str:
 
 
 def fault_list(error: Exception) -> tuple[Json, ...]:
-    """The faults of an error, each with its place and its sentence."""
+    """Return the faults of an error, each with place and sentence."""
     faults = getattr(error, "faults", ())
     return tuple({"where": one.where, "said": str(one)} for one in faults) or (
         {"where": "", "said": str(error)},
@@ -248,7 +248,7 @@ def fault_list(error: Exception) -> tuple[Json, ...]:
 
 
 def leaves(values: Any) -> Any:
-    """Tables of texts: each value as it is typed, texts without their quotes."""
+    """Return nested tables with each value as typed in a model file, texts without quotes."""
     if isinstance(values, dict):
         return {name: leaves(one) for name, one in values.items()}
     return values if isinstance(values, str) else toml_text(values)
@@ -258,7 +258,7 @@ def leaves(values: Any) -> Any:
 
 
 class Shelf:
-    """The documents of a session, by their identities, and what others can be opened: from the gallery, from
+    """The open documents of a session, by identity, and the models that can be opened: from the gallery, from
     ``folder``, or as a text.
     """
 
@@ -268,13 +268,13 @@ class Shelf:
         self._numbers = count(1)
 
     def __getitem__(self, which: str) -> Document:
-        """A document that is open. Raises LookupError."""
+        """Return an open document. Raises LookupError."""
         return self.documents[which]
 
     # ------------------------------------------------------------------------------------------ what there is
 
     def json(self) -> Json:
-        """What can be chosen."""
+        """Return the models that can be chosen."""
         shown = [
             {"name": name, **about(mechanism)}
             for name, mechanism in ((name, getattr(gallery, name)()) for name in gallery.__all__)
@@ -288,8 +288,8 @@ class Shelf:
         return {"gallery": shown, "files": files, "folder": self.folder.name, "texts": texts}
 
     def files(self) -> dict[str, Path]:
-        """Model files that may be opened: those of the folder, links that leave it not among them, and those
-        that are open.
+        """Return the model files that may be opened: open ones and those of the folder, except links that
+        leave it.
         """
         files = {one.path.name: one.path for one in self.documents.values() if one.path is not None}
         for path in sorted(self.folder.glob("*.toml"))[:MOST_FILES]:
@@ -300,7 +300,7 @@ class Shelf:
     # ------------------------------------------------------------------------------------------------ opening
 
     def from_gallery(self, name: str) -> Document:
-        """A mechanism of the gallery. Raises LookupError for a name that it has not."""
+        """Return a mechanism of the gallery. Raises LookupError for an unknown name."""
         which = f"gallery-{name}"
         if which not in self.documents:
             if name not in gallery.__all__:
@@ -309,14 +309,14 @@ class Shelf:
         return self.documents[which]
 
     def from_folder(self, name: str) -> Document:
-        """A model file of the folder. Raises LookupError for another name, ModelError for a file with
-        faults.
+        """Return a model file of the folder. Raises LookupError for an unknown name, ModelError for an
+        invalid file.
         """
         return self.from_file(self.files()[name])
 
     def from_file(self, path: Path, settings: list[tuple[str, str]] | None = None) -> Document:
-        """A model file that the user has named, with values that were set. Raises ModelError with every
-        fault.
+        """Return a model file named by the user, with ``settings`` (path and value) applied. Raises
+        ModelError with all faults.
         """
         path = path.resolve()
         for one in self.documents.values():
@@ -324,28 +324,28 @@ class Shelf:
                 return one
         document = from_disk(f"file-{next(self._numbers)}", path)
         if settings:
-            load(path, set=settings)  # which tells all that is wrong with them
+            load(path, set=settings)  # raises with the faults of all settings
             for where, value in settings:
                 document.set([(resolve(tomllib.loads(document.text), where), value)])
         self.documents[document.id] = document
         return document
 
     def from_text(self, name: str, text: str) -> Document:
-        """A text that a browser has read. Raises ModelError with every fault."""
+        """Return a model that a browser has read from a file. Raises ModelError with all faults."""
         which = f"text-{next(self._numbers)}"
         self.documents[which] = Document(which, re.sub(r"[^\w .()+-]", "_", name)[:80] or "model.toml", text)
         return self.documents[which]
 
     def from_run(self, folder: Path, settings: list[tuple[str, str]] | None = None) -> Document:
-        """The model of a run, and its step. Raises RunFileError, and ValueError for values that are set."""
+        """Return the model of a run, with its step. Raises RunFileError, and ValueError for ``settings``."""
         mechanism, step = model_of(folder, settings or [])
         which = f"run-{next(self._numbers)}"
         self.documents[which] = Document(which, folder.resolve().name, dump(mechanism), step=step)
         return self.documents[which]
 
     def place(self, name: str) -> Path:
-        """Where a model of this name is written. Raises Conflict for what is no plain name of a model
-        file.
+        """Return the path under which a model of this name is saved. Raises Conflict for an invalid file
+        name.
         """
         file_name = name if name.endswith(".toml") else f"{name}.toml"
         if not NAME.fullmatch(file_name) or len(file_name) > 100:
@@ -357,17 +357,17 @@ class Shelf:
 
 
 def from_disk(which: str, path: Path) -> Document:
-    """A document of a file. Raises ModelError where it cannot be read or has faults."""
+    """Return the document of a file. Raises ModelError if it cannot be read or is invalid."""
     try:
         text, status = read_bytes(path).decode("utf-8-sig"), path.stat()
     except (OSError, UnicodeDecodeError):
-        load(path)  # which says why
+        load(path)  # raises with the reason
         raise
     return Document(which, path.name, text, path, text, stamp=(status.st_mtime_ns, status.st_size))
 
 
 def is_model(path: Path, folder: Path) -> bool:
-    """Whether a file of a folder is a model file, as its tables tell."""
+    """Return whether a file of a folder is a model file, judged by its tables."""
     try:
         if path.resolve().parent != folder or not path.is_file() or path.stat().st_size > LARGEST:
             return False
@@ -377,7 +377,7 @@ def is_model(path: Path, folder: Path) -> bool:
 
 
 def title_of(path: Path) -> str:
-    """What a model file says that it is called; nothing where it says nothing, or not in a text."""
+    """Return the name that a model file gives itself; "" if it gives none."""
     try:
         return str(tomllib.loads(read_bytes(path, LARGEST).decode("utf-8")).get("name", ""))
     except (OSError, ValueError, RecursionError):
@@ -385,7 +385,7 @@ def title_of(path: Path) -> str:
 
 
 def about(mechanism: Mechanism) -> Json:
-    """What a choice says of a mechanism."""
+    """Return title, note and type of analysis of a mechanism."""
     return {
         "title": mechanism.name,
         "note": mechanism.note,

@@ -1,5 +1,5 @@
-"""Pages of models: first the mechanism that runs, then, when all their positions are assembled, its
-sliders.
+"""Pages of models: at once the running mechanism; its sliders follow when all their positions are
+assembled.
 """
 
 from __future__ import annotations
@@ -18,18 +18,20 @@ from ..page.patches import slider_patches
 from ..page.sliders import default_slides, parse_slides
 from .documents import Document
 
-Key = tuple[str, int]  # a document and its version
+Key = tuple[str, int]  # identity and version of a document
 CACHED = 12  # pages
-PAUSE = 0.5  # s, for which sliders wait for a page at most
+PAUSE = 0.5  # s, longest time for which sliders wait for a page in progress
 
 
 class Superseded(BaseException):
-    """Sliders of a model that has changed since; no error, which would be taken for one of the model."""
+    """Ends the assembly of sliders of a model that has changed. Derived from BaseException, so that handlers
+    of model errors do not catch it.
+    """
 
 
 class Pages:
-    """Makes pages; ``notify`` is called with what a browser shall know. Sliders are assembled by a thread
-    that yields to whoever waits for a page.
+    """Cache and maker of pages; ``notify`` sends events to browsers. A background thread assembles sliders
+    and yields to requests for pages.
     """
 
     def __init__(
@@ -39,40 +41,42 @@ class Pages:
         sliders: bool = True,
     ) -> None:
         self.notify, self.slide, self.sliders = notify, slide, sliders
-        self.first: str | None = None  # the document that --slide is for
+        self.first: str | None = None  # the document to which --slide applies
         self.cache: OrderedDict[tuple[Key, bool], str] = OrderedDict()
         self.queue: OrderedDict[str, Document] = OrderedDict()
         self.current: Key | None = None
-        self.superseded = False  # whether another document was requested since the sliders in work were begun
+        self.superseded = False  # whether a document was requested after the present sliders were begun
+        # ``building`` is held while a page is made; ``changed`` guards the queues and wakes the threads.
         self.building, self.changed, self.closed = threading.Lock(), threading.Condition(), False
-        self.prepared: dict[str, Document] = {}  # documents whose page is made before a browser asks
+        self.prepared: dict[str, Document] = {}  # documents whose page is made before a browser requests it
         for work, name in ((self._work, "sliders"), (self._make_ahead, "pages")):
             threading.Thread(target=work, name=name, daemon=True).start()
 
     def page(self, document: Document, full: bool = False) -> str:
-        """The page of a document as it is; with its sliders where they are there and asked for. Raises
-        VfifeError where it cannot run.
+        """Return the page of a document, with sliders if ``full`` and if they are ready. Raises VfifeError if
+        the mechanism cannot run.
         """
         key = document.id, document.version
         if full and (key, True) in self.cache:
             return self.cache[key, True]
         with self.building:
-            key = document.id, document.version  # of what changed while we waited, only the last is made
+            # The version is read again: of several changes during the wait only the last needs a page.
+            key = document.id, document.version
             if (key, False) not in self.cache:
                 self._keep(key, False, live_page(document.mechanism, [], document.its_step))
         self._want(document, key)
         return self.cache[key, False]
 
     def ahead(self, document: Document) -> None:
-        """Begin the page of a document that has changed, which browsers are about to ask for; pages begun
-        before count no more.
+        """Make the page of a changed document before browsers request it; earlier orders for it are
+        dropped.
         """
         with self.changed:
             self.prepared[document.id] = document
             self.changed.notify_all()
 
     def _make_ahead(self) -> None:
-        """Make pages ahead, one after the other, in the only thread that does."""
+        """Make ordered pages one after the other; loop of the only thread that does."""
         while True:
             with self.changed:
                 while not self.prepared and not self.closed:
@@ -80,7 +84,7 @@ class Pages:
                 if self.closed:
                     return
                 _, document = self.prepared.popitem()
-            with suppress(VfifeError, ValueError, ArithmeticError):  # told to who asks for it
+            with suppress(VfifeError, ValueError, ArithmeticError):  # raised again by the browser's request
                 self.page(document)
 
     def _keep(self, key: Key, full: bool, page: str) -> None:
@@ -122,12 +126,15 @@ class Pages:
         def before_assembly() -> None:
             if self.closed or document.version != key[1]:
                 raise Superseded
-            if self.superseded:  # what was asked for last goes first; this one begins anew after it
+            # The document requested last goes first, because somebody looks at it now. Assemblies made so far
+            # are lost; keeping them would cost memory for documents that may never be opened again.
+            if self.superseded:
                 with self.changed:
                     self.queue.setdefault(document.id, document)
                     self.queue.move_to_end(document.id, last=False)
                 raise Superseded
-            if self.building.acquire(timeout=PAUSE):  # whoever waits for a page goes first
+            # Waits while a page is being made: a page takes a fraction of a second, sliders up to minutes.
+            if self.building.acquire(timeout=PAUSE):
                 self.building.release()
 
         about = {"kind": "sliders", "id": key[0], "version": key[1]}
@@ -151,7 +158,7 @@ class Pages:
             self.notify({**about, "said": f"No sliders: {str(error).splitlines()[0]}"})
 
     def close(self) -> None:
-        """End the thread, at the next position at the latest."""
+        """End the threads, at the next position of a slider at the latest."""
         with self.changed:
             self.closed = True
             self.changed.notify_all()
@@ -159,8 +166,8 @@ class Pages:
 
 @lru_cache(maxsize=64)
 def drawing(name: str) -> bytes:
-    """A mechanism of the gallery at its start, as SVG; for one thread at a time. Raises LookupError for a
-    name that it has not.
+    """Return a mechanism of the gallery at its start as SVG; matplotlib allows one thread at a time. Raises
+    LookupError for an unknown name.
     """
     from ...plots import at_start
     from ...plots.notebook import svg

@@ -1,4 +1,4 @@
-"""What browsers ask of a session, and what they are told without asking."""
+"""Requests of browsers to a session, and the events that the session sends to all of them."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from typing import Any
 from .documents import Conflict, Document, Json, Shelf, text_in
 from .pages import Pages
 
-INTERVAL = 0.2  # s between two looks at files
-# Browsers that listen at once; each may hold an event of each kind and document, and what the system buffers.
+INTERVAL = 0.2  # s between two checks of the files
+# Limit of simultaneous browsers. Each holds at most one event per kind and document, and system buffers.
 MOST_BROWSERS = 64
 Key = tuple[str, str]
 
 
 class Mailbox:
-    """The events that a browser has not got yet. An event supersedes the one of the same kind and document
-    before it.
+    """Events that a browser has not received yet. An event replaces an earlier one of the same kind and
+    document, so that a slow browser holds few.
     """
 
     def __init__(self) -> None:
@@ -32,7 +32,7 @@ class Mailbox:
         self.filled = asyncio.Event()
 
     def put(self, key: Key, text: str) -> None:
-        """Add an event; in the loop's thread."""
+        """Add an event; called in the thread of the event loop."""
         self.events[key] = text
         self.events.move_to_end(key)
         self.filled.set()
@@ -46,20 +46,20 @@ class Mailbox:
 
 
 def text_of(event: dict[str, Any]) -> tuple[Key, str]:
-    """What an event is about, and its text, which all browsers share."""
+    """Return the kind and document of an event, and its text, which all browsers share."""
     key = str(event["kind"]), str(event.get("id", ""))
     return key, f"data: {json.dumps(event, ensure_ascii=False)}\n\n"
 
 
 class Runs:
-    """Runs of saved models, one at a time each; ``notify`` is called at their end."""
+    """Runs of saved models in processes, at most one for each model; ``notify`` is called when one ends."""
 
     def __init__(self, notify: Callable[[dict[str, Any]], None], folder: Path, options: list[str]) -> None:
         self.notify, self.folder, self.options = notify, folder, options
         self.processes: dict[str, subprocess.Popen[str]] = {}
 
     def begin(self, document: Document) -> None:
-        """Runs the file of a document. Raises Conflict where it is being run."""
+        """Run the file of a document. Raises Conflict while a run of it is in progress."""
         process = self.processes.get(document.id)
         if process is not None and process.poll() is None:
             raise Conflict("this model is being run; wait for its end")
@@ -67,8 +67,7 @@ class Runs:
         pipe = subprocess.PIPE
         process = subprocess.Popen(
             command, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=pipe, stderr=subprocess.STDOUT,
-            text=True, encoding="utf-8",
-            start_new_session=True,
+            text=True, encoding="utf-8", start_new_session=True,
         )  # fmt: skip
         self.processes[document.id] = process
         threading.Thread(target=self._wait, args=(document.id, process), daemon=True).start()
@@ -78,19 +77,19 @@ class Runs:
         self.notify({"kind": "run", "id": which, "code": process.returncode, "said": output.strip()})
 
     def stop(self, which: str) -> None:
-        """End a run as Ctrl-C does: what was computed is kept."""
+        """End a run as Ctrl-C does, which keeps its outputs."""
         process = self.processes.get(which)
         if process is not None and process.poll() is None:
             process.send_signal(2)
 
     def close(self) -> None:
-        """End all of them."""
+        """End all runs."""
         for which in self.processes:
             self.stop(which)
 
 
 class Session:
-    """Documents, their pages and runs; whatever changes is told to every browser that listens."""
+    """Open documents, their pages and runs; every change is sent to all browsers."""
 
     def __init__(
         self,
@@ -110,9 +109,9 @@ class Session:
     # ------------------------------------------------------------------------------------------------ telling
 
     def tell(self, event: Json) -> None:
-        """Tell all browsers, from whatever thread."""
+        """Send an event to all browsers, from any thread."""
         if self.loop is not None:
-            with suppress(RuntimeError):  # it is over
+            with suppress(RuntimeError):  # the loop has been closed
                 self.loop.call_soon_threadsafe(self._put, event)
 
     def _put(self, event: Json) -> None:
@@ -121,16 +120,18 @@ class Session:
             mailbox.put(key, text)
 
     async def watch(self) -> None:
-        """Follow the files of what is open, as long as the session lasts."""
+        """Check the files of open documents every ``INTERVAL`` seconds until the session ends."""
         self.loop = asyncio.get_running_loop()
         while True:
             await asyncio.sleep(INTERVAL)
             await asyncio.to_thread(self.look)
 
     def look(self) -> None:
-        """Look once at the files of what is open."""
+        """Check the files of open documents once."""
         for document in list(self.shelf.documents.values()):
-            look = document.look()  # without the lock: a slow disk must not stop what browsers ask
+            # Read without the lock, so that a slow disk does not delay requests. follow() discards the
+            # observation if the document was saved in between.
+            look = document.look()
             with self.lock:
                 what = document.follow(look)
             if what == "gone":
@@ -161,12 +162,14 @@ class Session:
             return document.json()
 
     def change(self, which: str, change: Callable[[Document], object]) -> Json:
-        """Change a document, and tells all browsers. Raises LookupError, Conflict and ModelError."""
+        """Change a document and inform all browsers. Raises LookupError, Conflict and ModelError."""
         with self.lock:
             document = self.shelf[which]
             before = document.version, document.saved, document.faults
             change(document)
             state = document.json()
+            # Every browser gets the event, also the one that made the change; the version tells it whether it
+            # shows this state already.
             if (document.version, document.saved, document.faults) != before:
                 self.tell({"kind": "model", **state, "by": "browser"})
             if document.version != before[0]:
@@ -174,23 +177,23 @@ class Session:
         return state
 
     def save(self, which: str, name: str | None) -> Json:
-        """Save a document, under a name where it has no file yet. Raises Conflict, OSError."""
+        """Save a document, under a new name if given. Raises Conflict, OSError."""
         return self.change(which, lambda document: document.save(self.shelf.place(name) if name else None))
 
     def run(self, which: str) -> None:
-        """Runs a saved document. Raises Conflict."""
+        """Run a saved document. Raises Conflict."""
         document = self.shelf[which]
         if not document.saved:
             raise Conflict("save the model first: what is run is its file")
         self.runs.begin(document)
 
     def close(self) -> None:
-        """End what is under way; browsers that listen are told."""
+        """Inform browsers of the end, and end pages and runs in progress."""
         self.tell({"kind": "end"})
         self.pages.close()
         self.runs.close()
 
     @property
     def unsaved(self) -> list[str]:
-        """Names of what was changed and not saved."""
+        """Names of documents with unsaved changes."""
         return [one.name for one in self.shelf.documents.values() if one.text != one.opened and not one.saved]

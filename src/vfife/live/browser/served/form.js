@@ -1,6 +1,7 @@
-// A form of a model's tables, made from the JSON Schema of model files. What is typed goes to Python, whose sentences stand at the fields.
+// Form of a model's tables, generated from the JSON Schema of model files. Values are validated by Python, whose messages appear at
+// the fields.
 
-// Where a fault says that a value is, as Python writes it: "[joint.C] clearance".
+// Place of a value as it appears in faults: "[joint.C] clearance".
 function placeOf(path) {
   const first = path.findIndex((part, k) => k > 0 && typeof part === "number");
   const last = first < 0 ? path.length : first;
@@ -17,14 +18,14 @@ const element = (kind, given = {}, ...inside) => {
 const isTable = (value) => typeof value === "object" && value !== null;
 
 class Form {
-  // `set(path, text)` changes a value, null takes it away.
+  // `set(path, text)` changes a value; null removes it.
   constructor(place, schema, set) {
     Object.assign(this, { place, schema, set, rows: new Map(), open: new Set(["run"]), faults: [] });
   }
 
   // ---------------------------------------------------------------------------------------------------------- schema
 
-  // The schema of a value: references followed, and of several tables the one that the value is most like.
+  // Schema of a value: references are resolved, and of several alternatives the one with the fewest contradictions is chosen.
   of(schema, value) {
     const whole = schema?.allOf?.length === 1 ? { ...schema.allOf[0], description: schema.description } : schema;
     const named = whole?.$ref && this.schema.definitions[whole.$ref.split("/").at(-1)];
@@ -47,7 +48,7 @@ class Form {
     return { ...best, description: found.description ?? best.description, ways: ways.filter((one) => one.properties) };
   }
 
-  // What a key that tells one kind from another may say, whichever kind it is now.
+  // Values of a key that selects the kind, over all kinds.
   words(table, key) {
     const all = (table.ways ?? [table]).flatMap((one) => one.properties?.[key]?.enum ?? []);
     return [...new Set(all)];
@@ -75,7 +76,7 @@ class Form {
     return Boolean(schema.properties || schema.additionalProperties);
   }
 
-  // Tables of one section: one for `run` and `start`, one for each name of the others.
+  // Tables of a section: one for `run` and `start`, one per name for the others.
   section(key, value) {
     const schema = this.of(this.schema.properties[key], value ?? {});
     if (schema.properties) return this.folded([key], key, schema, value ?? {});
@@ -104,7 +105,7 @@ class Form {
     return made;
   }
 
-  // Keys that a table has, and behind them those that it could have.
+  // Keys of a table, then those that can be added.
   table(schema, values, path, wanted = () => true) {
     const made = element("div", { className: "table" });
     const known = Object.keys(schema.properties ?? {}).filter(wanted);
@@ -127,7 +128,7 @@ class Form {
     return made;
   }
 
-  // A key with its value: a row, or a table in the table.
+  // Row of a key and its value, or a nested table.
   entry(schema, key, value, path) {
     const of = this.of(schema.properties?.[key] ?? {}, value ?? {});
     const here = [...path, key];
@@ -184,7 +185,7 @@ class Form {
     await this.set(path, typed === "" ? null : text);
   }
 
-  // What has the focus, and what is typed there: a form made anew keeps both.
+  // Field with the focus and its typed text, which a rebuilt form keeps.
   held() {
     const at = document.activeElement;
     if (!this.place.contains(at)) return null;
@@ -202,7 +203,7 @@ class Form {
 
   // ---------------------------------------------------------------------------------------------------------- faults
 
-  // Sentences at the fields that they name; those that name none are returned.
+  // Show faults at the fields that they name, and return the others.
   tell(faults) {
     this.faults = faults;
     for (const { input, fault } of this.rows.values()) {

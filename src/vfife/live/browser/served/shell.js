@@ -1,4 +1,8 @@
-// The page around the page: which model is shown, its fields and its text, its file, its runs.
+// The editor around the page that runs a model: choice of the model, form and text, file, runs.
+//
+// Protocol: requests return the state of the document, or { faults } with status 404 (not open), 409 (changed meanwhile)
+// or 422 (invalid). A request that changes a document sends the version that it was made from. Events arrive for every
+// change of any document, from whichever browser or program; they contain the same state, so their order does not matter.
 
 const $ = (id) => document.getElementById(id);
 const here = { pending: [], model: null, frame: null, next: null, full: 0, typed: 0, measured: null, run: null };
@@ -45,13 +49,13 @@ async function show(model, by = "") {
   }
   $("acts").hidden = false;
   $("gallery").hidden = true;
-  $("gallery").replaceChildren(); // whose drawings nobody waits for now
+  $("gallery").replaceChildren(); // cancels requests for its drawings
   $("stage").hidden = false;
   $("undo").disabled = model.undo === 0;
   $("save").disabled = model.saved;
   $("save").textContent = model.file ? "Save" : "Save as …";
   $("run").textContent = model.saved ? "Run" : "Save and run";
-  if (newer) load(other); // first of all: it takes its time elsewhere
+  if (newer) load(other); // first, because the server works on it while the form is filled
   choose();
   tellState();
   await fill();
@@ -76,14 +80,14 @@ async function fill() {
   here.shown = `${here.model.id} ${here.model.version}`;
 }
 
-// The text in the page is that of the model, unless something is typed that is not sound yet.
+// Show the text of the model, unless the text being typed is not valid yet.
 function untyped() {
   if (here.pending.length || here.unsound || document.activeElement === $("text")) return;
   if ($("text").value !== here.model.text) $("text").value = here.model.text;
   here.sent = here.model.text;
 }
 
-// Faults at the fields that they name, the others above them; changes that wait are told, and can be dropped.
+// Show faults at the fields that they name and the others above; changes that wait are listed and can be dropped.
 function tell(faults, before = "") {
   here.faults = faults;
   const left = form && !$("panel").hidden && !$("fields").hidden ? form.tell(faults) : faults;
@@ -118,7 +122,8 @@ async function changed(answer) {
   return false;
 }
 
-// A value of the form. What gives no sound model by itself, as a law whose parameters are still to come, waits for the next changes.
+// Send a value of the form. One that alone gives no valid model, such as a law without its parameters, waits and is sent
+// again together with the next change.
 async function set(path, value) {
   here.measured = performance.now();
   const key = JSON.stringify(path);
@@ -145,7 +150,7 @@ async function type() {
 
 // ------------------------------------------------------------------------------------------------------------------- page
 
-// The next page is made behind the one that is seen, and takes its place when the mechanism has begun to move in it.
+// Load the next page behind the visible one, which it replaces as soon as its mechanism moves: the view never goes blank.
 function load(other = false, sliders = false) {
   here.next?.remove();
   const { model } = here;
@@ -165,7 +170,7 @@ function load(other = false, sliders = false) {
       taken = true;
       live.restoreView({ ...view, moved: { ...(here.moved ?? {}), ...view.moved } });
     }
-    // Sliders alone can wait until the new page has come to where one looks.
+    // A page that only adds sliders waits until it has stepped to the moment in view; a changed model shows its start.
     const there = live?.restoreView && live.running.store.end > (sliders ? live.clock.wanted : 1) && live.frames.count > 1;
     if (there || (live?.restoreView && !live.running.sound)) seen(frame, sliders, view);
     else requestAnimationFrame(look);
