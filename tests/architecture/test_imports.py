@@ -244,6 +244,7 @@ def imported(folder: str) -> dict[str, str]:
     return found
 
 
+@pytest.mark.system("parses every file of the project")
 def test_what_the_package_imports_is_declared_and_what_is_declared_is_imported() -> None:
     declared, used = requirements(*EXTRAS), imported("src")
     report(

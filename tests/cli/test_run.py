@@ -45,6 +45,7 @@ KEYS = {
 ELASTIC = ROOT / "examples" / "elastic_pendulum.toml"
 
 
+@pytest.mark.system("starts a process")
 def test_standard_output_is_one_object(process: Callable, tmp_path: Path) -> None:
     """Progress, notes and warnings stay away from it."""
     began = process("run", CASE_C, "--turns", "1.5", "--step", "2e-6", "--json")

@@ -77,7 +77,13 @@ def differing(ours: np.ndarray, theirs: np.ndarray, names: tuple[str, ...]) -> s
     return {names[k] for k in np.flatnonzero((bits(ours) != bits(theirs)).any(axis=(0, 2)))}
 
 
-@pytest.mark.parametrize("model", RUNS, ids=lambda model: model.__name__)
+@pytest.mark.parametrize(
+    "model",
+    default_cases(
+        RUNS, lambda model: model in (journals, worn_bars, machinery), "steps a long text in the interpreter"
+    ),
+    ids=lambda model: model.__name__,
+)
 def test_the_generated_text_is_data_driven(model):
     """The straight line run as plain Python, without compilation: its lines, their order and the steps that
     the whole step takes.
@@ -119,7 +125,7 @@ console.log(JSON.stringify(Array.from({{ length: outputs + 1 }}, (_, m) => bits.
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs node, which runs JavaScript")
 @pytest.mark.parametrize(
     "model",
-    default_cases(RUNS, lambda model: model is not machinery, "starts a process for a long text"),
+    default_cases(RUNS, lambda model: model in (cylinder, worn_bars), "starts a process"),
     ids=lambda model: model.__name__,
 )
 def test_javascript_is_data_driven(model, tmp_path):

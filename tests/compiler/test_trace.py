@@ -70,6 +70,7 @@ def rows(law: type[ContactLaw], loop: str) -> np.ndarray:
     return lanes([assembled(law)], loop).advance(100, 6)
 
 
+@pytest.mark.system("steps in the interpreter")
 def test_a_law_of_selects_goes_into_straight_lines():
     """The generated text, interpreted here (compiling it is other tests' work), takes the step of the
     data-driven loop.

@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 
 import vfife
+from choice import default_cases
 from fake_card import rows_on_card
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
@@ -119,7 +120,18 @@ def test_bits_are_as_before(name):
     assert digest(name, "data-driven") == known(name)
 
 
-@pytest.mark.parametrize("name", [*RICH, "every kind", "every drive"])
+# Every kind and every law are in these two; the other texts are compiled in `make system`.
+STRAIGHT = ("every kind", "every law")
+
+
+@pytest.mark.parametrize(
+    "name",
+    default_cases(
+        [*RICH, "every kind", "every drive"],
+        lambda name: name in STRAIGHT or name.startswith("four_bar"),
+        "compiles a straight line",
+    ),
+)
 def test_bits_are_those_of_the_straight_line(name):
     assert hashed(once(name, "generated").rows) == known(name)
 

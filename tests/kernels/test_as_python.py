@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import vfife
+from choice import default_cases
 from lane_models import worn_bars
 from mechanisms import beads, every_drive, every_law, everything, geared_ring
 from support import bits, journal_in_bearing, with_settings
@@ -75,7 +76,14 @@ def laws(monkeypatch: pytest.MonkeyPatch):
     return put
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name",
+    default_cases(
+        CASES,
+        lambda name: name in ("every kind", "every drive", "worn", "beads", "touching soon"),
+        "steps in the interpreter",
+    ),
+)
 def test_functions_give_the_bits_of_the_gathered_text(name, laws):
     mechanism = CASES[name]
     long = mechanism.settings.duration or mechanism.settings.turns

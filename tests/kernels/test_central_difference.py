@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from support import particle, with_settings
+from support import often, particle, with_settings
 from vfife.assembly.assemble import assemble
 from vfife.kernels.central_difference import coefficients
 from vfife.model.bodies import Section
@@ -46,8 +46,7 @@ def half_steps(count, dt, damping, acceleration, d0, v0):
     return np.array(path)
 
 
-@pytest.mark.slow("steps in the interpreter")
-@settings(deadline=None)
+@settings(deadline=None, max_examples=often(100))
 @given(
     st.floats(0.01, 1.5), st.floats(0.0, 1.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0),
 )  # fmt: skip

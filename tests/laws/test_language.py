@@ -9,6 +9,7 @@ import threading
 
 import pytest
 
+from choice import default_cases
 from laws.random_laws import HEAD, classes
 from support import bits, four_bar, lanes
 from vfife.assembly.assemble import assemble
@@ -201,7 +202,17 @@ COMPUTED = {
 }
 
 
-@pytest.mark.parametrize("case", COMPUTED)
+# One of each kind of expression; each case compiles a law for every loop and starts node.
+DEFAULT_CASES = (
+    "an elementary function", "the replacement for or", "a helper that counts", "signs of zeros",
+    "tuples that are chosen", "counting down", "infinity",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "case",
+    default_cases(COMPUTED, lambda case: case in DEFAULT_CASES, "starts a process and compiles every loop"),
+)
 def test_what_is_in_the_language_is_python_to_the_bit(case):
     """In all loops of this machine, in JavaScript where node is there."""
     more = {

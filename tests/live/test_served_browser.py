@@ -86,7 +86,7 @@ def runs(page, wanted):
     )
 
 
-@pytest.mark.slow("a browser")
+@pytest.mark.system("a browser")
 def test_a_field_is_edited_and_wrong_values_get_the_sentence_of_the_model_there(visit, bar):
     page = visit()
     runs(page, "0.0002")

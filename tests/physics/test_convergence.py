@@ -120,7 +120,15 @@ def test_what_a_path_unit_of_one_step_costs():
     assert 5e-3 < expected < 1e-3 * np.abs(record.block("frame_axial_force")).max()
 
 
-@pytest.mark.parametrize(("clear", "most"), [("C", 2e-8), ("BCD", 1e-5)], ids=["case b", "case c"])
+@pytest.mark.parametrize(
+    ("clear", "most"),
+    [
+        pytest.param("C", 2e-8, id="case b"),
+        pytest.param(
+            "BCD", 1e-5, id="case c", marks=pytest.mark.system("a turn with 32 times as many steps")
+        ),
+    ],
+)
 def test_errors_fall_with_contact(clear, most):
     """Places (m, rad) of cases b and c after one turn, steps from 2 us to 1/16 us, against 1/32 us.
 

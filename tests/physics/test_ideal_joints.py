@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import savgol_filter
 
 import vfife
+from choice import default_cases
 from support import (
     CRANK_SPEED,
     SQUARE,
@@ -94,7 +95,13 @@ def test_maxima_of_two_particle_links_made_rigid(speed, alpha, rods, lumped):
 
 
 @pytest.mark.parametrize(("release", "tolerance"), [("both", 3e-4), ("none", 2e-3)])
-@pytest.mark.parametrize(("speed", "alpha", "rods", "lumped"), IDEAL[1:])
+@pytest.mark.parametrize(
+    ("speed", "alpha", "rods", "lumped"),
+    [
+        IDEAL[1],
+        *(pytest.param(*one, marks=pytest.mark.system("whole turns of stiff links")) for one in IDEAL[2:]),
+    ],
+)
 def test_maxima_of_stiff_two_particle_links(speed, alpha, rods, lumped, release, tolerance):
     """A thousand times as stiff as steel, as frames and as bars. Rotary inertia of a frame's ends (Eq. 2) is
     in no table: 0.16 %.
@@ -253,7 +260,9 @@ def ringing(mechanism: Mechanism, step: float, blocks=FORCES) -> float:
     ("elements", "blocks", "least"),
     [(1, FORCES, 5e-3), (2, FORCES + INSIDE, 1.2e-3), (4, FORCES + INSIDE, 1.2e-3)],
 )
-@pytest.mark.parametrize("step", [1e-6, 2.5e-7])
+@pytest.mark.parametrize(
+    "step", default_cases([1e-6, 2.5e-7], lambda step: step == 1e-6, "runs every mesh with two steps")
+)
 def test_a_consistent_start_does_not_ring(elements, blocks, least, step):
     """Elastic steel links at 50 pi rad/s: asked for is 1 % of the largest joint force; reached is a tenth of
     that, moments included.

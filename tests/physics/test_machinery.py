@@ -196,6 +196,7 @@ def test_interpreted_is_data_driven(model):
     assert differing(plain, rows[: len(plain), :, :1], names) == set()
 
 
+@pytest.mark.system("steps in the interpreter")
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_the_generated_text_is_data_driven(model):
     rows, names = computed(model, "data-driven", 4)

@@ -16,6 +16,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from choice import default_cases
 from support import finer, often
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import Assembly
@@ -373,7 +374,9 @@ def test_its_file_gives_it_back(m: Mechanism) -> None:
     assert loads(dump(m)) == m
 
 
-@pytest.mark.parametrize("elements", [1, 3])
+@pytest.mark.parametrize(
+    "elements", default_cases([1, 3], lambda elements: elements == 3, "draws chains of single elements, too")
+)
 @fewer
 @given(
     st.lists(st.tuples(angle, st.floats(0.3, 1.0)), min_size=1, max_size=3), st.sampled_from([-3.0, 0.5, 5.0])

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 import vfife
+from choice import default_cases
 from results.killed import Killed, arch, full_at, kill_at, killed_run, paced, same, write
 from support import bits, four_bar, journal_in_bearing
 from vfife.errors import HeldError, ResumeError
@@ -34,7 +35,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("call", [10, 60, 110, 180])
+@pytest.mark.parametrize(
+    "call", default_cases([10, 60, 110, 180], lambda call: call in (10, 110), "runs a model twice")
+)
 def test_companions_and_steps_tried_go_on(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int
 ) -> None:
@@ -81,7 +84,7 @@ def settled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("call", [15, 60, 110])
+@pytest.mark.parametrize("call", default_cases([15, 60, 110], lambda call: call == 60, "runs a model twice"))
 def test_a_run_until_it_repeats_goes_on_and_ends_in_the_same_turn(
     settled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int
 ) -> None:
@@ -124,7 +127,7 @@ def still(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("call", [15, 30, 50])
+@pytest.mark.parametrize("call", default_cases([15, 30, 50], lambda call: call == 30, "runs a model twice"))
 def test_statics_go_on(still: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
     path = tmp_path / "run.sqlite"
     restore = kill_at(monkeypatch, call)

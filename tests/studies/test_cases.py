@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from choice import default_cases
 from vfife import load_model, simulate
 from vfife.assembly import possible
 from vfife.kinematics import initial
@@ -63,7 +64,9 @@ def same(one: Any, other: Any) -> bool:
     return bits[0] == bits[1] and alike[0] == alike[1] and ours == theirs
 
 
-@pytest.mark.parametrize("path", NUMBERS)
+@pytest.mark.parametrize(
+    "path", default_cases(NUMBERS, lambda path: path in SOME, "assembles cases of every number")
+)
 def test_a_case_is_assembled_as_it_is_alone(path: str) -> None:
     base = load_model(CASE_C)
     found = made(base, spread(path))

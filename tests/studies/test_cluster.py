@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,7 +21,7 @@ from vfife.studies.engine.cases import run_members
 from vfife.studies.engine.cluster import BatchResult, BatchTask, ClusterRunner, cluster
 from vfife.studies.spec.plan import CaseSpec
 
-pytest.importorskip("distributed")
+pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs distributed")
 
 BASE = Path(__file__).parents[2] / "examples" / "four_bar_case_b.toml"
 WANTED = CaseSpec(("C.force.max", "C.impacts"), 1, step=2e-5)
@@ -50,7 +51,7 @@ def deadly(mark: str) -> Callable[..., BatchResult]:
     return work
 
 
-@pytest.mark.slow("starts a cluster")
+@pytest.mark.system("starts a cluster")
 def test_a_killed_worker_loses_nothing_and_changes_no_bit(runner: ClusterRunner, tmp_path: Path) -> None:
     base = load_model(BASE)
     found = list(ClusterRunner(runner.client, deadly(str(tmp_path / "mark")))(base, NUMBERS, WANTED))
@@ -60,11 +61,13 @@ def test_a_killed_worker_loses_nothing_and_changes_no_bit(runner: ClusterRunner,
     assert (tmp_path / "mark").exists()
 
 
+@pytest.mark.system("starts a cluster")
 def test_a_member_that_cannot_be_assembled_is_an_outcome(runner: ClusterRunner) -> None:
     found = dict(runner(load_model(BASE), [{PATH: -1.0}, {}], WANTED))
     assert [found[k].status for k in (0, 1)] == ["failed", "complete"]
 
 
+@pytest.mark.system("starts a cluster")
 def test_a_worker_of_another_version_is_told(runner: ClusterRunner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vfife.studies.engine.cluster.sources", lambda: b"other")
     with pytest.raises(VfifeError, match="another text of the step"):
