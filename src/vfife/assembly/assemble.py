@@ -192,6 +192,9 @@ def finished(
     )  # fmt: skip
 
 
+_topology = lru_cache(maxsize=64)(Topology)  # one object for all that are equal, which is soon compared
+
+
 def topology_of(
     mechanism: Mechanism,
     numbering: Numbering,
@@ -201,7 +204,7 @@ def topology_of(
 ) -> Topology:
     """The integers that say what is joined to what."""
     paths, knots = parts.numbered(), tuple(len(t.joint.contact.knots()) for t in parts.touches)
-    return Topology(
+    return _topology(
         particles=numbering.count,
         free=tuple(numbering.free),
         trig=turning(numbering, parts),

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar, Self
 
 from ..errors import Fault, LawError
@@ -184,15 +185,7 @@ class Law:
         """The first class with this law's ``force`` and ``slots``: laws of one form differ in their
         parameters only and are compiled once.
         """
-        force = cls.force  # type: ignore[attr-defined]
-        own = getattr(cls, "regime", None)
-        alike = [
-            one
-            for one in cls.__mro__
-            if issubclass(one, Law) and getattr(one, "force", None) is force and one.slots == cls.slots
-        ]
-        alike = [one for one in alike if getattr(one, "regime", None) is own]
-        return alike[-1]
+        return _form(cls)  # type: ignore[arg-type]
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """The numbers of ``slots``, derived from the fields and the two surfaces."""
@@ -333,3 +326,15 @@ class FrictionLaw(Law):
         ``memory`` is a number where the law names one, a tuple where it names several, 0 where it names none.
         """
         raise NotImplementedError
+
+
+@lru_cache(maxsize=256)
+def _form(law: type[Law]) -> type[Law]:
+    """The form of a law."""
+    force, own = law.force, getattr(law, "regime", None)  # type: ignore[attr-defined]
+    alike = [
+        one
+        for one in law.__mro__
+        if issubclass(one, Law) and getattr(one, "force", None) is force and one.slots == law.slots
+    ]
+    return [one for one in alike if getattr(one, "regime", None) is own][-1]

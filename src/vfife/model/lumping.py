@@ -5,7 +5,7 @@ paper, corrected).
 from __future__ import annotations
 
 import dataclasses
-import operator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -222,21 +222,18 @@ def rigid_properties(body: Body) -> MassProperties:
     stored with the body, because each of its pins asks for it, and is recomputed after pins or masses were
     changed in place.
     """
-    sources = _sources_of(body)
-    cached = vars(body).get(_WEIGHED)
-    if cached is None or len(cached[0]) != len(sources) or not all(map(operator.is_, cached[0], sources)):
-        cached = vars(body)[_WEIGHED] = sources, _weighed(body)
+    cached, sources = vars(body).get(_WEIGHED), _sources_of(body)
+    if cached is None or cached[0] != sources:
+        cached = vars(body)[_WEIGHED] = tuple(map(dict, sources)), _weighed(body)
     result: MassProperties = cached[1]
     return result
 
 
-def _sources_of(body: Body) -> tuple[Any, ...]:
-    """Return the objects from which the mass properties follow: the mesh, or pins and masses."""
-    if is_elastic(body):
-        return (mesh(body),)
-    if isinstance(body, RigidBody | Link):
-        return (*body.pins, *body.pins.values(), *body.masses, *body.masses.values())
-    return ()
+def _sources_of(body: Body) -> tuple[Mapping[str, Any], ...]:
+    """Return what may be changed in place and changes the mass properties."""
+    if isinstance(body, Frame):
+        return body.nodes, body.masses
+    return (body.pins, body.masses) if isinstance(body, (RigidBody, Link)) else ()
 
 
 def _weighed(body: Body) -> MassProperties:
